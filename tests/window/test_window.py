@@ -191,6 +191,39 @@ class Controls(OnScreen):
         window.screen.run("xdotool", "keyup", "alt")
         self.assertEqual(window.settle()["eye"], eye)
 
+    def test_the_gizmo_looks_along_its_axes_and_keys_lead_back(self):
+        window = self.open(SPHERE)
+        window.move_to(5, 5)
+        first, picture = window.settle()["eye"], window.pixels("3d")
+        for end, axis in (("Look from +z", 2), ("Look from +x", 0)):
+            window.click(f"Button: {end}")
+            window.until(f"{end} moves the camera", lambda now: now["eye"] != first)
+            eye = window.settle()["eye"]
+            # The target is within a hundredth of the sphere's middle.
+            for k in range(3):
+                self.assertAlmostEqual(eye[k], math.dist(eye, (0, 0, 0)) if k == axis else 0.0, delta=0.03, msg=end)
+        window.screen.keep("gizmo")
+        window.move_to(5, 5)
+        window.settle()
+        along, eye = window.pixels("3d"), window.counters["eye"]
+        window.key("5")
+        self.assertEqual(window.settle()["eye"], eye)
+        self.assertNotEqual(window.pixels("3d"), along, "orthographic")
+        window.key("5")
+        window.settle()
+        self.assertEqual(window.pixels("3d"), along, "in perspective again")
+        before = window.take()["frames"]
+        window.key("w")
+        window.until("W goes nearer", lambda now: now["eye"] != eye)
+        window.settle()
+        window.key("f")
+        window.until("F frames everything", lambda now: now["eye"][0] > eye[0] - 0.05 and now["frames"] > before)
+        window.settle()
+        window.key("r")
+        window.until("R resets the camera", lambda now: math.dist(now["eye"], first) < 1e-9)
+        window.settle()
+        self.assertEqual(window.pixels("3d"), picture, "as at first")
+
     def test_a_slider_moves_the_picture_and_builds_and_compiles_nothing(self):
         window = self.open(TORUS)
         before, picture, inside = window.take(), window.pixels("3d"), window.pixels("geodesic:s")

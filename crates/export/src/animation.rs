@@ -16,7 +16,6 @@ use std::sync::Arc;
 use gif::Repeat;
 use image::RgbaImage;
 use render::bounds::Bounds;
-use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
 use render::point::DrawingPoint;
 use render::trail::Trail;
@@ -133,7 +132,8 @@ impl Script {
             ..Bounds::around(cloud)
         };
         let projection = camera.projection;
-        let camera = Camera::new(&bounds, &camera, request.size).map_err(ScriptError::Camera)?;
+        let camera =
+            space::first_camera(&bounds, &camera, &request).map_err(ScriptError::Camera)?;
         let distance = camera.parallel.map_or(1.0, |parallel| parallel.distance);
         let ahead = camera.eye - camera.axes[2] * distance;
         let [eye, target] =

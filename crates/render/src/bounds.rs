@@ -41,6 +41,10 @@ pub(crate) struct ObjectCloud {
     pub(crate) middle: Option<[f64; 3]>,
     /// The shape of its first instance, of a closed surface.
     pub(crate) closed: Option<ClosedSurface>,
+    /// Of a surface, its places row by row, undefined ones and outliers among them; those of each instance are so many
+    /// columns and rows.
+    pub(crate) grid: Vec<[f64; 3]>,
+    pub(crate) counts: [usize; 2],
 }
 
 impl Bounds {
@@ -136,6 +140,7 @@ impl ObjectCloud {
         let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
         let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
         let mut closed = None;
+        let (mut grid, mut counts) = (Vec::new(), [0; 2]);
         let (mut points, middle): (Vec<[f64; 3]>, _) = if roots.len() == 6 {
             let ends = sampler.map(|_, out: &[f64; 6]| {
                 let [x, y, z, dx, dy, dz] = *out;
@@ -147,9 +152,10 @@ impl ObjectCloud {
             (ends, tip)
         } else {
             let places = sampler.map(|_, out: &[f64; 3]| *out);
-            let counts = sampler.counts();
+            counts = sampler.counts();
             if object.shape.is_surface() {
                 closed = ClosedSurface::from_grid(&places, counts);
+                grid.clone_from(&places);
             }
             let middle = places.get(counts[1] / 2 * counts[0] + counts[0] / 2);
             let middle = middle.copied().filter(finite);
@@ -162,6 +168,8 @@ impl ObjectCloud {
             points,
             middle,
             closed,
+            grid,
+            counts,
         }
     }
 }

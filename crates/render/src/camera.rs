@@ -40,6 +40,9 @@ pub struct Parallel {
     pub reach: f64,
 }
 
+/// Words are of a size in pixels: after so many steps back they are inside the picture.
+const STEPS_BACK: usize = 4;
+
 /// The depth that an orthographic camera draws, as a multiple of that of the scene's points: samples may lie beyond them.
 const REACH: f64 = 8.0;
 
@@ -95,10 +98,32 @@ impl Camera {
                 camera.eye = local(eye);
                 camera.put_plane(distance);
             }
-            None => camera.frame(bounds, target.map(local)),
+            None => camera.frame(bounds, &[], target.map(local)),
         }
         camera.keep_clear_of(&bounds.cloud);
         Ok(camera)
+    }
+
+    /// Steps back until places beside the scene are seen too, which depend on where the camera stands. Cameras that have
+    /// a place of their own stay there.
+    #[must_use]
+    pub(crate) fn with_room_for(
+        mut self,
+        bounds: &Bounds,
+        viewpoint: &Viewpoint,
+        places: impl Fn(&Self) -> Vec<DVec3>,
+    ) -> Self {
+        if viewpoint.eye.is_some() {
+            return self;
+        }
+        let target = viewpoint.target;
+        let target = target.map(|place| DVec3::from(self.placement.local(place).0));
+        for _ in 0..STEPS_BACK {
+            let beside = places(&self);
+            self.frame(bounds, &beside, target);
+        }
+        self.keep_clear_of(&bounds.cloud);
+        self
     }
 
     /// Puts the plane of an orthographic camera's target at a distance.
@@ -213,11 +238,11 @@ impl Camera {
         self.axes = [right, back.cross(right), back];
     }
 
-    /// Steps back until all points fit, and aside until they are centred unless there is a target.
+    /// Steps back until all points fit, those of the scene and those `beside` it, and aside until they are centred unless there is a target.
     ///
     /// A point at (x, y, z) in the camera's axes is inside the picture if |x − cx| ≤ (d − z)·tx: with
     /// A = max(x + z·tx) and B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.
-    fn frame(&mut self, bounds: &Bounds, target: Option<DVec3>) {
+    fn frame(&mut self, bounds: &Bounds, beside: &[DVec3], target: Option<DVec3>) {
         let tangents = self.half_tangents().map(|t| t * (1.0 - style::MARGIN));
         // Parallel lines of sight do not part behind the target.
         let opening = tangents.map(|t| if self.parallel.is_some() { 0.0 } else { t });
@@ -230,8 +255,13 @@ impl Camera {
         } else {
             &bounds.cloud
         };
-        for &point in cloud {
-            let p = DVec3::from(point) - origin;
+        for place in cloud
+            .iter()
+            .copied()
+            .map(DVec3::from)
+            .chain(beside.iter().copied())
+        {
+            let p = place - origin;
             let z = p.dot(self.axes[2]);
             front = front.max(z);
             for k in 0..2 {

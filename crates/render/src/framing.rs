@@ -11,6 +11,7 @@ use crate::bounds::{Bounds, ObjectCloud};
 use crate::camera::Camera;
 use crate::content::{Content, Structure};
 use crate::error::RenderError;
+use crate::overlay::AxesBox;
 use crate::point::WorldPoint;
 use crate::request::PictureRequest;
 use crate::viewpoint::Viewpoint;
@@ -152,15 +153,52 @@ impl Framed {
         Some(corners)
     }
 
-    /// Places a camera as [`Camera::new`] does.
+    /// Places a camera as [`first_camera`] does.
     ///
     /// # Errors
-    /// As [`Camera::new`].
-    pub(crate) fn camera(&self, camera: &Viewpoint, size: [u32; 2]) -> Result<Camera, RenderError> {
-        let mut camera = Camera::new(&self.bounds, camera, size)?;
+    /// As [`first_camera`].
+    pub(crate) fn camera(
+        &self,
+        viewpoint: &Viewpoint,
+        request: &PictureRequest,
+    ) -> Result<Camera, RenderError> {
+        let corners = self.corners();
+        let mut camera = with_room_for_axes(&self.bounds, corners, viewpoint, request)?;
         camera.keep_clear_of(&self.cloud);
         Ok(camera)
     }
+}
+
+/// Places a camera in bounds as [`Camera::new`] does. Where a request has axes, a camera that has no place of its own sees
+/// their box too, with its numbers.
+///
+/// # Errors
+/// As [`Camera::new`].
+pub fn first_camera(
+    bounds: &Bounds,
+    viewpoint: &Viewpoint,
+    request: &PictureRequest,
+) -> Result<Camera, RenderError> {
+    let corners = [bounds.half.map(|half| -half), bounds.half];
+    let corners = (!bounds.cloud.is_empty()).then_some(corners);
+    with_room_for_axes(bounds, corners, viewpoint, request)
+}
+
+/// Places a camera with the corners of the axes' box, if there is one.
+fn with_room_for_axes(
+    bounds: &Bounds,
+    corners: Option<[[f64; 3]; 2]>,
+    viewpoint: &Viewpoint,
+    request: &PictureRequest,
+) -> Result<Camera, RenderError> {
+    let camera = Camera::new(bounds, viewpoint, request.size)?;
+    let corners = corners.filter(|_| request.overlays.axes);
+    Ok(match corners {
+        Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
+            AxesBox::new(camera, corners).extent(camera, request.scale)
+        }),
+        None => camera,
+    })
 }
 
 fn still_fits(kept: &Bounds, now: &Bounds) -> bool {
@@ -171,4 +209,56 @@ fn still_fits(kept: &Bounds, now: &Bounds) -> bool {
     }
     let away = glam::DVec3::from(new.centre).distance(glam::DVec3::from(old.centre));
     away + new.radius <= OUTGROWN * old.radius && new.radius >= SHRUNK * old.radius
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::ParamValues;
+
+    use super::*;
+    use crate::point::DrawingPoint;
+    use crate::view::space;
+    use crate::viewpoint::Projection;
+
+    const SPHERE: &str =
+        "surface s(u, v) = (sin(v) cos(u), sin(v) sin(u), cos(v)), u : [-pi, pi], v : [0, pi];";
+    const TUBE: &str = "surface s(u, v) = (5 cos(u), (5 + cos(v)) sin(u), 0.2 sin(v)),
+        u : [0, 2 pi], v : [0, 2 pi];";
+    const LINE: &str = "curve c(t) = (t, 1234, 0), t : [-1000, 1000];";
+
+    #[test]
+    fn the_first_camera_sees_the_box_of_the_axes_with_all_its_words() {
+        for (text, size) in [SPHERE, TUBE, LINE]
+            .into_iter()
+            .flat_map(|text| [[320, 240], [200, 900], [1440, 500]].map(|size| (text, size)))
+        {
+            let scene = scene::geotrace::compile(text).scene.expect("no errors");
+            let params = ParamValues::initial(&scene);
+            for projection in [Projection::Perspective, Projection::Orthographic] {
+                let viewpoint = Viewpoint {
+                    projection,
+                    ..Viewpoint::default()
+                };
+                let options = crate::request::part::SpaceOptions::default();
+                let mut request = PictureRequest::new(scene.clone(), params.clone(), options, size);
+                request.scale = 1.5;
+                let bounds = space::bounds(&request);
+                let without = first_camera(&bounds, &viewpoint, &request);
+                assert_eq!(without, Camera::new(&bounds, &viewpoint, size), "{text}");
+                request.overlays.axes = true;
+                let camera = first_camera(&bounds, &viewpoint, &request).expect("a camera");
+                let corners = [bounds.half.map(|half| -half), bounds.half];
+                let axes = AxesBox::new(&camera, corners);
+                for place in axes.extent(&camera, request.scale) {
+                    let at = camera.pixel_of(DrawingPoint(place.to_array()));
+                    let at = at.expect("before the eye").0;
+                    let is_inside = |k: usize| (0.0..=f64::from(size[k])).contains(&at[k]);
+                    assert!(
+                        is_inside(0) && is_inside(1),
+                        "{text} in {size:?}, {projection:?}: {at:?}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -21,6 +21,7 @@ mod framing;
 pub mod geodesic_view;
 pub mod gpu;
 pub mod layers;
+mod occlusion;
 mod overlay;
 pub mod placement;
 pub mod plan;

@@ -22,7 +22,7 @@ mod text;
 pub(crate) use axes::AxesBox;
 pub(crate) use geodesic::GeodesicOverlay;
 pub use labels::PlacedWords;
-pub(crate) use labels::{TextLabel, anchor, placed};
+pub(crate) use labels::{TextLabel, anchors, placed};
 pub(crate) use space::{OverlayObject, camera_objects, trail_objects};
 pub use text::{Contour, outlines};
 
@@ -32,6 +32,7 @@ use scene::ObjectId;
 
 use crate::camera::Camera;
 use crate::error::RenderError;
+use crate::occlusion::Occlusion;
 use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples};
@@ -62,13 +63,18 @@ pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a OverlayObject>) -> 
 }
 
 /// Words at the place of the geodesic camera that is shown among some objects.
-pub(crate) fn here(objects: &[OverlayObject], camera: &Camera) -> Option<TextLabel> {
+pub(crate) fn here(
+    objects: &[OverlayObject],
+    camera: &Camera,
+    occlusion: &Occlusion,
+) -> Option<TextLabel> {
     let arrow = objects.iter().find_map(|object| match &*object.samples {
         Samples::Vectors(arrows) => arrows.first(),
         _ => None,
     })?;
     let place = DrawingPoint(arrow.origin.map(f64::from));
-    Some(TextLabel::beside(camera.pixel_of(place)?, labels::HERE))
+    let label = TextLabel::beside(camera.pixel_of(place)?, labels::HERE);
+    Some(label.hidden(occlusion.hides(place, None)))
 }
 
 /// sRGB colours of lines.

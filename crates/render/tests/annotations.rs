@@ -77,6 +77,41 @@ fn a_label_lies_beside_what_it_names_on_both_backends() {
 }
 
 #[test]
+fn the_name_of_what_a_surface_hides_is_dim() {
+    let plane = "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20];";
+    let black = Arc::new(Texture::from_image(RgbaImage::from_pixel(
+        1,
+        1,
+        Rgba([0, 0, 0, 255]),
+    )));
+    for backend in [Backend::Software, Backend::Gpu] {
+        let brightest = |place: &str| {
+            let text = format!("{plane} point p = {place};");
+            let wanted = Wanted::space(SIZE)
+                .with_space(|space| space.camera = Viewpoint::new([0.1, 0.0, 4.0], [0.0; 3]));
+            let mut plain = request(&text, &wanted);
+            plain.textures = vec![(ObjectId(0), Shared::from(black.clone()))];
+            plain.scale = 2.0;
+            let mut named = plain.clone();
+            named.overlays.labels = true;
+            let (plain, named) = (draw(&plain, backend), draw(&named, backend));
+            let words = changed(&plain, &named);
+            let near = words.iter().filter(|[x, y]| {
+                // The name of the surface lies at its corner.
+                (100..220).contains(x) && (70..170).contains(y)
+            });
+            near.map(|[x, y]| named.get_pixel(*x, *y).0[1]).max()
+        };
+        let (before, behind) = (brightest("(0, 0, 0.5)"), brightest("(0, 0, -0.5)"));
+        assert!(before > Some(220), "{backend:?}: {before:?}");
+        assert!(
+            behind > Some(100) && behind < Some(190),
+            "{backend:?}: {behind:?}"
+        );
+    }
+}
+
+#[test]
 fn words_and_lines_are_as_large_as_the_scale_says() {
     let text = "curve line(t) = (t, 0, 0), t : [-1, 1];";
     let with = |scale: f32, labels: bool| {
@@ -135,6 +170,33 @@ fn the_observer_is_marked_in_both_views() {
             plain.view.name(),
             words.len()
         );
+    }
+}
+
+#[test]
+fn a_geodesic_has_its_name_beside_it_where_it_is_seen_from_within() {
+    // Along the equator to the right and the left; the other is never seen.
+    let text = format!(
+        "{POLAR} geodesic along(t) : s = (1, 0) @ (-2, pi/2), t : [0, 4];
+        surface other(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];
+        geodesic elsewhere(t) : other = (1, 0) @ (0, 0), t : [0, 1];"
+    );
+    let mut options = GeodesicOptions::new(ObjectId(0));
+    options.camera = options.camera.at([0.0, std::f64::consts::FRAC_PI_2]);
+    let plain = request(&text, &Wanted::new(options, SIZE));
+    let mut named = plain.clone();
+    named.overlays.labels = true;
+    for backend in [Backend::Software, Backend::Gpu] {
+        let words = changed(&draw(&plain, backend), &draw(&named, backend));
+        // The observer's name is beside the middle, the geodesic's to the right of it and beside the line.
+        let [x, y] = SIZE.map(|side| side / 2);
+        let beside = words
+            .iter()
+            .filter(|[a, b]| *a > x + 60 && b.abs_diff(y) < 40);
+        let count = beside.count();
+        assert!((60..900).contains(&count), "{backend:?}: {count} pixels");
+        let far = words.iter().filter(|[_, b]| b.abs_diff(y) > 60).count();
+        assert_eq!(far, 0, "{backend:?}: words elsewhere");
     }
 }
 

@@ -48,9 +48,30 @@ fn a_torus_is_curved_both_ways() {
         cos / (3.0 + cos)
     };
     assert_shows(source, form);
-    // The inner equator has −1/2, and two hundredths of the area are more curved than the scale says.
-    let most = curvature(source).curvature_scale().expect("a scale").most;
-    assert!((0.4..0.5).contains(&most), "{most}");
+    // The inner equator, on which no texel has its middle, has −1/2.
+    let scale = curvature(source).curvature_scale().expect("a scale");
+    assert!((scale.most - 0.5).abs() < 1e-9, "{scale:?}");
+    assert!(!scale.is_clipped);
+}
+
+#[test]
+fn the_scale_ends_at_the_largest_curvature_unless_that_would_take_the_colours_of_the_rest() {
+    // In the middle of its domain the paraboloid has 4, at the tips of its longest axis the ellipsoid 9.
+    let paraboloid = "surface s(u,v) = (u, v, u^2 + v^2), u : [-1,1.1], v : [-1,1.3];";
+    let ellipsoid = "surface s(u,v) = (1.5 sinv cosu, sinv sinu, cosv), u : [0,2pi], v : [0,pi];";
+    for (source, most) in [(paraboloid, 4.0), (ellipsoid, 2.25)] {
+        let scale = curvature(source).curvature_scale().expect("a scale");
+        assert!(
+            (scale.most - most).abs() < 1e-9 * most,
+            "{source}: {scale:?}"
+        );
+        assert!(!scale.is_clipped, "{source}: {scale:?}");
+    }
+    // A needle's tip, with 1e6, would make all of it white.
+    let needle =
+        "surface s(u,v) = (0.1 sinv cosu, 0.1 sinv sinu, 10 cosv), u : [0,2pi], v : [0,pi];";
+    let scale = curvature(needle).curvature_scale().expect("a scale");
+    assert!(scale.is_clipped && scale.most < 1e5, "{scale:?}");
 }
 
 #[test]

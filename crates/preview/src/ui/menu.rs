@@ -294,8 +294,12 @@ fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {
         model.clear_trails();
     }
     if marks != before {
+        let framed_otherwise = marks.axes != before.axes;
         let step = Step::new("Change the overlays", "");
         model.change(step, |view| view.preferences.marks = marks);
         model.history.settle();
+        if framed_otherwise {
+            model.reframe();
+        }
     }
 }

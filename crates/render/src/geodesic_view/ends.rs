@@ -35,6 +35,8 @@ pub enum RayEnds {
 /// The ends of the pixels of some whole rows, as in [`Map`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EndsOfRows<'a> {
+    /// The number of the first of the rows.
+    pub(crate) first: usize,
     pub(crate) origin: [f64; 2],
     pub(crate) offset: &'a [[f32; 2]],
     /// Empty where they are not known.
@@ -142,6 +144,7 @@ impl RayEnds {
                     patchwork.block_row(row as u32, rows);
                     counters.count_ends(count);
                     let ends = EndsOfRows {
+                        first: row * BLOCK as usize,
                         origin: patchwork.origin,
                         offset,
                         by_pixel,
@@ -153,6 +156,7 @@ impl RayEnds {
             Self::Map(map) => bands.for_each(|(row, pixels)| {
                 let here = row * band..row * band + pixels.len() / 4;
                 let ends = EndsOfRows {
+                    first: row * BLOCK as usize,
                     origin: map.origin,
                     offset: &map.offset[here.clone()],
                     by_pixel: bytemuck::cast_slice(

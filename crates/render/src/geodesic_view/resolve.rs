@@ -126,6 +126,7 @@ pub(super) fn resolve_patchwork(
             }
             if let Some(layer) = layer {
                 let ends = EndsOfRows {
+                    first: number * BLOCK as usize,
                     origin: patchwork.origin,
                     offset,
                     by_pixel,

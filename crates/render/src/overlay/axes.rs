@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::labels::TextLabel;
+use super::labels::{self, TextLabel};
 use super::space::OverlayObject;
+use super::text;
 use crate::camera::Camera;
 use crate::point::DrawingPoint;
 use crate::sample::{Painter, PositionSample, Samples};
@@ -134,6 +135,29 @@ impl AxesBox {
                 lift: 0.0,
             },
         }
+    }
+
+    /// Returns the places that a camera must see so that it sees all of it, in drawing units: the ends of the lines, and
+    /// the corners of the words, which are `scale` times as large as usual.
+    pub(crate) fn extent(&self, camera: &Camera, scale: f32) -> Vec<DVec3> {
+        let height = labels::height(camera.size, scale);
+        let [right, up, back] = camera.axes;
+        let corners = |(place, words): &(DVec3, String)| {
+            let distance = (camera.eye - *place).dot(back);
+            let distance = camera.parallel.map_or(distance, |it| it.distance);
+            let pixel = distance / f64::from(camera.pixels_per_unit());
+            let across = right * (0.5 * pixel * f64::from(text::width(words, height)));
+            let along = up * (0.5 * pixel * f64::from(height));
+            [
+                across + along,
+                across - along,
+                along - across,
+                -across - along,
+            ]
+            .map(|by| *place + by)
+        };
+        let ends = self.lines.iter().flatten().copied();
+        ends.chain(self.words.iter().flat_map(corners)).collect()
     }
 
     /// The numbers and names, where the camera sees them.

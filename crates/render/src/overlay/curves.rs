@@ -1,8 +1,10 @@
 //! Curves on the surface of a geodesic view: declared geodesics and trails, of which all images are seen.
 //!
-//! A scene's declarations and a camera flow in, straight pieces in the chart flow out; `layer.rs` draws them.
+//! A scene's declarations and a camera flow in, straight pieces in the chart flow out; `layer.rs` draws them, and
+//! `names.rs` finds where their names may be on the way.
 
 mod layer;
+mod names;
 mod table;
 
 pub(super) use layer::Lines;

@@ -43,7 +43,13 @@ impl<'a> GeodesicOverlay<'a> {
             request,
             camera,
             counters,
-            lines: curves::Lines::new(&curve, camera, request.scale, counters),
+            lines: curves::Lines::new(
+                &curve,
+                camera,
+                request.scale,
+                request.overlays.labels,
+                counters,
+            ),
             geodesics,
             trails,
             notes,
@@ -107,7 +113,14 @@ impl<'a> GeodesicOverlay<'a> {
             drawn.push("labels");
             let middle = [0, 1].map(|k| 0.5 * f64::from(self.camera.size()[k]));
             let here = labels::TextLabel::beside(PixelPoint(middle), labels::HERE);
-            labels::write(image, &[here], self.request);
+            let places = self.lines.as_ref().map(curves::Lines::name_places);
+            let places = places.unwrap_or_default();
+            let names = self.geodesics.iter().zip(places);
+            let names = names.filter_map(|((_, name), place)| {
+                Some(labels::TextLabel::beside(place?, name.as_str()))
+            });
+            let labels: Vec<_> = std::iter::once(here).chain(names).collect();
+            labels::write(image, &labels, self.request);
         }
         ([self.notes, notes].concat(), drawn)
     }

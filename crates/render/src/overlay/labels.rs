@@ -9,7 +9,7 @@ use crate::bounds::ObjectCloud;
 use crate::camera::Camera;
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::request::PictureRequest;
-use crate::sample::Samples;
+use crate::sample::{PositionSample, Samples};
 use crate::style;
 
 /// The height of words in pixel units.
@@ -21,6 +21,11 @@ const GAP: f32 = 0.45;
 /// The direction in the picture of the place at which a surface has its name: to the right and up.
 const SURFACE_SIDE: [f64; 2] = [0.5, 0.87];
 
+/// The number of places along a curve at which it may have its name.
+const CURVE_PLACES: usize = 24;
+/// The share of its ink that the name of something hidden has.
+const HIDDEN: f32 = 0.45;
+
 /// The words at the place of a geodesic camera.
 pub(crate) const HERE: &str = "You are here";
 
@@ -31,6 +36,8 @@ pub(crate) struct TextLabel {
     words: String,
     /// True if their middle is the place; otherwise they are beside it.
     is_centred: bool,
+    /// True if something lies before what they name: then they are dim.
+    is_hidden: bool,
 }
 
 impl TextLabel {
@@ -40,6 +47,7 @@ impl TextLabel {
             at,
             words,
             is_centred: true,
+            is_hidden: false,
         }
     }
 
@@ -49,28 +57,40 @@ impl TextLabel {
             at,
             words: words.into(),
             is_centred: false,
+            is_hidden: false,
         }
+    }
+
+    /// Returns them dim, if what they name is hidden.
+    #[must_use]
+    pub(crate) fn hidden(self, is_hidden: bool) -> Self {
+        Self { is_hidden, ..self }
     }
 }
 
-/// Returns the place in drawing units at which an object has its name: the middle of a curve, the tip of a vector, the
-/// place of a surface that is seen farthest to the upper right. Geodesics have samples in place of a cloud.
-pub(crate) fn anchor(
+/// Returns the places in drawing units at which an object may have its name, the best one first: of a curve those that
+/// are nearest to its middle, of a vector its tip, of a surface the place that is seen farthest to the upper right.
+/// Geodesics have samples in place of a cloud.
+pub(crate) fn anchors(
     camera: &Camera,
     shape: &Shape,
     cloud: &ObjectCloud,
     samples: Option<&Samples>,
-) -> Option<DrawingPoint> {
+) -> Vec<DrawingPoint> {
+    let local = |place: &[f64; 3]| camera.placement.local(WorldPoint(*place));
     if let Some(Samples::Curves { count, samples }) = samples {
-        let own = samples.get(..*count as usize)?;
-        let middle = own.len() / 2;
-        let defined = own.iter().enumerate().filter(|(_, it)| it.defined != 0.0);
-        let (_, sample) = defined.min_by_key(|(k, _)| k.abs_diff(middle))?;
-        return Some(DrawingPoint(sample.position.map(f64::from)));
+        let own = samples.get(..*count as usize).unwrap_or_default();
+        let place = |sample: &PositionSample| {
+            let place = DrawingPoint(sample.position.map(f64::from));
+            (sample.defined != 0.0).then_some(place)
+        };
+        return from_the_middle(own).filter_map(place).collect();
     }
     if !shape.is_surface() {
-        let middle = cloud.middle.or(cloud.points.first().copied())?;
-        return Some(camera.placement.local(WorldPoint(middle)));
+        let middle = cloud.middle.iter().map(local);
+        let along = shape.domain().len() == 1;
+        let others = from_the_middle(&cloud.points).map(local);
+        return middle.chain(others.filter(|_| along)).collect();
     }
     let [right, up, _] = camera.axes;
     let side = right * SURFACE_SIDE[0] + up * SURFACE_SIDE[1];
@@ -78,8 +98,29 @@ pub(crate) fn anchor(
         let [a, b] = [*a, *b].map(|place| DVec3::from(*place).dot(side));
         a.total_cmp(&b)
     };
-    let place = cloud.points.iter().max_by(farthest)?;
-    Some(camera.placement.local(WorldPoint(*place)))
+    cloud
+        .points
+        .iter()
+        .max_by(farthest)
+        .map(local)
+        .into_iter()
+        .collect()
+}
+
+/// Returns a few of the samples of a curve, those nearest to its middle first.
+fn from_the_middle<T>(samples: &[T]) -> impl Iterator<Item = &T> {
+    let middle = samples.len() / 2;
+    let step = (samples.len() / CURVE_PLACES).max(1);
+    let before = (0..=middle).rev().step_by(step);
+    let after = (middle..samples.len()).step_by(step);
+    let mut places: Vec<usize> = before.chain(after).collect();
+    places.sort_by_key(|place| place.abs_diff(middle));
+    places.into_iter().filter_map(|place| samples.get(place))
+}
+
+/// Returns the height of words in a picture of a size, in pixels.
+pub(super) fn height(size: [u32; 2], scale: f32) -> f32 {
+    (HEIGHT * style::pixel_unit(size) * scale).max(LEAST_HEIGHT)
 }
 
 /// Words that have their place in a picture, in pixels from its upper left corner.
@@ -93,12 +134,14 @@ pub struct PlacedWords {
     pub width: f32,
     /// The size of their font: of its em square.
     pub size: f32,
-    /// The colour of the words, sRGB, …
+    /// The colour of the words, sRGB; that of what is hidden is nearer to their rim, …
     pub colour: [u8; 3],
     /// … and that of the rim around them, …
     pub rim: [u8; 3],
     /// … with its width.
     pub rim_width: f32,
+    /// The share of their ink that they have, from 0 to 1.
+    pub(super) share: f32,
     /// The upper left corner.
     pub(super) corner: [f32; 2],
     /// The height of a line.
@@ -109,6 +152,7 @@ pub struct PlacedWords {
 pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &PictureRequest) {
     let ink = Ink::over(request.backdrop());
     for placed in placed(labels, request) {
+        let ink = ink.thinned(placed.share);
         text::write_outlined(image, &placed.words, placed.corner, placed.height, ink);
     }
 }
@@ -116,7 +160,7 @@ pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &Pictu
 /// Returns the place of each label, near what it names: where one would lie over another, on another side.
 pub(crate) fn placed(labels: &[TextLabel], request: &PictureRequest) -> Vec<PlacedWords> {
     let size = request.size;
-    let height = (HEIGHT * style::pixel_unit(size) * request.scale).max(LEAST_HEIGHT);
+    let height = height(size, request.scale);
     let ink = Ink::over(request.backdrop());
     let mut taken: Vec<[f32; 4]> = Vec::new();
     let mut all = Vec::new();
@@ -154,19 +198,27 @@ pub(crate) fn placed(labels: &[TextLabel], request: &PictureRequest) -> Vec<Plac
         }
         taken.push(place);
         let corner = [place[0], place[1]];
+        let share = if label.is_hidden { HIDDEN } else { 1.0 };
         all.push(PlacedWords {
             words: label.words.clone(),
             baseline: text::baseline(&label.words, corner, height),
             width,
             size: text::em(height),
-            colour: ink.words_colour(),
+            colour: mixed(ink.rim_colour(), ink.words_colour(), share),
             rim: ink.rim_colour(),
             rim_width: text::rim(height),
+            share,
             corner,
             height,
         });
     }
     all
+}
+
+/// Returns the colour at a share of the way from one to another.
+fn mixed(from: [u8; 3], to: [u8; 3], share: f32) -> [u8; 3] {
+    let part = |k: usize| f32::from(from[k]) + share * (f32::from(to[k]) - f32::from(from[k]));
+    [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
 fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {

@@ -104,7 +104,7 @@ impl Legend {
                 let bar = [widest - pad, tall];
                 self.swatch(image, *mark, [pad, y + line], bar, unit);
                 let places = [0.0, 0.5, 1.0];
-                for (share, words) in places.into_iter().zip(bar_numbers(scale.most)) {
+                for (share, words) in places.into_iter().zip(bar_numbers(*scale)) {
                     let x = pad + share * (bar[0] - text::width(&words, text));
                     text::write(image, &words, [x, y + 1.8 * line], text, INK);
                 }
@@ -149,10 +149,15 @@ impl Legend {
     }
 }
 
-/// The numbers under a bar from −`most` to `most`.
-fn bar_numbers(most: f64) -> [String; 3] {
-    let end = digits(most);
-    [format!("\u{2212}{end}"), "0".to_owned(), end]
+/// The numbers under the bar of a scale; where the surface is more curved than its ends, they say so.
+fn bar_numbers(scale: CurvatureScale) -> [String; 3] {
+    let end = digits(scale.most);
+    let [at_most, at_least] = match scale.is_clipped {
+        true => ["\u{2264} ", "\u{2265} "],
+        false => ["", ""],
+    };
+    let low = format!("{at_most}\u{2212}{end}");
+    [low, "0".to_owned(), format!("{at_least}{end}")]
 }
 
 /// A number that is not negative, to three digits; it has all of them, so that it is as long when it changes.
@@ -186,7 +191,8 @@ pub(super) fn digits(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{digits, fixed_digits};
+    use super::{bar_numbers, digits, fixed_digits};
+    use crate::texture::CurvatureScale;
 
     #[test]
     fn a_length_that_grows_keeps_its_digits() {
@@ -206,5 +212,17 @@ mod tests {
                 "0", "0.25", "1", "1.5", "123", "0.0123", "99999", "1.00e-7", "2.50e9"
             ]
         );
+    }
+
+    #[test]
+    fn the_numbers_of_a_scale_say_where_the_surface_is_more_curved() {
+        let numbers = |is_clipped| {
+            bar_numbers(CurvatureScale {
+                most: 25.0 / 6.0,
+                is_clipped,
+            })
+        };
+        assert_eq!(numbers(false), ["−4.17", "0", "4.17"]);
+        assert_eq!(numbers(true), ["≤ −4.17", "0", "≥ 4.17"]);
     }
 }

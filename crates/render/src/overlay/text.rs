@@ -29,6 +29,8 @@ const OUTLINE: f32 = 0.14;
 pub(super) struct Ink {
     words: [f32; 3],
     outline: [f32; 3],
+    /// The share of the picture that it covers, from 0 to 1.
+    share: f32,
 }
 
 impl Ink {
@@ -41,7 +43,17 @@ impl Ink {
         } else {
             [dark, light]
         };
-        Self { words, outline }
+        Self {
+            words,
+            outline,
+            share: 1.0,
+        }
+    }
+
+    /// Returns the ink that covers a share of what is under it.
+    #[must_use]
+    pub(super) fn thinned(self, share: f32) -> Self {
+        Self { share, ..self }
     }
 
     /// The colour of words, sRGB.
@@ -230,8 +242,8 @@ pub(super) fn write_outlined(
             let around = around.fold(0.0, f32::max);
             if around > 0.0 {
                 let place = [corner[0] + x as f32, corner[1] + y as f32];
-                lay(image, place, ink.outline, 0.85 * around);
-                lay(image, place, ink.words, at_pixel(x, y));
+                lay(image, place, ink.outline, 0.85 * ink.share * around);
+                lay(image, place, ink.words, ink.share * at_pixel(x, y));
             }
         }
     }

@@ -19,9 +19,16 @@ use geometry::{Manifold, ManifoldError};
 
 /// Texels along u and along v; a multiple of [`LANES`].
 const SIDE: u32 = 512;
-/// The share of the surface's area that has a colour of its own; where it is more curved, it has that of the scale's
-/// end.
+/// The share of the surface's area that has a colour of its own in any case. The scale takes in all of it, unless the rest
+/// would take the colours of this.
 const COVERED: f64 = 0.98;
+/// The scale reaches at most so many times as far as this share of the area needs.
+const MOST_BEYOND: f64 = 2.0;
+/// Halvings of a step, from a texel on, in the search for the largest curvature, and the most steps of one size.
+const HALVINGS: u32 = 20;
+const STEPS: u32 = 8;
+/// The search keeps so far from the sides of the domain, as a share of its length: at a pole there is only rounding.
+const SIDES: f64 = 1e-6;
 /// Curvature is rounding where the surface, as large as it is, would turn by less than about the root of this.
 const FLAT: f64 = 1e-9;
 /// The colour of what is undefined, sRGB: between white, which is flat, and everything else.
@@ -32,12 +39,15 @@ const UNDEFINED: [u8; 3] = [128, 128, 128];
 pub struct CurvatureScale {
     /// The curvature of the last colour on either side of zero, in 1/length²; positive.
     pub most: f64,
+    /// True if the surface is more curved than that somewhere, where it has the last colour too.
+    pub is_clipped: bool,
 }
 
 impl Texture {
     /// A surface or metric coloured by its Gaussian curvature: blue where it is negative, white at zero, red where it is
     /// positive, grey where it is undefined. Of a surface that depends on grids, the first instance is taken. The scale
-    /// is symmetric about zero and takes in almost all of the area: [`Texture::curvature_scale`].
+    /// is symmetric about zero and takes in all of the surface, or almost all of its area where the rest is curved far
+    /// more: [`Texture::curvature_scale`].
     ///
     /// It holds for these param values only.
     ///
@@ -73,9 +83,7 @@ impl CurvatureScale {
 
 fn of_surface(surface: &dyn Surface) -> Texture {
     let samples = samples(surface);
-    let scale = CurvatureScale {
-        most: scale(surface, &samples),
-    };
+    let scale = scale(surface, &samples);
     let level = Level {
         size: [SIDE; 2],
         texels: samples
@@ -115,8 +123,8 @@ fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
     samples
 }
 
-/// The curvature at the end of the scale.
-fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
+/// The scale of a surface with these samples.
+fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> CurvatureScale {
     let mut known: Vec<(f64, f64)> = samples
         .iter()
         .filter(|(curvature, area)| curvature.is_finite() && area.is_finite())
@@ -134,14 +142,70 @@ fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
     let least = FLAT / (lengths[0] * lengths[1]);
     let most = found.map_or(0.0, |(curvature, _)| *curvature);
     if most > least {
-        most
-    } else if least > 0.0 && least.is_finite() {
-        // Flat: what rounding leaves is white beside a curvature that would be seen.
-        least / FLAT
-    } else {
-        1.0
+        let all = largest(surface, samples).max(most);
+        let is_clipped = all > MOST_BEYOND * most;
+        return CurvatureScale {
+            most: if is_clipped { most } else { all },
+            is_clipped,
+        };
+    }
+    // Flat: what rounding leaves is white beside a curvature that would be seen.
+    let is_sized = least > 0.0 && least.is_finite();
+    CurvatureScale {
+        most: if is_sized { least / FLAT } else { 1.0 },
+        is_clipped: false,
     }
 }
+
+/// The largest absolute curvature of a surface: from the texel where it is largest on, by steps that are halved where
+/// none leads to more.
+fn largest(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
+    let known = samples.iter().enumerate();
+    let known = known.filter(|(_, (curvature, area))| curvature.is_finite() && area.is_finite());
+    let Some((index, _)) = known.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs())) else {
+        return 0.0;
+    };
+    let domain = surface.domain();
+    let inner = domain.map(|[low, high]| {
+        let away = SIDES * (high - low);
+        [low + away, high - away]
+    });
+    let side = SIDE as usize;
+    let mut steps = domain.map(|[low, high]| (high - low) / f64::from(SIDE));
+    let texel = [index % side, index / side];
+    let mut at: [f64; 2] =
+        std::array::from_fn(|k| domain[k][0] + (texel[k] as f64 + 0.5) * steps[k]);
+    let mut most = samples[index].0.abs();
+    for _ in 0..HALVINGS {
+        for _ in 0..STEPS {
+            let beside = AROUND.map(|by| {
+                let place = |k: usize| (at[k] + by[k] * steps[k]).clamp(inner[k][0], inner[k][1]);
+                let place = [place(0), place(1)];
+                (gaussian_curvature(&surface.jet(place.into())).abs(), place)
+            });
+            let finite = beside.iter().filter(|(curvature, _)| curvature.is_finite());
+            let best = finite.max_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some(&(curvature, place)) if curvature > most => (most, at) = (curvature, place),
+                _ => break,
+            }
+        }
+        steps = steps.map(|step| 0.5 * step);
+    }
+    most
+}
+
+/// The directions in which the search goes.
+const AROUND: [[f64; 2]; 8] = [
+    [1.0, 0.0],
+    [1.0, 1.0],
+    [0.0, 1.0],
+    [-1.0, 1.0],
+    [-1.0, 0.0],
+    [-1.0, -1.0],
+    [0.0, -1.0],
+    [1.0, -1.0],
+];
 
 /// Colours from blue (−1) over white (0) to red (1), sRGB: straight lines in Oklab (Björn Ottosson, "A perceptual color
 /// space for image processing", 2020), so that equal steps look equally large.
@@ -180,7 +244,10 @@ mod tests {
 
     #[test]
     fn colours_darken_alike_on_both_sides_and_stay_within_what_a_screen_shows() {
-        let scale = CurvatureScale { most: 2.0 };
+        let scale = CurvatureScale {
+            most: 2.0,
+            is_clipped: false,
+        };
         assert_eq!(scale.colour(f64::NAN), UNDEFINED);
         assert_eq!(scale.colour(9.0), scale.colour(2.0));
         let [r, g, b] = scale.colour(0.0);

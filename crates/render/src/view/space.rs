@@ -20,10 +20,11 @@ use crate::framing::Framed;
 use crate::gpu::Pixels;
 use crate::gpu::renderer::SpaceScene;
 use crate::layers::Layers;
+use crate::occlusion::Occlusion;
 use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
-use crate::point::PixelPoint;
+use crate::point::{DrawingPoint, PixelPoint};
 use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
@@ -31,6 +32,8 @@ use crate::software::{self, Drawable};
 use crate::style::{self, Look};
 use crate::texture::Texture;
 use crate::viewpoint::GeodesicCamera;
+
+pub use crate::framing::first_camera;
 
 /// The view's name.
 pub const NAME: &str = "3d";
@@ -223,8 +226,14 @@ impl ViewRenderer for SpaceRenderer {
         };
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
         if request.overlays.labels {
-            labels.extend(self::labels(shared, request, options, &framed, &camera));
-            labels.extend(overlay::here(&overlay, &camera));
+            let numbered = (0..).map(ObjectId).zip(&request.scene.objects);
+            let shown = numbered.filter(|(id, _)| options.shows(*id));
+            let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
+            let occlusion = Occlusion::new(&camera, clouds);
+            labels.extend(self::labels(
+                shared, request, options, &framed, &camera, &occlusion,
+            ));
+            labels.extend(overlay::here(&overlay, &camera, &occlusion));
         }
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
@@ -262,7 +271,7 @@ impl ViewRenderer for SpaceRenderer {
         let options = options(request)?;
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
-        let camera = framed.camera(&options.camera, request.size)?;
+        let camera = framed.camera(&options.camera, request)?;
         let (drawables, _) = drawables(shared, request, options, &framed, &|_| {});
         let picked = software::pick(&camera, &drawables, at);
         Ok(picked.map(|picked| Hit {
@@ -282,7 +291,7 @@ impl ViewRenderer for SpaceRenderer {
         let options = options(request)?;
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
-        framed.camera(&options.camera, request.size).map(Some)
+        framed.camera(&options.camera, request).map(Some)
     }
 }
 
@@ -305,7 +314,7 @@ impl SpaceRenderer {
     ) -> Result<Stage, RenderError> {
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
-        let camera = framed.camera(&options.camera, request.size)?;
+        let camera = framed.camera(&options.camera, request)?;
         let axes = request.overlays.axes.then(|| framed.corners()).flatten();
         let axes = axes.map(|corners| AxesBox::new(&camera, corners));
         let overlay = self.overlay(request, options, &structures, &camera.placement)?;
@@ -453,13 +462,14 @@ fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
     closed.is_some_and(|closed| !closed.points_outwards)
 }
 
-/// The names of the objects that are drawn, where they are seen.
+/// The names of the objects that are drawn, where they are seen; dim where a surface lies before them.
 fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &SpaceOptions,
     framed: &Framed,
     camera: &Camera,
+    occlusion: &Occlusion,
 ) -> Vec<TextLabel> {
     let scene = &request.scene;
     let objects = (0..).map(ObjectId).zip(&scene.objects);
@@ -473,11 +483,14 @@ fn labels(
                 .samples
         });
         let cloud = framed.object(id)?;
-        let place = overlay::anchor(camera, &object.shape, cloud, samples.as_deref())?;
-        Some(TextLabel::beside(
-            camera.pixel_of(place)?,
-            object.name.as_str(),
-        ))
+        let places = overlay::anchors(camera, &object.shape, cloud, samples.as_deref());
+        // The name of a surface is at its edge, where nothing of the surface itself lies before it.
+        let except = object.shape.is_surface().then_some(id);
+        let is_seen = |place: &&DrawingPoint| !occlusion.hides(**place, except);
+        let seen = places.iter().find(is_seen);
+        let place = *seen.or(places.first())?;
+        let label = TextLabel::beside(camera.pixel_of(place)?, object.name.as_str());
+        Some(label.hidden(seen.is_none()))
     };
     drawn.filter_map(label).collect()
 }

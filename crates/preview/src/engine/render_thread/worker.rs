@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use render::camera::Camera;
 use render::counters::WorkCounters;
 use render::gpu::Pixels;
 use render::point::PixelPoint;
@@ -37,6 +36,7 @@ struct Home {
     size: [u32; 2],
     hidden: Vec<ObjectId>,
     projection: Projection,
+    has_axes: bool,
     camera: SpaceCamera,
 }
 
@@ -159,6 +159,7 @@ impl Worker {
             && home.size == request.size
             && home.hidden == hidden
             && home.projection == projection
+            && home.has_axes == request.overlays.axes
         {
             return Ok(home.camera);
         }
@@ -167,7 +168,7 @@ impl Worker {
             projection,
             ..Viewpoint::default()
         };
-        let camera = Camera::new(&bounds, &viewpoint, request.size)?;
+        let camera = space::first_camera(&bounds, &viewpoint, request)?;
         let (centre, radius) = (
             DVec3::from(bounds.placement.centre),
             bounds.placement.radius,
@@ -186,6 +187,7 @@ impl Worker {
             size: request.size,
             hidden,
             projection,
+            has_axes: request.overlays.axes,
             camera,
         });
         Ok(camera)

@@ -12,9 +12,11 @@ use geodesic::trace::Status;
 
 use super::super::{StrokeColour, StrokeStyle};
 use super::SurfaceCurve;
+use super::names::{NamePlace, NamePlaces};
 use super::table::{FoundSegments, Near, SegmentTable};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{EndsOfRows, Layer, PlacedCamera};
+use crate::point::PixelPoint;
 
 /// Pixels that are measured together.
 const LANES: usize = BLOCK as usize;
@@ -30,6 +32,8 @@ pub(in crate::overlay) struct Lines<'t> {
     pen: StrokeStyle,
     /// The picture's.
     width: usize,
+    /// The places for the lines' names, if they are wanted.
+    names: Option<NamePlaces>,
     processor: Processor,
     /// The buffers of bands that are done, for others.
     scratches: Mutex<Vec<Scratch>>,
@@ -42,6 +46,7 @@ impl<'t> Lines<'t> {
         lines: &[SurfaceCurve],
         camera: &PlacedCamera,
         scale: f32,
+        named: bool,
         counters: &'t PixelCounters,
     ) -> Option<Self> {
         if lines.iter().all(|line| line.pieces.is_empty()) {
@@ -56,6 +61,7 @@ impl<'t> Lines<'t> {
                 .collect(),
             pen: StrokeStyle::for_size(size, scale),
             width: size[0] as usize,
+            names: named.then(|| NamePlaces::new(size, lines.len())),
             processor: Processor::here(),
             scratches: Mutex::default(),
             counters,
@@ -68,6 +74,13 @@ impl<'t> Lines<'t> {
         let [across, down] = self.table.cells_per_unit();
         let about = 2.0 * f64::from(self.pen.half + ABOUT);
         (1.0 + about * u * across) * (1.0 + about * v * down) <= MOST_CELLS
+    }
+
+    /// Returns the pixel of each line that is best for its name, as far as it has been laid over a picture; none unless
+    /// names are wanted.
+    pub(in crate::overlay) fn name_places(&self) -> Vec<Option<PixelPoint>> {
+        let names = self.names.as_ref();
+        names.map_or(Vec::new(), NamePlaces::pixels)
     }
 
     fn scratches(&self) -> MutexGuard<'_, Vec<Scratch>> {
@@ -89,6 +102,8 @@ impl Layer for Lines<'_> {
             ..Scratch::default()
         });
         scratch.distances = 0;
+        scratch.named.clear();
+        scratch.named.resize(self.inks.len(), NamePlace::NONE);
         self.processor.run(Band {
             lines: self,
             ends,
@@ -96,6 +111,9 @@ impl Layer for Lines<'_> {
             pixels,
         });
         self.counters.count_distances(scratch.distances);
+        if let Some(names) = &self.names {
+            names.note(&scratch.named);
+        }
         self.scratches().push(scratch);
     }
 }
@@ -108,6 +126,8 @@ struct Scratch {
     near: Vec<Offset>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
+    /// The best places for the lines' names in a band.
+    named: Vec<NamePlace>,
     /// See [`crate::counters::WorkCounters::distances`].
     distances: u64,
 }
@@ -191,6 +211,7 @@ impl Band<'_> {
             offset,
             by_pixel,
             status,
+            ..
         } = self.ends;
         let complete = |status: &Status| *status == Status::Complete;
         let mut extent = Extent::default();
@@ -260,6 +281,7 @@ impl Band<'_> {
             near,
             squares,
             distances,
+            named,
             ..
         } = &mut *self.scratch;
         *distances += near.len() as u64;
@@ -268,9 +290,16 @@ impl Band<'_> {
         }
         let pen = &self.lines.pen;
         let most = pen.reach() * pen.reach();
-        for (squares, ink) in squares.iter_mut().zip(&self.lines.inks) {
+        let lines = squares.iter_mut().zip(&self.lines.inks).zip(named);
+        for ((squares, ink), named) in lines {
             for (n, square) in squares.iter().take(count).enumerate() {
                 if *square < most {
+                    if let Some(names) = &self.lines.names
+                        && *square < pen.half * pen.half
+                    {
+                        let pixel = self.ends.first * self.lines.width + first + n;
+                        named.note(names.place(pixel));
+                    }
                     let pixel = 4 * (first + n);
                     pen.ink(&mut self.pixels[pixel..pixel + 4], ink, square.sqrt());
                 }

@@ -1,0 +1,194 @@
+//! The surfaces that lie before a place of the 3D view, for labels: coarse grids of the surfaces' places and a camera flow
+//! in; for a place, whether it is hidden flows out.
+//!
+//! The grids are those that frame the scene, so that both backends have them without a look at the picture. They are off
+//! by a few thousandths of the surface's size, and a place is hidden only by what is clearly before it.
+
+use glam::DVec3;
+use scene::ObjectId;
+
+use crate::bounds::ObjectCloud;
+use crate::camera::Camera;
+use crate::point::{DrawingPoint, WorldPoint};
+
+/// A surface hides what lies behind it by more than this, in drawing units.
+const CLEAR: f64 = 0.02;
+
+/// The surfaces of a scene as a camera sees them.
+pub(crate) struct Occlusion {
+    eye: DVec3,
+    /// The direction to the eye of a camera whose lines of sight are parallel.
+    parallel: Option<DVec3>,
+    strips: Vec<Strip>,
+}
+
+/// The cells between two rows of a grid.
+struct Strip {
+    object: ObjectId,
+    rows: [Vec<DVec3>; 2],
+    /// The box around them: the least and the greatest coordinates.
+    corners: [DVec3; 2],
+}
+
+/// A part of a line of sight, from a place towards the eye.
+struct Sight {
+    from: DVec3,
+    /// A unit vector.
+    towards: DVec3,
+    length: f64,
+}
+
+impl Occlusion {
+    /// The surfaces among some objects with their coarse places.
+    pub(crate) fn new<'c>(
+        camera: &Camera,
+        objects: impl Iterator<Item = (ObjectId, &'c ObjectCloud)>,
+    ) -> Self {
+        let mut strips = Vec::new();
+        for (object, cloud) in objects {
+            let [columns, rows] = cloud.counts;
+            if columns < 2 || rows < 2 {
+                continue;
+            }
+            let local =
+                |&place: &[f64; 3]| DVec3::from(camera.placement.local(WorldPoint(place)).0);
+            for instance in cloud.grid.chunks_exact(columns * rows) {
+                let lines: Vec<Vec<DVec3>> = instance
+                    .chunks_exact(columns)
+                    .map(|row| row.iter().map(local).collect())
+                    .collect();
+                strips.extend(lines.windows(2).map(|pair| Strip::new(object, pair)));
+            }
+        }
+        Self {
+            eye: camera.eye,
+            parallel: camera.parallel.map(|_| camera.axes[2]),
+            strips,
+        }
+    }
+
+    /// Returns true if a surface lies between a place and the eye, other than the one that it is the edge of.
+    pub(crate) fn hides(&self, place: DrawingPoint, except: Option<ObjectId>) -> bool {
+        let place = DVec3::from(place.0);
+        let to_eye = self.eye - place;
+        let (towards, length) = match self.parallel {
+            Some(towards) => (towards, f64::INFINITY),
+            None => (to_eye.normalize_or_zero(), to_eye.length()),
+        };
+        if towards == DVec3::ZERO || length <= CLEAR {
+            return false;
+        }
+        let sight = Sight {
+            from: place + towards * CLEAR,
+            towards,
+            length: length - CLEAR,
+        };
+        let others = |strip: &&Strip| Some(strip.object) != except;
+        let mut strips = self.strips.iter().filter(others);
+        strips.any(|strip| sight.meets_box(strip.corners) && strip.meets(&sight))
+    }
+}
+
+impl Strip {
+    fn new(object: ObjectId, rows: &[Vec<DVec3>]) -> Self {
+        let places = || rows.iter().flatten().filter(|place| place.is_finite());
+        Self {
+            object,
+            rows: [rows[0].clone(), rows[1].clone()],
+            corners: [
+                places().fold(DVec3::INFINITY, |a, &b| a.min(b)),
+                places().fold(DVec3::NEG_INFINITY, |a, &b| a.max(b)),
+            ],
+        }
+    }
+
+    fn meets(&self, sight: &Sight) -> bool {
+        let [below, above] = &self.rows;
+        let mut cells = below.windows(2).zip(above.windows(2));
+        cells.any(|(low, high)| {
+            sight.meets([low[0], low[1], high[1]]) || sight.meets([low[0], high[1], high[0]])
+        })
+    }
+}
+
+impl Sight {
+    /// Returns true if it may go through a box.
+    fn meets_box(&self, [low, high]: [DVec3; 2]) -> bool {
+        let (mut near, mut far) = (0.0_f64, self.length);
+        for k in 0..3 {
+            let (from, towards) = (self.from[k], self.towards[k]);
+            if towards.abs() < f64::MIN_POSITIVE {
+                if from < low[k] || from > high[k] {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((low[k] - from) / towards, (high[k] - from) / towards);
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        near <= far
+    }
+
+    /// Returns true if it goes through a triangle (T. Möller and B. Trumbore, "Fast, minimum storage ray-triangle
+    /// intersection", 1997). One with an undefined corner is not met.
+    fn meets(&self, [a, b, c]: [DVec3; 3]) -> bool {
+        let (ab, ac) = (b - a, c - a);
+        let across = self.towards.cross(ac);
+        let determinant = ab.dot(across);
+        let from = self.from - a;
+        let u = from.dot(across) / determinant;
+        let along = from.cross(ab);
+        let v = self.towards.dot(along) / determinant;
+        let distance = ac.dot(along) / determinant;
+        u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0 && distance <= self.length
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::Bounds;
+    use crate::viewpoint::{Projection, Viewpoint};
+
+    /// The plane z = 0 over the square with corners (±1, ±1), with a hole about its middle.
+    fn plane() -> ObjectCloud {
+        let places = (0..9).flat_map(|j| (0..9).map(move |i| [i, j]));
+        let place = |[i, j]: [i32; 2]| match [i, j] {
+            [4, 4] => [f64::NAN; 3],
+            _ => [f64::from(i - 4) / 4.0, f64::from(j - 4) / 4.0, 0.0],
+        };
+        ObjectCloud {
+            grid: places.map(place).collect(),
+            counts: [9, 9],
+            ..ObjectCloud::default()
+        }
+    }
+
+    #[test]
+    fn a_plane_hides_what_is_behind_it_and_nothing_beside_before_or_on_it() {
+        let bounds = Bounds::around(vec![[-1.0; 3], [1.0; 3]]);
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let viewpoint = Viewpoint {
+                projection,
+                ..Viewpoint::new([0.0, 0.1, 9.0], [0.0; 3])
+            };
+            let camera = Camera::new(&bounds, &viewpoint, [64, 64]).expect("a camera");
+            let plane = plane();
+            let occlusion = Occlusion::new(&camera, [(ObjectId(3), &plane)].into_iter());
+            let hides = |place: [f64; 3], except| {
+                let place = camera.placement.local(WorldPoint(place));
+                occlusion.hides(place, except)
+            };
+            assert!(hides([0.6, 0.6, -0.5], None), "{projection:?}: behind");
+            assert!(!hides([0.6, 0.6, -0.5], Some(ObjectId(3))), "its own");
+            assert!(!hides([0.6, 0.6, 0.5], None), "{projection:?}: before");
+            assert!(!hides([0.6, 0.6, 0.0], None), "{projection:?}: on it");
+            assert!(!hides([1.5, 0.6, -0.5], None), "{projection:?}: beside");
+            assert!(
+                !hides([0.0, 0.0, -0.2], None),
+                "{projection:?}: in the hole"
+            );
+        }
+    }
+}
