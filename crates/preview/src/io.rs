@@ -6,4 +6,5 @@ pub(crate) mod link;
 pub(crate) mod path_list;
 pub(crate) mod persistence;
 pub(crate) mod report;
+pub(crate) mod settings;
 pub(crate) mod watch;

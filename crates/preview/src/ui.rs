@@ -2,6 +2,7 @@
 
 pub(crate) mod app;
 pub(crate) mod camera_input;
+mod colour;
 pub(crate) mod dialogs;
 pub(crate) mod event_splitter;
 pub(crate) mod gallery;
@@ -14,5 +15,6 @@ pub(crate) mod menu;
 pub(crate) mod navigation;
 pub(crate) mod panes;
 pub(crate) mod status;
+pub(crate) mod toolbar;
 pub(crate) mod welcome;
 pub(crate) mod window;

@@ -103,7 +103,6 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
         findings,
         scene: read.program.scene,
         stale: read.program.stale,
-        lacks: read.program.incomplete,
         declared: read.declarations,
         analysis: read.analysis,
         text,

@@ -41,8 +41,8 @@ pub(crate) enum MeasureQuestion {
 /// An answer.
 #[derive(Debug)]
 pub(crate) enum MeasureAnswer {
-    /// Of the place under the pointer.
-    Pointer(Vec<Quantity>),
+    /// Of the place under the pointer: its rows, and in short.
+    Pointer(Vec<Quantity>, String),
     /// Of a figure.
     Figure(Figure, Measured),
     /// Of a walk.
@@ -123,7 +123,8 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
     let surface = manifold.surface();
     match question {
         MeasureQuestion::Pointer { uv, polar, camera } => {
-            MeasureAnswer::Pointer(pointer(surface, *uv, *polar, camera.as_ref()))
+            let rows = pointer(surface, *uv, *polar, camera.as_ref());
+            MeasureAnswer::Pointer(rows, in_short(surface, *uv))
         }
         MeasureQuestion::Figure(figure) => {
             let measured = figures::measured(surface, subject.surface, figure);
@@ -143,6 +144,19 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
     }
 }
 
+/// Returns a place with its curvature, for the status line.
+fn in_short(surface: &dyn Surface, [u, v]: [f64; 2]) -> String {
+    let curvature = measure::place(surface, [u, v]).ok();
+    let curvature = curvature.and_then(|found| found.gaussian);
+    let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
+    format!("(u, v) = ({}, {}){curvature}", short(u), short(v))
+}
+
+/// Formats a number with at most four significant digits.
+fn short(value: f64) -> String {
+    number(format!("{value:.3e}").parse().unwrap_or(value))
+}
+
 fn pointer(
     surface: &dyn Surface,
     uv: [f64; 2],
@@ -155,6 +169,11 @@ fn pointer(
     {
         rows.push(Quantity::new("K", number(curvature)));
     }
+    // A view from inside shows each place at the end of a geodesic, which need not be the shortest.
+    let name = match polar {
+        Some(_) => "length of the geodesic seen",
+        None => "distance from the camera",
+    };
     let seen = polar.or_else(|| {
         let camera = camera?;
         let it = measure::distance(surface, camera.uv, uv).ok().flatten()?;
@@ -162,7 +181,7 @@ fn pointer(
         Some([it.length, y.atan2(x)])
     });
     if let Some([distance, direction]) = seen {
-        rows.push(Quantity::new("distance from the camera", number(distance)));
+        rows.push(Quantity::new(name, number(distance)));
         rows.push(Quantity::new("direction", angle(direction)));
     }
     rows

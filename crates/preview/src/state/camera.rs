@@ -39,6 +39,11 @@ impl SpaceCamera {
         DVec3::from(self.target).distance(DVec3::from(self.eye))
     }
 
+    /// The shorter side of what is seen in the plane of its target.
+    pub fn side_seen(&self) -> f64 {
+        2.0 * self.distance() * (0.5 * render::style::FIELD_OF_VIEW).tan()
+    }
+
     /// The unit vector that it looks along.
     fn forward(&self) -> DVec3 {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)

@@ -14,8 +14,6 @@ pub(crate) struct Diagnosis {
     pub(crate) findings: Vec<Finding>,
     /// The objects that are shown as they last were, and those that read something that is.
     pub(crate) stale: BTreeSet<String>,
-    /// Something of the text is not shown at all.
-    pub(crate) lacks: bool,
 }
 
 /// The diagnosis that is shown, and the newest one.
@@ -37,7 +35,6 @@ impl ProgramFaults {
         self.shown = Diagnosis {
             findings: latest.findings.iter().filter(was_shown).cloned().collect(),
             stale: before.stale.intersection(&latest.stale).cloned().collect(),
-            lacks: before.lacks && latest.lacks,
         };
         self.latest = latest;
     }
@@ -66,11 +63,6 @@ impl ProgramFaults {
     /// The objects that are marked as out of date.
     pub fn stale(&self) -> &BTreeSet<String> {
         &self.shown.stale
-    }
-
-    /// Returns whether something of the text is not shown at all.
-    pub(crate) fn lacks(&self) -> bool {
-        self.shown.lacks
     }
 
     /// Returns the number of errors and warnings in words.
@@ -112,7 +104,6 @@ mod tests {
         Diagnosis {
             findings: messages.iter().map(finding).collect(),
             stale: stale.iter().map(|name| (*name).to_owned()).collect(),
-            lacks: false,
         }
     }
 

@@ -20,7 +20,7 @@ use super::faults::{Diagnosis, ProgramFaults};
 use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
 use super::path::CameraPath;
 use super::program::Compiled;
-use super::view::{Animation, Opening, View};
+use super::view::{Animation, Marks, Opening, View};
 use placement::Placement;
 
 /// The background of the views in space in a light window, sRGB.
@@ -119,7 +119,6 @@ impl Model {
         self.took = compiled.took;
         self.declared = compiled.declared;
         self.analysis = compiled.analysis;
-        let lacks = compiled.lacks || compiled.scene.is_none();
         let stale = if compiled.scene.is_some() {
             compiled.stale.into_iter().collect()
         } else {
@@ -130,7 +129,6 @@ impl Model {
         self.faults.take(Diagnosis {
             findings: compiled.findings,
             stale,
-            lacks,
         });
         if is_first {
             self.faults.show_latest();
@@ -186,14 +184,13 @@ impl Model {
         self.faults.errors().next().is_some()
     }
 
-    /// Returns whether a view of the whole scene shows something that the text no longer has in this form, or lacks
-    /// something of it.
+    /// Returns whether a view of the whole scene shows something that the text no longer has in this form. A declaration
+    /// that is not complete yet leaves what is shown as it is.
     pub fn is_stale_in(&self, view: &dyn render::view::View) -> bool {
         self.is_stale()
-            && (self.faults.lacks()
-                || self.shown_in(view).any(|it| {
-                    self.faults.stale().contains(&it.name) && !self.view.look(&it.name).hidden
-                }))
+            && self.shown_in(view).any(|it| {
+                self.faults.stale().contains(&it.name) && !self.view.look(&it.name).hidden
+            })
     }
 
     /// Returns whether a view of an object shows it, or a geodesic on it, in a form that the text no longer has.
@@ -249,6 +246,17 @@ impl Model {
             self.adjust(|view| view.space = None);
         }
         self.history.reframe();
+    }
+
+    /// Chooses other overlays. Axes need room: a camera that the user has not moved is put anew for them.
+    pub(crate) fn set_marks(&mut self, marks: Marks) {
+        let needs_room = marks.axes != self.view.preferences.marks.axes;
+        let step = Step::new("Change the overlays", "");
+        self.change(step, |view| view.preferences.marks = marks);
+        self.history.settle();
+        if needs_room {
+            self.reframe();
+        }
     }
 
     /// Takes the last step back; returns its name.

@@ -25,8 +25,6 @@ pub(crate) struct Compiled {
     pub(crate) scene: Option<Arc<Scene>>,
     /// The objects of the scene that are shown as they last were, and those that read such an object.
     pub(crate) stale: Vec<String>,
-    /// Set if a part of the text is not shown at all.
-    pub(crate) lacks: bool,
     /// The declarations of the text, in its order.
     pub(crate) declared: Vec<DeclarationRange>,
     /// The text for the features of an editor; none of a text that cannot be read.

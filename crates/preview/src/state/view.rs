@@ -211,6 +211,8 @@ pub struct Preferences {
     pub orthographic: bool,
     /// Set if a slider that is let go writes its value into the text.
     pub write_on_release: bool,
+    /// Set if the status line has what draws the pictures, how long that takes, and how exact they are.
+    pub run_times: bool,
     /// The scale of text and controls, 1 by default.
     pub scale: f32,
 }
@@ -227,6 +229,7 @@ impl Default for Preferences {
             fly: false,
             orthographic: false,
             write_on_release: false,
+            run_times: false,
             scale: 1.0,
         }
     }

@@ -7,10 +7,11 @@
 //! ```
 
 use std::sync::Arc;
+use std::time::Duration;
 
-use egui::{DragValue, Grid, Response, Ui};
-use render::ViewId;
+use egui::{DragValue, Grid, Rect, Response, Ui};
 use render::view::Hit;
+use render::{PictureRequest, ViewId};
 
 use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
 use crate::state::camera_controller::Subject;
@@ -20,10 +21,15 @@ use crate::state::{CameraPath, InsideCamera, StatusMessage};
 use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 
+/// The time for which the pointer rests before the status line has the place under it, in seconds.
+const POINTER_RESTS: f64 = 0.15;
+
 /// The state of the window in which surfaces are measured.
 #[derive(Debug, Default)]
 pub(crate) struct Measuring {
-    /// It is there while the window is open.
+    /// Set while the window is open.
+    is_open: bool,
+    /// It is there once something has been measured.
     thread: Option<MeasureThread>,
     tool: MeasureTool,
     figure: Option<Figure>,
@@ -38,18 +44,50 @@ pub(crate) struct Measuring {
 }
 
 /// The place under the pointer.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Pointer {
-    /// The view and the pixel that were asked for last.
-    asked: Option<(ViewId, [f64; 2])>,
+    /// The request of the picture and the pixel that were asked for last.
+    asked: Option<(PictureRequest, [f64; 2])>,
+    /// The place of that picture on the screen.
+    picture: Rect,
+    /// The place that was found there, with its surface.
+    found: Option<(Subject, [f64; 2])>,
     surface: String,
     rows: Vec<Quantity>,
+    /// The place in short.
+    words: String,
+}
+
+impl Default for Pointer {
+    fn default() -> Self {
+        Self {
+            asked: None,
+            picture: Rect::NOTHING,
+            found: None,
+            surface: String::new(),
+            rows: Vec::new(),
+            words: String::new(),
+        }
+    }
 }
 
 impl Measuring {
     /// Returns whether the window is open: then clicks on pictures are places to be measured.
     pub(crate) fn is_open(&self) -> bool {
-        self.thread.is_some()
+        self.is_open
+    }
+
+    /// Returns the place under the pointer in short, with its surface, while it is over the picture that it was asked for.
+    pub(crate) fn under_pointer(&self, ui: &Ui) -> Option<String> {
+        let Pointer {
+            picture,
+            surface,
+            words,
+            ..
+        } = &self.pointer;
+        let at = ui.input(|input| input.pointer.hover_pos());
+        let shown = !words.is_empty() && at.is_some_and(|at| picture.contains(at));
+        shown.then(|| format!("{surface}: {words}"))
     }
 
     fn clear(&mut self) {
@@ -64,8 +102,7 @@ pub(crate) fn toggle(window: &mut Window) {
     if window.dialogs.measuring.is_open() {
         close(window);
     } else {
-        let thread = MeasureThread::start(window.events.measured());
-        window.dialogs.measuring.thread = Some(thread);
+        window.dialogs.measuring.is_open = true;
     }
 }
 
@@ -118,48 +155,99 @@ pub(crate) fn point(window: &mut Window, surface: &str, hit: &Hit) {
     if !is_measurable(window) {
         return;
     }
-    let camera = window.model.settle_camera(surface, false);
-    let subject = window.model.subject(surface);
-    let measuring = &mut window.dialogs.measuring;
-    if let (Some(thread), Some(subject)) = (&measuring.thread, subject) {
-        surface.clone_into(&mut measuring.pointer.surface);
+    let camera = window.model.view.inside.get(surface).copied();
+    if let Some(subject) = window.model.subject(surface) {
+        let pointer = &mut window.dialogs.measuring.pointer;
+        surface.clone_into(&mut pointer.surface);
+        pointer.found = Some((subject.clone(), hit.parameters));
         let question = MeasureQuestion::Pointer {
             uv: hit.parameters,
             polar: hit.polar,
             camera: camera.map(|camera| camera.frame()),
         };
-        thread.ask(subject, question);
+        ask(window, subject, question);
     }
 }
 
-/// Asks what is under the pointer, where it has moved over a picture.
+/// Asks a question of the thread that measures, which begins with the first one.
+fn ask(window: &mut Window, subject: Subject, question: MeasureQuestion) {
+    let events = &window.events;
+    let thread = &mut window.dialogs.measuring.thread;
+    let thread = thread.get_or_insert_with(|| MeasureThread::start(events.measured()));
+    thread.ask(subject, question);
+}
+
+/// Asks what is under the pointer, where it has moved over a picture, or the picture under it: at once while the window
+/// is open, else when it rests.
 pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, response: &Response) {
-    if !window.dialogs.measuring.is_open() || ui.input(|input| input.pointer.any_down()) {
+    if ui.input(|input| input.pointer.any_down()) {
         return;
     }
     let Some(at) = response.hover_pos() else {
         return;
     };
-    let Some(request) = window.pictures.sent(pane) else {
+    let Some(request) = window.pictures.sent(pane).filter(|request| !request.moving) else {
         return;
     };
-    let now = (pane.clone(), pixel(request, response.rect, at));
-    let measuring = &mut window.dialogs.measuring;
-    if measuring.pointer.asked.as_ref() != Some(&now) {
-        let request = request.clone();
-        window.pictures.render_thread.point(request, now.1);
-        measuring.pointer.asked = Some(now);
+    let now = pixel(request, response.rect, at);
+    let known = &window.dialogs.measuring.pointer.asked;
+    if known
+        .as_ref()
+        .is_some_and(|(before, pixel)| *pixel == now && before == request)
+    {
+        return;
     }
+    if !window.dialogs.measuring.is_open() {
+        let rested = f64::from(ui.input(|input| input.pointer.time_since_last_movement()));
+        if rested < POINTER_RESTS {
+            let left = Duration::from_secs_f64(POINTER_RESTS - rested);
+            ui.ctx().request_repaint_after(left);
+            return;
+        }
+    }
+    let request = request.clone();
+    let thread = &window.pictures.render_thread;
+    thread.point(request.clone(), now);
+    let pointer = &mut window.dialogs.measuring.pointer;
+    pointer.asked = Some((request, now));
+    pointer.picture = response.rect;
+}
+
+/// Measures the last place of the pointer anew where its surface has changed.
+fn ask_pointer(window: &mut Window) {
+    let pointer = &window.dialogs.measuring.pointer;
+    let Some((before, uv)) = pointer.found.clone() else {
+        return;
+    };
+    let surface = pointer.surface.clone();
+    let Some(subject) = window.model.subject(&surface) else {
+        return;
+    };
+    if before.is_same(&subject) {
+        return;
+    }
+    let camera = window.model.view.inside.get(&surface);
+    let question = MeasureQuestion::Pointer {
+        uv,
+        polar: None,
+        camera: camera.map(|camera| camera.frame()),
+    };
+    window.dialogs.measuring.pointer.found = Some((subject.clone(), uv));
+    ask(window, subject, question);
 }
 
 /// Takes an answer over. One for a figure that has changed since is not shown.
 pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
     let measuring = &mut window.dialogs.measuring;
+    if let MeasureAnswer::Pointer(rows, words) = answer {
+        (measuring.pointer.rows, measuring.pointer.words) = (rows, words);
+        return;
+    }
     if !measuring.is_open() {
         return;
     }
     match answer {
-        MeasureAnswer::Pointer(rows) => measuring.pointer.rows = rows,
+        MeasureAnswer::Pointer(..) => {}
         MeasureAnswer::Figure(figure, measured) => {
             if measuring.figure.as_ref() == Some(&figure) {
                 window.model.measured = Some((figure.surface, measured.lines.clone()));
@@ -180,6 +268,7 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
 
 /// Shows the window, and asks anew where the figure, its surface or the walk has changed.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
+    ask_pointer(window);
     if !window.dialogs.measuring.is_open() {
         return;
     }
@@ -215,6 +304,7 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     if let Some(figure) = &mut measuring.figure {
         ui.separator();
         ui.strong(format!("{} on {}", figure.tool.title(), figure.surface));
+        places(ui, figure);
         if let Some(found) = &measuring.found {
             rows(ui, "figure", &found.rows);
             if let Some(note) = &found.note {
@@ -255,6 +345,21 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     }
 }
 
+/// Shows the places of a figure, each with fields for its parameters.
+fn places(ui: &mut Ui, figure: &mut Figure) {
+    Grid::new("places").num_columns(3).show(ui, |ui| {
+        for (letter, place) in ('A'..='Z').zip(&mut figure.places) {
+            ui.label(letter.to_string());
+            for (name, value) in ["u", "v"].into_iter().zip(place) {
+                let field = DragValue::new(value).speed(0.01).max_decimals(6);
+                let field = ui.add(field.prefix(format!("{name} = ")));
+                field.accessible_name(format!("{name} of {letter}"));
+            }
+            ui.end_row();
+        }
+    });
+}
+
 fn rows(ui: &mut Ui, id: &str, rows: &[Quantity]) {
     Grid::new(id).num_columns(2).show(ui, |ui| {
         for Quantity { name, value } in rows {
@@ -278,10 +383,8 @@ fn ask_figure(window: &mut Window) {
     if measuring.asked.as_ref().is_some_and(is_known) {
         return;
     }
-    if let Some(thread) = &measuring.thread {
-        thread.ask(subject.clone(), MeasureQuestion::Figure(figure.clone()));
-        measuring.asked = Some((subject, figure));
-    }
+    measuring.asked = Some((subject.clone(), figure.clone()));
+    ask(window, subject, MeasureQuestion::Figure(figure));
 }
 
 /// Asks for the measures of the trail of the surface in use.
@@ -295,7 +398,7 @@ fn ask_walk(window: &mut Window) {
     let is_known = measuring.walk.as_ref().is_some_and(|(before, known, end)| {
         before.is_same(&subject) && Arc::ptr_eq(known, &path) && *end == camera
     });
-    if let Some(thread) = measuring.thread.as_ref().filter(|_| !is_known) {
+    if !is_known {
         let turns = path.motions().iter().map(|motion| match motion {
             Motion::Turn(angle) => *angle,
             _ => 0.0,
@@ -306,8 +409,8 @@ fn ask_walk(window: &mut Window) {
             turned: turns.sum(),
             length: path.trail.length,
         };
-        thread.ask(subject.clone(), question);
-        measuring.walk = Some((subject, path, camera));
+        measuring.walk = Some((subject.clone(), path, camera));
+        ask(window, subject, question);
     }
 }
 
@@ -321,11 +424,11 @@ fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, InsideCamera)
 
 fn walk_back(window: &mut Window) {
     let measuring = &window.dialogs.measuring;
-    if let (Some(thread), Some((subject, path, camera))) = (&measuring.thread, &measuring.walk) {
+    if let Some((subject, path, camera)) = &measuring.walk {
         let question = MeasureQuestion::WayBack {
             from: camera.frame(),
             to: path.start.at,
         };
-        thread.ask(subject.clone(), question);
+        ask(window, subject.clone(), question);
     }
 }

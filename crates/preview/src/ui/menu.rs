@@ -1,6 +1,6 @@
 //! The menu bar.
 
-use egui::{Key, MenuBar, Panel, Ui, ViewportCommand};
+use egui::{Atom, Checkbox, Key, MenuBar, Panel, Response, RichText, Ui, ViewportCommand};
 use render::Views;
 use render::view::View;
 
@@ -11,7 +11,7 @@ use crate::ui::dialogs::help::HelpPage;
 use crate::ui::dialogs::{picture, program, record};
 use crate::ui::panes::program::commands::{self, TextCommand};
 use crate::ui::window::{TextSource, Window};
-use crate::ui::{measure, navigation, welcome};
+use crate::ui::{measure, navigation, toolbar, welcome};
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
@@ -25,6 +25,7 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
                 overlays(&mut window.model, &window.views, ui);
             });
             ui.menu_button("Help", |ui| help(window, ui));
+            toolbar::show(window, ui);
         });
     });
 }
@@ -34,6 +35,13 @@ fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
     let button = egui::Button::new(title).shortcut_text(keys);
     let response = ui.add_enabled(enabled, button);
     response.accessible_name(title).clicked()
+}
+
+/// A box of a menu, with its keys beside it.
+pub(super) fn tick(ui: &mut Ui, on: &mut bool, title: &str, keys: &str) -> Response {
+    let keys = RichText::new(keys).weak();
+    let tick = Checkbox::new(on, (title, Atom::grow(), keys));
+    ui.add(tick).accessible_name(title)
 }
 
 fn file(window: &mut Window, ui: &mut Ui) {
@@ -221,19 +229,15 @@ fn view(window: &mut Window, ui: &mut Ui) {
         window.next_view(ui, false);
     }
     let alone = &mut window.panes.shows_views_alone;
-    let hint = "Hides the program and the settings (Ctrl+B)";
-    ui.checkbox(alone, "Views alone").on_hover_text(hint);
+    let hint = "Hides the program and the settings";
+    tick(ui, alone, "Views alone", "Ctrl+B").on_hover_text(hint);
     let mut full = is_full_screen(ui);
-    if ui
-        .checkbox(&mut full, "Full screen")
-        .on_hover_text("F11")
-        .changed()
-    {
+    if tick(ui, &mut full, "Full screen", "F11").changed() {
         toggle_full_screen(ui);
     }
     let mut measures = window.dialogs.measuring.is_open();
-    let hint = "Distances, circles, triangles and curvatures by clicks (M)";
-    let measure = ui.checkbox(&mut measures, "Measure");
+    let hint = "Distances, circles, triangles and curvatures by clicks";
+    let measure = tick(ui, &mut measures, "Measure", "M");
     if measure.on_hover_text(hint).changed() {
         measure::toggle(window);
     }
@@ -244,7 +248,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
         let step = Step::new("Change a setting", "fly");
         window.model.change(step, |view| view.preferences.fly = fly);
     }
-    navigation::menu(window, ui);
+    navigation::entries(window, ui);
     if entry(ui, true, "Frame everything", "F") {
         window.frame_all();
     }
@@ -294,12 +298,6 @@ fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {
         model.clear_trails();
     }
     if marks != before {
-        let framed_otherwise = marks.axes != before.axes;
-        let step = Step::new("Change the overlays", "");
-        model.change(step, |view| view.preferences.marks = marks);
-        model.history.settle();
-        if framed_otherwise {
-            model.reframe();
-        }
+        model.set_marks(marks);
     }
 }

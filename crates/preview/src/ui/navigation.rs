@@ -7,6 +7,7 @@ use glam::DVec3;
 use render::ViewId;
 
 use crate::state::{SpaceCamera, Step};
+use crate::ui::menu;
 use crate::ui::window::Window;
 
 /// A view along an axis.
@@ -165,6 +166,12 @@ fn set_orthographic(window: &mut Window, on: bool) {
     window.model.history.settle();
 }
 
+/// Makes the lines of sight parallel, or no longer.
+pub(crate) fn toggle_orthographic(window: &mut Window) {
+    let on = window.model.view.preferences.orthographic;
+    set_orthographic(window, !on);
+}
+
 /// Handles the keys of the views along the axes.
 pub(crate) fn keys(window: &mut Window, ui: &Ui) {
     let pressed = |modifiers: Modifiers, key: Key| {
@@ -180,13 +187,12 @@ pub(crate) fn keys(window: &mut Window, ui: &Ui) {
         }
     }
     if pressed(Modifiers::NONE, Key::Num5) {
-        let on = window.model.view.preferences.orthographic;
-        set_orthographic(window, !on);
+        toggle_orthographic(window);
     }
 }
 
 /// Shows the entries of the menu *View*.
-pub(crate) fn menu(window: &mut Window, ui: &mut Ui) {
+pub(crate) fn entries(window: &mut Window, ui: &mut Ui) {
     ui.menu_button("Axis views", |ui| {
         for view in &AXIS_VIEWS {
             let button = egui::Button::new(view.title).shortcut_text(view.keys);
@@ -196,9 +202,9 @@ pub(crate) fn menu(window: &mut Window, ui: &mut Ui) {
         }
     });
     let mut on = window.model.view.preferences.orthographic;
-    let hint = "Parallel lines of sight: equal lengths are equal in the picture (5)";
-    let tick = ui.checkbox(&mut on, ORTHOGRAPHIC).on_hover_text(hint);
-    if tick.changed() {
+    let hint = "Parallel lines of sight: equal lengths are equal in the picture";
+    let tick = menu::tick(ui, &mut on, ORTHOGRAPHIC, "5");
+    if tick.on_hover_text(hint).changed() {
         set_orthographic(window, on);
     }
 }

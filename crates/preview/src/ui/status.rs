@@ -4,6 +4,7 @@ use egui::{Panel, RichText, Ui};
 
 use crate::io::link::DisconnectReason;
 use crate::state::StatusMessage;
+use crate::state::measuring::number;
 use crate::ui::window::{Pictures, TextSource, Window};
 
 /// Shows a banner above the panes when the server is gone.
@@ -57,8 +58,17 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
                 }
             }
             ui.separator();
-            numbers(window, ui);
-            ui.label(&window.display.backend);
+            if window.model.view.preferences.run_times {
+                costs(window, ui);
+                ui.label(&window.display.backend);
+                ui.separator();
+            }
+            scale_bar(window, ui);
+            trail(window, ui);
+            if let Some(words) = window.dialogs.measuring.under_pointer(ui) {
+                ui.separator();
+                ui.label(words);
+            }
             notes(&window.pictures, ui);
             if let Some(StatusMessage { is_error, text }) = &window.status_message {
                 ui.separator();
@@ -79,7 +89,7 @@ fn capitalized(text: &str) -> String {
 }
 
 /// Shows the cost of the active pane's picture, and of the window's last frame without it.
-fn numbers(window: &Window, ui: &mut Ui) {
+fn costs(window: &Window, ui: &mut Ui) {
     let Some(picture) = window.pictures.shown(&window.focus.view) else {
         return;
     };
@@ -96,6 +106,57 @@ fn numbers(window: &Window, ui: &mut Ui) {
             work.steps, work.evaluations
         ));
     }
+    ui.separator();
+}
+
+/// Shows a bar as long as a round distance is in the middle of the active view, and that distance.
+fn scale_bar(window: &Window, ui: &mut Ui) {
+    let Some(unit) = point_in_view(window, ui) else {
+        return;
+    };
+    let distance = round_distance(BAR * unit);
+    let length = (distance / unit) as f32;
+    let (place, _) = ui.allocate_exact_size(egui::vec2(length, 10.0), egui::Sense::hover());
+    let stroke = egui::Stroke::new(1.5, ui.visuals().text_color());
+    let painter = ui.painter();
+    painter.hline(place.x_range(), place.center().y, stroke);
+    for x in [place.left(), place.right()] {
+        painter.vline(x, place.y_range(), stroke);
+    }
+    let hint = "The length of the bar in the middle of the view in use";
+    let words = number(distance);
+    let label = ui.label(&words).on_hover_text(hint);
+    label.accessible_name(format!("Scale: {words}"));
+}
+
+/// The length of the bar of the scale in points, about.
+const BAR: f64 = 60.0;
+
+/// Returns the distance that one point of the screen is in the middle of the active view.
+fn point_in_view(window: &Window, ui: &Ui) -> Option<f64> {
+    let id = &window.focus.view;
+    let room = window.pictures.of_views.get(id)?.room?;
+    let shorter = f64::from(room[0].min(room[1])) / f64::from(ui.ctx().pixels_per_point());
+    let side = match &id.object {
+        Some(surface) => 2.0 * window.model.view.inside.get(surface)?.zoom,
+        None => window.model.view.space?.side_seen(),
+    };
+    let unit = side / shorter;
+    (unit > 0.0 && unit.is_finite()).then_some(unit)
+}
+
+/// Returns the greatest of the numbers 1, 2 and 5, times a power of ten, that is not greater than a number.
+fn round_distance(most: f64) -> f64 {
+    let power = 10_f64.powf(most.log10().floor());
+    let steps = [5.0, 2.0].map(|step| step * power);
+    steps
+        .into_iter()
+        .find(|step| *step <= most)
+        .unwrap_or(power)
+}
+
+/// Shows the length of the trail that is drawn.
+fn trail(window: &Window, ui: &mut Ui) {
     let surface = window.focus.view.object.as_ref();
     let surface = surface.or(window.focus.surface.as_ref());
     let leaves = window.model.view.preferences.marks.trail;
@@ -104,7 +165,6 @@ fn numbers(window: &Window, ui: &mut Ui) {
         ui.separator();
         ui.label(format!("trail of length {:.4}", path.trail.length));
     }
-    ui.separator();
 }
 
 /// Shows the notes of the pictures.

@@ -33,7 +33,6 @@ use crate::engine::compiler::Compiler;
 use crate::engine::render_thread::RenderThread;
 use crate::engine::textures::Library;
 use crate::io::link::Link;
-use crate::io::persistence::ViewStore;
 use crate::io::report::{Counters, Report};
 use crate::state::layout::Layout;
 use crate::state::model::Emphasis;
@@ -164,6 +163,9 @@ impl Window {
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
         self.pictures.library.folder = program.parent().map(Path::to_owned);
+        if !self.remembers_views() {
+            return;
+        }
         let (known, mut trouble) = crate::io::persistence::load(&program);
         self.model.turn_to(known.view.clone());
         if let Some(layout) = known.layouts.get(self.kind()) {
@@ -177,7 +179,7 @@ impl Window {
         if let Some(sentence) = trouble {
             self.status_message = Some(StatusMessage::error(sentence));
         }
-        self.records.view_store = Some(ViewStore::start(program, known, self.events.status()));
+        self.keep_view_of(program, known);
     }
 
     /// The kind of window whose panes are remembered together.

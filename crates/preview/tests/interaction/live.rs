@@ -320,6 +320,12 @@ fn an_edit_of_one_of_twenty_surfaces_samples_that_one() {
 #[test]
 fn the_status_line_tells_what_the_view_in_use_has_cost_and_how_exact_it_is() {
     let mut hand = Hand::on(SPHERE);
+    assert!(
+        !hand.shows(" ms, frame "),
+        "a reader of pictures has no use for it"
+    );
+    hand.settings("Preferences");
+    hand.click("Show run times");
     assert!(hand.shows("picture ") && hand.shows(" ms, frame "));
     assert!(!hand.shows(" evaluations"), "of no use in space");
     hand.press(Modifiers::NONE, Key::F6);

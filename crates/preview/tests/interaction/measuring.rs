@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Vec2};
+use egui_kittest::kittest::Queryable;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -107,9 +108,66 @@ fn the_pointer_has_its_distance_and_direction_from_the_camera() {
     let zoom = hand.camera("s").zoom;
     let place = at(&hand, "s", [-0.3, 0.4]);
     hand.harness.hover_at(place);
-    near(number(&mut hand, "distance from the camera"), 0.5 * zoom);
+    near(number(&mut hand, "length of the geodesic seen"), 0.5 * zoom);
     near(number(&mut hand, "direction"), f64::atan2(0.4, -0.3));
     equal(number(&mut hand, "K"), 1.0);
+}
+
+#[test]
+fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_the_params() {
+    let mut hand = Hand::on(SPHERE);
+    let place = at(&hand, "s", [-0.3, 0.4]);
+    hand.harness.hover_at(place);
+    hand.until("the place is in the status line", |hand| {
+        hand.shows("s: (u, v) = (") && hand.shows("), K = 1")
+    });
+    let space = hand.space();
+    hand.harness
+        .hover_at(space.left_top() + Vec2::new(2.0, 120.0));
+    hand.until("beside the sphere there is none", |hand| {
+        !hand.shows("K = 1")
+    });
+    // With the window open, the last place is measured anew where a param changes.
+    open(&mut hand);
+    hand.harness.hover_at(place);
+    equal(number(&mut hand, "K"), 1.0);
+    hand.slide("r", 60.0);
+    let r = hand.param("r");
+    assert!(r > 1.1, "{r}");
+    let wanted = 1.0 / (r * r);
+    hand.until("K of the larger sphere", |hand| {
+        let names = hand.names();
+        let mut shown = names.iter().filter_map(|name| name.parse::<f64>().ok());
+        shown.any(|k| (k - wanted).abs() < 1e-6)
+    });
+}
+
+#[test]
+fn the_places_of_a_figure_can_be_entered() {
+    let mut hand = measuring("Distance");
+    click(&mut hand, [-0.3, 0.0]);
+    click(&mut hand, [0.5, 0.0]);
+    for (name, value) in [
+        ("u of A", "0"),
+        ("v of A", "0"),
+        ("u of B", "0"),
+        ("v of B", "1"),
+    ] {
+        let field = (Role::SpinButton, name);
+        hand.harness.get_by_role_and_label(field.0, field.1).focus();
+        hand.harness.run_steps(2);
+        hand.press(Modifiers::COMMAND, Key::A);
+        hand.harness.event(egui::Event::Text(value.to_owned()));
+        hand.harness.run_steps(2);
+        hand.press(Modifiers::NONE, Key::Enter);
+    }
+    hand.until("the distance of the places", |hand| {
+        let names = hand.names();
+        names
+            .windows(2)
+            .any(|pair| pair[0] == "distance" && pair[1] == "1")
+    });
+    equal(number(&mut hand, "distance"), 1.0);
 }
 
 #[test]

@@ -165,6 +165,59 @@ fn a_file_is_opened_by_its_name_and_nothing_of_the_one_before_stays() {
 }
 
 #[test]
+fn a_name_typed_in_the_dialog_takes_the_place_of_the_one_before_and_enter_saves() {
+    let mut hand = Hand::on(SPHERE);
+    hand.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    hand.settle();
+    assert!(hand.shows("Save program"));
+    // A click beside the dialog loses nothing.
+    let corner = hand.space().left_bottom() + egui::vec2(4.0, -4.0);
+    hand.click_at(corner);
+    assert!(hand.shows("There is such a file"), "{:?}", hand.names());
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    hand.settle();
+    hand.harness.event(egui::Event::Text("other".to_owned()));
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert_eq!(hand.window().title(), "other.gtr – Geotrace");
+    let other = hand.path.with_file_name("other.gtr");
+    assert_eq!(std::fs::read_to_string(other).expect("a file"), SPHERE);
+}
+
+#[test]
+fn nothing_is_remembered_beside_programs_where_that_is_switched_off() {
+    let state = tempfile::tempdir().expect("a folder");
+    let mut hand = Hand::on(SPHERE);
+    hand.window_mut().remember_paths_in(state.path());
+    let beside = hand.path.with_file_name(".program.gtr.geotrace.json");
+    hand.settings("Preferences");
+    hand.click("Remember views beside programs");
+    hand.window_mut().set_text(SPHERE.replace("r + 1", "r + 2"));
+    hand.settle();
+    hand.press(Modifiers::NONE, Key::Num7);
+    hand.harness.run_steps(30);
+    hand.settle();
+    let path = hand.path.clone();
+    let folder = hand.close();
+    assert!(!beside.exists(), "switched off");
+    // The next window knows it too, and reads nothing.
+    std::fs::write(
+        &beside,
+        r#"{"format": 1, "view": {"params": {"r": [2.5]}}}"#,
+    )
+    .expect("written");
+    let mut hand = Hand::opened(path, folder);
+    hand.window_mut().remember_paths_in(state.path());
+    hand.settle();
+    assert_eq!(hand.param("r"), 1.0);
+    hand.settings("Preferences");
+    hand.click("Remember views beside programs");
+    hand.settle();
+}
+
+#[test]
 fn help_has_the_language_on_one_page_and_says_what_this_is() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Help");

@@ -99,6 +99,58 @@ fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_l
     assert!(hand.window().model().view.textures.is_empty());
 }
 
+#[test]
+fn a_colour_is_chosen_from_the_palette_by_its_digits_or_by_sliders() {
+    let mut hand = Hand::on(SPHERE);
+    hand.settings("Objects");
+    let colour = |hand: &Hand| hand.window().model().view.look("p").colour;
+    hand.click("Colour of p");
+    hand.click("Bluish green");
+    assert_eq!(colour(&hand), Some([0, 158, 115]));
+    hand.enter("#009e73", "#d55e00");
+    assert_eq!(colour(&hand), Some([213, 94, 0]));
+    // What is no colour yet changes nothing.
+    hand.enter("#d55e00", "#d5");
+    assert_eq!(colour(&hand), Some([213, 94, 0]));
+    hand.enter("#d5", "fff");
+    assert_eq!(colour(&hand), Some([255; 3]));
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    assert_ne!(colour(&hand), Some([255; 3]));
+}
+
+#[test]
+fn axes_step_the_camera_back_unless_it_was_moved() {
+    let mut hand = Hand::on(SPHERE);
+    let distance = |hand: &Hand| {
+        let (eye, target) = hand.eye();
+        let squares = (0..3).map(|k| (eye[k] - target[k]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let first = distance(&hand);
+    let toggle = |hand: &mut Hand| {
+        hand.click("Overlays");
+        hand.click_on(Role::CheckBox, "Axes");
+        hand.press(Modifiers::NONE, Key::Escape);
+        hand.settle();
+    };
+    toggle(&mut hand);
+    assert!(
+        distance(&hand) > 1.1 * first,
+        "{first}, {}",
+        distance(&hand)
+    );
+    toggle(&mut hand);
+    assert!((distance(&hand) - first).abs() < 1e-9 * first);
+    let middle = hand.space().center();
+    hand.wheel(middle, 100.0);
+    hand.settle();
+    let moved = distance(&hand);
+    toggle(&mut hand);
+    assert_eq!(distance(&hand), moved, "the camera stays where it was put");
+}
+
 /// A file as a desktop hands it over.
 #[derive(Debug)]
 struct Dropped(PathBuf);

@@ -37,12 +37,17 @@ impl Images {
     /// Notes on the colours of curvature.
     pub(super) fn notes(&self, program: &LoadedProgram, request: &PictureRequest) -> Vec<String> {
         let note = |&surface: &ObjectId| {
-            let most = request.texture(surface).curvature_scale()?.most;
+            let scale = request.texture(surface).curvature_scale()?;
+            let most = scale.most;
+            let [less, more] = match scale.is_clipped {
+                true => [" and less", " and more"],
+                false => ["", ""],
+            };
             // Rounded to four digits.
             let rounded = format!("{most:.3e}").parse().unwrap_or(most);
             let most = number::show(rounded);
             Some(format!(
-                "`{}` shows its Gaussian curvature: -{most} is blue, 0 white, {most} red",
+                "`{}` shows its Gaussian curvature: -{most}{less} is blue, 0 white, {most}{more} red",
                 program.object_name(surface)?
             ))
         };

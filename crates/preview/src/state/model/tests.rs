@@ -442,9 +442,9 @@ fn only_views_that_show_what_is_stood_in_for_are_marked() {
     assert_eq!(st(&geodesic), (true, [false, true]), "g lies on t");
     let metric = good.replace("1 + u^2", "1 + ");
     assert_eq!(mt(&metric), (false, [true, false]), "m is nowhere in space");
-    // A declaration that was never good is nowhere: the 3D view lacks it.
+    // A declaration that is not complete yet changes nothing of what is shown.
     let new = format!("{good} point p = (1, ");
-    assert_eq!(st(&new), (true, [false, false]));
+    assert_eq!(st(&new), (false, [false, false]));
     // What is mended is not marked, nor what was never there.
     assert_eq!(
         marks(&[good, &new, good], ["s", "t"]),

@@ -1,6 +1,6 @@
 //! The camera in space: it goes, looks, and is carried around its target; clicks find what is under them.
 
-use egui::{Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
+use egui::{Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::DVec2;
 use render::ViewId;
 
@@ -122,10 +122,12 @@ fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
 fn hint(ui: &Ui, rect: Rect, fly: bool) {
     let verb = if fly { "look around" } else { "turn" };
     let text = format!("drag to {verb}, wheel to zoom, F to fit");
-    let at = rect.center_bottom() - egui::vec2(0.0, 8.0);
+    // The legend is in the other corner.
     let (font, colour) = (FontId::proportional(12.0), Color32::from_gray(128));
     let painter = ui.painter_at(rect);
-    painter.text(at, Align2::CENTER_BOTTOM, text, font, colour);
+    let galley = painter.layout(text, font, colour, rect.width() - 16.0);
+    let at = rect.right_bottom() - egui::vec2(8.0, 8.0) - galley.size();
+    painter.galley(at, galley, colour);
 }
 
 /// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows. Where lines of sight

@@ -264,8 +264,8 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
     let label = ui.label("File");
     let choose = ui
         .horizontal(|ui| {
-            let edit = egui::TextEdit::singleline(path).desired_width(320.0);
-            ui.add(edit).labelled_by(label.id);
+            let edit = egui::TextEdit::singleline(path).id(path_field());
+            ui.add(edit.desired_width(320.0)).labelled_by(label.id);
             let choose = egui::Button::new("Choose…");
             ui.add_enabled(crate::io::file_dialogs::has_dialogs(), choose)
                 .clicked()
@@ -278,6 +278,11 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
         ui.end_row();
     }
     choose
+}
+
+/// The field for the file of a dialog.
+pub(crate) fn path_field() -> egui::Id {
+    egui::Id::unique("file of a dialog")
 }
 
 /// Says that a file will be replaced, if there is one.
@@ -298,6 +303,8 @@ pub(crate) fn modal(
     content: impl FnOnce(&mut Ui) -> bool,
 ) -> Decision {
     let mut decision = Decision::Stay;
+    let is_typed = ui.memory(|memory| memory.has_focus(path_field()));
+    let is_entered = is_typed && ui.input(|input| input.key_pressed(egui::Key::Enter));
     let modal = egui::Modal::new(egui::Id::unique(title)).show(ui.ctx(), |ui| {
         ui.heading(title);
         if content(ui) {
@@ -312,7 +319,12 @@ pub(crate) fn modal(
             }
         });
     });
-    if modal.should_close() {
+    if is_entered {
+        decision = Decision::Save;
+    }
+    // A click beside it would lose what was typed.
+    let is_left = modal.is_top_modal && !modal.any_popup_open;
+    if is_left && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
         decision = Decision::Cancel;
     }
     decision

@@ -64,7 +64,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     window
         .camera_input(pane)
         .pointer(window, ui, pane, &response);
-    crate::ui::measure::follow_pointer(window, ui, pane, &response);
+    if response.hovered() {
+        crate::ui::measure::follow_pointer(window, ui, pane, &response);
+    }
 }
 
 /// Offers templates in the place of the picture of a program that is blank.

@@ -47,7 +47,10 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             SettingsTab::Params => params::show(window, ui),
             SettingsTab::Objects => objects::show(window, ui),
             SettingsTab::Views => views::show(&mut window.model, ui),
-            SettingsTab::Preferences => views::preferences(&mut window.model, ui),
+            SettingsTab::Preferences => {
+                views::preferences(&mut window.model, ui);
+                views::memory(window, ui);
+            }
         });
     });
     params::write_released(window, ui);

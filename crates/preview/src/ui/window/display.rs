@@ -79,6 +79,11 @@ impl Display {
             Theme::Dark => egui::ThemePreference::Dark,
         });
         context.set_zoom_factor(style.1);
+        for (theme, grey) in [(egui::Theme::Dark, 168), (egui::Theme::Light, 85)] {
+            context.style_mut_of(theme, |style| {
+                style.visuals.weak_text_color = Some(Color32::from_gray(grey));
+            });
+        }
         context.all_styles_mut(|style| {
             // A blinking cursor would draw the window again and again.
             style.visuals.text_cursor.blink = false;

@@ -14,7 +14,7 @@ use crate::ui::gpu_surface::TextureBinding;
 #[derive(Default)]
 pub(crate) struct PaneView {
     /// The pixels that the pane had room for when it was last on the screen.
-    pub(super) room: Option<[u32; 2]>,
+    pub(crate) room: Option<[u32; 2]>,
     /// Set if it was on the screen when the window last drew itself.
     pub(super) on_screen: bool,
     /// The request that was sent last.

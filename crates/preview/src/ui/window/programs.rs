@@ -15,6 +15,7 @@ use crate::engine::compiler::Compiler;
 use crate::engine::editor::Editor;
 use crate::io::path_list::PathList;
 use crate::io::persistence::{Known, ViewStore};
+use crate::io::settings::{Settings, SharedSettings};
 use crate::io::watch::Watch;
 use crate::state::{StatusMessage, View};
 use crate::ui::panes::Panes;
@@ -74,11 +75,43 @@ impl Window {
         Ok(window)
     }
 
-    /// Remembers from now on in a folder which programs and images were opened last.
+    /// Remembers from now on in a folder which programs and images were opened last, and takes the settings for all
+    /// programs over from there.
     pub fn remember_paths_in(&mut self, folder: &Path) {
         self.records.recent = PathList::programs(folder);
         self.pictures.library.opened = PathList::images(folder);
+        self.records.settings = SharedSettings::in_folder(folder);
+        if !self.remembers_views() {
+            // What was remembered of a program that is open already is not to be used.
+            self.records.view_store = None;
+            self.model.turn_to(View::default());
+        }
         self.note_recent();
+    }
+
+    /// Returns whether views are remembered beside programs.
+    pub(crate) fn remembers_views(&self) -> bool {
+        self.records.settings.now().remembers_views
+    }
+
+    /// Sets whether views are remembered beside programs, from now on and in all windows.
+    pub(crate) fn remember_views(&mut self, on: bool) {
+        self.records.settings.change(Settings {
+            remembers_views: on,
+        });
+        self.records.view_store = None;
+        let is_new = matches!(&self.text.source, TextSource::File { editor, .. } if editor.is_new);
+        if let Some(path) = self.text.file().filter(|_| !is_new) {
+            self.keep_view_of(path, Known::default());
+        }
+    }
+
+    /// Remembers the view of a program from now on, where views are remembered; `known` is what is remembered already.
+    pub(super) fn keep_view_of(&mut self, program: PathBuf, known: Known) {
+        if self.remembers_views() {
+            let store = ViewStore::start(program, known, self.events.status());
+            self.records.view_store = Some(store);
+        }
     }
 
     fn note_recent(&mut self) {
@@ -195,8 +228,7 @@ impl Window {
         let events = self.events.sender.for_part(WindowEvent::File);
         // A file that is not watched is looked at before it is written over.
         *_watch = Watch::start(&path, editor.text.clone(), events).ok();
-        let status = self.events.status();
-        self.records.view_store = Some(ViewStore::start(path, Known::default(), status));
+        self.keep_view_of(path, Known::default());
         self.status_message = Some(StatusMessage::info(SAVED));
         self.note_recent();
         self.text.compile();

@@ -3,6 +3,7 @@
 use crate::io::path_list::PathList;
 use crate::io::persistence::ViewStore;
 use crate::io::report::{Counters, Report};
+use crate::io::settings::SharedSettings;
 use crate::state::Model;
 
 /// The records of a window.
@@ -11,6 +12,8 @@ pub(crate) struct Records {
     /// Remembers the view between runs.
     pub(super) view_store: Option<ViewStore>,
     pub(crate) counters: Counters,
+    /// The settings that hold for all programs.
+    pub(super) settings: SharedSettings,
     /// The programs that were opened last.
     pub(crate) recent: PathList,
     /// Writes the counters after each frame.

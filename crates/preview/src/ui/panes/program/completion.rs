@@ -15,6 +15,11 @@ use super::code::{byte, characters};
 use crate::engine::editor::Editor;
 use crate::state::model::ReadText;
 
+/// The width of the list in points, what of it is not text, and the most that letters of entries and of details take.
+const WIDTH: f32 = 260.0;
+const MARGIN: f32 = 24.0;
+const LETTER: f32 = 8.0;
+const SMALL_LETTER: f32 = 5.5;
 /// The number of letters of a word after which the list opens by itself.
 const LETTERS: usize = 2;
 /// The number of entries that are listed.
@@ -254,6 +259,21 @@ pub(super) fn show(
     }
 }
 
+/// Returns what is said of an entry beside it, as much as there is room for: the entry itself is always seen whole.
+fn beside(entry: &Completion) -> String {
+    let label = LETTER * entry.label.chars().count() as f32;
+    let room = ((WIDTH - MARGIN - label) / SMALL_LETTER).max(0.0) as usize;
+    let count = entry.detail.chars().count();
+    if count <= room {
+        return entry.detail.clone();
+    }
+    let shown: String = entry.detail.chars().take(room.saturating_sub(1)).collect();
+    match shown.trim_end() {
+        "" => String::new(),
+        shown => format!("{shown}…"),
+    }
+}
+
 fn popup_id() -> Id {
     Id::unique("completions")
 }
@@ -271,7 +291,11 @@ fn popup(ui: &Ui, list: &mut List) {
     let screen = ui.ctx().content_rect();
     let rows = list.entries.len().min(8) as f32;
     let height = rows * (row + 2.0) + 12.0;
-    let is_above = place.bottom() + height > screen.bottom();
+    // Below the text may be the list of errors, which it must not cover.
+    let below = ui.clip_rect().bottom().min(screen.bottom());
+    let fits_above = place.top() - height >= screen.top();
+    let is_above =
+        place.bottom() + height > screen.bottom() || place.bottom() + height > below && fits_above;
     let (at, pivot) = match is_above {
         true => (place.left_top(), Align2::LEFT_BOTTOM),
         false => (place.left_bottom(), Align2::LEFT_TOP),
@@ -279,12 +303,12 @@ fn popup(ui: &Ui, list: &mut List) {
     let area = Area::new(popup_id()).order(Order::Foreground);
     area.pivot(pivot).fixed_pos(at).show(ui.ctx(), |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
-            ui.set_width(260.0);
+            ui.set_width(WIDTH);
             let scroll = ScrollArea::vertical().max_height(height);
             scroll.show(ui, |ui| {
                 for (k, entry) in list.entries.iter().enumerate() {
                     let is_selected = k == list.selected;
-                    let detail = RichText::new(&entry.detail).weak().small();
+                    let detail = RichText::new(beside(entry)).weak().small();
                     let title = RichText::new(&entry.label).monospace();
                     let button = Button::selectable(is_selected, title)
                         .right_text(detail)

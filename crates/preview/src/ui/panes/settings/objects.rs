@@ -6,6 +6,7 @@ use egui::{ComboBox, Grid, Ui};
 use scene::Object;
 
 use crate::state::{Choice, Step};
+use crate::ui::colour;
 use crate::ui::window::Window;
 
 /// Draws the tab.
@@ -33,6 +34,12 @@ fn objects(window: &mut Window, ui: &mut Ui) {
         .min_col_width(0.0)
         .spacing([8.0, 4.0])
         .show(ui, |ui| {
+            if !window.model.surfaces().is_empty() {
+                for title in ["", "", "Object", "Texture", ""] {
+                    ui.weak(title);
+                }
+                ui.end_row();
+            }
             for object in &scene.objects {
                 row(window, ui, object);
                 ui.end_row();
@@ -58,7 +65,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     let mut colour = look
         .colour
         .unwrap_or_else(|| window.model.default_colour(name));
-    let picker = ui.color_edit_button_srgb(&mut colour);
+    let picker = colour::button(ui, &mut colour);
     if picker
         .accessible_name(format!("Colour of {name}"))
         .changed()

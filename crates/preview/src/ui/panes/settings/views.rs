@@ -3,6 +3,8 @@
 use egui::{ComboBox, DragValue, Grid, Slider, Ui};
 
 use crate::state::{Model, Preferences, SCALES, Step, Theme};
+use crate::ui::colour;
+use crate::ui::window::Window;
 
 /// The least and the greatest width of a slider.
 const SLIDER: [f32; 2] = [40.0, 150.0];
@@ -65,6 +67,24 @@ pub(super) fn preferences(model: &mut Model, ui: &mut Ui) {
             view.preferences.write_on_release = write;
         });
     }
+    let mut run_times = model.view.preferences.run_times;
+    let hint = "In the status line: what draws, how long each picture takes, and how exact it is";
+    let tick = ui.checkbox(&mut run_times, "Show run times");
+    if tick.on_hover_text(hint).changed() {
+        model.change(Step::new("Change a setting", "run times"), |view| {
+            view.preferences.run_times = run_times;
+        });
+    }
+}
+
+/// Draws the switch of what is remembered for all programs.
+pub(super) fn memory(window: &mut Window, ui: &mut Ui) {
+    let mut remembers = window.remembers_views();
+    let hint = "In a hidden file, .NAME.gtr.geotrace.json: cameras, sliders, colours, panes";
+    let tick = ui.checkbox(&mut remembers, "Remember views beside programs");
+    if tick.on_hover_text(hint).changed() {
+        window.remember_views(remembers);
+    }
 }
 
 /// Lets the user edit preferences in rows of two columns: a change is a step that can be undone.
@@ -85,7 +105,7 @@ fn background(preferences: &mut Preferences, shown: [u8; 3], ui: &mut Ui) {
     let label = ui.label("Background");
     let mut colour = shown;
     ui.horizontal(|ui| {
-        let picker = ui.color_edit_button_srgb(&mut colour);
+        let picker = colour::button(ui, &mut colour);
         if picker.labelled_by(label.id).changed() {
             preferences.background = Some(colour);
         }

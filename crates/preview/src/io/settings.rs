@@ -1,0 +1,82 @@
+//! The settings that hold for all programs: a small file in the user's state folder, which all windows share.
+//!
+//! A file that cannot be read has the defaults; where none can be written, a setting holds for the window alone.
+
+use std::path::{Path, PathBuf};
+
+use export::whole_file::write_whole;
+use serde::{Deserialize, Serialize};
+
+/// The settings.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(crate) struct Settings {
+    /// Set if what is chosen for a program is remembered in a file beside it.
+    pub(crate) remembers_views: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            remembers_views: true,
+        }
+    }
+}
+
+/// The settings with the file that they are kept in.
+#[derive(Debug, Default)]
+pub(crate) struct SharedSettings {
+    /// None where nothing is to be kept.
+    file: Option<PathBuf>,
+    now: Settings,
+}
+
+impl SharedSettings {
+    /// Reads the settings that are kept in a folder.
+    pub(crate) fn in_folder(folder: &Path) -> Self {
+        let file = folder.join("settings.json");
+        let bytes = std::fs::read(&file).unwrap_or_default();
+        Self {
+            now: serde_json::from_slice(&bytes).unwrap_or_default(),
+            file: Some(file),
+        }
+    }
+
+    /// Returns the settings.
+    pub(crate) fn now(&self) -> Settings {
+        self.now
+    }
+
+    /// Changes the settings, for all windows that are opened from now on.
+    pub(crate) fn change(&mut self, settings: Settings) {
+        self.now = settings;
+        if let Some(file) = &self.file
+            && let Some(folder) = file.parent()
+            && std::fs::create_dir_all(folder).is_ok()
+            && let Ok(bytes) = serde_json::to_vec_pretty(&settings)
+        {
+            let _ = write_whole(file, &bytes);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Settings, SharedSettings};
+
+    #[test]
+    fn settings_are_kept_and_what_cannot_be_read_is_at_its_default() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = folder.path().join("not/there/yet");
+        let mut settings = SharedSettings::in_folder(&place);
+        assert!(settings.now().remembers_views);
+        settings.change(Settings {
+            remembers_views: false,
+        });
+        assert!(!SharedSettings::in_folder(&place).now().remembers_views);
+        std::fs::write(place.join("settings.json"), "{ broken").expect("written");
+        assert_eq!(SharedSettings::in_folder(&place).now(), Settings::default());
+        std::fs::write(place.join("settings.json"), "{}").expect("written");
+        assert_eq!(SharedSettings::in_folder(&place).now(), Settings::default());
+    }
+}
