@@ -226,14 +226,9 @@ impl ViewRenderer for SpaceRenderer {
         };
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
         if request.overlays.labels {
-            let numbered = (0..).map(ObjectId).zip(&request.scene.objects);
-            let shown = numbered.filter(|(id, _)| options.shows(*id));
-            let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
-            let occlusion = Occlusion::new(&camera, clouds);
             labels.extend(self::labels(
-                shared, request, options, &framed, &camera, &occlusion,
+                shared, request, options, &framed, &camera, &overlay,
             ));
-            labels.extend(overlay::here(&overlay, &camera, &occlusion));
         }
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
@@ -462,16 +457,21 @@ fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
     closed.is_some_and(|closed| !closed.points_outwards)
 }
 
-/// The names of the objects that are drawn, where they are seen; dim where a surface lies before them.
+/// The names of the objects that are drawn, where they are seen, and that of the observer; dim where a surface lies
+/// before them.
 fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &SpaceOptions,
     framed: &Framed,
     camera: &Camera,
-    occlusion: &Occlusion,
+    extras: &[OverlayObject],
 ) -> Vec<TextLabel> {
     let scene = &request.scene;
+    let numbered = (0..).map(ObjectId).zip(&scene.objects);
+    let shown = numbered.filter(|(id, _)| options.shows(*id));
+    let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
+    let occlusion = Occlusion::new(camera, clouds);
     let objects = (0..).map(ObjectId).zip(&scene.objects);
     let objects = objects.zip(framed.contents());
     let drawn = objects.filter(|((id, object), _)| options.shows(*id) && scene.is_in_space(object));
@@ -492,7 +492,10 @@ fn labels(
         let label = TextLabel::beside(camera.pixel_of(place)?, object.name.as_str());
         Some(label.hidden(seen.is_none()))
     };
-    drawn.filter_map(label).collect()
+    let names = drawn.filter_map(label);
+    names
+        .chain(overlay::here(extras, camera, &occlusion))
+        .collect()
 }
 
 /// Parameters from shares of the domain.

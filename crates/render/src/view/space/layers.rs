@@ -38,8 +38,15 @@ impl SpaceRenderer {
             .as_ref()
             .map_or_else(Vec::new, |axes| axes.labels(camera));
         if request.overlays.labels {
-            words.extend(labels(shared, request, options, &stage.framed, camera));
-            words.extend(overlay::here(&stage.overlay, camera));
+            let extras = &stage.overlay;
+            words.extend(labels(
+                shared,
+                request,
+                options,
+                &stage.framed,
+                camera,
+                extras,
+            ));
         }
         shared.samples.next();
         let mut overlays = overlay::names(stage.overlay.iter());
