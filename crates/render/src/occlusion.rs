@@ -19,11 +19,11 @@ pub(crate) struct Occlusion {
     eye: DVec3,
     /// The direction to the eye of a camera whose lines of sight are parallel.
     parallel: Option<DVec3>,
-    strips: Vec<Strip>,
+    strips: Vec<RowPair>,
 }
 
 /// The cells between two rows of a grid.
-struct Strip {
+struct RowPair {
     object: ObjectId,
     rows: [Vec<DVec3>; 2],
     /// The box around them: the least and the greatest coordinates.
@@ -57,7 +57,7 @@ impl Occlusion {
                     .chunks_exact(columns)
                     .map(|row| row.iter().map(local).collect())
                     .collect();
-                strips.extend(lines.windows(2).map(|pair| Strip::new(object, pair)));
+                strips.extend(lines.windows(2).map(|pair| RowPair::new(object, pair)));
             }
         }
         Self {
@@ -83,13 +83,13 @@ impl Occlusion {
             towards,
             length: length - CLEAR,
         };
-        let others = |strip: &&Strip| Some(strip.object) != except;
+        let others = |strip: &&RowPair| Some(strip.object) != except;
         let mut strips = self.strips.iter().filter(others);
         strips.any(|strip| sight.meets_box(strip.corners) && strip.meets(&sight))
     }
 }
 
-impl Strip {
+impl RowPair {
     fn new(object: ObjectId, rows: &[Vec<DVec3>]) -> Self {
         let places = || rows.iter().flatten().filter(|place| place.is_finite());
         Self {

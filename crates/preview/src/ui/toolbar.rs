@@ -11,7 +11,7 @@ use crate::ui::window::Window;
 /// The width of a button with its space, in points.
 const BUTTON: f32 = 28.0;
 
-/// What a button does.
+/// The action of a button.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Action {
     Undo,
