@@ -90,7 +90,11 @@ impl Painter {
             Shape::Curve { .. } => Some(Self::Curves),
             Shape::Surface { .. } => Some(Self::Surfaces),
             Shape::Geodesic { .. } => scene.is_in_space(object).then_some(Self::Curves),
-            Shape::Metric { .. } => None,
+            Shape::Metric { .. }
+            | Shape::Solid(_)
+            | Shape::Light(_)
+            | Shape::Camera(_)
+            | Shape::Background(_) => None,
         }
     }
 }
@@ -257,7 +261,11 @@ pub fn sample(
         Shape::Surface {
             position, domain, ..
         } => surface::surface(scene, params, object, placement, position, domain),
-        Shape::Metric { .. } => Samples::Points(Vec::new()),
+        Shape::Metric { .. }
+        | Shape::Solid(_)
+        | Shape::Light(_)
+        | Shape::Camera(_)
+        | Shape::Background(_) => Samples::Points(Vec::new()),
         Shape::Geodesic { .. } if !lies_in_space(scene, object_id) => Samples::Points(Vec::new()),
         Shape::Geodesic { .. } => {
             let FollowedGeodesic { count, lines, .. } = follow_declared(scene, params, object_id);

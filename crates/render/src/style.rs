@@ -252,7 +252,12 @@ pub fn colours(scene: &Scene, theme: Theme, shows_curvature: bool) -> Vec<[u8; 3
         Shape::Curve { .. } | Shape::Geodesic { .. } => {
             curves.next().copied().unwrap_or(point_colour)
         }
-        Shape::Surface { .. } | Shape::Metric { .. } => SURFACE_COLOUR,
+        Shape::Surface { .. }
+        | Shape::Metric { .. }
+        | Shape::Solid(_)
+        | Shape::Light(_)
+        | Shape::Camera(_)
+        | Shape::Background(_) => SURFACE_COLOUR,
     };
     scene.objects.iter().map(colour).collect()
 }

@@ -23,6 +23,7 @@ mod param_values;
 mod program_scene;
 mod range;
 mod scene;
+mod solid;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
 pub use geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind};
@@ -31,3 +32,6 @@ pub use initial_conditions_evaluator::InitialConditionsEvaluator;
 pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
 pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
+pub use solid::{
+    AffineNodes, Attribute, AttributeValue, Background, Camera, Light, Solid, SolidLeaf, SolidStep,
+};

@@ -347,6 +347,7 @@ mod tests {
             params: vec![],
             grids: vec![GridId(0), GridId(1)],
             geodesic_values: Vec::new(),
+            attributes: Vec::new(),
         }
     }
 

@@ -5,6 +5,7 @@ use syntax::span::Span;
 
 use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue};
 pub use crate::range::{Range, Sampling};
+use crate::solid::{Attribute, Background, Camera, Light, Solid, SolidLeaf};
 
 /// A compiled program.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +18,10 @@ pub struct Scene {
     pub grids: Vec<Grid>,
     /// The objects that are drawn, in the order of the text.
     pub objects: Vec<Object>,
+    /// The solids that are not drawn because a set names them, in the order of the text.
+    pub parts: Vec<Object>,
+    /// The lights, the cameras and the background, each in the order of the text.
+    pub stage: Vec<Object>,
     /// The number of uniforms (components of params and grids, and numbers of geodesics):
     /// `expr::Input::Uniform(0..n)`.
     pub uniform_count: u32,
@@ -159,6 +164,15 @@ pub struct Object {
     pub grids: Vec<GridId>,
     /// The values of geodesics it reads, directly or not: positions in [`Scene::geodesic_values`], ascending.
     pub geodesic_values: Vec<u32>,
+    /// The attributes that it states, in the order of the text. A solid's faces have those of its leaves.
+    pub attributes: Vec<Attribute>,
+}
+
+impl Object {
+    pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
+        let attributes = self.attributes.iter_mut().flat_map(Attribute::nodes_mut);
+        self.shape.nodes_mut().into_iter().chain(attributes)
+    }
 }
 
 /// The kinds of object. Nodes are handles into [`Scene::graph`], over the scene's uniforms and, for a curve,
@@ -210,10 +224,19 @@ pub enum Shape {
         domain: Sampling,
         parameter: String,
     },
+    /// A solid. Its nodes read `Variable(0)`, `Variable(1)` and `Variable(2)`: x, y, z.
+    Solid(Solid),
+    /// A light.
+    Light(Light),
+    /// A camera.
+    Camera(Camera),
+    /// The background.
+    Background(Background),
 }
 
 impl Shape {
-    /// The word that declares it: `point`, `vector`, `curve`, `surface`, `metric` or `geodesic`.
+    /// The word that declares it: `point`, `vector`, `curve`, `surface`, `metric`, `geodesic`, `solid`, `light`, `camera` or
+    /// `background`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",
@@ -222,6 +245,10 @@ impl Shape {
             Self::Surface { .. } => "surface",
             Self::Metric { .. } => "metric",
             Self::Geodesic { .. } => "geodesic",
+            Self::Solid(_) => "solid",
+            Self::Light(_) => "light",
+            Self::Camera(_) => "camera",
+            Self::Background(_) => "background",
         }
     }
 
@@ -249,7 +276,12 @@ impl Shape {
     /// surface or a metric.
     pub fn domain(&self) -> &[Sampling] {
         match self {
-            Self::Point { .. } | Self::Vector { .. } => &[],
+            Self::Point { .. }
+            | Self::Vector { .. }
+            | Self::Solid(_)
+            | Self::Light(_)
+            | Self::Camera(_)
+            | Self::Background(_) => &[],
             Self::Curve { domain, .. } | Self::Geodesic { domain, .. } => {
                 std::slice::from_ref(domain)
             }
@@ -260,7 +292,12 @@ impl Shape {
     /// The names of its parameters, as many as [`Shape::domain`] has intervals.
     pub fn parameters(&self) -> &[String] {
         match self {
-            Self::Point { .. } | Self::Vector { .. } => &[],
+            Self::Point { .. }
+            | Self::Vector { .. }
+            | Self::Solid(_)
+            | Self::Light(_)
+            | Self::Camera(_)
+            | Self::Background(_) => &[],
             Self::Curve { parameter, .. } | Self::Geodesic { parameter, .. } => {
                 std::slice::from_ref(parameter)
             }
@@ -272,10 +309,7 @@ impl Shape {
     pub fn manifold(&self) -> Option<&[Sampling; 2]> {
         match self {
             Self::Surface { domain, .. } | Self::Metric { domain, .. } => Some(domain),
-            Self::Point { .. }
-            | Self::Vector { .. }
-            | Self::Curve { .. }
-            | Self::Geodesic { .. } => None,
+            _ => None,
         }
     }
 
@@ -336,7 +370,7 @@ impl Shape {
             Self::Point { position }
             | Self::Curve { position, .. }
             | Self::Surface { position, .. } => Some(position),
-            Self::Vector { .. } | Self::Metric { .. } | Self::Geodesic { .. } => None,
+            _ => None,
         }
     }
 
@@ -385,6 +419,12 @@ impl Shape {
                 nodes.extend(unit);
                 nodes
             }
+            Self::Solid(_) | Self::Light(_) | Self::Camera(_) | Self::Background(_) => self
+                .clone()
+                .nodes_mut()
+                .into_iter()
+                .map(|node| *node)
+                .collect(),
         }
     }
 
@@ -408,6 +448,28 @@ impl Shape {
                 unit,
                 ..
             } => direction.iter_mut().chain(start).chain(unit).collect(),
+            Self::Solid(solid) => {
+                let leaves = solid.leaves.iter_mut();
+                leaves.flat_map(SolidLeaf::nodes_mut).collect()
+            }
+            Self::Light(light) => {
+                let parts = light.direction.iter_mut().chain(&mut light.position);
+                parts.flatten().collect()
+            }
+            Self::Camera(camera) => camera
+                .direction
+                .iter_mut()
+                .chain(&mut camera.position)
+                .collect(),
+            Self::Background(background) => background.color.iter_mut().collect(),
+        }
+    }
+
+    /// A solid's set.
+    pub fn solid(&self) -> Option<&Solid> {
+        match self {
+            Self::Solid(solid) => Some(solid),
+            _ => None,
         }
     }
 }

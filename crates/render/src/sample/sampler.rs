@@ -93,7 +93,12 @@ impl Sampler {
                 .collect::<Vec<f64>>()
         };
         let axes = match &object.shape {
-            Shape::Point { .. } | Shape::Vector { .. } => [vec![0.0], vec![0.0]],
+            Shape::Point { .. }
+            | Shape::Vector { .. }
+            | Shape::Solid(_)
+            | Shape::Light(_)
+            | Shape::Camera(_)
+            | Shape::Background(_) => [vec![0.0], vec![0.0]],
             Shape::Curve { domain, .. } => [axis(domain), vec![0.0]],
             Shape::Surface { domain, .. } | Shape::Metric { domain, .. } => {
                 [axis(&domain[0]), axis(&domain[1])]

@@ -166,8 +166,9 @@ impl Declarations {
         let mut scene = self.scene.clone();
         scene.uniform_count = self.lowerer.dependencies.uniform_count();
         self.read_geodesics(&mut scene);
-        let objects = scene.objects.iter_mut();
-        let shapes = objects.flat_map(|object| object.shape.nodes_mut());
+        let stage = scene.parts.iter_mut().chain(&mut scene.stage);
+        let objects = scene.objects.iter_mut().chain(stage);
+        let shapes = objects.flat_map(Object::nodes_mut);
         let values = scene.geodesic_values.iter_mut();
         let values = values.flat_map(GeodesicValue::nodes_mut);
         let mut places: Vec<&mut NodeId> = shapes.chain(values).collect();
@@ -414,6 +415,7 @@ impl Declarations {
                 grids,
                 // Those of a scene, whose graph has other nodes, are found when it is put together.
                 geodesic_values: Vec::new(),
+                attributes: Vec::new(),
             },
             samples,
             dependencies,

@@ -1,0 +1,123 @@
+//! Solids, lights, cameras and backgrounds as data.
+
+use expr::NodeId;
+use syntax::span::Span;
+
+use crate::range::Sampling;
+use crate::scene::GridId;
+
+/// A set of points: leaves, joined by set operations.
+#[derive(Clone, Debug, Default)]
+pub struct Solid {
+    /// The leaves, in the order of the text.
+    pub leaves: Vec<SolidLeaf>,
+    /// The set, in postfix order.
+    pub steps: Vec<SolidStep>,
+}
+
+/// A step of a set in postfix order: operands, then what joins the last two.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SolidStep {
+    /// A leaf, by its position in [`Solid::leaves`].
+    Leaf(u32),
+    /// The points of either.
+    Union,
+    /// The points of both.
+    Intersection,
+    /// The points of the first that are not of the second.
+    Difference,
+    /// The union of the last operand over all values of these grids: the instances of a solid that a set names.
+    Instances(Vec<GridId>),
+}
+
+/// The points where a function of three numbers is not positive, within cuts, under an affine map.
+#[derive(Clone, Debug)]
+pub struct SolidLeaf {
+    /// The function, or the solid in field form, that it is.
+    pub name: String,
+    /// The place of its name in the set; for a solid in field form the place where that is declared.
+    pub name_span: Span,
+    /// The function over `Variable(0)`, `Variable(1)`, `Variable(2)`: the leaf's own x, y, z.
+    pub field: NodeId,
+    /// The intervals that cut it, in its own x, y, z. Their counts are numbers of mesh cells.
+    pub cuts: [Option<Sampling>; 3],
+    /// From its own coordinates to the scene's.
+    pub map: AffineNodes,
+    /// The attributes of its faces: those of the outermost set that states one, else its own.
+    pub attributes: Vec<Attribute>,
+}
+
+/// An affine map: rows of a 3 × 3 matrix, each with its translation last. Its nodes read no `Variable`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AffineNodes(pub [[NodeId; 4]; 3]);
+
+/// A stated attribute.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    /// Its word: `color`, `mirror`, …
+    pub word: &'static str,
+    /// Its place in the text.
+    pub span: Span,
+    /// Its value.
+    pub value: AttributeValue,
+    /// From the coordinates in which the value is stated to the scene's, for an attribute of a solid's face; `None` where
+    /// they are the same, or the value's variables are a surface's parameters.
+    pub map: Option<AffineNodes>,
+}
+
+/// The value of an attribute.
+#[derive(Clone, Debug)]
+pub enum AttributeValue {
+    /// One number or three, over the variables of the declaration: x, y, z; u, v; t; or none.
+    Numbers(Vec<NodeId>),
+    /// A word, of an attribute such as `bokeh` or `image`.
+    Word(String),
+}
+
+/// A light. With neither part it would not shine; attributes are those of its object.
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
+    /// Its place; `None` for a parallel light.
+    pub position: Option<[NodeId; 3]>,
+    /// The direction in which it shines; `None` for one that shines to all sides.
+    pub direction: Option<[NodeId; 3]>,
+}
+
+/// A camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    /// The direction of the picture's centre. Its length is the default distance of the sharp plane.
+    pub direction: [NodeId; 3],
+    /// Its place.
+    pub position: [NodeId; 3],
+}
+
+/// The light that comes from where no object is.
+#[derive(Clone, Copy, Debug)]
+pub struct Background {
+    /// Its colour, sRGB, over `Variable(0)`, `Variable(1)`, `Variable(2)`: the unit direction.
+    pub color: [NodeId; 3],
+}
+
+impl SolidLeaf {
+    pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
+        let attributes = self.attributes.iter_mut().flat_map(Attribute::nodes_mut);
+        let map = self.map.0.as_flattened_mut().iter_mut();
+        std::iter::once(&mut self.field)
+            .chain(map)
+            .chain(attributes)
+    }
+}
+
+impl Attribute {
+    pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
+        let numbers = match &mut self.value {
+            AttributeValue::Numbers(nodes) => nodes.as_mut_slice(),
+            AttributeValue::Word(_) => &mut [],
+        };
+        let map = self.map.iter_mut();
+        numbers
+            .iter_mut()
+            .chain(map.flat_map(|map| map.0.as_flattened_mut()))
+    }
+}
