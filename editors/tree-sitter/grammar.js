@@ -1,7 +1,8 @@
 // A grammar for editors that colour and fold by tree-sitter: Neovim, Helix, Zed.
 //
 // How a word splits (`piv` is `pi v`) and whether a name is a function depend on what is declared above. A grammar without
-// names cannot know that: a word is one node here, and `sin x` is a juxtaposition. The language server knows.
+// names cannot know that: a word is one node here, `sin x` is a juxtaposition, and `radius : [0, 1]` is a parameter's
+// interval. The language server knows. Words such as `solid` and `scale` are read as keywords only where they can stand.
 
 const list = (item) => seq(item, repeat(seq(",", item)));
 
@@ -15,7 +16,22 @@ module.exports = grammar({
         program: ($) => repeat($._declaration),
 
         _declaration: ($) =>
-            choice($.param, $.grid, $.define, $.function, $.curve, $.surface, $.point, $.vector, $.metric, $.geodesic),
+            choice(
+                $.param,
+                $.grid,
+                $.define,
+                $.function,
+                $.curve,
+                $.surface,
+                $.point,
+                $.vector,
+                $.metric,
+                $.geodesic,
+                $.solid,
+                $.light,
+                $.camera,
+                $.background,
+            ),
 
         param: ($) =>
             seq(
@@ -27,12 +43,12 @@ module.exports = grammar({
                 ";",
             ),
         grid: ($) => seq("grid", field("name", $.word), ":", list($.interval), ";"),
-        define: ($) => seq("define", field("name", $.word), "=", field("value", $._expression), ";"),
+        define: ($) => seq("define", $._value, ";"),
         function: ($) => seq("function", $._definition, ";"),
-        curve: ($) => seq("curve", $._definition, ",", $.domain, ";"),
-        surface: ($) => seq("surface", $._definition, ",", $.domain, ";"),
-        metric: ($) => seq("metric", $._definition, ",", $.domain, ";"),
-        point: ($) => seq("point", field("name", $.word), "=", field("value", $._expression), ";"),
+        curve: ($) => seq("curve", $._definition, $._items, ";"),
+        surface: ($) => seq("surface", $._definition, $._items, ";"),
+        metric: ($) => seq("metric", $._definition, $._items, ";"),
+        point: ($) => seq("point", $._value, optional($._items), ";"),
         vector: ($) =>
             seq(
                 "vector",
@@ -41,6 +57,7 @@ module.exports = grammar({
                 field("value", $._expression),
                 "@",
                 field("start", $._expression),
+                optional($._items),
                 ";",
             ),
         geodesic: ($) =>
@@ -55,15 +72,63 @@ module.exports = grammar({
                     seq(field("direction", $._expression), "@", field("start", $._expression)),
                     field("places", $._expression),
                 ),
-                ",",
-                $.domain,
+                $._items,
                 ";",
             ),
+        solid: ($) =>
+            seq(
+                "solid",
+                choice($._definition, seq(field("name", $.word), "=", field("value", $._set))),
+                optional($._items),
+                ";",
+            ),
+        light: ($) =>
+            seq(
+                "light",
+                field("name", $.word),
+                "=",
+                choice(
+                    field("direction", $._expression),
+                    seq(optional(field("direction", $._expression)), "@", field("position", $._expression)),
+                ),
+                optional($._items),
+                ";",
+            ),
+        camera: ($) =>
+            seq(
+                "camera",
+                field("name", $.word),
+                "=",
+                field("direction", $._expression),
+                "@",
+                field("position", $._expression),
+                optional($._items),
+                ";",
+            ),
+        background: ($) => seq("background", choice($._definition, $._value), optional($._items), ";"),
 
+        _value: ($) => seq(field("name", $.word), "=", field("value", $._expression)),
         _definition: ($) => seq(field("name", $.word), $.parameters, "=", field("value", $._expression)),
         parameters: ($) => seq("(", list($.word), ")"),
-        domain: ($) => list(seq(field("parameter", $.word), ":", $.interval)),
-        interval: ($) => seq("[", $._expression, ",", $._expression, optional(seq(",", $._expression)), "]"),
+        _items: ($) => repeat1(seq(",", choice($.domain, $.attribute))),
+        domain: ($) => seq(field("parameter", $.word), ":", $.interval),
+        attribute: ($) => seq(field("name", $.word), ":", field("value", $._expression)),
+        // Behind an attribute's `:` it may be a vector, which looks the same.
+        interval: ($) => prec(1, $._bracketed),
+        _bracketed: ($) => seq("[", list($._expression), "]"),
+
+        // Sets of points: `ball \ cube & (rod | ring) @ scale 2 @ (1, 0, 0)`.
+        _set: ($) => choice($.union, $.difference, $._meet),
+        union: ($) => prec.left(seq($._set, "|", $._meet)),
+        difference: ($) => prec.left(seq($._set, "\\", $._meet)),
+        _meet: ($) => choice($.intersection, $._put),
+        intersection: ($) => prec.left(seq($._meet, "&", $._put)),
+        _put: ($) => choice($.placed, $._atom),
+        placed: ($) => prec.left(seq($._put, "@", choice($.map, field("place", $._expression)))),
+        // A declared name is written alone.
+        map: ($) => seq(choice("scale", "rotate"), optional($._unary)),
+        _atom: ($) => choice($.word, $.group),
+        group: ($) => choice(seq("(", $._set, ")"), seq("[", $._set, "]"), seq("{", $._set, "}")),
 
         _expression: ($) => choice($.sum, $._juxtaposition),
         sum: ($) => prec.left(seq($._expression, choice("+", "-"), $._juxtaposition)),
@@ -86,7 +151,7 @@ module.exports = grammar({
         tuple: ($) =>
             choice(
                 seq("(", list($._expression), ")"),
-                seq("[", list($._expression), "]"),
+                $._bracketed,
                 seq("{", list($._expression), "}"),
             ),
 

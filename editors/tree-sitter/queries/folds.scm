@@ -1,1 +1,1 @@
-[(param) (grid) (define) (function) (curve) (surface) (point) (vector) (metric) (geodesic)] @fold
+[(param) (grid) (define) (function) (curve) (surface) (point) (vector) (metric) (geodesic) (solid) (light) (camera) (background)] @fold

@@ -1,4 +1,6 @@
 ["param" "grid" "define" "function" "curve" "surface" "point" "vector" "metric" "geodesic"] @keyword
+["solid" "light" "camera" "background"] @keyword
+["scale" "rotate"] @function.builtin
 
 (param name: (word) @constant)
 (grid name: (word) @constant)
@@ -13,6 +15,11 @@
 (vector name: (word) @variable)
 (parameters (word) @variable.parameter)
 (domain parameter: (word) @variable.parameter)
+(solid name: (word) @type)
+(light name: (word) @variable)
+(camera name: (word) @variable)
+(background name: (word) @variable)
+(attribute name: (word) @property)
 (call function: (word) @function.call)
 
 ((word) @function.builtin
@@ -21,6 +28,6 @@
 
 (number) @number
 (comment) @comment
-["+" "-" "*" "/" "^" "'" "_" "=" "@"] @operator
+["+" "-" "*" "/" "^" "'" "_" "=" "@" "|" "\\" "&"] @operator
 ["(" ")" "[" "]" "{" "}"] @punctuation.bracket
 ["," ";" ":"] @punctuation.delimiter

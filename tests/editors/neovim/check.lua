@@ -273,38 +273,114 @@ test("the health check finds the server", function()
   assert(report:find("OK", 1, true) and not report:find("ERROR", 1, true), report)
 end)
 
+-- A text as the tree-sitter grammar reads it, and what the query for colours captures, by the words of the text.
+local source = root .. "/editors/tree-sitter"
+local function treesitter(program)
+  local root_node = vim.treesitter.get_string_parser(program, "geotrace"):parse()[1]:root()
+  local highlights = table.concat(vim.fn.readfile(source .. "/queries/highlights.scm"), "\n")
+  highlights = vim.treesitter.query.parse("geotrace", highlights)
+  local found = {}
+  for id, node in highlights:iter_captures(root_node, program) do
+    found[vim.treesitter.get_node_text(node, program)] = highlights.captures[id]
+  end
+  return root_node, found
+end
+
+-- Programs with solids, with the words that they bring as names, and with errors.
+local stage = [[
+solid cube(x,y,z) = max(abs x, abs y, abs z) - 1/2, mirror : 0.1, color : [1,0,0]/2, x : [0,1,20];
+solid die = cube \ ball & [rod | ring @ scale 2 @ (1,0,0) @ lean @ rotate (0,0,k + a)], glass : 0.95;
+light lamp = @ (2,-2,4), falloff : 5;
+light beam = (0,1,-1) @ (0,-3,3), angle : pi/8;
+camera eye = (0,4,-1) @ (0,-4,1), aperture : 0.05, bokeh : star;
+background sky(x,y,z) = (1 - z)(0.8,0.9,1) + z(0.1,0.3,0.6);
+surface bowl(u,v) = (u,v,0), u : [0,1], v : [0,2pi], mirror : 0.8;
+point p = (0,0,0), radius : 0.1;
+]]
+local names = [[
+param light : [0,1];
+define scale = light^2; define rotate = 2scale; function solid(camera) = camera + rotate;
+curve color(radius) = (solid radius,
+  light, scale), radius : [0,1];
+]]
+
 test("the tree-sitter grammar parses every example, and its queries hold", function()
   local folder = scratch .. "/tree-sitter"
   vim.fn.mkdir(folder .. "/parser", "p")
-  local source = root .. "/editors/tree-sitter"
   local built = vim.system({ "cc", "-shared", "-fPIC", "-O1", "-I", source .. "/src", source .. "/src/parser.c",
     "-o", folder .. "/parser/geotrace.so" }):wait()
   equal(built.code, 0, built.stderr)
   vim.treesitter.language.add("geotrace", { path = folder .. "/parser/geotrace.so" })
   local examples = vim.fn.glob(root .. "/examples/*.gtr", true, true)
   assert(#examples > 20)
-  local highlights = table.concat(vim.fn.readfile(source .. "/queries/highlights.scm"), "\n")
-  highlights = vim.treesitter.query.parse("geotrace", highlights)
   vim.treesitter.query.parse("geotrace", table.concat(vim.fn.readfile(source .. "/queries/folds.scm"), "\n"))
   for _, path in ipairs(examples) do
     local program = table.concat(vim.fn.readfile(path), "\n") .. "\n"
-    local tree = vim.treesitter.get_string_parser(program, "geotrace"):parse()[1]
-    assert(not tree:root():has_error(), path .. ": " .. tree:root():sexpr())
+    local root_node = treesitter(program)
+    assert(not root_node:has_error(), path .. ": " .. root_node:sexpr())
   end
   -- The structure, by one declaration with every level of the operators.
   local program = "define x = -a b*c + sin^2 t'/y_1 (2, .5e3);"
-  local root_node = vim.treesitter.get_string_parser(program, "geotrace"):parse()[1]:root()
+  local root_node, found = treesitter(program)
   local left = "(juxtaposition (unary (word)) (product (word) (word)))"
   local called = "(call function: (component (word) (number)) (tuple (number) (number)))"
   local right = "(juxtaposition (power (word) (number)) (product (derivative (word)) " .. called .. "))"
   local wanted = "(program (define name: (word) value: (sum " .. left .. " " .. right .. ")))"
   equal(root_node:sexpr(), wanted, "the tree")
-  local found = {}
-  for id, node in highlights:iter_captures(root_node, program) do
-    found[vim.treesitter.get_node_text(node, program)] = highlights.captures[id]
-  end
   equal({ found.define, found.x, found.sin, found["2"] }, { "keyword", "constant", "function.builtin", "number" })
-  assert(vim.treesitter.get_string_parser("define x = ;", "geotrace"):parse()[1]:root():has_error())
+  assert(treesitter("define x = ;"):has_error())
+end)
+
+test("the tree-sitter grammar reads solids, and their words are names elsewhere", function()
+  local root_node, found = treesitter(stage)
+  assert(not root_node:has_error(), root_node:sexpr())
+  for word, capture in pairs({ solid = "keyword", light = "keyword", camera = "keyword", background = "keyword",
+    cube = "type", lamp = "variable", mirror = "property", bokeh = "property", scale = "function.builtin",
+    u = "variable.parameter", ["\\"] = "operator", ["|"] = "operator", ["&"] = "operator" }) do
+    equal(found[word], capture, word)
+  end
+  local set = treesitter("solid s = a \\ b @ scale 2 @ p & (c | d);")
+  local placed = "(placed (placed (word) (map (number))) place: (word))"
+  local wanted = "(difference (word) (intersection " .. placed .. " (group (union (word) (word)))))"
+  equal(set:sexpr(), "(program (solid name: (word) value: " .. wanted .. "))")
+  root_node, found = treesitter(names)
+  assert(not root_node:has_error(), root_node:sexpr())
+  for word, capture in pairs({ light = "constant", scale = "constant", rotate = "constant", solid = "function",
+    camera = "variable.parameter", color = "function", radius = "variable.parameter" }) do
+    equal(found[word], capture, word)
+  end
+  for _, program in ipairs({ "solid s = ;", "solid s = a |;", "light l;", "camera c = (1,0,0);", "solid s = 1;",
+    "background b(x,y,z) = 1, color;", "define d = a & b;" }) do
+    assert(treesitter(program):has_error(), program)
+  end
+end)
+
+test("before the server answers, words are coloured where they stand", function()
+  local lines = vim.split(stage .. names, "\n")
+  vim.cmd.enew()
+  vim.api.nvim_buf_set_lines(0, 0, -1, false, lines)
+  vim.cmd("syntax on | set syntax=geotrace")
+  -- The group of a word, at its nth place in a line.
+  local function group(line, word, nth)
+    local from, column = 1, nil
+    for _ = 1, nth or 1 do
+      column = lines[line]:find("%f[%a]" .. word .. "%f[%A]", from)
+      from = column + 1
+    end
+    return vim.fn.synIDattr(vim.fn.synID(line, column, 1), "name")
+  end
+  for line, word in ipairs({ "solid", "solid", "light", "light", "camera", "background" }) do
+    equal(group(line, word), "geotraceKeyword", word)
+  end
+  for line, word in pairs({ "mirror", "glass", "falloff", "angle", "bokeh", [7] = "mirror", [8] = "radius" }) do
+    equal(group(line, word), "geotraceAttribute", word)
+  end
+  equal({ group(2, "scale"), group(2, "rotate") }, { "geotraceFunction", "geotraceFunction" })
+  for _, place in ipairs({ { 9, "light" }, { 10, "scale" }, { 10, "light" }, { 10, "rotate" }, { 10, "scale", 2 },
+    { 10, "solid" }, { 11, "color" }, { 11, "radius" }, { 12, "light" }, { 12, "radius" } }) do
+    equal(group(unpack(place)), "", place[2])
+  end
+  vim.cmd.bwipeout({ bang = true })
 end)
 
 test(":help geotrace opens the manual, and its links lead somewhere", function()

@@ -105,6 +105,62 @@ exports["colours are by meaning"] = async () => {
     }
 };
 
+exports["before the server answers, words are coloured where they stand"] = async () => {
+    const modules = join(vscode.env.appRoot, "node_modules");
+    const textmate = require(join(modules, "vscode-textmate"));
+    const oniguruma = require(join(modules, "vscode-oniguruma"));
+    await oniguruma.loadWASM(readFileSync(join(modules, "vscode-oniguruma", "release", "onig.wasm")).buffer);
+    const { extensionPath } = vscode.extensions.getExtension("geotrace.geotrace");
+    const path = join(extensionPath, "syntaxes", "geotrace.tmLanguage.json");
+    const grammar = await new textmate.Registry({
+        onigLib: Promise.resolve({
+            createOnigScanner: (patterns) => new oniguruma.OnigScanner(patterns),
+            createOnigString: (string) => new oniguruma.OnigString(string),
+        }),
+        loadGrammar: async () => textmate.parseRawGrammar(readFileSync(path, "utf8"), path),
+    }).loadGrammar("source.geotrace");
+    let state = textmate.INITIAL;
+    /** The words and set operators of the next line that have a colour, each with its scope. */
+    const colored = (line) => {
+        const { tokens, ruleStack } = grammar.tokenizeLine(line, state);
+        state = ruleStack;
+        const named = tokens.map((token) => [line.slice(token.startIndex, token.endIndex).trim(), token.scopes[1]]);
+        const wanted = named.filter(([word, scope]) => scope && /^([a-zA-Z]+|[\\|&])$/.test(word));
+        return wanted.map(([word, scope]) => `${word} ${scope.replace(".geotrace", "")}`);
+    };
+    assert.deepStrictEqual(colored("solid die = cube \\ ball @ scale 2 @ rotate (0,0,k), glass : 0.95;"), [
+        "solid keyword.declaration",
+        "die entity.name.function",
+        "\\ keyword.operator",
+        "scale support.function",
+        "rotate support.function",
+        "glass variable.other.property",
+    ]);
+    assert.deepStrictEqual(colored("light lamp = @ (2,-2,4), falloff : 5; camera eye = (0,4,-1) @ a & b | c,"), [
+        "light keyword.declaration",
+        "lamp variable.other.constant",
+        "falloff variable.other.property",
+        "camera keyword.declaration",
+        "eye variable.other.constant",
+        "& keyword.operator",
+        "| keyword.operator",
+    ]);
+    assert.deepStrictEqual(colored("  aperture : 0.05, bokeh : star;"), [
+        "aperture variable.other.property",
+        "bokeh variable.other.property",
+    ]);
+    // The same words as names.
+    assert.deepStrictEqual(colored("param light : [0,1]; define scale = light; curve color(radius) = (solid radius,"), [
+        "param keyword.declaration",
+        "light variable.other.constant",
+        "define keyword.declaration",
+        "scale variable.other.constant",
+        "curve keyword.declaration",
+        "color entity.name.function",
+    ]);
+    assert.deepStrictEqual(colored("  light, scale, solid), radius : [0,1];"), []);
+};
+
 exports["hover, signature, completion and definition answer"] = async () => {
     const document = await open("define tau = 2pi;\nfunction f(x,y) = x y;\ndefine b = f(tau, 1);");
     const at = new vscode.Position(2, 14);
