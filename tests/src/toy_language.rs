@@ -135,6 +135,7 @@ impl Program for DotsProgram {
                 params: Vec::new(),
                 grids: Vec::new(),
                 geodesic_values: Vec::new(),
+                attributes: Vec::new(),
             });
         }
         ProgramScene {
