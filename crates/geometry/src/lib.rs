@@ -1,9 +1,10 @@
-//! The step from a scene's objects to geodesics.
+//! The step from a scene's objects to geodesics, and to what rays meet.
 //!
 //! ```text
 //! Scene + ObjectId + uniforms ──manifold.rs──▶ Manifold: a surface or a metric with its numbers in place
 //! Scene + ParamValues ──declared.rs──▶ the declared geodesics, as knots
 //! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
+//! Scene + ParamValues ──solids.rs──▶ RayScene: solids, surfaces, looks, lights and cameras for rays
 //! ```
 //!
 //! Knows nothing of pictures, of text, or of its callers.
@@ -12,6 +13,7 @@ mod declared;
 mod manifold;
 mod polyline;
 mod polyline_cache;
+pub mod solids;
 
 pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
 pub use manifold::{Manifold, ManifoldError};

@@ -193,6 +193,27 @@ impl ParamValues {
         }
     }
 
+    /// The number of combinations of the values of those of the grids that are not fixed; saturates.
+    pub fn combination_count(&self, scene: &Scene, grids: &[GridId]) -> u64 {
+        self.combinations(scene, grids)
+    }
+
+    /// The given uniforms with the `index`-th combination of the values of those of the grids that are not fixed, counted
+    /// from 0 and below [`ParamValues::combination_count`], and with the values of geodesics that the object reads there.
+    pub fn with_combination(
+        &self,
+        scene: &Scene,
+        object: &Object,
+        grids: &[GridId],
+        index: u64,
+        uniforms: &[f64],
+    ) -> Vec<f64> {
+        let mut uniforms = uniforms.to_vec();
+        self.combination(scene, grids, index, &mut uniforms);
+        scene.fill(object, &mut uniforms);
+        uniforms
+    }
+
     /// The uniforms of the first instance.
     pub fn first_instance(&self, scene: &Scene, object: &Object) -> Vec<f64> {
         self.instance(scene, object, 0)

@@ -92,6 +92,13 @@ impl Field {
         self.negated
     }
 
+    /// The bits of the uniforms that it reads, in the order of the uniforms.
+    pub(crate) fn uniform_bits(&self) -> Vec<u64> {
+        let uniforms = self.uniforms.iter();
+        let own = uniforms.filter(|(input, _)| matches!(input, Input::Uniform(_)));
+        own.map(|(_, value)| value.to_bits()).collect()
+    }
+
     /// The value at a point; NaN where it is undefined.
     pub(crate) fn value(&self, scratch: &mut FieldScratch, at: DVec3) -> f64 {
         let mut out = [f64::NAN];
@@ -335,7 +342,8 @@ impl Field {
         0.5 * (a + b)
     }
 
-    fn uniform(&self, input: Input) -> f64 {
+    /// The number of a uniform that it reads.
+    pub(crate) fn uniform(&self, input: Input) -> f64 {
         let found = self.uniforms.iter().find(|(other, _)| *other == input);
         found.map_or(f64::NAN, |(_, value)| *value)
     }

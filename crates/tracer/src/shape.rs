@@ -94,8 +94,8 @@ impl Shape {
         &self,
         graph: &Graph,
         frame: &BoundingBox,
-        uniform: &dyn Fn(Input) -> f64,
     ) -> Result<FramedShape, TooLarge> {
+        let uniform: &dyn Fn(Input) -> f64 = &|input| self.field.uniform(input);
         let center = frame.center();
         let half = 0.5 * (frame.upper - frame.lower);
         let least = (FLATTEST * half.max_element()).max(f64::MIN_POSITIVE);

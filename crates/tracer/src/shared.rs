@@ -50,8 +50,8 @@ impl Surfaces {
 }
 
 /// Names a surface that is shared only if it is the same: the polynomials of a shape and the place among them, or no shape and the node;
-/// and the bits of the map.
-type Name = (usize, usize, [u64; 12]);
+/// the bits of the map, and those of the uniforms that the node reads.
+type Name = (usize, usize, [u64; 12], Vec<u64>);
 
 /// A surface with a number that does not depend on the scale of its equation.
 struct Keyed {
@@ -89,12 +89,15 @@ pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> 
                 LeafSurface::Polynomial(_) => {
                     let name = std::sync::Arc::as_ptr(&leaf.compiled) as usize;
                     let map = leaf.unit_from_world.to_cols_array().map(f64::to_bits);
-                    exact.entry((name, p, map)).or_default().push(place);
+                    exact
+                        .entry((name, p, map, Vec::new()))
+                        .or_default()
+                        .push(place);
                 }
-                LeafSurface::Field(_, node) => {
+                LeafSurface::Field(field, node) => {
                     let map = leaf.shape_from_world.to_cols_array().map(f64::to_bits);
                     exact
-                        .entry((usize::MAX, node.index(), map))
+                        .entry((usize::MAX, node.index(), map, field.uniform_bits()))
                         .or_default()
                         .push(place);
                 }

@@ -4,6 +4,7 @@
 
 use glam::DVec3;
 
+use crate::bounds::BoundingBox;
 use crate::bvh::Hierarchy;
 use crate::sheet::{Sheet, SheetHit, SheetScratch};
 
@@ -28,6 +29,11 @@ impl Sheets {
             all,
             boxed,
         }
+    }
+
+    /// A box that contains all of them, empty if there are none.
+    pub fn bounds(&self) -> BoundingBox {
+        self.hierarchy.bounds()
     }
 
     /// Hands the places with t > 0 where the ray meets a surface to `found`, those of each surface by t. With `leaving`, the

@@ -97,7 +97,20 @@ impl<'a> WorldBuilder<'a> {
         field: NodeId,
         cuts: [Option<[f64; 2]>; 3],
     ) -> Result<ShapeId, BuildError> {
-        let shape = Shape::new(self.graph, field, cuts, self.uniform)?;
+        self.shape_with(field, cuts, self.uniform)
+    }
+
+    /// Adds a set as [`WorldBuilder::shape`] does, with uniforms of its own: those of one instance of an object.
+    ///
+    /// # Errors
+    /// If the expression's gradient is too large.
+    pub fn shape_with(
+        &mut self,
+        field: NodeId,
+        cuts: [Option<[f64; 2]>; 3],
+        uniform: &dyn Fn(Input) -> f64,
+    ) -> Result<ShapeId, BuildError> {
+        let shape = Shape::new(self.graph, field, cuts, uniform)?;
         self.shapes.push(shape);
         Ok(ShapeId(self.shapes.len() - 1))
     }
@@ -279,7 +292,7 @@ impl FrameCache<'_> {
         let compiled = if frame.is_empty() {
             FramedShape::empty()
         } else {
-            source.compile(self.builder.graph, &frame, self.builder.uniform)?
+            source.compile(self.builder.graph, &frame)?
         };
         let compiled = Arc::new(compiled);
         self.known.insert((shape, key), compiled.clone());
@@ -288,6 +301,23 @@ impl FrameCache<'_> {
 }
 
 impl World {
+    /// A world without solids.
+    pub fn empty() -> Self {
+        Self {
+            shapes: Vec::new(),
+            leaves: Vec::new(),
+            forest: Forest::default(),
+            hierarchy: Hierarchy::new(Vec::new()),
+            boxed: Vec::new(),
+            endless: Vec::new(),
+            endless_solids: Vec::new(),
+            surfaces: Surfaces::default(),
+            piece_count: 0,
+            solids: Vec::new(),
+            bounds: Vec::new(),
+        }
+    }
+
     /// The number of solids.
     pub fn solid_count(&self) -> usize {
         self.forest.len()

@@ -1,0 +1,743 @@
+//! Scenes for rays.
+//!
+//! Input: a scene, values of its params, the objects that are shown. Output: a [`RayScene`], which owns all that rays need:
+//! solids, surfaces, the looks of their faces, lights, cameras, the background; and which says of each face what it belongs
+//! to, and of the scene what is not as it is declared.
+//!
+//! ```text
+//! Scene + ParamValues ──expand.rs──▶ solids, the instances of each united
+//!        ├──────────────bodies.rs──▶ points, arrows, curves and geodesics as balls, cylinders and cones
+//!        ├──────────attributes.rs──▶ numbers at places, within their ranges ──look.rs──▶ looks of faces
+//!        └───────────────stage.rs──▶ lights, cameras, the background
+//! ```
+
+mod attributes;
+mod bodies;
+mod expand;
+mod look;
+mod stage;
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use expr::Input;
+use glam::DVec3;
+use scene::{GridId, Object, ObjectId, ParamValues, Scene, Shape};
+use syntax::span::Span;
+use tracer::camera::LensCamera;
+use tracer::light::Light;
+use tracer::shade::{Face, FaceLook, FaceObject, Glass};
+use tracer::{BoundingBox, Sheet, Sheets, World, WorldBuilder};
+
+use attributes::{AffineTape, AttributeSet};
+use bodies::{BodyPart, BodyShapes};
+use expand::{ExpandedSolid, Expansion, Omission, ShapeTable};
+use look::{FacePlace, LookProgram};
+use stage::DeclaredBackground;
+
+pub use bodies::{MAX_BODIES, Thickness};
+pub use expand::MAX_LEAVES;
+pub use look::Paint;
+pub use stage::{DeclaredCamera, StandardLights, standard_sky};
+
+/// The colour of solids that state none, sRGB.
+pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
+/// The most instances of all surfaces of a scene that rays meet.
+pub const MAX_SHEETS: usize = 4096;
+
+/// The parts of a scene that become a [`RayScene`], and how they look where they do not say it themselves.
+#[derive(Clone, Copy)]
+pub struct RaySceneOptions<'a> {
+    /// True for the objects that rays meet.
+    pub shown: &'a (dyn Fn(ObjectId) -> bool + Sync),
+    /// The colour, sRGB from 0 to 1, of objects that state none; solids and surfaces of glass are white.
+    pub color: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
+    /// The sizes of points, arrows and curves; without it they are left out.
+    pub thickness: Option<Thickness>,
+}
+
+/// A scene with numbers in place, for rays.
+#[derive(Debug)]
+pub struct RayScene {
+    world: World,
+    sheets: Sheets,
+    glass: Vec<Option<Glass>>,
+    objects: Vec<RayObject>,
+    /// The object of each solid of the world.
+    solids: Vec<usize>,
+    leaves: Vec<RayLeaf>,
+    /// The names of the leaves of solids.
+    names: Vec<(String, Span)>,
+    sheet_faces: Vec<SheetFace>,
+    looks: Vec<LookProgram>,
+    lights: Vec<Light>,
+    cameras: Vec<DeclaredCamera>,
+    background: Option<DeclaredBackground>,
+    /// The attributes of lights and cameras, with their names.
+    staged: Vec<(String, AttributeSet)>,
+    notes: Vec<RayNote>,
+}
+
+/// An object that rays may meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RayObject {
+    /// Its number among the scene's objects; `None` for a solid that is a part of others.
+    pub id: Option<ObjectId>,
+    /// Its name.
+    pub name: String,
+    /// The word that declares it.
+    pub kind: &'static str,
+    /// The grids that give it instances, each with its name and its position among the uniforms.
+    grids: Vec<(String, std::ops::Range<usize>)>,
+}
+
+/// A leaf of the world.
+#[derive(Debug)]
+struct RayLeaf {
+    /// The position of its name; `None` for a part of a point, an arrow or a curve.
+    name: Option<u32>,
+    instance: u64,
+    look: u32,
+    /// Those of its instance, with what unions over grids add.
+    uniforms: Arc<[f64]>,
+    place: FacePlace,
+}
+
+/// A parametric surface.
+#[derive(Debug)]
+struct SheetFace {
+    object: usize,
+    instance: u64,
+    look: u32,
+    uniforms: Arc<[f64]>,
+    domain: [[f64; 2]; 2],
+}
+
+/// What a face belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceOwner<'a> {
+    /// The object.
+    pub object: &'a RayObject,
+    /// Its instance, from 0.
+    pub instance: u64,
+    /// The values of the grids that give the object instances, each with its name: one number for each axis.
+    pub grids: Vec<(&'a str, &'a [f64])>,
+    /// The leaf of a solid: the name of its function, or of a solid in field form, and the place where the set names it.
+    pub leaf: Option<(&'a str, Span)>,
+}
+
+/// Something that is not as it is declared.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct RayNote {
+    /// The object.
+    pub object: String,
+    /// What is not as declared.
+    pub fault: RayFault,
+}
+
+/// The ways in which something is not as it is declared.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum RayFault {
+    /// So many of all instances are not drawn: a map takes volumes to 0. The leaf whose map it is.
+    SingularMap(u64, u64, String),
+    /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
+    TooManyLeaves,
+    /// Not drawn: its derivatives are too large.
+    TooLarge,
+    /// Not drawn whole: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
+    TooManyBodies,
+    /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
+    TooManySheets,
+    /// So many instances of a light or a camera have no place or no direction.
+    UndefinedStage(u64),
+    /// The attribute is undefined somewhere: its default is taken.
+    UndefinedAttribute(&'static str),
+    /// The attribute is out of its range somewhere: the nearest number in it is taken.
+    ClampedAttribute(&'static str),
+    /// The attribute is one number for a whole solid: its value at the origin is taken.
+    NotUniform(&'static str),
+}
+
+impl RayScene {
+    /// Prepares what is shown of a scene.
+    pub fn new(scene: &Scene, params: &ParamValues, options: &RaySceneOptions<'_>) -> Self {
+        let shown = scene.numbered().filter(|(id, _)| (options.shown)(*id));
+        let objects = shown.map(|(id, object)| (Some(id), object)).collect();
+        Self::of(scene, params, options, objects)
+    }
+
+    /// Prepares one solid alone, also one that is a part of others; it may be of [`Scene::objects`] or of [`Scene::parts`].
+    pub fn of_solid(
+        scene: &Scene,
+        params: &ParamValues,
+        options: &RaySceneOptions<'_>,
+        solid: &Object,
+    ) -> Self {
+        let id = scene.object(&solid.name).map(|(id, _)| id);
+        Self::of(scene, params, options, vec![(id, solid)])
+    }
+
+    fn of(
+        scene: &Scene,
+        params: &ParamValues,
+        options: &RaySceneOptions<'_>,
+        objects: Vec<(Option<ObjectId>, &Object)>,
+    ) -> Self {
+        let mut draft = Draft::new(scene, params, options);
+        let with_bodies = options.thickness.is_some();
+        let is_body = |object: &Object| match object.shape {
+            Shape::Point { .. } | Shape::Vector { .. } | Shape::Curve { .. } => true,
+            Shape::Geodesic { .. } => scene.is_in_space(object),
+            _ => false,
+        };
+        let mut graph = Cow::Borrowed(&scene.graph);
+        if with_bodies && objects.iter().any(|(_, object)| is_body(object)) {
+            draft.shapes.prepare(graph.to_mut());
+        }
+        let nowhere = |_: Input| f64::NAN;
+        let mut builder = WorldBuilder::new(&graph, &nowhere);
+        for &(id, object) in &objects {
+            if object.shape.solid().is_some() {
+                draft.solid(&mut builder, id, object);
+            }
+        }
+        for &(id, object) in &objects {
+            if let (Some(thickness), Some(id)) = (&options.thickness, id)
+                && is_body(object)
+            {
+                draft.body(&mut builder, id, object, thickness);
+            }
+        }
+        for &(id, object) in &objects {
+            if let Some(id) = id {
+                draft.sheets(id, object);
+            }
+        }
+        draft.stage();
+        draft.finish(builder)
+    }
+
+    /// The solids; those of the scene first, then bodies of points, arrows and curves.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The parametric surfaces.
+    pub fn sheets(&self) -> &Sheets {
+        &self.sheets
+    }
+
+    /// The glass that each solid of the world is of.
+    pub fn glass(&self) -> &[Option<Glass>] {
+        &self.glass
+    }
+
+    /// The objects that rays may meet.
+    pub fn objects(&self) -> &[RayObject] {
+        &self.objects
+    }
+
+    /// The object of a solid of the world.
+    pub fn object_of_solid(&self, solid: usize) -> &RayObject {
+        &self.objects[self.solids[solid]]
+    }
+
+    /// True if a solid of the world is a solid of the scene, and no point, arrow or curve.
+    pub fn is_declared_solid(&self, solid: usize) -> bool {
+        self.object_of_solid(solid).kind == "solid"
+    }
+
+    /// The lights that the scene declares; without any, those of the 3D view for the camera.
+    pub fn lights(&self, camera: &LensCamera, standard: &StandardLights) -> Vec<Light> {
+        if self.lights.is_empty() {
+            standard.of(camera)
+        } else {
+            self.lights.clone()
+        }
+    }
+
+    /// The cameras that the scene declares, in the order of the text, all instances of each.
+    pub fn cameras(&self) -> &[DeclaredCamera] {
+        &self.cameras
+    }
+
+    /// True if the scene declares a background.
+    pub fn has_background(&self) -> bool {
+        self.background.is_some()
+    }
+
+    /// The name of the declared background.
+    pub fn background_name(&self) -> Option<&str> {
+        self.background.as_ref().map(|found| &*found.name)
+    }
+
+    /// The linear light from a unit direction where nothing else is: that of the declared background or of its `image` at a
+    /// place from (0, 0), the top left, to (1, 1); without one, that of [`standard_sky`], which is `above` (sRGB) overhead.
+    pub fn background(
+        &self,
+        direction: DVec3,
+        above: DVec3,
+        image: &dyn Fn([f64; 2]) -> Option<DVec3>,
+    ) -> DVec3 {
+        match &self.background {
+            Some(background) => background.light(direction, image),
+            None => standard_sky(above, direction),
+        }
+    }
+
+    /// The look of a face. `paint` gives the images of objects.
+    pub fn look(&self, face: &Face, paint: &Paint<'_>) -> FaceLook {
+        match face.of {
+            FaceObject::Solid { leaf, entering, .. } => {
+                let leaf = &self.leaves[leaf];
+                self.looks[leaf.look as usize].solid(
+                    &leaf.uniforms,
+                    &leaf.place,
+                    face,
+                    entering,
+                    paint,
+                )
+            }
+            FaceObject::Sheet { sheet, uv } => {
+                let sheet = &self.sheet_faces[sheet];
+                let look = &self.looks[sheet.look as usize];
+                look.sheet(&sheet.uniforms, sheet.domain, uv, face, paint)
+            }
+        }
+    }
+
+    /// What a face belongs to.
+    pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
+        match *of {
+            FaceObject::Solid { solid, leaf, .. } => {
+                let object = &self.objects[self.solids[solid]];
+                let leaf = &self.leaves[leaf];
+                let name = leaf.name.map(|name| &self.names[name as usize]);
+                FaceOwner {
+                    object,
+                    instance: leaf.instance,
+                    grids: object.grids_at(&leaf.uniforms),
+                    leaf: name.map(|(name, span)| (&**name, *span)),
+                }
+            }
+            FaceObject::Sheet { sheet, .. } => {
+                let sheet = &self.sheet_faces[sheet];
+                let object = &self.objects[sheet.object];
+                FaceOwner {
+                    object,
+                    instance: sheet.instance,
+                    grids: object.grids_at(&sheet.uniforms),
+                    leaf: None,
+                }
+            }
+        }
+    }
+
+    /// A box that contains all that is bounded; `None` where nothing is.
+    pub fn bounds(&self) -> Option<BoundingBox> {
+        let solids = (0..self.world.solid_count()).filter_map(|solid| self.world.bounds(solid));
+        let all = solids.chain([self.sheets.bounds()]);
+        let all = all.filter(|bounds| !bounds.is_empty());
+        all.reduce(|a, b| a.union(&b))
+    }
+
+    /// What is not as it is declared, as far as is known: what depends on places is known once rays have met them.
+    pub fn notes(&self) -> Vec<RayNote> {
+        let mut notes = self.notes.clone();
+        let looks = self.looks.iter();
+        let looks = looks.map(|look| (&*look.object, &look.attributes));
+        let staged = self.staged.iter();
+        let staged = staged.map(|(name, attributes)| (&**name, attributes));
+        let background = self.background.iter();
+        let background = background.map(|found| (&*found.name, found.attributes()));
+        for (object, attributes) in looks.chain(staged).chain(background) {
+            let [undefined, clamped] = attributes.faults();
+            let faults = undefined.into_iter().map(RayFault::UndefinedAttribute);
+            let faults = faults.chain(clamped.into_iter().map(RayFault::ClampedAttribute));
+            for fault in faults {
+                let note = RayNote {
+                    object: object.to_owned(),
+                    fault,
+                };
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        }
+        notes
+    }
+}
+
+impl RayObject {
+    fn new(scene: &Scene, params: &ParamValues, id: Option<ObjectId>, object: &Object) -> Self {
+        let open = |grid: &GridId| params.fixed_grid(scene, *grid).is_none();
+        let grids = object.grids.iter().filter(|grid| open(grid));
+        let grids = grids.filter_map(|grid| scene.grids.get(grid.0 as usize));
+        Self {
+            id,
+            name: object.name.clone(),
+            kind: object.shape.kind(),
+            grids: grids
+                .map(|grid| {
+                    let first = grid.first_uniform as usize;
+                    (grid.name.clone(), first..first + grid.axes.len())
+                })
+                .collect(),
+        }
+    }
+
+    fn grids_at<'a>(&'a self, uniforms: &'a [f64]) -> Vec<(&'a str, &'a [f64])> {
+        let grids = self.grids.iter();
+        grids
+            .filter_map(|(name, places)| Some((&**name, uniforms.get(places.clone())?)))
+            .collect()
+    }
+}
+
+/// A scene for rays that is being made.
+struct Draft<'a> {
+    scene: &'a Scene,
+    params: &'a ParamValues,
+    options: &'a RaySceneOptions<'a>,
+    table: ShapeTable,
+    shapes: BodyShapes,
+    leaf_room: usize,
+    body_room: usize,
+    glass: Vec<Option<Glass>>,
+    objects: Vec<RayObject>,
+    solids: Vec<usize>,
+    leaves: Vec<RayLeaf>,
+    names: Vec<(String, Span)>,
+    sheets: Vec<Sheet>,
+    sheet_faces: Vec<SheetFace>,
+    looks: Vec<LookProgram>,
+    lights: Vec<Light>,
+    cameras: Vec<DeclaredCamera>,
+    background: Option<DeclaredBackground>,
+    staged: Vec<(String, AttributeSet)>,
+    notes: Vec<RayNote>,
+}
+
+impl<'a> Draft<'a> {
+    fn new(scene: &'a Scene, params: &'a ParamValues, options: &'a RaySceneOptions<'a>) -> Self {
+        Self {
+            scene,
+            params,
+            options,
+            table: ShapeTable::default(),
+            shapes: BodyShapes::default(),
+            leaf_room: MAX_LEAVES,
+            body_room: MAX_BODIES,
+            glass: Vec::new(),
+            objects: Vec::new(),
+            solids: Vec::new(),
+            leaves: Vec::new(),
+            names: Vec::new(),
+            sheets: Vec::new(),
+            sheet_faces: Vec::new(),
+            looks: Vec::new(),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+            background: None,
+            staged: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn note(&mut self, object: &Object, fault: RayFault) {
+        self.notes.push(RayNote {
+            object: object.name.clone(),
+            fault,
+        });
+    }
+
+    fn object(&mut self, id: Option<ObjectId>, object: &Object) -> usize {
+        let ray_object = RayObject::new(self.scene, self.params, id, object);
+        self.objects.push(ray_object);
+        self.objects.len() - 1
+    }
+
+    fn solid(&mut self, builder: &mut WorldBuilder<'_>, id: Option<ObjectId>, object: &Object) {
+        let Some(solid) = object.shape.solid() else {
+            return;
+        };
+        let (scene, params) = (self.scene, self.params);
+        let maps = solid.leaves.iter();
+        let mut expansion = Expansion {
+            scene,
+            params,
+            object,
+            solid,
+            maps: maps
+                .map(|leaf| AffineTape::new(&scene.graph, &leaf.map))
+                .collect(),
+            room: self.leaf_room,
+        };
+        let mut expanded = ExpandedSolid::default();
+        let mut instances: Vec<(usize, u64)> = Vec::new();
+        let count = params.instance_count(scene, object);
+        let (mut singular, mut whose) = (0, 0);
+        for instance in 0..count {
+            let uniforms = params.instance(scene, object, instance).into();
+            match expansion.add(&mut expanded, uniforms) {
+                Ok(()) => instances.push((expanded.leaves.len(), instance)),
+                Err(Omission::Singular { leaf }) => (singular, whose) = (singular + 1, leaf),
+                Err(Omission::TooManyLeaves) => {
+                    self.note(object, RayFault::TooManyLeaves);
+                    return;
+                }
+                Err(Omission::TooLarge | Omission::Unbalanced) => return,
+            }
+        }
+        self.leaf_room = expansion.room;
+        if singular > 0 {
+            let leaf = solid.leaves[whose as usize].name.clone();
+            self.note(object, RayFault::SingularMap(singular, count, leaf));
+        }
+        if expanded.leaves.is_empty() {
+            return;
+        }
+        match expanded.build(scene, solid, builder, &mut self.table) {
+            Ok(()) => {}
+            Err(Omission::TooLarge) => return self.note(object, RayFault::TooLarge),
+            Err(_) => return,
+        }
+        let number = self.object(id, object);
+        self.solids.push(number);
+        let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
+        let first_look = self.looks.len() as u32;
+        let first_name = self.names.len() as u32;
+        for leaf in &solid.leaves {
+            let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, false);
+            self.looks
+                .push(LookProgram::new(&object.name, id, color, attributes));
+            self.names.push((leaf.name.clone(), leaf.name_span));
+        }
+        let mut instance_of = instances.iter();
+        let mut current = instance_of.next();
+        let mut glass = None;
+        for (k, leaf) in expanded.leaves.into_iter().enumerate() {
+            while current.is_some_and(|(end, _)| *end <= k) {
+                current = instance_of.next();
+            }
+            let look = &self.looks[(first_look + leaf.leaf) as usize];
+            if glass.is_none() {
+                glass = look.glass(&leaf.uniforms);
+            }
+            self.leaves.push(RayLeaf {
+                name: Some(first_name + leaf.leaf),
+                instance: current.map_or(0, |(_, instance)| *instance),
+                look: first_look + leaf.leaf,
+                place: look.place(&leaf.uniforms),
+                uniforms: leaf.uniforms,
+            });
+        }
+        self.glass.push(glass);
+        let looks = &self.looks[first_look as usize..];
+        let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
+        uneven.sort_unstable();
+        uneven.dedup();
+        for word in uneven {
+            self.note(object, RayFault::NotUniform(word));
+        }
+    }
+
+    fn body(
+        &mut self,
+        builder: &mut WorldBuilder<'_>,
+        id: ObjectId,
+        object: &Object,
+        thickness: &Thickness,
+    ) {
+        let (scene, params) = (self.scene, self.params);
+        let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
+        let room = self.body_room;
+        let (parts, more) =
+            bodies::parts(scene, params, (id, object), &attributes, thickness, room);
+        self.body_room -= parts.len();
+        if more {
+            self.note(object, RayFault::TooManyBodies);
+        }
+        if parts.is_empty() {
+            return;
+        }
+        let steps = self.shapes.steps(builder, &parts);
+        if steps.is_err() || steps.is_ok_and(|steps| builder.solid(&steps).is_err()) {
+            return self.note(object, RayFault::TooLarge);
+        }
+        let number = self.object(Some(id), object);
+        self.solids.push(number);
+        self.glass.push(None);
+        let color = (self.options.color)(id);
+        let look = LookProgram::new(&object.name, Some(id), color, attributes);
+        self.looks.push(look);
+        let look = self.looks.len() as u32 - 1;
+        let mut uniforms: (u64, Arc<[f64]>) = (u64::MAX, Arc::default());
+        for part in parts {
+            let BodyPart {
+                map,
+                parameter,
+                instance,
+                ..
+            } = part;
+            if uniforms.0 != instance {
+                uniforms = (instance, params.instance(scene, object, instance).into());
+            }
+            let varies = self.looks[look as usize].attributes.varies();
+            self.leaves.push(RayLeaf {
+                name: None,
+                instance,
+                look,
+                uniforms: uniforms.1.clone(),
+                place: if varies {
+                    FacePlace::Along(Box::new((map.inverse(), parameter)))
+                } else {
+                    FacePlace::Anywhere
+                },
+            });
+        }
+    }
+
+    fn sheets(&mut self, id: ObjectId, object: &Object) {
+        let Some((position, domain)) = object.shape.surface() else {
+            return;
+        };
+        let (scene, params) = (self.scene, self.params);
+        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
+        let count = params.instance_count(scene, object);
+        let room = (MAX_SHEETS - self.sheets.len()) as u64;
+        if count > room {
+            self.note(object, RayFault::TooManySheets);
+        }
+        let number = self.object(Some(id), object);
+        let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
+        let color = (self.options.color)(id);
+        let look = LookProgram::new(&object.name, Some(id), color, attributes);
+        let look = look.on_surface(&scene.graph, position);
+        self.looks.push(look);
+        for instance in 0..count.min(room) {
+            let uniforms: Arc<[f64]> = params.instance(scene, object, instance).into();
+            let number_of = |input: Input| match input {
+                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+                Input::Variable(_) => f64::NAN,
+            };
+            let sheet = Sheet::new(&scene.graph, *position, domain, &number_of);
+            let Ok(sheet) = sheet else {
+                return self.note(object, RayFault::TooLarge);
+            };
+            self.sheets.push(sheet);
+            self.sheet_faces.push(SheetFace {
+                object: number,
+                instance,
+                look: self.looks.len() as u32 - 1,
+                uniforms,
+                domain,
+            });
+        }
+    }
+
+    fn stage(&mut self) {
+        let (scene, params) = (self.scene, self.params);
+        for object in &scene.stage {
+            if matches!(object.shape, Shape::Background(_)) {
+                if self.background.is_none() {
+                    self.background = DeclaredBackground::new(scene, params, object);
+                }
+                continue;
+            }
+            let attributes = AttributeSet::new(&scene.graph, &object.attributes, true);
+            let (lights, dark) = stage::lights(scene, params, object, &attributes);
+            let (cameras, blind) = stage::cameras(scene, params, object, &attributes);
+            self.lights.extend(lights);
+            self.cameras.extend(cameras);
+            if dark + blind > 0 {
+                self.note(object, RayFault::UndefinedStage(dark + blind));
+            }
+            self.staged.push((object.name.clone(), attributes));
+        }
+    }
+
+    fn finish(mut self, builder: WorldBuilder<'_>) -> RayScene {
+        let world = builder.build().unwrap_or_else(|_| {
+            // Each shape has been read once: only in its frame has one of them grown too large.
+            for object in &self.objects {
+                self.notes.push(RayNote {
+                    object: object.name.clone(),
+                    fault: RayFault::TooLarge,
+                });
+            }
+            World::empty()
+        });
+        RayScene {
+            world,
+            sheets: Sheets::new(self.sheets),
+            glass: self.glass,
+            objects: self.objects,
+            solids: self.solids,
+            leaves: self.leaves,
+            names: self.names,
+            sheet_faces: self.sheet_faces,
+            looks: self.looks,
+            lights: self.lights,
+            cameras: self.cameras,
+            background: self.background,
+            staged: self.staged,
+            notes: self.notes,
+        }
+    }
+}
+
+impl std::fmt::Display for RayNote {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = &self.object;
+        match &self.fault {
+            RayFault::SingularMap(1, 1, leaf) => {
+                write!(
+                    f,
+                    "`{name}` is not drawn: the map of `{leaf}` takes volumes to 0"
+                )
+            }
+            RayFault::SingularMap(few, all, leaf) => write!(
+                f,
+                "{few} of the {all} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
+            ),
+            RayFault::TooManyLeaves => write!(
+                f,
+                "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"
+            ),
+            RayFault::TooLarge => {
+                write!(f, "`{name}` is not drawn: its derivatives are too large")
+            }
+            RayFault::TooManyBodies => write!(
+                f,
+                "not all of `{name}` is drawn: points, arrows and curves have more than {MAX_BODIES} pieces"
+            ),
+            RayFault::TooManySheets => write!(
+                f,
+                "not all instances of `{name}` are drawn: there are more than {MAX_SHEETS} surfaces"
+            ),
+            RayFault::UndefinedStage(1) => {
+                write!(
+                    f,
+                    "`{name}` is left out: its place or its direction is undefined"
+                )
+            }
+            RayFault::UndefinedStage(count) => write!(
+                f,
+                "{count} instances of `{name}` are left out: their place or direction is undefined"
+            ),
+            RayFault::UndefinedAttribute(word) => write!(
+                f,
+                "`{word}` of `{name}` is undefined somewhere: its default is taken there"
+            ),
+            RayFault::ClampedAttribute(word) => write!(
+                f,
+                "`{word}` of `{name}` is out of its range somewhere: the nearest number in it is taken there"
+            ),
+            RayFault::NotUniform(word) => write!(
+                f,
+                "`{word}` of `{name}` is one number for the whole solid: its value at the origin is taken"
+            ),
+        }
+    }
+}

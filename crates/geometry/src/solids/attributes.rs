@@ -1,0 +1,387 @@
+//! Attributes: expressions that an object states, as numbers at a place.
+//!
+//! Input: the attributes of an object or of a leaf, and the coordinates of a place. Output: numbers within their ranges,
+//! and what was out of range or undefined on the way.
+
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use glam::{DAffine3, DMat3, DVec3};
+use scene::{AffineNodes, Attribute, AttributeValue};
+
+/// Attributes whose values are numbers.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+#[repr(u8)]
+pub(super) enum NumberAttribute {
+    Color,
+    Mirror,
+    Glass,
+    Ior,
+    Depth,
+    Diffuse,
+    Specular,
+    Shininess,
+    Bump,
+    Uv,
+    Radius,
+    Power,
+    Ambient,
+    Falloff,
+    Angle,
+    Soft,
+    Size,
+    Fov,
+    Focus,
+    Aperture,
+    Roll,
+    Turn,
+}
+
+use NumberAttribute as A;
+
+/// All of them, each at its discriminant.
+const ALL: [(A, &str); 22] = [
+    (A::Color, "color"),
+    (A::Mirror, "mirror"),
+    (A::Glass, "glass"),
+    (A::Ior, "ior"),
+    (A::Depth, "depth"),
+    (A::Diffuse, "diffuse"),
+    (A::Specular, "specular"),
+    (A::Shininess, "shininess"),
+    (A::Bump, "bump"),
+    (A::Uv, "uv"),
+    (A::Radius, "radius"),
+    (A::Power, "power"),
+    (A::Ambient, "ambient"),
+    (A::Falloff, "falloff"),
+    (A::Angle, "angle"),
+    (A::Soft, "soft"),
+    (A::Size, "size"),
+    (A::Fov, "fov"),
+    (A::Focus, "focus"),
+    (A::Aperture, "aperture"),
+    (A::Roll, "roll"),
+    (A::Turn, "turn"),
+];
+
+/// The least number that counts as positive.
+const POSITIVE: f64 = 1e-12;
+/// The greatest opening of a camera.
+const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
+
+impl A {
+    fn of(word: &str) -> Option<Self> {
+        let mut all = ALL.iter();
+        all.find(|(_, other)| *other == word)
+            .map(|(found, _)| *found)
+    }
+
+    fn bit(self) -> u32 {
+        1 << self as u8
+    }
+
+    /// The range of an attribute; `bright` for colours that may exceed 1: those of lights and of backgrounds.
+    fn range(self, bright: bool) -> [f64; 2] {
+        match self {
+            A::Color if !bright => [0.0, 1.0],
+            A::Mirror | A::Glass | A::Soft => [0.0, 1.0],
+            A::Ior | A::Depth | A::Shininess | A::Focus => [POSITIVE, f64::MAX],
+            A::Fov => [POSITIVE, WIDEST],
+            A::Bump | A::Uv | A::Roll | A::Turn => [f64::MIN, f64::MAX],
+            _ => [0.0, f64::MAX],
+        }
+    }
+}
+
+/// The attributes of one object or leaf.
+#[derive(Debug)]
+pub(super) struct AttributeSet {
+    groups: Vec<AttributeGroup>,
+    bright: bool,
+    faults: AttributeFaults,
+}
+
+/// Attributes that are stated in the same coordinates.
+#[derive(Debug)]
+struct AttributeGroup {
+    /// From these coordinates to the scene's.
+    map: Option<AffineTape>,
+    tape: Tape,
+    slots: Vec<Slot>,
+    /// True if a value depends on the place.
+    varies: bool,
+}
+
+/// The roots that belong to an attribute.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    attribute: A,
+    first: usize,
+    width: usize,
+}
+
+/// Attributes that were out of range or undefined somewhere, by their bits.
+#[derive(Debug, Default)]
+struct AttributeFaults {
+    clamped: AtomicU32,
+    undefined: AtomicU32,
+}
+
+/// The numbers of an attribute at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Numbers {
+    pub(super) attribute: A,
+    values: [f64; 4],
+    width: usize,
+    /// The group that it belongs to.
+    pub(super) group: usize,
+}
+
+/// An affine map whose numbers depend on uniforms.
+#[derive(Debug)]
+pub(super) struct AffineTape(Tape);
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+#[derive(Default)]
+struct Scratch {
+    registers: Registers,
+    inputs: Vec<f64>,
+    out: Vec<f64>,
+}
+
+/// Evaluates a tape over variables and uniforms, NaN where there is no such input.
+pub(super) fn evaluated<R>(
+    tape: &Tape,
+    variables: &[f64],
+    uniforms: &[f64],
+    read: impl FnOnce(&[f64]) -> R,
+) -> R {
+    SCRATCH.with_borrow_mut(|scratch| {
+        let inputs = tape.inputs().iter().map(|input| match *input {
+            Input::Variable(k) => variables.get(k as usize),
+            Input::Uniform(k) => uniforms.get(k as usize),
+        });
+        scratch.inputs.clear();
+        let inputs = inputs.map(|number| number.copied().unwrap_or(f64::NAN));
+        scratch.inputs.extend(inputs);
+        scratch.out.clear();
+        scratch.out.resize(tape.root_count(), f64::NAN);
+        tape.eval(&mut scratch.registers, &scratch.inputs, &mut scratch.out);
+        read(&scratch.out)
+    })
+}
+
+impl AffineTape {
+    pub(super) fn new(graph: &Graph, map: &AffineNodes) -> Self {
+        Self(Tape::new(graph, map.0.as_flattened()))
+    }
+
+    pub(super) fn at(&self, uniforms: &[f64]) -> DAffine3 {
+        evaluated(&self.0, &[], uniforms, |rows| {
+            let column = |k: usize| DVec3::new(rows[k], rows[4 + k], rows[8 + k]);
+            DAffine3 {
+                matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+                translation: column(3),
+            }
+        })
+    }
+}
+
+impl AttributeSet {
+    /// Compiles attributes. `bright` is true for those of lights and backgrounds. A height whose gradient is too large is
+    /// left out.
+    pub(super) fn new(graph: &Graph, attributes: &[Attribute], bright: bool) -> Self {
+        let mut maps: Vec<Option<AffineNodes>> = Vec::new();
+        let mut members: Vec<Vec<(A, &[NodeId])>> = Vec::new();
+        for stated in attributes {
+            let AttributeValue::Numbers(nodes) = &stated.value else {
+                continue;
+            };
+            let Some(attribute) = A::of(stated.word) else {
+                continue;
+            };
+            let group = maps.iter().position(|map| *map == stated.map);
+            let group = group.unwrap_or_else(|| {
+                maps.push(stated.map);
+                members.push(Vec::new());
+                maps.len() - 1
+            });
+            members[group].push((attribute, nodes));
+        }
+        let groups = maps.iter().zip(&members);
+        let groups = groups.map(|(map, members)| AttributeGroup::new(graph, map.as_ref(), members));
+        Self {
+            groups: groups.collect(),
+            bright,
+            faults: AttributeFaults::default(),
+        }
+    }
+
+    /// True if it states the attribute.
+    pub(super) fn states(&self, attribute: A) -> bool {
+        let mut slots = self.groups.iter().flat_map(|group| &group.slots);
+        slots.any(|slot| slot.attribute == attribute)
+    }
+
+    /// True if a value depends on the place.
+    pub(super) fn varies(&self) -> bool {
+        self.groups.iter().any(|group| group.varies)
+    }
+
+    /// True if the values of the attribute depend on the place.
+    pub(super) fn varies_by(&self, attribute: A) -> bool {
+        let mut groups = self.groups.iter().filter(|group| group.varies);
+        groups.any(|group| group.slots.iter().any(|slot| slot.attribute == attribute))
+    }
+
+    /// For each group, the map from the scene's coordinates to those in which it is stated.
+    pub(super) fn frames(&self, uniforms: &[f64]) -> Vec<DAffine3> {
+        let frame = |group: &AttributeGroup| match &group.map {
+            Some(map) => map.at(uniforms).inverse(),
+            None => DAffine3::IDENTITY,
+        };
+        self.groups.iter().map(frame).collect()
+    }
+
+    /// Hands each attribute's numbers, within their range, to `found`. `variables` gives the coordinates of the place for a
+    /// group; an attribute that is undefined there is left out.
+    pub(super) fn at(
+        &self,
+        uniforms: &[f64],
+        variables: impl Fn(usize) -> [f64; 3],
+        mut found: impl FnMut(&Numbers),
+    ) {
+        for (k, group) in self.groups.iter().enumerate() {
+            let place = if group.varies {
+                variables(k)
+            } else {
+                [f64::NAN; 3]
+            };
+            let mut all: [Option<Numbers>; ALL.len()] = [None; ALL.len()];
+            evaluated(&group.tape, &place, uniforms, |out| {
+                for (slot, into) in group.slots.iter().zip(&mut all) {
+                    *into = self.read(slot, k, out);
+                }
+            });
+            all.iter().flatten().for_each(&mut found);
+        }
+    }
+
+    /// The numbers of a slot; `None` where they are undefined.
+    fn read(&self, slot: &Slot, group: usize, out: &[f64]) -> Option<Numbers> {
+        let attribute = slot.attribute;
+        let given = &out[slot.first..slot.first + slot.width];
+        if given.iter().any(|number| !number.is_finite()) {
+            self.faults
+                .undefined
+                .fetch_or(attribute.bit(), Ordering::Relaxed);
+            return None;
+        }
+        let [least, most] = attribute.range(self.bright);
+        let mut values = [0.0; 4];
+        for (value, &number) in values.iter_mut().zip(given) {
+            *value = number.clamp(least, most);
+            if *value != number {
+                self.faults
+                    .clamped
+                    .fetch_or(attribute.bit(), Ordering::Relaxed);
+            }
+        }
+        Some(Numbers {
+            attribute,
+            values,
+            width: slot.width,
+            group,
+        })
+    }
+
+    /// The attributes that were undefined somewhere, and those that were out of range.
+    pub(super) fn faults(&self) -> [Vec<&'static str>; 2] {
+        let words = |bits: &AtomicU32| {
+            let bits = bits.load(Ordering::Relaxed);
+            let all = ALL
+                .iter()
+                .filter(|(attribute, _)| bits & attribute.bit() != 0);
+            all.map(|(_, word)| *word).collect()
+        };
+        [words(&self.faults.undefined), words(&self.faults.clamped)]
+    }
+}
+
+impl AttributeGroup {
+    fn new(graph: &Graph, map: Option<&AffineNodes>, members: &[(A, &[NodeId])]) -> Self {
+        let all: Vec<NodeId> = members
+            .iter()
+            .flat_map(|(_, nodes)| *nodes)
+            .copied()
+            .collect();
+        let (mut own, roots) = graph.extract(&all);
+        let (mut slots, mut compiled) = (Vec::new(), Vec::new());
+        let mut next = 0;
+        for &(attribute, nodes) in members {
+            let values = &roots[next..next + nodes.len()];
+            next += nodes.len();
+            if values.is_empty() {
+                continue;
+            }
+            let mut values = values[..values.len().min(4)].to_vec();
+            if attribute == A::Bump {
+                let height = [values[0]];
+                values.clear();
+                for k in 0..3 {
+                    let slope = own.derivatives(&height, Input::Variable(k));
+                    values.extend(slope.unwrap_or_default());
+                }
+                if values.len() < 3 {
+                    continue;
+                }
+            }
+            slots.push(Slot {
+                attribute,
+                first: compiled.len(),
+                width: values.len(),
+            });
+            compiled.extend(values);
+        }
+        let tape = Tape::new(&own, &compiled);
+        let mut inputs = tape.inputs().iter();
+        Self {
+            map: map.map(|map| AffineTape::new(graph, map)),
+            varies: inputs.any(|input| matches!(input, Input::Variable(_))),
+            tape,
+            slots,
+        }
+    }
+}
+
+impl Numbers {
+    /// The first of them.
+    pub(super) fn number(&self) -> f64 {
+        self.values[0]
+    }
+
+    /// Three numbers, one number three times, or two and 0.
+    pub(super) fn vector(&self) -> DVec3 {
+        let [a, b, c, _] = self.values;
+        if self.width == 1 {
+            DVec3::splat(a)
+        } else {
+            DVec3::new(a, b, c)
+        }
+    }
+}
+
+/// A word that is stated for an attribute such as `bokeh`.
+pub(super) fn word<'a>(attributes: &'a [Attribute], name: &str) -> Option<&'a str> {
+    let stated = attributes.iter().find(|stated| stated.word == name)?;
+    match &stated.value {
+        AttributeValue::Word(word) => Some(word),
+        AttributeValue::Numbers(_) => None,
+    }
+}

@@ -1,0 +1,267 @@
+//! Sets with their instances.
+//!
+//! Input: a solid of a scene and the uniforms of one of its instances. Output: the steps of its set in postfix order, where
+//! each union over the values of grids is written out, and each leaf has numbers for its uniforms.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use expr::{Input, NodeId};
+use glam::{DAffine3, DVec3};
+use scene::{GridId, Object, ParamValues, Sampling, Scene, Solid, SolidStep};
+use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
+
+use super::attributes::AffineTape;
+
+/// The most leaves of all solids of a scene, instances included; solids beyond are not drawn.
+pub const MAX_LEAVES: usize = 1_000_000;
+
+/// A leaf with its numbers.
+#[derive(Clone, Debug)]
+pub(super) struct ExpandedLeaf {
+    /// Its position in the solid's leaves.
+    pub(super) leaf: u32,
+    pub(super) uniforms: Arc<[f64]>,
+    pub(super) map: DAffine3,
+}
+
+/// A step of a set whose leaves are positions in a list of expanded leaves.
+#[derive(Clone, Copy, Debug)]
+enum ExpandedStep {
+    Leaf(usize),
+    Join(SetStep),
+}
+
+/// A set without unions over grids.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ExpandedSolid {
+    steps: Vec<ExpandedStep>,
+    pub(super) leaves: Vec<ExpandedLeaf>,
+}
+
+/// The reason for which a solid, or an instance of it, is not drawn.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(super) enum Omission {
+    Singular { leaf: u32 },
+    TooManyLeaves,
+    TooLarge,
+    Unbalanced,
+}
+
+/// Work that is left, the next last.
+enum Work {
+    /// The operand that ends at a step.
+    Operand(usize, Arc<[f64]>),
+    /// The instances of the operand that ends before a step, from this one on.
+    Instances(usize, u64, Arc<[f64]>),
+    Join(SetStep),
+}
+
+/// Writes out a solid.
+pub(super) struct Expansion<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) params: &'a ParamValues,
+    pub(super) object: &'a Object,
+    pub(super) solid: &'a Solid,
+    /// The maps of its leaves.
+    pub(super) maps: Vec<AffineTape>,
+    /// The number of leaves that are left.
+    pub(super) room: usize,
+}
+
+impl Expansion<'_> {
+    /// Adds the instance with these uniforms to what has been written out; the union of all is the solid.
+    pub(super) fn add(
+        &mut self,
+        into: &mut ExpandedSolid,
+        uniforms: Arc<[f64]>,
+    ) -> Result<(), Omission> {
+        let (steps, leaves) = (into.steps.len(), into.leaves.len());
+        let added = self.written(into, uniforms);
+        match added {
+            Ok(()) if steps > 0 => into.steps.push(ExpandedStep::Join(SetStep::Union)),
+            Ok(()) => {}
+            Err(_) => {
+                into.steps.truncate(steps);
+                into.leaves.truncate(leaves);
+            }
+        }
+        added
+    }
+
+    fn written(&mut self, into: &mut ExpandedSolid, uniforms: Arc<[f64]>) -> Result<(), Omission> {
+        let steps = &self.solid.steps;
+        // Where the operand that ends at each step begins.
+        let mut begins: Vec<usize> = Vec::with_capacity(steps.len());
+        let before =
+            |begins: &[usize], k: usize| begins[k].checked_sub(1).ok_or(Omission::Unbalanced);
+        for (k, step) in steps.iter().enumerate() {
+            let last = k.checked_sub(1).ok_or(Omission::Unbalanced);
+            let begin = match step {
+                SolidStep::Leaf(_) => k,
+                SolidStep::Instances(_) => begins[last?],
+                _ => begins[before(&begins, last?)?],
+            };
+            begins.push(begin);
+        }
+        let last = steps.len().checked_sub(1).ok_or(Omission::Unbalanced)?;
+        if begins[last] != 0 {
+            return Err(Omission::Unbalanced);
+        }
+        let mut work = vec![Work::Operand(last, uniforms)];
+        while let Some(next) = work.pop() {
+            match next {
+                Work::Join(step) => into.steps.push(ExpandedStep::Join(step)),
+                Work::Operand(end, uniforms) => {
+                    let join = match &steps[end] {
+                        SolidStep::Leaf(leaf) => {
+                            self.leaf(into, *leaf, uniforms)?;
+                            continue;
+                        }
+                        SolidStep::Instances(_) => {
+                            work.push(Work::Instances(end, 0, uniforms));
+                            continue;
+                        }
+                        SolidStep::Union => SetStep::Union,
+                        SolidStep::Intersection => SetStep::Intersection,
+                        SolidStep::Difference => SetStep::Difference,
+                    };
+                    work.push(Work::Join(join));
+                    work.push(Work::Operand(end - 1, uniforms.clone()));
+                    work.push(Work::Operand(begins[end - 1] - 1, uniforms));
+                }
+                Work::Instances(end, index, uniforms) => {
+                    let SolidStep::Instances(grids) = &steps[end] else {
+                        continue;
+                    };
+                    let grids: &[GridId] = grids;
+                    let count = self.params.combination_count(self.scene, grids);
+                    if index + 1 < count {
+                        work.push(Work::Instances(end, index + 1, uniforms.clone()));
+                    }
+                    if index > 0 {
+                        work.push(Work::Join(SetStep::Union));
+                    }
+                    let own = self.params.with_combination(
+                        self.scene,
+                        self.object,
+                        grids,
+                        index,
+                        &uniforms,
+                    );
+                    work.push(Work::Operand(end - 1, own.into()));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn leaf(
+        &mut self,
+        into: &mut ExpandedSolid,
+        leaf: u32,
+        uniforms: Arc<[f64]>,
+    ) -> Result<(), Omission> {
+        let map = self.maps.get(leaf as usize).ok_or(Omission::Unbalanced)?;
+        let map = map.at(&uniforms);
+        self.room = self.room.checked_sub(1).ok_or(Omission::TooManyLeaves)?;
+        if is_singular(&map) {
+            return Err(Omission::Singular { leaf });
+        }
+        into.steps.push(ExpandedStep::Leaf(into.leaves.len()));
+        into.leaves.push(ExpandedLeaf {
+            leaf,
+            uniforms,
+            map,
+        });
+        Ok(())
+    }
+}
+
+/// A map whose determinant is at most this share of the product of its columns' lengths is singular.
+const LEAST_DETERMINANT: f64 = 1e-12;
+
+fn is_singular(map: &DAffine3) -> bool {
+    let matrix = map.matrix3;
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let volume: f64 = columns.map(DVec3::length).iter().product();
+    let regular = matrix.determinant().abs() > LEAST_DETERMINANT * volume;
+    !(map.is_finite() && regular)
+}
+
+/// The shapes of a world by what they are made of, so that equal ones are one.
+#[derive(Default)]
+pub(super) struct ShapeTable(HashMap<ShapeKey, Result<ShapeId, BuildError>>);
+
+/// The field, the bits of the cuts, and those of the uniforms that the field reads.
+type ShapeKey = (NodeId, [Option<[u64; 2]>; 3], Vec<u64>);
+
+impl ShapeTable {
+    fn shape(
+        &mut self,
+        builder: &mut WorldBuilder<'_>,
+        inputs: &[u32],
+        field: NodeId,
+        cuts: &[Option<Sampling>; 3],
+        uniforms: &[f64],
+    ) -> Result<ShapeId, BuildError> {
+        let cuts = cuts.map(|cut| cut.map(|cut| [cut.range.min, cut.range.max]));
+        let number = |k: u32| uniforms.get(k as usize).copied().unwrap_or(f64::NAN);
+        let key = (
+            field,
+            cuts.map(|cut| cut.map(|ends| ends.map(f64::to_bits))),
+            inputs.iter().map(|&k| number(k).to_bits()).collect(),
+        );
+        let known = self.0.entry(key);
+        *known.or_insert_with(|| {
+            builder.shape_with(field, cuts, &|input| match input {
+                Input::Uniform(k) => number(k),
+                Input::Variable(_) => f64::NAN,
+            })
+        })
+    }
+}
+
+impl ExpandedSolid {
+    /// Adds the solid to a world.
+    pub(super) fn build(
+        &self,
+        scene: &Scene,
+        solid: &Solid,
+        builder: &mut WorldBuilder<'_>,
+        shapes: &mut ShapeTable,
+    ) -> Result<(), Omission> {
+        let inputs: Vec<Vec<u32>> = solid
+            .leaves
+            .iter()
+            .map(|leaf| {
+                let inputs = scene.graph.inputs(&[leaf.field]).into_iter();
+                let uniforms = inputs.filter_map(|input| match input {
+                    Input::Uniform(k) => Some(k),
+                    Input::Variable(_) => None,
+                });
+                uniforms.collect()
+            })
+            .collect();
+        let mut steps = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            steps.push(match *step {
+                ExpandedStep::Join(step) => step,
+                ExpandedStep::Leaf(k) => {
+                    let expanded = &self.leaves[k];
+                    let leaf = &solid.leaves[expanded.leaf as usize];
+                    let shape = shapes.shape(
+                        builder,
+                        &inputs[expanded.leaf as usize],
+                        leaf.field,
+                        &leaf.cuts,
+                        &expanded.uniforms,
+                    );
+                    SetStep::Leaf(shape.map_err(|_| Omission::TooLarge)?, expanded.map)
+                }
+            });
+        }
+        builder.solid(&steps).map_err(|_| Omission::Unbalanced)?;
+        Ok(())
+    }
+}

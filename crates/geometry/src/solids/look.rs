@@ -1,0 +1,234 @@
+//! The looks of faces.
+//!
+//! Input: the attributes of an object or of a leaf, and a place on one of its faces. Output: colours, mirror, glass and
+//! slopes there, linear and within their ranges.
+
+use expr::tape::Tape;
+use expr::{Graph, Input, NodeId};
+use glam::{DAffine3, DVec3};
+use scene::ObjectId;
+use tracer::shade::{Face, FaceLook, Glass, decoded};
+
+use super::attributes::{AttributeSet, NumberAttribute as A, Numbers, evaluated};
+
+/// Gives the linear colour of an object's image at a place of it, from (0, 0), the top left, to (1, 1); `None` for an object
+/// without one. It multiplies the object's colour.
+pub type Paint<'a> = dyn Fn(ObjectId, [f64; 2]) -> Option<DVec3> + Sync + 'a;
+
+/// The look of the faces of an object, or of those that a leaf owns.
+#[derive(Debug)]
+pub(super) struct LookProgram {
+    pub(super) object: String,
+    id: Option<ObjectId>,
+    /// Linear.
+    color: DVec3,
+    pub(super) attributes: AttributeSet,
+    /// σu and σv of a parametric surface that has a height.
+    slopes: Option<Tape>,
+    is_glass: bool,
+}
+
+/// The place of a face in the coordinates of its attributes.
+#[derive(Debug)]
+pub(super) enum FacePlace {
+    /// The look is the same everywhere.
+    Anywhere,
+    /// For each group of attributes, the map from the scene's coordinates.
+    Within(Box<[DAffine3]>),
+    /// On a part of a curve: the map from the scene's coordinates to those in which z goes from −1 to 1, and the parameter
+    /// there.
+    Along(Box<(DAffine3, [f64; 2])>),
+}
+
+impl LookProgram {
+    /// The look of the faces of an object whose colour is `color`, sRGB, where it states none.
+    pub(super) fn new(
+        object: &str,
+        id: Option<ObjectId>,
+        color: DVec3,
+        attributes: AttributeSet,
+    ) -> Self {
+        let is_glass = attributes.states(A::Glass);
+        Self {
+            object: object.to_owned(),
+            id,
+            color: if is_glass { DVec3::ONE } else { decoded(color) },
+            attributes,
+            slopes: None,
+            is_glass,
+        }
+    }
+
+    /// With what the slopes of a height need on a parametric surface.
+    pub(super) fn on_surface(mut self, graph: &Graph, position: &[NodeId; 3]) -> Self {
+        if self.attributes.states(A::Bump) {
+            let (mut graph, roots) = graph.extract(position);
+            let mut slopes = Vec::new();
+            for k in 0..2 {
+                slopes.extend(
+                    graph
+                        .derivatives(&roots, Input::Variable(k))
+                        .unwrap_or_default(),
+                );
+            }
+            self.slopes = (slopes.len() == 6).then(|| Tape::new(&graph, &slopes));
+        }
+        self
+    }
+
+    /// The place of the faces of an instance of a solid's leaf.
+    pub(super) fn place(&self, uniforms: &[f64]) -> FacePlace {
+        if self.attributes.varies() {
+            FacePlace::Within(self.attributes.frames(uniforms).into())
+        } else {
+            FacePlace::Anywhere
+        }
+    }
+
+    /// The glass that the leaf makes of its solid; `None` where it is opaque.
+    pub(super) fn glass(&self, uniforms: &[f64]) -> Option<Glass> {
+        if !self.is_glass {
+            return None;
+        }
+        let mut glass = Glass::default();
+        let mut share = None;
+        self.attributes.at(
+            uniforms,
+            |_| [0.0; 3],
+            |numbers| match numbers.attribute {
+                A::Ior => glass.ior = numbers.number(),
+                A::Depth => glass.depth = numbers.number(),
+                A::Glass => share = Some(numbers.number()),
+                _ => {}
+            },
+        );
+        // What depends on the place may be glass elsewhere.
+        let opaque = share == Some(0.0) && !self.attributes.varies_by(A::Glass);
+        (!opaque).then_some(glass)
+    }
+
+    /// The attributes that depend on the place, but count for a whole solid.
+    pub(super) fn uneven(&self) -> impl Iterator<Item = &'static str> + '_ {
+        let words = [(A::Ior, "ior"), (A::Depth, "depth")];
+        let uneven = words
+            .into_iter()
+            .filter(|(attribute, _)| self.attributes.varies_by(*attribute));
+        uneven.map(|(_, word)| word)
+    }
+
+    /// The look of a solid's face; `entering` is true where it is seen from outside.
+    pub(super) fn solid(
+        &self,
+        uniforms: &[f64],
+        place: &FacePlace,
+        face: &Face,
+        entering: bool,
+        paint: &Paint<'_>,
+    ) -> FaceLook {
+        let variables = |group: usize| match place {
+            FacePlace::Anywhere => [f64::NAN; 3],
+            FacePlace::Within(frames) => frames[group].transform_point3(face.position).to_array(),
+            FacePlace::Along(along) => {
+                let (map, [from, to]) = &**along;
+                let z = map.transform_point3(face.position).z;
+                let share = (0.5 + 0.5 * z).clamp(0.0, 1.0);
+                [from + share * (to - from), f64::NAN, f64::NAN]
+            }
+        };
+        let side = if entering { 1.0 } else { -1.0 };
+        let mut look = self.plain();
+        let mut image = None;
+        self.attributes.at(uniforms, variables, |numbers| {
+            match (numbers.attribute, place) {
+                (A::Bump, FacePlace::Within(frames)) => {
+                    let frame = frames[numbers.group].matrix3;
+                    look.bump = side * (frame.transpose() * numbers.vector());
+                }
+                (A::Uv, _) => image = Some(numbers.vector()),
+                _ => apply(&mut look, numbers),
+            }
+        });
+        self.painted(look, image.map(|at| [at.x, at.y]), paint)
+    }
+
+    /// The look of a parametric surface's face at its parameters.
+    pub(super) fn sheet(
+        &self,
+        uniforms: &[f64],
+        domain: [[f64; 2]; 2],
+        uv: [f64; 2],
+        face: &Face,
+        paint: &Paint<'_>,
+    ) -> FaceLook {
+        let [u, v] = uv;
+        let mut look = self.plain();
+        let mut image = None;
+        let place = |_| [u, v, f64::NAN];
+        self.attributes
+            .at(uniforms, place, |numbers| match numbers.attribute {
+                A::Bump => {
+                    if let Some(tape) = &self.slopes {
+                        let [along_u, along_v] = evaluated(tape, &uv, uniforms, |out| {
+                            [&out[..3], &out[3..]].map(DVec3::from_slice)
+                        });
+                        let height = numbers.vector();
+                        look.bump = slope(along_u, along_v, [height.x, height.y], face.normal);
+                    }
+                }
+                A::Uv => image = Some(numbers.vector()),
+                _ => apply(&mut look, numbers),
+            });
+        let shares = [0, 1].map(|k| (uv[k] - domain[k][0]) / (domain[k][1] - domain[k][0]));
+        let image = image.map_or(shares, |at| [at.x, at.y]);
+        self.painted(look, Some(image), paint)
+    }
+
+    fn plain(&self) -> FaceLook {
+        FaceLook {
+            color: self.color,
+            ..FaceLook::default()
+        }
+    }
+
+    fn painted(&self, mut look: FaceLook, image: Option<[f64; 2]>, paint: &Paint<'_>) -> FaceLook {
+        if let (Some(id), Some(at)) = (self.id, image)
+            && let Some(color) = paint(id, at)
+        {
+            look.color *= color;
+        }
+        look
+    }
+}
+
+/// The gradient on a surface of a height with these derivatives by u and v, on the side of a normal; 0 where the surface
+/// has no tangent plane.
+fn slope(along_u: DVec3, along_v: DVec3, [by_u, by_v]: [f64; 2], normal: DVec3) -> DVec3 {
+    let (e, f, g) = (
+        along_u.length_squared(),
+        along_u.dot(along_v),
+        along_v.length_squared(),
+    );
+    let determinant = e * g - f * f;
+    let gradient =
+        ((g * by_u - f * by_v) * along_u + (e * by_v - f * by_u) * along_v) / determinant;
+    let side = along_u.cross(along_v).dot(normal).signum();
+    if gradient.is_finite() {
+        side * gradient
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// Writes an attribute into a look.
+fn apply(look: &mut FaceLook, numbers: &Numbers) {
+    let number = numbers.number();
+    match numbers.attribute {
+        A::Color => look.color = decoded(numbers.vector()),
+        A::Mirror => look.mirror = numbers.vector(),
+        A::Glass => look.glass = number,
+        A::Diffuse => look.diffuse = Some(number),
+        A::Specular => look.specular = number,
+        A::Shininess => look.shininess = number,
+        _ => {}
+    }
+}

@@ -1,0 +1,287 @@
+//! Lights, cameras and the background.
+//!
+//! Input: those that a scene declares, and where it declares none, the 3D view's. Output: what rays need of them.
+
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
+
+use expr::tape::Tape;
+use glam::DVec3;
+use scene::{Object, ParamValues, Scene, Shape};
+use tracer::camera::{Bokeh, LensCamera, LensProjection};
+use tracer::light::{Light, LightKind};
+use tracer::shade::decoded;
+
+use super::attributes::{AttributeSet, NumberAttribute as A, Numbers, evaluated, word};
+
+/// A camera that a scene declares, for one instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeclaredCamera {
+    /// Its name.
+    pub name: String,
+    /// The instance, from 0.
+    pub instance: u64,
+    /// The camera.
+    pub lens: LensCamera,
+}
+
+/// The lights of a scene that declares none: they turn with the camera, as those of the 3D view do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardLights {
+    /// The strength of light from everywhere.
+    pub ambient: f64,
+    /// The strength of the light at the eye, which casts no shadows.
+    pub fill: f64,
+    /// The strength of the parallel light.
+    pub key: f64,
+    /// The unit direction towards that light: to the picture's right, up, and towards the eye.
+    pub key_direction: DVec3,
+}
+
+impl StandardLights {
+    /// The lights for a camera.
+    pub fn of(&self, camera: &LensCamera) -> Vec<Light> {
+        let [right, up, forward] = camera.axes();
+        let [x, y, z] = self.key_direction.to_array();
+        let towards = x * right + y * up - z * forward;
+        let white = |strength: f64| DVec3::splat(strength);
+        vec![
+            Light {
+                ambient: 1.0,
+                highlight: DVec3::ZERO,
+                ..Light::new(LightKind::Parallel(DVec3::ZERO), white(self.ambient))
+            },
+            Light {
+                highlight: DVec3::ZERO,
+                casts_shadows: false,
+                ..Light::new(LightKind::Point(camera.position), white(self.fill))
+            },
+            Light {
+                highlight: DVec3::ONE,
+                ..Light::new(LightKind::Parallel(-towards), white(self.key))
+            },
+        ]
+    }
+}
+
+/// The horizon of a scene that declares no background, sRGB.
+const HORIZON: DVec3 = DVec3::new(96.0 / 255.0, 104.0 / 255.0, 120.0 / 255.0);
+
+/// The light of the sky of a scene that declares no background, linear, from a unit direction: `above`, sRGB, overhead and
+/// underfoot, lighter towards the horizon.
+pub fn standard_sky(above: DVec3, direction: DVec3) -> DVec3 {
+    let share = (1.0 - direction.z.abs()).powi(4);
+    decoded(above + share * (HORIZON - above))
+}
+
+/// A background that a scene declares.
+#[derive(Debug)]
+pub(super) struct DeclaredBackground {
+    pub(super) name: String,
+    color: Tape,
+    uniforms: Vec<f64>,
+    /// The turn of its image about z, in radians.
+    turn: f64,
+    attributes: AttributeSet,
+}
+
+impl DeclaredBackground {
+    pub(super) fn new(scene: &Scene, params: &ParamValues, object: &Object) -> Option<Self> {
+        let Shape::Background(background) = &object.shape else {
+            return None;
+        };
+        let uniforms = params.first_instance(scene, object);
+        let attributes = AttributeSet::new(&scene.graph, &object.attributes, true);
+        let mut turn = 0.0;
+        attributes.at(
+            &uniforms,
+            |_| [f64::NAN; 3],
+            |numbers| {
+                if numbers.attribute == A::Turn {
+                    turn = numbers.number();
+                }
+            },
+        );
+        Some(Self {
+            name: object.name.clone(),
+            color: Tape::new(&scene.graph, &background.color),
+            uniforms,
+            turn,
+            attributes,
+        })
+    }
+
+    /// The linear light from a unit direction: that of `image` at a place of it, from (0, 0), the top left, to (1, 1), where
+    /// there is one; black where the colour is undefined.
+    pub(super) fn light(
+        &self,
+        direction: DVec3,
+        image: &dyn Fn([f64; 2]) -> Option<DVec3>,
+    ) -> DVec3 {
+        let around = direction.y.atan2(direction.x) + self.turn;
+        let u = (0.5 - around / (2.0 * PI)).rem_euclid(1.0);
+        let v = 0.5 - direction.z.clamp(-1.0, 1.0).asin() / PI;
+        if let Some(light) = image([u, v]) {
+            return light;
+        }
+        let color = evaluated(
+            &self.color,
+            &direction.to_array(),
+            &self.uniforms,
+            DVec3::from_slice,
+        );
+        if color.is_finite() {
+            decoded(color.max(DVec3::ZERO))
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    pub(super) fn attributes(&self) -> &AttributeSet {
+        &self.attributes
+    }
+}
+
+/// All instances of a light. One whose place or direction is undefined does not shine, and is counted.
+pub(super) fn lights(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+    attributes: &AttributeSet,
+) -> (Vec<Light>, u64) {
+    let Shape::Light(light) = &object.shape else {
+        return (Vec::new(), 0);
+    };
+    let tape =
+        |nodes: Option<[expr::NodeId; 3]>| nodes.map(|nodes| Tape::new(&scene.graph, &nodes));
+    let [position, direction] = [light.position, light.direction].map(tape);
+    let (mut found, mut undefined) = (Vec::new(), 0);
+    params.for_each_instance(scene, object, |uniforms| {
+        let at = |tape: &Option<Tape>| {
+            let tape = tape.as_ref()?;
+            Some(evaluated(tape, &[], uniforms, DVec3::from_slice))
+        };
+        let [position, direction] = [at(&position), at(&direction)];
+        let parts = [position, direction].into_iter().flatten();
+        if parts.clone().any(|part| !part.is_finite()) || direction == Some(DVec3::ZERO) {
+            undefined += 1;
+            return;
+        }
+        let mut radius = None;
+        let (mut angle, mut soft) = (FRAC_PI_3, 0.2);
+        let mut light = Light::new(LightKind::Parallel(DVec3::ZERO), DVec3::ONE);
+        let mut power = 1.0;
+        attributes.at(
+            uniforms,
+            |_| [f64::NAN; 3],
+            |numbers: &Numbers| {
+                let number = numbers.number();
+                match numbers.attribute {
+                    A::Color => light.color = decoded(numbers.vector()),
+                    A::Power => power = number,
+                    A::Ambient => light.ambient = number,
+                    A::Falloff => light.falloff = Some(number),
+                    A::Angle => angle = number,
+                    A::Radius => radius = Some(number),
+                    A::Soft => soft = number,
+                    A::Size => light.size = number,
+                    _ => {}
+                }
+            },
+        );
+        light.color *= power;
+        light.highlight = light.color;
+        light.kind = match (position, direction, radius) {
+            (Some(position), None, _) => LightKind::Point(position),
+            (None, Some(direction), _) => LightKind::Parallel(direction),
+            (Some(position), Some(direction), Some(radius)) => LightKind::Beam {
+                position,
+                direction,
+                radius,
+                soft,
+            },
+            (Some(position), Some(direction), None) => LightKind::Spot {
+                position,
+                direction,
+                angle,
+                soft,
+            },
+            (None, None, _) => return,
+        };
+        found.push(light);
+    });
+    (found, undefined)
+}
+
+/// All instances of a camera. One whose place or direction is undefined is left out, and counted.
+pub(super) fn cameras(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+    attributes: &AttributeSet,
+) -> (Vec<DeclaredCamera>, u64) {
+    let Shape::Camera(camera) = &object.shape else {
+        return (Vec::new(), 0);
+    };
+    let tape = Tape::new(&scene.graph, &[camera.direction, camera.position].concat());
+    let projection = match word(&object.attributes, "projection") {
+        Some("spherical") => LensProjection::Spherical,
+        Some("cylindrical") => LensProjection::Cylindrical,
+        _ => LensProjection::Pinhole,
+    };
+    let bokeh = match word(&object.attributes, "bokeh") {
+        Some("line") => Bokeh::Line,
+        Some("triangle") => Bokeh::Polygon(3),
+        Some("square") => Bokeh::Polygon(4),
+        Some("pentagon") => Bokeh::Polygon(5),
+        Some("hexagon") => Bokeh::Polygon(6),
+        Some("octagon") => Bokeh::Polygon(8),
+        Some("star") => Bokeh::Star,
+        Some("box") => Bokeh::Box,
+        Some("gaussian") => Bokeh::Gaussian,
+        _ => Bokeh::Circle,
+    };
+    let (mut found, mut undefined) = (Vec::new(), 0);
+    let mut instance = 0;
+    params.for_each_instance(scene, object, |uniforms| {
+        instance += 1;
+        let [direction, position] = evaluated(&tape, &[], uniforms, |out| {
+            [&out[..3], &out[3..]].map(DVec3::from_slice)
+        });
+        let focus = direction.length();
+        if !(position.is_finite() && focus.is_finite() && focus > 0.0) {
+            undefined += 1;
+            return;
+        }
+        let mut lens = LensCamera {
+            position,
+            direction,
+            up: DVec3::Z,
+            fov: FRAC_PI_4,
+            roll: 0.0,
+            focus,
+            aperture: 0.0,
+            bokeh,
+            projection,
+        };
+        attributes.at(
+            uniforms,
+            |_| [f64::NAN; 3],
+            |numbers: &Numbers| {
+                let number = numbers.number();
+                match numbers.attribute {
+                    A::Fov => lens.fov = number,
+                    A::Focus => lens.focus = number,
+                    A::Aperture => lens.aperture = number,
+                    A::Roll => lens.roll = number,
+                    _ => {}
+                }
+            },
+        );
+        found.push(DeclaredCamera {
+            name: object.name.clone(),
+            instance: instance - 1,
+            lens,
+        });
+    });
+    (found, undefined)
+}

@@ -1,0 +1,649 @@
+//! Scenes for rays: instances, attributes, stages, bodies; scenes are built by hand.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use expr::{Input, NodeId};
+use geometry::solids::{
+    RayFault, RayScene, RaySceneOptions, SOLID_COLOR, StandardLights, Thickness,
+};
+use glam::DVec3;
+use scene::{
+    AffineNodes, Attribute, AttributeValue, Camera, Grid, GridId, Light, Object, Param, ParamId,
+    ParamValues, Range, Sampling, Scene, Shape, Solid, SolidLeaf, SolidStep,
+};
+use syntax::span::Span;
+use tracer::Ray;
+use tracer::camera::{Bokeh, LensCamera};
+use tracer::light::LightKind;
+use tracer::shade::{Face, FaceLook, FaceObject, LightTracer, Scenery, decoded};
+
+/// Writes scenes.
+#[derive(Default)]
+struct Writer {
+    scene: Scene,
+}
+
+impl Writer {
+    fn number(&mut self, value: f64) -> NodeId {
+        self.scene.graph.constant(value)
+    }
+
+    fn numbers(&mut self, values: [f64; 3]) -> [NodeId; 3] {
+        values.map(|value| self.number(value))
+    }
+
+    fn variables(&mut self) -> [NodeId; 3] {
+        [0, 1, 2].map(|k| self.scene.graph.input(Input::Variable(k)))
+    }
+
+    /// x² + y² + z² − r².
+    fn ball(&mut self, radius: NodeId) -> NodeId {
+        let squares = self.variables().map(|x| self.scene.graph.mul(x, x));
+        let graph = &mut self.scene.graph;
+        let sum = graph.add(squares[0], squares[1]);
+        let sum = graph.add(sum, squares[2]);
+        let square = graph.mul(radius, radius);
+        graph.sub(sum, square)
+    }
+
+    fn map(&mut self, rows: [[f64; 4]; 3]) -> AffineNodes {
+        AffineNodes(rows.map(|row| row.map(|value| self.number(value))))
+    }
+
+    fn moved(&mut self, by: [NodeId; 3]) -> AffineNodes {
+        let mut map = self.map([
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ]);
+        for (row, offset) in map.0.iter_mut().zip(by) {
+            row[3] = offset;
+        }
+        map
+    }
+
+    fn identity(&mut self) -> AffineNodes {
+        let zero = self.number(0.0);
+        self.moved([zero; 3])
+    }
+
+    fn leaf(&mut self, name: &str, field: NodeId, map: AffineNodes) -> SolidLeaf {
+        SolidLeaf {
+            name: name.into(),
+            name_span: Span::default(),
+            field,
+            cuts: [None; 3],
+            map,
+            attributes: Vec::new(),
+        }
+    }
+
+    fn grid(&mut self, name: &str, min: f64, max: f64, count: u32) -> (GridId, NodeId) {
+        let first_uniform = self.scene.uniform_count;
+        self.scene.uniform_count += 1;
+        self.scene.grids.push(Grid {
+            name: name.into(),
+            name_span: Span::default(),
+            axes: vec![Sampling {
+                range: Range { min, max },
+                count,
+            }],
+            first_uniform,
+        });
+        let id = GridId(self.scene.grids.len() as u32 - 1);
+        (id, self.scene.graph.input(Input::Uniform(first_uniform)))
+    }
+
+    fn param(&mut self, name: &str, value: f64) -> (ParamId, NodeId) {
+        let first_uniform = self.scene.uniform_count;
+        self.scene.uniform_count += 1;
+        self.scene.params.push(Param {
+            name: name.into(),
+            name_span: Span::default(),
+            ranges: vec![Range {
+                min: -10.0,
+                max: 10.0,
+            }],
+            initial: vec![value],
+            first_uniform,
+        });
+        let id = ParamId(self.scene.params.len() as u32 - 1);
+        (id, self.scene.graph.input(Input::Uniform(first_uniform)))
+    }
+
+    fn declare(&mut self, name: &str, shape: Shape, grids: &[GridId], attributes: Vec<Attribute>) {
+        let object = Object {
+            name: name.into(),
+            name_span: Span::default(),
+            shape,
+            params: Vec::new(),
+            grids: grids.to_vec(),
+            geodesic_values: Vec::new(),
+            attributes,
+        };
+        if matches!(
+            object.shape,
+            Shape::Light(_) | Shape::Camera(_) | Shape::Background(_)
+        ) {
+            self.scene.stage.push(object);
+        } else {
+            self.scene.objects.push(object);
+        }
+    }
+
+    fn solid(&mut self, name: &str, leaves: Vec<SolidLeaf>, steps: &[SolidStep], grids: &[GridId]) {
+        let solid = Solid {
+            leaves,
+            steps: steps.to_vec(),
+        };
+        self.declare(name, Shape::Solid(solid), grids, Vec::new());
+    }
+
+    fn prepared(&self) -> RayScene {
+        self.prepared_with(&ParamValues::initial(&self.scene))
+    }
+
+    fn prepared_with(&self, params: &ParamValues) -> RayScene {
+        let options = RaySceneOptions {
+            shown: &|_| true,
+            color: &|_| SOLID_COLOR,
+            thickness: Some(Thickness {
+                point: 0.1,
+                line: 0.05,
+                head_length: 8.0,
+                head_radius: 3.0,
+                head_share: 0.4,
+            }),
+        };
+        RayScene::new(&self.scene, params, &options)
+    }
+}
+
+fn stated(word: &'static str, nodes: &[NodeId], map: Option<AffineNodes>) -> Attribute {
+    Attribute {
+        word,
+        span: Span::default(),
+        value: AttributeValue::Numbers(nodes.to_vec()),
+        map,
+    }
+}
+
+fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+    Ray {
+        origin: origin.into(),
+        direction: direction.into(),
+        leaving: None,
+    }
+}
+
+/// True if both are the same numbers but for rounding.
+fn close(found: &[f64], expected: &[f64]) -> bool {
+    let mut pairs = found.iter().zip(expected);
+    found.len() == expected.len() && pairs.all(|(a, b)| (a - b).abs() < 1e-12)
+}
+
+/// The t of all crossings.
+fn crossings(scene: &RayScene, ray: &Ray) -> Vec<f64> {
+    let mut caster = scene.world().caster();
+    caster.cast(ray).iter().map(|crossing| crossing.t).collect()
+}
+
+fn first(scene: &RayScene, ray: &Ray) -> Option<Face> {
+    let scenery = Scenery {
+        world: scene.world(),
+        sheets: scene.sheets(),
+        glass: scene.glass(),
+        look: &|face| scene.look(face, &|_, _| None),
+        lights: &[],
+        background: &|_| DVec3::ZERO,
+        bounces: 0,
+    };
+    LightTracer::new(&scenery).first(ray)
+}
+
+fn look(scene: &RayScene, ray: &Ray) -> FaceLook {
+    let face = first(scene, ray).expect("a face");
+    scene.look(&face, &|_, _| None)
+}
+
+#[test]
+fn a_cut_shows_the_cutter() {
+    let mut writer = Writer::default();
+    let one = writer.number(1.0);
+    let half = writer.number(0.5);
+    let (outer, inner) = (writer.ball(one), writer.ball(half));
+    let here = writer.identity();
+    let zero = writer.number(0.0);
+    let x = writer.number(1.0);
+    let aside = writer.moved([x, zero, zero]);
+    let leaves = vec![
+        writer.leaf("outer", outer, here),
+        writer.leaf("inner", inner, aside),
+    ];
+    let steps = [
+        SolidStep::Leaf(0),
+        SolidStep::Leaf(1),
+        SolidStep::Difference,
+    ];
+    writer.solid("bitten", leaves, &steps, &[]);
+    let scene = writer.prepared();
+    let along = ray([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+    assert!(close(&crossings(&scene, &along), &[2.5, 4.0]));
+    let face = first(&scene, &along).expect("a face");
+    let owner = scene.owner(&face.of);
+    assert_eq!(owner.leaf.map(|(name, _)| name), Some("inner"));
+    assert_eq!(
+        (&*owner.object.name, owner.object.kind),
+        ("bitten", "solid")
+    );
+    assert!(face.normal.distance(DVec3::X) < 1e-12);
+    assert_eq!(scene.notes(), []);
+}
+
+#[test]
+fn the_instances_of_a_solid_are_one_set() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", 0.0, 3.0, 4);
+    let (one, zero) = (writer.number(1.0), writer.number(0.0));
+    let ball = writer.ball(one);
+    let place = writer.moved([k, zero, zero]);
+    let leaf = writer.leaf("ball", ball, place);
+    writer.solid("row", vec![leaf], &[SolidStep::Leaf(0)], &[grid]);
+    let along = ray([-5.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let scene = writer.prepared();
+    assert_eq!(scene.world().solid_count(), 1);
+    // The balls overlap: the row is entered once.
+    assert!(close(&crossings(&scene, &along), &[4.0, 9.0]));
+    let back = ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+    let face = first(&scene, &back).expect("a face");
+    let owner = scene.owner(&face.of);
+    assert_eq!(owner.instance, 3);
+    assert_eq!(owner.grids, [("k", &[3.0][..])]);
+    let mut params = ParamValues::initial(&writer.scene);
+    params.set(&writer.scene, "k", &[1.5]).expect("in range");
+    let fixed = writer.prepared_with(&params);
+    assert!(close(&crossings(&fixed, &along), &[5.5, 7.5]));
+    let face = first(&fixed, &along).expect("a face");
+    assert_eq!(fixed.owner(&face.of).grids, []);
+}
+
+#[test]
+fn a_radius_may_depend_on_a_grid() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", 1.0, 2.0, 2);
+    let ball = writer.ball(k);
+    // The waves make it a field that is solved by intervals.
+    let [x, ..] = writer.variables();
+    let graph = &mut writer.scene.graph;
+    let wave = graph.unary(expr::ops::Unary::Sin, x);
+    let wave = graph.mul(wave, wave);
+    let tenth = graph.constant(0.1);
+    let wave = graph.mul(wave, tenth);
+    let wavy = graph.add(ball, wave);
+    let ten = graph.constant(10.0);
+    let zero = graph.constant(0.0);
+    let apart = writer.scene.graph.mul(ten, k);
+    let place = writer.moved([zero, apart, zero]);
+    let leaf = writer.leaf("wavy", wavy, place);
+    writer.solid("two", vec![leaf], &[SolidStep::Leaf(0)], &[grid]);
+    let scene = writer.prepared();
+    for k in [1.0, 2.0] {
+        let along = ray([0.0, 10.0 * k, -5.0], [0.0, 0.0, 1.0]);
+        let found = crossings(&scene, &along);
+        let expected = [5.0 - k, 5.0 + k];
+        let close = found
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(found.len() == 2 && close, "{found:?}");
+    }
+}
+
+#[test]
+fn instances_within_a_set_are_a_union_and_may_be_cut() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", -2.0, 2.0, 5);
+    let (two, zero, tenth) = (writer.number(2.5), writer.number(0.0), writer.number(0.25));
+    let (plate, hole) = (writer.ball(two), writer.ball(tenth));
+    let here = writer.identity();
+    let place = writer.moved([k, zero, zero]);
+    let leaves = vec![
+        writer.leaf("plate", plate, here),
+        writer.leaf("hole", hole, place),
+    ];
+    let steps = [
+        SolidStep::Leaf(0),
+        SolidStep::Leaf(1),
+        SolidStep::Instances(vec![grid]),
+        SolidStep::Difference,
+    ];
+    // The grid is closed: the solid itself has one instance.
+    writer.solid("cheese", leaves, &steps, &[]);
+    let scene = writer.prepared();
+    assert_eq!(scene.world().leaf_count(), 6);
+    let along = ray([-5.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let mut expected = vec![2.5];
+    for k in -2..=2 {
+        expected.extend([5.0 + f64::from(k) - 0.25, 5.0 + f64::from(k) + 0.25]);
+    }
+    expected.push(7.5);
+    let found = crossings(&scene, &along);
+    assert!(close(&found, &expected), "{found:?}");
+}
+
+#[test]
+fn textures_and_bumps_move_along() {
+    let mut writer = Writer::default();
+    let (one, zero) = (writer.number(1.0), writer.number(0.0));
+    let ball = writer.ball(one);
+    // A quarter turn about z, then 3 along x: x' = 3 − y, y' = x; the image of (0, −1, 0) is (4, 0, 0).
+    let map = writer.map([
+        [0.0, -1.0, 0.0, 3.0],
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]);
+    let [_, y, z] = writer.variables();
+    let height = {
+        let graph = &mut writer.scene.graph;
+        let tenth = graph.constant(0.1);
+        let sum = graph.add(y, z);
+        graph.mul(tenth, sum)
+    };
+    let red = {
+        let graph = &mut writer.scene.graph;
+        let minus = graph.constant(-0.5);
+        graph.mul(minus, y)
+    };
+    let mut leaf = writer.leaf("ball", ball, map);
+    leaf.attributes = vec![
+        stated("color", &[red, zero, zero], Some(map)),
+        stated("bump", &[height], Some(map)),
+    ];
+    writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
+    let scene = writer.prepared();
+    let outside = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
+    // At (0, −1, 0) of its own: red is 0.5.
+    let expected = decoded(DVec3::new(0.5, 0.0, 0.0));
+    assert!(outside.color.distance(expected) < 1e-12);
+    // The gradient (0, 0.1, 0.1) turns with the ball; seen from inside, the height leads away.
+    assert!(outside.bump.distance(DVec3::new(-0.1, 0.0, 0.1)) < 1e-12);
+    let inside = look(&scene, &ray([3.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    assert!(inside.bump.distance(DVec3::new(0.1, 0.0, -0.1)) < 1e-12);
+}
+
+#[test]
+fn what_is_out_of_range_or_undefined_is_noted() {
+    let mut writer = Writer::default();
+    let one = writer.number(1.0);
+    let ball = writer.ball(one);
+    let here = writer.identity();
+    let [x, ..] = writer.variables();
+    let root = writer.scene.graph.unary(expr::ops::Unary::Sqrt, x);
+    let mut leaf = writer.leaf("ball", ball, here);
+    leaf.attributes = vec![stated("color", &[x], None), stated("mirror", &[root], None)];
+    writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
+    let scene = writer.prepared();
+    let right = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
+    assert_eq!((right.color, right.mirror), (DVec3::ONE, DVec3::ONE));
+    assert_eq!(scene.notes(), []);
+    let left = look(&scene, &ray([-9.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    assert_eq!((left.color, left.mirror), (DVec3::ZERO, DVec3::ZERO));
+    let faults: Vec<RayFault> = scene.notes().into_iter().map(|note| note.fault).collect();
+    let expected = [
+        RayFault::UndefinedAttribute("mirror"),
+        RayFault::ClampedAttribute("color"),
+    ];
+    assert_eq!(faults, expected);
+}
+
+#[test]
+fn glass_is_that_of_the_first_leaf_that_has_some() {
+    let mut writer = Writer::default();
+    let (one, zero) = (writer.number(1.0), writer.number(0.0));
+    let ball = writer.ball(one);
+    let here = writer.identity();
+    let [share, none, index, other] = [0.9, 0.0, 1.33, 2.0].map(|value| writer.number(value));
+    let aside = writer.moved([one, zero, zero]);
+    let mut leaves = vec![
+        writer.leaf("stone", ball, here),
+        writer.leaf("water", ball, aside),
+    ];
+    leaves[0].attributes = vec![
+        stated("glass", &[none], None),
+        stated("ior", &[other], None),
+    ];
+    leaves[1].attributes = vec![
+        stated("glass", &[share], None),
+        stated("ior", &[index], None),
+    ];
+    let steps = [SolidStep::Leaf(0), SolidStep::Leaf(1), SolidStep::Union];
+    writer.solid("both", leaves, &steps, &[]);
+    let scene = writer.prepared();
+    let [Some(glass)] = scene.glass() else {
+        panic!("{:?}", scene.glass());
+    };
+    assert_eq!((glass.ior, glass.depth), (1.33, 1.0));
+    let water = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
+    assert_eq!((water.glass, water.color), (0.9, DVec3::ONE));
+}
+
+#[test]
+fn singular_instances_are_left_out_and_noted() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", 0.0, 2.0, 3);
+    let one = writer.number(1.0);
+    let ball = writer.ball(one);
+    let mut map = writer.identity();
+    map.0[2][2] = k;
+    let leaf = writer.leaf("flat", ball, map);
+    writer.solid("stack", vec![leaf], &[SolidStep::Leaf(0)], &[grid]);
+    let scene = writer.prepared();
+    let along = ray([0.0, 0.0, -5.0], [0.0, 0.0, 1.0]);
+    assert!(close(&crossings(&scene, &along), &[3.0, 7.0]));
+    let notes = scene.notes();
+    assert_eq!(notes[0].fault, RayFault::SingularMap(1, 3, "flat".into()));
+    assert_eq!(
+        notes[0].to_string(),
+        "1 of the 3 instances of `stack` are not drawn: the map of `flat` takes volumes to 0"
+    );
+}
+
+#[test]
+fn points_arrows_and_curves_are_bodies() {
+    let mut writer = Writer::default();
+    let place = writer.numbers([0.0, 0.0, 1.0]);
+    writer.declare("p", Shape::Point { position: place }, &[], Vec::new());
+    let (direction, origin) = (
+        writer.numbers([4.0, 0.0, 0.0]),
+        writer.numbers([0.0, 3.0, 0.0]),
+    );
+    let arrow = Shape::Vector { direction, origin };
+    let thick = writer.number(0.2);
+    writer.declare("v", arrow, &[], vec![stated("radius", &[thick], None)]);
+    let [t, ..] = writer.variables();
+    let zero = writer.number(0.0);
+    let curve = Shape::Curve {
+        position: [t, zero, zero],
+        domain: Sampling {
+            range: Range { min: 0.0, max: 1.0 },
+            count: 5,
+        },
+        parameter: "t".into(),
+        followed: Vec::new(),
+    };
+    let tint = vec![stated("color", &[t, zero, zero], None)];
+    writer.declare("c", curve, &[], tint);
+    let scene = writer.prepared();
+    assert_eq!(scene.world().solid_count(), 3);
+    let down = |x: f64, y: f64| ray([x, y, 5.0], [0.0, 0.0, -1.0]);
+    assert!(close(&crossings(&scene, &down(0.0, 0.0))[..2], &[3.9, 4.1]));
+    // The shaft ends where the head, 8 · 0.2 long and 3 · 0.2 thick, begins.
+    assert!(close(&crossings(&scene, &down(1.0, 3.0)), &[4.8, 5.2]));
+    let head = crossings(&scene, &down(2.4 + 0.8, 3.0));
+    assert!((head[0] - 4.7).abs() < 1e-12 && head.len() == 2, "{head:?}");
+    assert!(crossings(&scene, &down(4.01, 3.0)).is_empty());
+    let face = first(&scene, &down(0.4, 0.01)).expect("the curve");
+    let owner = scene.owner(&face.of);
+    assert_eq!((&*owner.object.name, owner.object.kind), ("c", "curve"));
+    let seen = scene.look(&face, &|_, _| None).color;
+    assert!(seen.distance(decoded(DVec3::new(0.4, 0.0, 0.0))) < 1e-12);
+    assert!(!scene.is_declared_solid(0));
+}
+
+#[test]
+fn lights_and_cameras_are_those_of_the_scene() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", 0.0, 1.0, 2);
+    let zero = writer.number(0.0);
+    let down = writer.numbers([0.0, 0.0, -1.0]);
+    let high = [zero, zero, k];
+    let [half, two, wide] = [0.5, 2.0, -1.0].map(|value| writer.number(value));
+    let spot = Light {
+        position: Some(high),
+        direction: Some(down),
+    };
+    let attributes = vec![
+        stated("color", &[half], None),
+        stated("power", &[two], None),
+        stated("radius", &[wide], None),
+    ];
+    writer.declare("beam", Shape::Light(spot), &[grid], attributes);
+    let ahead = writer.numbers([0.0, 2.0, 0.0]);
+    let eye = Camera {
+        direction: ahead,
+        position: high,
+    };
+    let mut attributes = vec![stated("fov", &[two], None)];
+    attributes.push(Attribute {
+        word: "bokeh",
+        span: Span::default(),
+        value: AttributeValue::Word("star".into()),
+        map: None,
+    });
+    writer.declare("eye", Shape::Camera(eye), &[grid], attributes);
+    let scene = writer.prepared();
+    let camera = &scene.cameras()[1];
+    assert_eq!((&*camera.name, camera.instance), ("eye", 1));
+    let LensCamera {
+        position,
+        focus,
+        fov,
+        bokeh,
+        ..
+    } = camera.lens;
+    assert_eq!(
+        (position, focus, fov, bokeh),
+        (DVec3::Z, 2.0, 2.0, Bokeh::Star)
+    );
+    let standard = StandardLights {
+        ambient: 0.2,
+        fill: 0.3,
+        key: 0.5,
+        key_direction: DVec3::Y,
+    };
+    let lights = scene.lights(&camera.lens, &standard);
+    assert_eq!(lights.len(), 2);
+    let expected = 2.0 * decoded(DVec3::splat(0.5));
+    assert_eq!((lights[1].color, lights[1].highlight), (expected, expected));
+    let LightKind::Beam {
+        position, radius, ..
+    } = lights[1].kind
+    else {
+        panic!("{lights:?}");
+    };
+    assert_eq!((position, radius), (DVec3::Z, 0.0));
+    assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("radius"));
+
+    // Without lights: those of the 3D view. The key comes from above the picture.
+    let own = standard.of(&camera.lens);
+    assert_eq!(own.len(), 3);
+    let key = own[2].from(DVec3::ZERO, [0.5; 2]);
+    assert!(key.towards.distance(DVec3::Z) < 1e-12);
+    assert_eq!(own[1].kind, LightKind::Point(camera.lens.position));
+}
+
+#[test]
+fn surfaces_have_bumps_and_images() {
+    let mut writer = Writer::default();
+    let [u, v, _] = writer.variables();
+    let zero = writer.number(0.0);
+    // σ = (2u, v, 0), the height u + 3v: its gradient in space is (1/2, 3, 0).
+    let (position, height) = {
+        let graph = &mut writer.scene.graph;
+        let (two, three) = (graph.constant(2.0), graph.constant(3.0));
+        let product = graph.mul(three, v);
+        ([graph.mul(two, u), v, zero], graph.add(u, product))
+    };
+    let axis = Sampling {
+        range: Range {
+            min: -1.0,
+            max: 1.0,
+        },
+        count: 3,
+    };
+    let surface = Shape::Surface {
+        position,
+        domain: [axis; 2],
+        parameters: ["u".into(), "v".into()],
+    };
+    writer.declare("s", surface, &[], vec![stated("bump", &[height], None)]);
+    let scene = writer.prepared();
+    for (z, side) in [(5.0, 1.0), (-5.0, -1.0)] {
+        let face = first(&scene, &ray([1.0, 0.5, z], [0.0, 0.0, -z])).expect("a face");
+        let FaceObject::Sheet { uv, .. } = face.of else {
+            panic!("{face:?}");
+        };
+        assert!((uv[0] - 0.5).abs() < 1e-12 && (uv[1] - 0.5).abs() < 1e-12);
+        let look = scene.look(&face, &|_, at| Some(DVec3::new(at[0], at[1], 0.0)));
+        let expected = side * DVec3::new(0.5, 3.0, 0.0);
+        assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);
+        let painted = decoded(SOLID_COLOR) * DVec3::new(0.75, 0.75, 0.0);
+        assert!(look.color.distance(painted) < 1e-12);
+    }
+    assert!(first(&scene, &ray([2.1, 0.0, 5.0], [0.0, 0.0, -1.0])).is_none());
+}
+
+#[test]
+fn params_move_lights_and_turn_solids() {
+    let mut writer = Writer::default();
+    let (_, a) = writer.param("a", FRAC_PI_2);
+    let zero = writer.number(0.0);
+    let graph = &mut writer.scene.graph;
+    let (sin, cos) = (
+        graph.unary(expr::ops::Unary::Sin, a),
+        graph.unary(expr::ops::Unary::Cos, a),
+    );
+    let lamp = Light {
+        position: Some([cos, sin, zero]),
+        direction: None,
+    };
+    writer.declare("lamp", Shape::Light(lamp), &[], Vec::new());
+    let mut params = ParamValues::initial(&writer.scene);
+    let place = |params: &ParamValues| {
+        let scene = writer.prepared_with(params);
+        let camera = LensCamera {
+            position: DVec3::ZERO,
+            direction: DVec3::Y,
+            up: DVec3::Z,
+            fov: 1.0,
+            roll: 0.0,
+            focus: 1.0,
+            aperture: 0.0,
+            bokeh: Bokeh::Circle,
+            projection: Default::default(),
+        };
+        let standard = StandardLights {
+            ambient: 0.0,
+            fill: 0.0,
+            key: 0.0,
+            key_direction: DVec3::Z,
+        };
+        match scene.lights(&camera, &standard)[0].kind {
+            LightKind::Point(place) => place,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert!(place(&params).distance(DVec3::Y) < 1e-15);
+    params.set(&writer.scene, "a", &[PI]).expect("in range");
+    assert!(place(&params).distance(DVec3::NEG_X) < 1e-15);
+}
