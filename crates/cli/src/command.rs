@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod animation;
+mod cast;
 mod check;
 mod eval;
 mod explain;
@@ -136,6 +137,7 @@ enum Command {
     Check(check::Arguments),
     Render(Box<render::Arguments>),
     Export(export::Arguments),
+    Cast(Box<cast::Arguments>),
     Trace(Box<trace::Arguments>),
     Measure(Box<measure::Arguments>),
     Eval(eval::Arguments),
@@ -160,6 +162,7 @@ pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failu
         Command::Check(arguments) => check::run(&arguments, &context),
         Command::Render(arguments) => render::run(&arguments, &context),
         Command::Export(arguments) => export::run(&arguments, &context),
+        Command::Cast(arguments) => cast::run(&arguments, &context),
         Command::Trace(arguments) => trace::run(&arguments, &context),
         Command::Measure(arguments) => measure::run(&arguments, &context),
         Command::Eval(arguments) => eval::run(&arguments, &context),
@@ -205,6 +208,7 @@ And with a surface s:
   geotrace export torus.gtr -o torus.glb           a mesh for other programs; also .obj, .ply, .stl, .gltf
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace measure torus.gtr --between 0,0 1,2     distance, curvature, circles, triangles
+  geotrace cast die.gtr --from 3,0,0 --direction -1,0,0        where a ray meets a solid
   geotrace explain torus.gtr                       what is built for it, and what is left out
   geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
 

@@ -48,7 +48,8 @@ pub(crate) fn print_json(document: &impl serde::Serialize) -> Result<(), Failure
         .map_err(stdout_failure)
 }
 
-fn stdout_failure(error: io::Error) -> Failure {
+/// The failure of writing to standard output.
+pub(crate) fn stdout_failure(error: io::Error) -> Failure {
     if error.kind() == ErrorKind::BrokenPipe {
         Failure::ReaderGone
     } else {

@@ -333,6 +333,21 @@ impl RayScene {
         }
     }
 
+    /// The leaves of the scene's solids in the order of the text, instances apart: the name of each, and the highest degree
+    /// of the polynomials that bound it, `None` if something else does.
+    pub fn leaves(&self) -> Vec<(&str, Option<usize>)> {
+        let mut degrees: Vec<Option<Option<usize>>> = vec![None; self.names.len()];
+        for (k, leaf) in self.leaves.iter().enumerate() {
+            if let Some(name) = leaf.name {
+                degrees[name as usize].get_or_insert_with(|| self.world.degree(k));
+            }
+        }
+        let names = self.names.iter().zip(degrees);
+        names
+            .filter_map(|((name, _), degree)| Some((&**name, degree?)))
+            .collect()
+    }
+
     /// A box that contains all that is bounded; `None` where nothing is.
     pub fn bounds(&self) -> Option<BoundingBox> {
         let solids = (0..self.world.solid_count()).filter_map(|solid| self.world.bounds(solid));

@@ -162,6 +162,17 @@ pub const HIGHLIGHT: f32 = 0.07;
 /// The exponent of the highlight (Blinn).
 pub const HIGHLIGHT_POWER: i32 = 40;
 
+/// The sizes of points, arrows and curves for rays, in a scene whose drawing unit is `radius` long.
+pub fn thickness(radius: f64) -> geometry::solids::Thickness {
+    geometry::solids::Thickness {
+        point: radius * f64::from(POINT_RADIUS.nominal),
+        line: radius * f64::from(LINE_HALF_WIDTH.nominal),
+        head_length: HEAD_LENGTH.into(),
+        head_radius: HEAD_RADIUS.into(),
+        head_share: HEAD_SHARE.into(),
+    }
+}
+
 /// Pixels that count as one in the pixel bounds of a [`Length`]: 1 for a picture whose shorter side is 512.
 pub fn pixel_unit(size: [u32; 2]) -> f32 {
     size[0].min(size[1]) as f32 / 512.0

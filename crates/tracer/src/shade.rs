@@ -466,6 +466,18 @@ impl From<&Crossing> for Face {
     }
 }
 
+impl Face {
+    /// The unit normal that leads out of the solid; of a parametric surface, the one on the side of the ray's start.
+    pub fn outward(&self) -> DVec3 {
+        match self.of {
+            FaceObject::Solid {
+                entering: false, ..
+            } => -self.normal,
+            _ => self.normal,
+        }
+    }
+}
+
 impl FaceLook {
     /// Mirror and glass together are at most 1.
     fn balanced(mut self) -> Self {

@@ -132,7 +132,7 @@ struct AttributeFaults {
 
 /// The numbers of an attribute at a place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Numbers {
+pub(super) struct AttributeNumbers {
     pub(super) attribute: A,
     values: [f64; 4],
     width: usize,
@@ -255,7 +255,7 @@ impl AttributeSet {
         &self,
         uniforms: &[f64],
         variables: impl Fn(usize) -> [f64; 3],
-        mut found: impl FnMut(&Numbers),
+        mut found: impl FnMut(&AttributeNumbers),
     ) {
         for (k, group) in self.groups.iter().enumerate() {
             let place = if group.varies {
@@ -263,7 +263,7 @@ impl AttributeSet {
             } else {
                 [f64::NAN; 3]
             };
-            let mut all: [Option<Numbers>; ALL.len()] = [None; ALL.len()];
+            let mut all: [Option<AttributeNumbers>; ALL.len()] = [None; ALL.len()];
             evaluated(&group.tape, &place, uniforms, |out| {
                 for (slot, into) in group.slots.iter().zip(&mut all) {
                     *into = self.read(slot, k, out);
@@ -274,7 +274,7 @@ impl AttributeSet {
     }
 
     /// The numbers of a slot; `None` where they are undefined.
-    fn read(&self, slot: &Slot, group: usize, out: &[f64]) -> Option<Numbers> {
+    fn read(&self, slot: &Slot, group: usize, out: &[f64]) -> Option<AttributeNumbers> {
         let attribute = slot.attribute;
         let given = &out[slot.first..slot.first + slot.width];
         if given.iter().any(|number| !number.is_finite()) {
@@ -293,7 +293,7 @@ impl AttributeSet {
                     .fetch_or(attribute.bit(), Ordering::Relaxed);
             }
         }
-        Some(Numbers {
+        Some(AttributeNumbers {
             attribute,
             values,
             width: slot.width,
@@ -360,7 +360,7 @@ impl AttributeGroup {
     }
 }
 
-impl Numbers {
+impl AttributeNumbers {
     /// The first of them.
     pub(super) fn number(&self) -> f64 {
         self.values[0]

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3};
 use scene::ObjectId;
 use tracer::shade::{Face, FaceLook, Glass, decoded};
 
-use super::attributes::{AttributeSet, NumberAttribute as A, Numbers, evaluated};
+use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
 /// Gives the linear colour of an object's image at a place of it, from (0, 0), the top left, to (1, 1); `None` for an object
 /// without one. It multiplies the object's colour.
@@ -220,7 +220,7 @@ fn slope(along_u: DVec3, along_v: DVec3, [by_u, by_v]: [f64; 2], normal: DVec3) 
 }
 
 /// Writes an attribute into a look.
-fn apply(look: &mut FaceLook, numbers: &Numbers) {
+fn apply(look: &mut FaceLook, numbers: &AttributeNumbers) {
     let number = numbers.number();
     match numbers.attribute {
         A::Color => look.color = decoded(numbers.vector()),

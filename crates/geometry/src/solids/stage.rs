@@ -11,7 +11,7 @@ use tracer::camera::{Bokeh, LensCamera, LensProjection};
 use tracer::light::{Light, LightKind};
 use tracer::shade::decoded;
 
-use super::attributes::{AttributeSet, NumberAttribute as A, Numbers, evaluated, word};
+use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated, word};
 
 /// A camera that a scene declares, for one instance.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,7 +173,7 @@ pub(super) fn lights(
         attributes.at(
             uniforms,
             |_| [f64::NAN; 3],
-            |numbers: &Numbers| {
+            |numbers: &AttributeNumbers| {
                 let number = numbers.number();
                 match numbers.attribute {
                     A::Color => light.color = decoded(numbers.vector()),
@@ -266,7 +266,7 @@ pub(super) fn cameras(
         attributes.at(
             uniforms,
             |_| [f64::NAN; 3],
-            |numbers: &Numbers| {
+            |numbers: &AttributeNumbers| {
                 let number = numbers.number();
                 match numbers.attribute {
                     A::Fov => lens.fov = number,
