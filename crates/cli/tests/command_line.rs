@@ -377,6 +377,15 @@ fn animations_are_written_whole_or_not_at_all() {
         (&["-o", "a.png", "--animate", "r=1:2"], "--frames N"),
         (&["-o", "a.gif", "--animate", "r=1:3"], "lies outside"),
         (&["-o", "a.gif", "--animate", "q=1:3"], "no param"),
+        (&["-o", "a.png", "--turntable"], "--frames N"),
+        (
+            &["-o", "a.gif", "--turntable", "--view", "geodesic"],
+            "--view 3d",
+        ),
+        (
+            &["-o", "a.gif", "--turntable", "--course", "twice"],
+            "back-and-forth",
+        ),
         (&["-o", "a.gif", "--walk", "1"], "--view geodesic"),
         (
             &["-o", "-", "--animate", "r=1:2", "--frames", "3"],

@@ -1,177 +1,28 @@
-//! Animations: scripts of what changes from frame to frame, and files that hold many pictures.
+//! Animations: scripts of what changes from frame to frame (`script.rs`), and files that hold many pictures.
 //!
 //! ```text
+//! Course + number ──▶ share
 //! Script + PictureRequest + share ──▶ PictureRequest ──(drawn by the caller)──▶ picture ──Recorder──▶ GIF, APNG
 //! ```
 //!
 //! A recorder keeps one picture at a time, however many there are.
 
 mod palette;
+mod script;
 
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use gif::Repeat;
 use image::RgbaImage;
-use render::bounds::Bounds;
-use render::geodesic_view::PlacedCamera;
-use render::point::DrawingPoint;
-use render::trail::Trail;
-use render::view::space;
-use render::viewpoint::Viewpoint;
-use render::{PictureRequest, RenderError};
-use scene::SetError;
 
-/// The changes of an animation.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Script {
-    /// Params and grids that change from one value to another.
-    pub changes: Vec<ParamChange>,
-    /// The distance that the geodesic camera moves along its X axis; negative is backwards. The camera is that of a
-    /// geodesic view, or the one that a 3D view shows.
-    pub walk: Option<f64>,
-    /// Draws the path of the camera.
-    pub trail: bool,
-}
+pub use script::{Course, ParamChange, Script, ScriptError};
 
 /// The default number of pictures of an animation.
 pub const FRAMES: u32 = 60;
 /// The default number of pictures a second.
 pub const RATE: f64 = 25.0;
-
-/// The number of frames whose bounds place a fixed camera.
-const LOOKS: u32 = 9;
-
-/// A param or grid that changes from one value to another.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParamChange {
-    /// Its name.
-    pub name: String,
-    /// The first value: one number per component.
-    pub from: Vec<f64>,
-    /// The last value.
-    pub to: Vec<f64>,
-}
-
-/// The reason for which a frame cannot be drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ScriptError {
-    /// A param or grid cannot have that value.
-    Set(SetError),
-    /// The camera cannot be placed there, or cannot move there.
-    Camera(RenderError),
-}
-
-impl Script {
-    /// Returns the request of a frame. `share` is the part of the animation that has passed: 0 at its start, 1 at its
-    /// end. The script leaves the rest of `request` as it is.
-    ///
-    /// # Errors
-    /// See [`ScriptError`].
-    pub fn frame_at(
-        &self,
-        request: &PictureRequest,
-        share: f64,
-    ) -> Result<PictureRequest, ScriptError> {
-        let mut request = request.clone();
-        for ParamChange { name, from, to } in &self.changes {
-            let between = |(from, to): (&f64, &f64)| {
-                // Rounding must not change the values at both ends.
-                if share <= 0.0 {
-                    *from
-                } else if share >= 1.0 {
-                    *to
-                } else {
-                    from + share * (to - from)
-                }
-            };
-            let values: Vec<f64> = from.iter().zip(to).map(between).collect();
-            Arc::make_mut(&mut request.params)
-                .set(&request.scene, name, &values)
-                .map_err(ScriptError::Set)?;
-        }
-        if let Some(length) = self.walk {
-            self.move_camera(&mut request, share * length)
-                .map_err(ScriptError::Camera)?;
-        }
-        Ok(request)
-    }
-
-    /// Fixes a camera in space: where the request does not place it, it is placed so that it sees every frame of the
-    /// animation. Other requests stay as they are.
-    ///
-    /// # Errors
-    /// See [`ScriptError`].
-    pub fn steady(&self, request: &PictureRequest) -> Result<PictureRequest, ScriptError> {
-        let mut request = request.clone();
-        let Some(camera) = request.view.space().map(|space| space.camera) else {
-            return Ok(request);
-        };
-        if camera.eye.is_some() && camera.target.is_some() || self.changes.is_empty() {
-            return Ok(request);
-        }
-        let params = Self {
-            walk: None,
-            ..self.clone()
-        };
-        let plain = PictureRequest {
-            trails: Vec::new(),
-            ..request.clone()
-        };
-        let (mut cloud, mut facing) = (Vec::new(), None);
-        for step in 0..LOOKS {
-            let bounds = space::bounds(&params.frame_at(&plain, Self::share(step, LOOKS))?);
-            facing = facing.or(bounds.facing);
-            let places = bounds.cloud.iter();
-            cloud.extend(places.map(|&place| bounds.placement.world(DrawingPoint(place)).0));
-        }
-        let bounds = Bounds {
-            facing,
-            ..Bounds::around(cloud)
-        };
-        let projection = camera.projection;
-        let camera =
-            space::first_camera(&bounds, &camera, &request).map_err(ScriptError::Camera)?;
-        let distance = camera.parallel.map_or(1.0, |parallel| parallel.distance);
-        let ahead = camera.eye - camera.axes[2] * distance;
-        let [eye, target] =
-            [camera.eye, ahead].map(|place| bounds.placement.world(DrawingPoint(place.to_array())));
-        if let Some(space) = request.view.space_mut() {
-            space.camera = Viewpoint {
-                projection,
-                ..Viewpoint::new(eye, target)
-            };
-        }
-        Ok(request)
-    }
-
-    /// The share of the animation at frame `frame` of `frames`, counted from 0.
-    pub fn share(frame: u32, frames: u32) -> f64 {
-        f64::from(frame) / f64::from(frames.saturating_sub(1).max(1))
-    }
-
-    fn move_camera(&self, request: &mut PictureRequest, length: f64) -> Result<(), RenderError> {
-        let Some(camera) = request.view.shown_camera().copied() else {
-            return Ok(());
-        };
-        camera.check(&request.scene)?;
-        let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
-        let start = placed.frame;
-        let mut trail = Trail::new(camera.surface, start.uv.0);
-        let (moved, _) = trail
-            .walk(placed.manifold(), &start, [length / placed.zoom, 0.0])
-            .map_err(|error| {
-                RenderError::Camera(format!("the camera cannot walk there: {error}"))
-            })?;
-        request.view.show_camera(camera.with_frame(moved));
-        if self.trail {
-            request.trails.push(trail.into());
-        }
-        Ok(())
-    }
-}
 
 /// The file of one frame in a sequence of `frames` pictures: `OUT-0001.png` for frame 0 of `OUT.png`, with as many
 /// digits as the last number needs, and at least four.
@@ -333,17 +184,6 @@ impl<W: Write> fmt::Debug for Recorder<W> {
             .finish_non_exhaustive()
     }
 }
-
-impl fmt::Display for ScriptError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Set(error) => write!(f, "{error}"),
-            Self::Camera(error) => write!(f, "{error}"),
-        }
-    }
-}
-
-impl std::error::Error for ScriptError {}
 
 impl fmt::Display for RecordError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -5,7 +5,9 @@ mod scenes;
 
 use std::io::Cursor;
 
-use export::animation::{AnimationFormat, Clip, ParamChange, Recorder, Script, ScriptError};
+use export::animation::{
+    AnimationFormat, Clip, Course, ParamChange, Recorder, Script, ScriptError,
+};
 use gif::ColorOutput;
 use glam::DVec3;
 use image::{AnimationDecoder, Rgba, RgbaImage};
@@ -147,7 +149,7 @@ fn params_run_from_one_end_to_the_other() {
         ..Script::default()
     };
     let values = (0..5).map(|frame| {
-        let share = Script::share(frame, 5);
+        let share = Course::Once.share(frame, 5);
         let frame = script.frame_at(&request, share).expect("params");
         frame.params.param(&scene.params[0])[0]
     });
@@ -156,6 +158,75 @@ fn params_run_from_one_end_to_the_other() {
     wrong.changes[0].to = vec![9.0];
     let refused = wrong.frame_at(&request, 1.0);
     assert!(matches!(refused, Err(ScriptError::Set(_))), "{refused:?}");
+}
+
+#[test]
+fn courses_have_their_ends_where_they_say() {
+    let shares = |course: Course, frames: u32| -> Vec<f64> {
+        (0..frames).map(|k| course.share(k, frames)).collect()
+    };
+    assert_eq!(shares(Course::Once, 3), [0.0, 0.5, 1.0]);
+    assert_eq!(shares(Course::Loop, 4), [0.0, 0.25, 0.5, 0.75]);
+    assert_eq!(shares(Course::BackAndForth, 4), [0.0, 0.5, 1.0, 0.5]);
+    assert_eq!(shares(Course::Once, 1), [0.0]);
+}
+
+#[test]
+fn a_turntable_goes_round_the_middle_and_sees_everything() {
+    // A bar along x, whose middle is (3, 0, 1).
+    let scene = scene("curve c(t) = (3 + 2t, 0, 1 + sin(3t)/9), t : [-1, 1];");
+    let params = ParamValues::initial(&scene);
+    let script = Script {
+        turntable: true,
+        ..Script::default()
+    };
+    for is_orthographic in [false, true] {
+        let mut request = Wanted::space([64, 48]);
+        if is_orthographic {
+            request.space().camera.projection = render::viewpoint::Projection::Orthographic;
+        }
+        let request = request.of(&scene, &params);
+        let steady = script.steady(&request).expect("a camera");
+        let size = |share: f64| {
+            let frame = script.frame_at(&steady, share).expect("a frame");
+            let camera = frame.view.space().expect("a view in space").camera;
+            let [eye, target] = [camera.eye, camera.target].map(|place| place.expect("given").0);
+            let target = DVec3::from(target);
+            assert!(
+                (target.truncate() - glam::DVec2::new(3.0, 0.0)).length() < 0.01,
+                "{target}"
+            );
+            let bounds = Bounds::of(&scene, &params);
+            let placed = Camera::new(&bounds, &camera, [64, 48]).expect("a camera");
+            for end in [-1.0, 1.0] {
+                let place =
+                    bounds
+                        .placement
+                        .local(render::point::WorldPoint([3.0 + 2.0 * end, 0.0, 1.0]));
+                let seen = DVec3::from(place.0) - placed.eye;
+                let [right, up, back] = placed.axes.map(|axis| axis.dot(seen));
+                assert!(back < 0.0);
+                let tangent = f64::tan(0.5 * render::style::FIELD_OF_VIEW);
+                let far = placed.parallel.map_or(-back, |parallel| parallel.distance);
+                assert!(up.abs() < far * tangent && right.abs() < far * tangent * 64.0 / 48.0);
+            }
+            DVec3::from(eye) - target
+        };
+        let start = size(0.0);
+        for (share, [x, y]) in [(0.25, [-start.y, start.x]), (0.5, [-start.x, -start.y])] {
+            let turned = size(share);
+            let off = (turned - DVec3::new(x, y, start.z)).length();
+            assert!(off < 1e-9 * start.length(), "{share}: {turned}");
+        }
+    }
+    let mut placed = Wanted::space([8, 8]);
+    placed.space().camera = Viewpoint::new([5.0, 0.0, 2.0].into(), [1.0, 0.0, 0.0].into());
+    let request = placed.of(&scene, &params);
+    let steady = script.steady(&request).expect("a camera");
+    let half = script.frame_at(&steady, 0.5).expect("a frame");
+    let eye = half.view.space().and_then(|space| space.camera.eye);
+    let eye = DVec3::from(eye.expect("given").0);
+    assert!((eye - DVec3::new(-3.0, 0.0, 2.0)).length() < 1e-12, "{eye}");
 }
 
 #[test]

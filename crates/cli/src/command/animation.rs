@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use export::animation::{
-    self, AnimationFormat, Clip, ParamChange, RecordError, Recorder, Script, ScriptError,
+    self, AnimationFormat, Clip, Course, ParamChange, RecordError, Recorder, Script, ScriptError,
 };
 use export::print::PrintFormat;
 use export::video::{Video, VideoError, VideoFormat};
 use export::whole_file::FileSeries;
+use render::PictureRequest;
 use scene::ParamValues;
 
 use super::render::{Picture, failure as render_failure, png};
@@ -39,6 +40,13 @@ pub(super) struct Arguments {
     /// The path that has been walked, and its length
     #[arg(long, requires = "walk", help_heading = "Animation")]
     trail: bool,
+    /// Turns the camera of the 3D view once about the vertical line through its target
+    #[arg(long, help_heading = "Animation")]
+    turntable: bool,
+    /// The way from the first picture to the last: `once`, to the end; `loop`, so that the picture behind the last is the
+    /// first; `back-and-forth` [default: once, loop with --turntable]
+    #[arg(long, value_name = "COURSE", value_parser = course, help_heading = "Animation")]
+    course: Option<Course>,
     /// How many pictures [default: 60]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
     frames: Option<u32>,
@@ -65,26 +73,36 @@ pub(super) struct Animation {
     format: Format,
     frames: u32,
     rate: f64,
+    course: Course,
+}
+
+/// The course of a name, whose words a hyphen joins.
+fn course(name: &str) -> Result<Course, String> {
+    let mut all = Course::ALL.into_iter();
+    let found = all.find(|(_, words)| words.replace(' ', "-") == name);
+    let missing = || "it is `once`, `loop` or `back-and-forth`".to_owned();
+    found.map(|(course, _)| course).ok_or_else(missing)
 }
 
 /// Draws the picture at a share of the animation, and reports its progress to the second argument.
 type Draw<'a> = dyn Fn(f64, &(dyn Fn(f32) + Sync)) -> Result<Picture, Failure> + 'a;
 
 impl Arguments {
-    /// Builds the script from the options, and checks the values at both ends. `has_camera` says whether there is a
-    /// geodesic camera that can move.
+    /// Builds the script from the options, and checks the values at both ends and that the picture has the cameras that
+    /// move.
     ///
     /// # Errors
     /// [`Failure::Usage`].
     pub(super) fn script(
         &self,
         program: &LoadedProgram,
-        params: &ParamValues,
-        has_camera: bool,
+        request: &PictureRequest,
     ) -> Result<Script, Failure> {
+        let params: &ParamValues = &request.params;
         let scene = program.scene();
         let mut script = Script {
             trail: self.trail,
+            turntable: self.turntable,
             ..Script::default()
         };
         for Animated { name, from, to } in &self.animate {
@@ -104,8 +122,16 @@ impl Arguments {
             }
             script.changes.push(change);
         }
+        if self.turntable && request.view.space().is_none() {
+            return Err(Failure::Usage {
+                message:
+                    "--turntable turns the camera of the 3D view, and the picture is from inside"
+                        .into(),
+                hint: Some("leave `--view` out, or add `--view 3d`".into()),
+            });
+        }
         if let Some(walk) = &self.walk {
-            if !has_camera {
+            if request.view.shown_camera().is_none() {
                 return Err(Failure::Usage {
                     message: "--walk moves a geodesic camera, and the picture has none".into(),
                     hint: Some("add `--view geodesic` or `--show-camera SURFACE`".into()),
@@ -141,17 +167,18 @@ impl Arguments {
                 format!("write to `{}`", output.with_extension("png").display()),
             ));
         }
-        let still = self.animate.is_empty() && self.walk.is_none();
+        let still = self.animate.is_empty() && self.walk.is_none() && !self.turntable;
         if still && (format.is_some() || self.frames.is_some() || self.fps.is_some()) {
             return Err(wrong(
                 format!("`{name}` would be an animation in which nothing moves"),
-                "`--animate NAME=FROM:TO` moves a param, `--walk LENGTH` the geodesic camera"
+                "`--animate NAME=FROM:TO` moves a param, `--walk LENGTH` the geodesic camera, `--turntable` the one in space"
                     .into(),
             ));
         }
         let is_for_print = PrintFormat::of_extension(&extension).is_some();
         if format.is_none() && (self.frames.is_none() || is_for_print) {
-            if !self.animate.is_empty() || self.fps.is_some() || self.frames.is_some() {
+            let many = self.fps.is_some() || self.frames.is_some() || self.course.is_some();
+            if !self.animate.is_empty() || self.turntable || many {
                 return Err(wrong(
                     format!("`{name}` is one picture, and an animation has many"),
                     format!(
@@ -170,6 +197,11 @@ impl Arguments {
             format: format.unwrap_or(Format::Series),
             frames: self.frames.unwrap_or(animation::FRAMES),
             rate: self.fps.unwrap_or(animation::RATE),
+            course: self.course.unwrap_or(if self.turntable {
+                Course::Loop
+            } else {
+                Course::Once
+            }),
         }))
     }
 }
@@ -190,7 +222,7 @@ impl Animation {
         let mut first_summary = None;
         let mut frame = |number: u32| -> Result<image::RgbaImage, Failure> {
             let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
-            let picture = draw(Script::share(number, self.frames), &done)?;
+            let picture = draw(self.course.share(number, self.frames), &done)?;
             first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
             Ok(picture.image)
         };

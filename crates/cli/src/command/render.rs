@@ -242,9 +242,8 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     let views = &context.registry.views;
     let images = textures(&arguments.texture, program)?;
     let request = picture::request(arguments, views, program, &images)?;
-    let moves = request.view.shown_camera().is_some();
     let motion = &arguments.motion;
-    let script = motion.script(program, &request.params, moves)?;
+    let script = motion.script(program, &request)?;
     let animation = motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
     for note in picture::idle_options(arguments, &request.view) {

@@ -298,6 +298,8 @@ fn a_request_is_read_back_from_its_command_and_draws_the_same_bytes() {
         "animate",
         "walk",
         "trail",
+        "turntable",
+        "course",
         "frames",
         "fps",
         "help",

@@ -10,7 +10,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use export::animation::{self, Clip, ParamChange, Recorder, Script};
+use export::animation::{self, Clip, Course, ParamChange, Recorder, Script};
 use export::video::{Video, VideoError, VideoFormat};
 use export::whole_file::{FileSeries, write_whole_at, write_whole_with};
 use image::RgbaImage;
@@ -36,6 +36,10 @@ pub(crate) struct Film {
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
     /// A param that runs from one value to another.
     pub(crate) change: Option<ParamChange>,
+    /// Set if the camera of the 3D view turns about its target.
+    pub(crate) turntable: bool,
+    /// The way from the first picture to the last.
+    pub(crate) course: Course,
     /// The motions of the geodesic camera.
     pub(crate) motions: Vec<Motion>,
     /// Set if its path is drawn.
@@ -201,6 +205,7 @@ impl Pictures {
     fn new(film: Film) -> Result<Self, Ended> {
         let script = Script {
             changes: film.change.iter().cloned().collect(),
+            turntable: film.turntable,
             ..Script::default()
         };
         let mut request = film.request.clone();
@@ -223,11 +228,12 @@ impl Pictures {
     fn draw(&mut self, number: u32) -> Result<RgbaImage, Ended> {
         let failed = |error: String| Ended::Failed(error);
         let film = &self.film;
-        let share = Script::share(number, film.clip.frames);
+        let share = film.course.share(number, film.clip.frames);
         let at = self.script.frame_at(&self.base, share);
         let at = at.map_err(|error| failed(error.to_string()))?;
         let mut request = film.request.clone();
         request.params = at.params;
+        let turned = at.view.space().map(|space| space.camera);
         if let Some((surface, start)) = film.camera {
             let subject = Subject {
                 scene: Arc::clone(request.scene.arc()),
@@ -257,8 +263,8 @@ impl Pictures {
         request.size = film.clip.size;
         let trail = self.path.iter().map(|path| Shared::from(&path.trail));
         request.trails = trail.collect();
-        if let (Some(space), Some(base)) = (request.view.space_mut(), self.base.view.space()) {
-            space.camera = base.camera;
+        if let (Some(space), Some(camera)) = (request.view.space_mut(), turned) {
+            space.camera = camera;
             if film.transparent {
                 space.background = Some([0; 4]);
             }

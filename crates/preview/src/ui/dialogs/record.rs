@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
-use export::animation::{self, Clip, ParamChange};
+use export::animation::{self, Clip, Course, ParamChange};
 use render::ViewId;
 
 use super::picture::{self, Decision};
@@ -20,6 +20,8 @@ pub(crate) struct RecordDialog {
     /// The choices of what moves, and the chosen one.
     moves: Vec<Moves>,
     chosen: usize,
+    /// The way from the first picture to the last, of a param.
+    course: Course,
     /// The geodesic camera that may walk, and its surface.
     camera: Option<(String, InsideCamera)>,
     /// The arc length of its walk, in the surface's units; backwards if negative.
@@ -34,6 +36,8 @@ pub(crate) struct RecordDialog {
 /// A motion that can be recorded.
 #[derive(Clone, Debug, PartialEq)]
 enum Moves {
+    /// The camera of the 3D view, once about the vertical line through its target.
+    Turntable,
     /// A param, from values to values.
     Param(ParamChange),
     /// The geodesic camera, in a direction of its own: along X and Y.
@@ -43,8 +47,13 @@ enum Moves {
 }
 
 impl Moves {
+    fn is_walk(&self) -> bool {
+        matches!(self, Self::Walk(..) | Self::Again(..))
+    }
+
     fn words(&self, surface: &str) -> String {
         match self {
+            Self::Turntable => "Turntable: the camera, once around".to_owned(),
             Self::Param(change) => format!("Param {}", change.name),
             Self::Walk(direction, _) => format!("Walk on {surface}, {direction}"),
             Self::Again(..) => format!("Walk on {surface}, the way just walked"),
@@ -59,6 +68,7 @@ pub(crate) fn ask(window: &mut Window) {
         return;
     };
     let mut moves = Vec::new();
+    moves.extend(request.view.space().map(|_| Moves::Turntable));
     for param in window.model.scene.iter().flat_map(|scene| &scene.params) {
         let ranges = param.ranges.iter();
         let (from, to) = ranges.map(|range| (range.min, range.max)).unzip();
@@ -86,6 +96,7 @@ pub(crate) fn ask(window: &mut Window) {
         pane,
         moves,
         chosen: 0,
+        course: Course::default(),
         trail: true,
         transparent: request.view.space().map(|_| false),
         clip: Clip {
@@ -172,6 +183,15 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
                     });
                     ui.end_row();
                 }
+                let label = ui.label("Course");
+                ui.horizontal(|ui| {
+                    for (course, name) in Course::ALL {
+                        ui.selectable_value(&mut dialog.course, course, name);
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+                ui.end_row();
             }
             Moves::Walk(..) => {
                 let label = ui.label("Arc length");
@@ -180,7 +200,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
                     .labelled_by(label.id);
                 ui.end_row();
             }
-            Moves::Again(..) => {}
+            Moves::Turntable | Moves::Again(..) => {}
         }
         let label = ui.label("Frames");
         ui.add(DragValue::new(&mut dialog.clip.frames).range(2..=100_000))
@@ -212,7 +232,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         ui.end_row();
         choose = picture::file(ui, &mut dialog.path);
     });
-    if !matches!(dialog.moves[dialog.chosen], Moves::Param(_)) {
+    if dialog.moves[dialog.chosen].is_walk() {
         ui.checkbox(&mut dialog.trail, "Draw the trail");
     }
     picture::transparency(&mut dialog.transparent, ui);
@@ -244,7 +264,14 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         .and_then(|(name, camera)| Some((id_of(name)?, *camera)));
     let mut change = None;
     let mut motions = Vec::new();
-    match &dialog.moves[dialog.chosen] {
+    let chosen = &dialog.moves[dialog.chosen];
+    let course = match chosen {
+        Moves::Turntable => Course::Loop,
+        Moves::Param(_) => dialog.course,
+        Moves::Walk(..) | Moves::Again(..) => Course::Once,
+    };
+    match chosen {
+        Moves::Turntable => {}
         Moves::Param(it) => change = Some(it.clone()),
         Moves::Walk(_, [x, y]) => {
             let zoom = camera.map_or(1.0, |(_, camera)| camera.zoom);
@@ -256,21 +283,23 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
             motions.clone_from(way);
         }
     }
-    if change.is_none() && camera.is_none() {
+    if chosen.is_walk() && camera.is_none() {
         let sentence = "the surface is not shown in the 3D view, so no walk on it is seen";
         window.status_message = Some(StatusMessage::error(sentence));
         return;
     }
-    // A param is recorded with what the view shows, a walk with the camera that walks.
-    if change.is_some() && request.view.shown_camera().is_none() {
+    // A param and a turntable are recorded with what the view shows, a walk with the camera that walks.
+    if !chosen.is_walk() && request.view.shown_camera().is_none() {
         camera = None;
     }
     let film = Film {
         request,
         views: window.views.clone(),
         camera,
-        trail: dialog.trail && change.is_none(),
+        trail: dialog.trail && chosen.is_walk(),
         change,
+        turntable: *chosen == Moves::Turntable,
+        course,
         motions,
         transparent: dialog.transparent == Some(true),
         clip: dialog.clip,
