@@ -257,6 +257,16 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a number of pictures per second.
+pub(crate) fn rate(text: &str) -> Result<f64, String> {
+    const LEAST: f64 = 0.01;
+    const MOST: f64 = 1000.0;
+    match positive(text)? {
+        value if (LEAST..=MOST).contains(&value) => Ok(value),
+        _ => Err(format!("it must lie between {LEAST} and {MOST}")),
+    }
+}
+
 /// Parses a tolerance: a positive number with which steps still follow a geodesic.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     const MOST: f64 = 1e-2;

@@ -377,6 +377,10 @@ fn animations_are_written_whole_or_not_at_all() {
         (&["-o", "a.png", "--animate", "r=1:2"], "--frames N"),
         (&["-o", "a.gif", "--animate", "r=1:3"], "lies outside"),
         (&["-o", "a.gif", "--animate", "q=1:3"], "no param"),
+        (
+            &["-o", "a.gif", "--animate", "r=1:2", "--fps", "1e300"],
+            "between 0.01 and 1000",
+        ),
         (&["-o", "a.png", "--turntable"], "--frames N"),
         (
             &["-o", "a.gif", "--turntable", "--view", "geodesic"],

@@ -224,7 +224,7 @@ fn ffmpeg_receives_every_picture_and_what_to_do_with_them() {
         let output = geotrace(folder.path(), &options, Some(tools.path()));
         assert!(output.status.success(), "{}", told(&output));
         assert!(
-            told(&output).contains("4 pictures in 0.32 s"),
+            told(&output).contains("4 pictures, 0.32 s long"),
             "{}",
             told(&output)
         );

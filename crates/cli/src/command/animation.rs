@@ -51,7 +51,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
     frames: Option<u32>,
     /// Pictures per second [default: 25]
-    #[arg(long, value_name = "RATE", value_parser = argument::positive, help_heading = "Animation")]
+    #[arg(long, value_name = "RATE", value_parser = argument::rate, help_heading = "Animation")]
     fps: Option<f64>,
 }
 
@@ -272,7 +272,7 @@ impl Animation {
         text.truncate(text.trim_end().len());
         text.push_str(&match self.format {
             Format::Film(_) | Format::Video(_) => format!(
-                "; {frames} pictures in {:.2} s\n",
+                "; {frames} pictures, {:.2} s long\n",
                 f64::from(frames) / self.rate
             ),
             Format::Series => format!("; the first of {frames}\n"),

@@ -246,7 +246,9 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     let script = motion.script(program, &request)?;
     let animation = motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
-    for note in picture::idle_options(arguments, &request.view) {
+    let mut notes = picture::idle_options(arguments, &request.view);
+    notes.extend(picture::empty_space(&request.scene, &request.view));
+    for note in notes {
         output::print_error(&format!("note: {note}\n"));
     }
     let frame = |share: f64| -> Result<PictureRequest, Failure> {

@@ -12,7 +12,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use export::whole_file::write_whole;
+use export::whole_file::{phrase, write_whole};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -25,6 +25,8 @@ use crate::state::{StatusMessage, View};
 const FORMAT: u32 = 1;
 /// The longest file that is read, in bytes.
 const MOST_BYTES: u64 = 4 << 20;
+/// The most files that are kept because they could not be read; another one takes the place of the first.
+const MOST_ASIDE: usize = 9;
 
 #[derive(Debug, Deserialize, Serialize)]
 struct Remembered {
@@ -84,9 +86,13 @@ impl fmt::Display for NotKnown {
 /// See [`NotKnown`].
 pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
     let place = place(program).ok_or(NotKnown::NoFile)?;
+    // A link would be written through, over a file that the window did not make.
+    if place.is_symlink() {
+        return Err(NotKnown::Unusable(place, "it is a link".into()));
+    }
     let bytes = read_limited(&place, MOST_BYTES).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => NotKnown::NoFile,
-        _ => NotKnown::Unreadable(place.clone(), error.to_string()),
+        _ => NotKnown::Unreadable(place.clone(), phrase(&error.to_string())),
     })?;
     match serde_json::from_slice::<Remembered>(&bytes) {
         Ok(Remembered { format, known }) if format <= FORMAT => {
@@ -111,7 +117,13 @@ pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
 
 /// Renames a file that cannot be read, so that it is not lost when the window writes its own.
 fn set_aside(place: &Path, reason: &str) -> String {
+    let free = |aside: &PathBuf| aside.symlink_metadata().is_err();
     let aside = place.with_extension("json.unreadable");
+    let numbered = (2..).map(|k| place.with_extension(format!("json.unreadable-{k}")));
+    let aside = std::iter::once(aside.clone())
+        .chain(numbered.take(MOST_ASIDE))
+        .find(free)
+        .unwrap_or(aside);
     let kept = match std::fs::rename(place, &aside) {
         Ok(()) => format!("it is kept as `{}`", aside.display()),
         Err(_) => format!("see `{}`", place.display()),
@@ -280,6 +292,41 @@ mod tests {
         save(&program, &known()).expect("written");
         let kept = beside.with_extension("json.unreadable");
         assert_eq!(std::fs::read_to_string(kept).expect("kept"), "{ not json");
+    }
+
+    #[test]
+    fn each_broken_file_is_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        let beside = place(&program).expect("a name");
+        for text in ["first", "second"] {
+            std::fs::write(&beside, text).expect("written");
+            let _ = load(&program);
+        }
+        for (extension, text) in [
+            ("json.unreadable", "first"),
+            ("json.unreadable-2", "second"),
+        ] {
+            let kept = std::fs::read_to_string(beside.with_extension(extension));
+            assert_eq!(kept.expect("kept"), text);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_not_written_through() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        let beside = place(&program).expect("a name");
+        let other = folder.path().join("settings.json");
+        let text = r#"{"format": 1, "view": {}, "layouts": {}, "other": 7}"#;
+        std::fs::write(&other, text).expect("written");
+        std::os::unix::fs::symlink(&other, &beside).expect("a link");
+        let (_, sentence) = load(&program);
+        assert!(sentence.expect("told").contains("it is a link"));
+        save(&program, &known()).expect("written");
+        assert_eq!(std::fs::read_to_string(&other).expect("kept"), text);
+        assert_eq!(load(&program).0, known());
     }
 
     #[test]

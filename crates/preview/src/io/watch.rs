@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
+use export::whole_file::phrase;
 use ide::language::LONGEST_PROGRAM;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
@@ -50,8 +51,8 @@ impl fmt::Display for Unreadable {
 /// See [`Unreadable`].
 pub(crate) fn read(path: &Path) -> Result<String, Unreadable> {
     let bytes = read_limited(path, LONGEST_PROGRAM).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => Unreadable::Missing(error.to_string()),
-        _ => Unreadable::Refused(error.to_string()),
+        ErrorKind::NotFound => Unreadable::Missing(phrase(&error.to_string())),
+        _ => Unreadable::Refused(phrase(&error.to_string())),
     })?;
     String::from_utf8(bytes).map_err(|_| Unreadable::NoText)
 }

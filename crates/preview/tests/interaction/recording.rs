@@ -35,7 +35,7 @@ fn choose_what_moves(hand: &mut Hand, part: &str) {
 fn record(hand: &mut Hand) {
     hand.click_on(Role::Button, "Record");
     hand.until("the window says where it is", |hand| {
-        hand.shows("pictures in") || hand.shows("and so on")
+        hand.shows("s long, are in") || hand.shows("and so on")
     });
     hand.settle();
 }

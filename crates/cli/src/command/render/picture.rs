@@ -6,7 +6,7 @@ use render::style;
 use render::view::geodesic::GeodesicOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
-use scene::{ObjectId, ParamValues};
+use scene::{Object, ObjectId, ParamValues, Scene};
 
 use super::Arguments;
 use super::images::Images;
@@ -156,6 +156,25 @@ fn unknown_setting(name: &str, views: &Views, view: &ViewPart) -> Failure {
             known => format!("it has {}", known.join(", ")),
         }),
     }
+}
+
+/// The note on a picture of space in which no object lies; a metric has a view from inside alone.
+pub(super) fn empty_space(scene: &Scene, view: &ViewPart) -> Option<String> {
+    let space = view.space()?;
+    let is_shown = |(id, object): (ObjectId, &Object)| {
+        scene.is_in_space(object) && !space.hidden.contains(&id)
+    };
+    if scene.numbered().any(is_shown) {
+        return None;
+    }
+    let mut metrics = scene.objects.iter().filter(|it| it.shape.is_metric());
+    Some(match metrics.next() {
+        Some(metric) => format!(
+            "no object of the picture lies in space: `--view geodesic:{}` draws the metric from inside",
+            metric.name
+        ),
+        None => "the picture shows no object".to_owned(),
+    })
 }
 
 /// Notes on options that the chosen view does not use.

@@ -182,7 +182,7 @@ fn in_one_file(clip: Clip, path: &Path) -> String {
     let Clip { frames, rate, .. } = clip;
     let seconds = f64::from(frames) / rate;
     format!(
-        "{frames} pictures in {seconds:.2} s are in `{}`",
+        "{frames} pictures, {seconds:.2} s long, are in `{}`",
         path.display()
     )
 }
