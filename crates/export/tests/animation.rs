@@ -15,9 +15,9 @@ use render::PictureRequest;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
-use render::point::DrawingPoint;
-use render::viewpoint::Pose;
+use render::point::{DrawingPoint, WorldPoint};
 use render::viewpoint::Viewpoint;
+use render::viewpoint::{Pose, Projection};
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::{Wanted, scene};
@@ -183,7 +183,7 @@ fn a_turntable_goes_round_the_middle_and_sees_everything() {
     for is_orthographic in [false, true] {
         let mut request = Wanted::space([64, 48]);
         if is_orthographic {
-            request.space().camera.projection = render::viewpoint::Projection::Orthographic;
+            request.in_space().camera.projection = Projection::Orthographic;
         }
         let request = request.of(&scene, &params);
         let steady = script.steady(&request).expect("a camera");
@@ -199,10 +199,9 @@ fn a_turntable_goes_round_the_middle_and_sees_everything() {
             let bounds = Bounds::of(&scene, &params);
             let placed = Camera::new(&bounds, &camera, [64, 48]).expect("a camera");
             for end in [-1.0, 1.0] {
-                let place =
-                    bounds
-                        .placement
-                        .local(render::point::WorldPoint([3.0 + 2.0 * end, 0.0, 1.0]));
+                let place = bounds
+                    .placement
+                    .local(WorldPoint([3.0 + 2.0 * end, 0.0, 1.0]));
                 let seen = DVec3::from(place.0) - placed.eye;
                 let [right, up, back] = placed.axes.map(|axis| axis.dot(seen));
                 assert!(back < 0.0);
@@ -220,7 +219,8 @@ fn a_turntable_goes_round_the_middle_and_sees_everything() {
         }
     }
     let mut placed = Wanted::space([8, 8]);
-    placed.space().camera = Viewpoint::new([5.0, 0.0, 2.0].into(), [1.0, 0.0, 0.0].into());
+    placed.in_space().camera =
+        Viewpoint::new(WorldPoint([5.0, 0.0, 2.0]), WorldPoint([1.0, 0.0, 0.0]));
     let request = placed.of(&scene, &params);
     let steady = script.steady(&request).expect("a camera");
     let half = script.frame_at(&steady, 0.5).expect("a frame");
