@@ -16,8 +16,8 @@ fn kernels(graph: &expr::Graph, object: &Object) -> Vec<Result<Kernel, GenerateE
         }
         Shape::Curve { position, .. } => vec![wgsl::kernel::sample_curve(graph, position)],
         Shape::Surface { position, .. } => vec![wgsl::kernel::sample_surface(graph, position)],
-        // Neither is sampled by a kernel.
-        Shape::Metric { .. } | Shape::Geodesic { .. } => Vec::new(),
+        // None of the others is sampled by a kernel.
+        _ => Vec::new(),
     }
 }
 
