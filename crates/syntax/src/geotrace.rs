@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! text ──lexer──▶ tokens ──parser──▶ Actions::act_advance     every token, comments too
-//!          ▲                    ├──▶ Actions::act_operator    expressions, in postfix order
+//!          ▲                    ├──▶ Actions::act_operator    expressions and sets, in postfix order
 //!        symbol trie ◀──names───┤──▶ Actions::act_interval
+//!                               ├──▶ Actions::act_attribute
 //!                               ├──▶ Actions::act_declaration
 //!                               └──▶ Actions::act_error       diagnostics, as they are found
 //! ```
@@ -11,7 +12,7 @@
 //! The language's front-end knows no mathematics: the builtin names are handed in, and implementations of
 //! [`Actions`](actions::Actions) give operators their meaning.
 //!
-//! - [`declarations`]: the one table of declarations.
+//! - [`declarations`]: the one table of declarations; [`attributes`]: the one table of their attributes.
 //! - [`token`], [`lexer`]: tokens.
 //! - [`grammar`]: the productions as data; [`parser`] follows them and calls the hooks of [`actions`].
 //! - [`symbols`]: what names mean.
@@ -39,6 +40,7 @@
 //! ```
 
 pub mod actions;
+pub mod attributes;
 pub mod codes;
 pub mod declarations;
 pub mod document;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use syntax::diagnostic::Diagnostic;
 use syntax::document::{ChunkId, EditError};
-use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator};
+use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator, StatedAttribute};
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::document::{Document, ParseEvent};
 use syntax::geotrace::parse_program;
@@ -41,6 +41,9 @@ impl Actions for Transcript {
     }
     fn act_interval(&mut self, interval: Interval) {
         self.events.push(ParseEvent::Interval(interval));
+    }
+    fn act_attribute(&mut self, attribute: StatedAttribute) {
+        self.events.push(ParseEvent::Attribute(attribute));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
         let mut line = format!("{:?} {:?} {} {:?}", d.keyword, d.span, d.name, d.name_span);
@@ -108,6 +111,15 @@ fn steps<'e>(
                         interval.kind,
                         interval.span.moved(start)
                     )
+                }
+                ParseEvent::Attribute(attribute) => {
+                    let StatedAttribute {
+                        word,
+                        word_span,
+                        value_span,
+                    } = attribute;
+                    let places = [word_span, value_span].map(|span| span.moved(start));
+                    format!("{word:?} {places:?}")
                 }
                 ParseEvent::Declaration(_) | ParseEvent::Finding => return None,
             })
@@ -186,7 +198,7 @@ impl Random {
 
 const NAMES: &[&str] = &[
     "a", "b", "ab", "abc", "s", "si", "sinx", "x", "t", "f", "g", "fg", "piu", "u", "define2",
-    "radius", "radiuz", "c1", "c12",
+    "radius", "radiuz", "c1", "c12", "light", "sol", "y", "xy", "scale", "color", "cam",
 ];
 
 const PIECES: &[&str] = &[
@@ -250,6 +262,28 @@ const PIECES: &[&str] = &[
     "param ab = 2a : [0, 9];",
     "define define b = abc",
     "\nmetric m(u, v) = (1, 0, u), u : [0, 1], v : [0, b];",
+    "|",
+    "&",
+    "\\",
+    "solid ",
+    "light ",
+    "camera",
+    "background b",
+    "color : x",
+    ", x : [0, 1]",
+    "scale 2",
+    "rotate",
+    "bokeh : star",
+    "image : earth",
+    "solid s = f @ a & (g \\ fg @ scale 2), color : xy + x, mirror : a;",
+    "solid ab(x, y) = x y - a, y : [0, 1], bump : ab;",
+    "light sol = @ a, radius : b;",
+    "light light = a @ b;",
+    "camera cam = a @ b, fov : 1, bokeh : star;",
+    "background b(x, t, u) = (x, t, u);",
+    "background a = light;",
+    "solid t = s @ f @ rotate x | sol",
+    "point x = s_x(1, 2, a), color : a;",
     "\ngeodesic k(t) : m = (1, a) @ (0, 0), t : [0, 1];",
 ];
 

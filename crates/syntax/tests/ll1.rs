@@ -41,6 +41,21 @@ const TERMINALS: &[(&str, Terminal)] = &[
         "\"geodesic\"",
         Terminal::Keyword(DeclarationKeyword::Geodesic),
     ),
+    ("\"solid\"", Terminal::Keyword(DeclarationKeyword::Solid)),
+    ("\"light\"", Terminal::Keyword(DeclarationKeyword::Light)),
+    ("\"camera\"", Terminal::Keyword(DeclarationKeyword::Camera)),
+    (
+        "\"background\"",
+        Terminal::Keyword(DeclarationKeyword::Background),
+    ),
+    ("tag", Terminal::Tag),
+    ("attr", Terminal::Attr),
+    ("key", Terminal::Key),
+    ("word", Terminal::Word),
+    ("map", Terminal::Map),
+    ("\"|\"", Terminal::Bar),
+    ("\"&\"", Terminal::Ampersand),
+    ("\"\\\"", Terminal::Backslash),
     ("id", Terminal::Id),
     ("const", Terminal::Const),
     ("func", Terminal::Func),
@@ -287,10 +302,9 @@ impl Grammar {
 
     fn original() -> Self {
         let joined = original_text().replace("\n      |", " |");
-        let lines: Vec<(&str, &str)> = joined
-            .lines()
-            .filter_map(|line| line.split_once(" = "))
-            .map(|(left, right)| (left.trim(), right))
+        let lines = joined.lines().filter_map(|line| line.split_once(" = "));
+        let lines: Vec<(&str, String)> = lines
+            .map(|(left, right)| (left.trim(), format!("{right} ")))
             .collect();
         let symbol = |word: &str| match TERMINALS.iter().find(|(text, _)| *text == word) {
             Some((_, terminal)) => Symbol::T(*terminal),
@@ -302,10 +316,10 @@ impl Grammar {
             }
         };
         let alternative = |text: &str| text.split_whitespace().map(symbol).collect();
-        // No terminal of the language is a bar.
+        // The bar that is a terminal stands between quotes.
         let rules = lines
             .iter()
-            .map(|(_, right)| right.split('|').map(alternative).collect());
+            .map(|(_, right)| right.split(" | ").map(alternative).collect());
         Self(rules.collect())
     }
 
@@ -453,26 +467,46 @@ fn the_factored_grammar_is_the_language_s_own() {
 fn render(terminals: &[Terminal]) -> String {
     let mut text = String::from("function g(q) = q; define c = 1;\n");
     let mut fresh = 0;
-    // The first parameter of the declaration that is being read, while its body lasts.
-    let (mut parameter, mut has_body): (Option<String>, bool) = (None, false);
+    // The keyword of the declaration that is being read, its first parameter, and whether that is a variable here.
+    let mut keyword = DeclarationKeyword::Define;
+    let (mut parameter, mut in_body): (Option<String>, bool) = (None, false);
     for (k, terminal) in terminals.iter().enumerate() {
         let previous = k.checked_sub(1).map(|k| terminals[k]);
         let word = match terminal {
             Terminal::Id => {
                 fresh += 1;
                 let name = format!("n{fresh}x");
-                if has_body && parameter.is_none() && previous == Some(Terminal::ParenOpen) {
+                if keyword.may_have_parameters()
+                    && parameter.is_none()
+                    && previous == Some(Terminal::ParenOpen)
+                {
                     parameter = Some(name.clone());
                 }
                 name
             }
             Terminal::Var if previous == Some(Terminal::Underscore) => "q".to_owned(),
-            Terminal::Var => parameter.clone().unwrap_or_else(|| "c".to_owned()),
+            Terminal::Var => {
+                let variable = parameter.clone().filter(|_| in_body);
+                variable.unwrap_or_else(|| "c".to_owned())
+            }
             Terminal::Const => "c".to_owned(),
             Terminal::Func => "g".to_owned(),
             Terminal::Num => "2".to_owned(),
+            Terminal::Tag => parameter.clone().unwrap_or_else(|| "t".to_owned()),
+            Terminal::Attr => "color".to_owned(),
+            Terminal::Key => "image".to_owned(),
+            Terminal::Word => "earth".to_owned(),
+            Terminal::Map => "scale".to_owned(),
+            Terminal::Equals => {
+                let is_field = keyword.row().syntax != Syntax::InSurface;
+                in_body = parameter.is_some() && is_field;
+                if keyword == DeclarationKeyword::Solid && parameter.is_none() {
+                    parameter = Some("x".to_owned());
+                }
+                "=".to_owned()
+            }
             Terminal::Colon => {
-                (parameter, has_body) = (None, false);
+                in_body = previous == Some(Terminal::Attr);
                 ":".to_owned()
             }
             _ => {
@@ -480,12 +514,9 @@ fn render(terminals: &[Terminal]) -> String {
                 found.expect("a terminal").0.trim_matches('"').to_owned()
             }
         };
-        if let Terminal::Keyword(keyword) = terminal {
-            parameter = None;
-            has_body = matches!(
-                keyword.row().syntax,
-                Syntax::Function | Syntax::Parametrized
-            );
+        if let Terminal::Keyword(found) = terminal {
+            keyword = *found;
+            (parameter, in_body) = (None, false);
         }
         text.push_str(&word);
         text.push(' ');
@@ -508,21 +539,25 @@ fn parser_and_table_agree_on_random_texts() {
         // What the lexer made of the names is what the table is asked about. A tag may be a parameter.
         let kinds: Vec<TokenKind> = recorder.tokens.iter().map(|token| token.kind).collect();
         let is_tag = |k: usize| {
-            matches!(kinds[k], TokenKind::Variable(_))
+            matches!(kinds[k], TokenKind::Variable(_) | TokenKind::Undefined)
+                && k > 0
+                && kinds[k - 1] == TokenKind::Comma
                 && kinds.get(k + 1) == Some(&TokenKind::Colon)
         };
-        let seen: Vec<Terminal> = (0..kinds.len())
-            .map(|k| {
-                if is_tag(k) {
-                    Terminal::Id
-                } else {
-                    Terminal::from_token(kinds[k]).expect("a token")
-                }
-            })
-            .collect();
-        let expected = accepts(&table, &seen);
+        let seen = (0..kinds.len()).map(|k| match is_tag(k) {
+            true => Some(Terminal::Tag),
+            false => Terminal::from_token(kinds[k]),
+        });
+        // A sign that is no token there is none of any sentence.
+        let seen: Option<Vec<Terminal>> = seen.collect();
+        let expected = seen.is_some_and(|seen| accepts(&table, &seen));
         // Which name stands at a place is no business of the grammar.
-        let of_names = [codes::UNKNOWN_TAG, codes::DUPLICATE_PARAMETER];
+        let of_names = [
+            codes::UNKNOWN_TAG,
+            codes::DUPLICATE_PARAMETER,
+            codes::DUPLICATE_ATTRIBUTE,
+            codes::ATTRIBUTE_NOT_HERE,
+        ];
         let mut errors = recorder.diagnostics.iter().filter(|diagnostic| {
             diagnostic.severity == Severity::Error && !of_names.contains(&diagnostic.code)
         });

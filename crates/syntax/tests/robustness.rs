@@ -94,6 +94,8 @@ fn stack_height(
             | O::Negate
             | O::Square
             | O::Reciprocal
+            | O::Position
+            | O::Atom
             | O::Component(_) => height,
             O::FunctionPower
             | O::Apply
@@ -102,7 +104,14 @@ fn stack_height(
             | O::Juxtapose
             | O::Multiply
             | O::Divide
-            | O::Power => height - 1,
+            | O::Power
+            | O::Union
+            | O::Intersection
+            | O::Difference
+            | O::Move
+            | O::Scale
+            | O::Rotate
+            | O::Image => height - 1,
             O::Tuple(n) => height - i64::from(*n) + 1,
         };
         assert!(height > 0, "an operand is missing");
@@ -123,8 +132,18 @@ fn assert_stack_is_balanced(recorder: &Recorder) {
                 i64::from(first.start < interval.start)
             }
             W::Grid => 0,
-            W::Vector => 2,
+            W::Vector | W::Camera => 2,
+            // A light has a direction, a place or both.
+            W::Light => stack_height(&declared.steps, 0).clamp(1, 2),
             _ => 1,
+        };
+        let stated = declared.attributes.iter();
+        let stated = stated.filter(|it| !it.word.is_key()).count() as i64;
+        let expressions = match declared.keyword {
+            W::Light => expressions
+                .min(stack_height(&declared.steps, 0) - stated)
+                .max(1),
+            _ => expressions,
         };
         let popped: i64 = (declared.intervals.iter())
             .map(|interval| {
@@ -137,7 +156,7 @@ fn assert_stack_is_balanced(recorder: &Recorder) {
             .sum();
         assert_eq!(
             stack_height(&declared.steps, 0),
-            expressions + popped,
+            expressions + popped + stated,
             "{declared:?}"
         );
     }
@@ -161,6 +180,7 @@ proptest! {
         pieces in prop::collection::vec(
             prop::sample::select(vec![
                 "define ", "function ", "curve ", "surface ", "param ", "grid ", "point ", "vector ", "metric ", "geodesic ", "defin ",
+                "solid ", "light ", "camera ", "background ", "|", "&", "\\", "color", "bokeh", "star", "scale ", "rotate ", ", x : ",
                 "f", "g", "u", "x", "pi", "sin", "e", "2", ".5", ".", "1e999", "1e-999", "(", ")", "[", "]", "{", "}",
                 ",", ";", ";", ":", "=", "=", "@", "_", "'", "^", "+", "-", "*", "/", " ", "\n", "# c\n", "α", "\0", "f(u)=",
             ]),

@@ -1,6 +1,7 @@
 //! The semantic hooks: what a compiler, a highlighter, an outline or a formatter implements.
 
 use crate::diagnostic::Diagnostic;
+use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::token::Token;
 use crate::span::Span;
@@ -48,8 +49,26 @@ pub enum Operator {
     Reciprocal,
     /// `a_n`: the component, from 1.
     Component(u32),
-    /// A bracketed list of this many values; 1 for a bracketed single value, which it leaves as it is.
+    /// A bracketed list of this many values; 1 for a bracketed single value or set, which it leaves as it is.
     Tuple(u32),
+    /// `@ a` of a light that has no direction: value → the same value, which is its place.
+    Position,
+    /// Function → the set of points that it stands for: a solid, or the points where it is not positive.
+    Atom,
+    /// `a | b`: two sets → the points of either.
+    Union,
+    /// `a & b`: two sets → the points of both.
+    Intersection,
+    /// `a \ b`: two sets → the points of the first that are not of the second.
+    Difference,
+    /// `a @ v`: set, vector → the set, moved.
+    Move,
+    /// `a @ scale v`: set, number or vector → the set, scaled.
+    Scale,
+    /// `a @ rotate v`: set, vector → the set, turned about the vector by its length.
+    Rotate,
+    /// `a @ f`: set, function → its image under the function.
+    Image,
 }
 
 /// The form of an interval.
@@ -73,6 +92,17 @@ pub struct Interval {
     pub tag: Option<(Option<u32>, Span)>,
 }
 
+/// An attribute that a declaration states. If its value is an expression, that is the last value on the stack.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub struct StatedAttribute {
+    /// The word.
+    pub word: AttributeWord,
+    /// The place of the word.
+    pub word_span: Span,
+    /// The place of the value: of the expression, or of the word.
+    pub value_span: Span,
+}
+
 /// A parameter in a declaration's list.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Parameter {
@@ -82,8 +112,9 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// A declaration that has been read to its end; its expressions and intervals came before. Those of a param are
-/// the value that it opens with, if one is written, and its intervals.
+/// A declaration that has been read to its end; its expressions, intervals and attributes came before. Those of a param are
+/// the value that it opens with, if one is written, and its intervals. Those of a light are its direction, if it has one, and
+/// its place, if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
     /// Its keyword.
@@ -96,7 +127,7 @@ pub struct Declaration<'a> {
     pub name: &'a str,
     /// The place of the name; empty if it was not read.
     pub name_span: Span,
-    /// The parameters, for what is applied.
+    /// The parameters that it lists. A solid that lists none has the parameters x, y and z.
     pub parameters: &'a [Parameter],
     /// An error lies in it, and has been reported: what the stack holds may be incomplete and is to be
     /// dropped, and uses of the name are to be silent.
@@ -119,6 +150,9 @@ pub trait Actions {
 
     /// An interval has been read.
     fn act_interval(&mut self, interval: Interval) {}
+
+    /// An attribute has been read.
+    fn act_attribute(&mut self, attribute: StatedAttribute) {}
 
     /// A declaration has been read.
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {}

@@ -4,9 +4,12 @@ use crate::codes::codes;
 use crate::diagnostic::Code;
 
 codes! {
+    ATTRIBUTE_NOT_HERE = "attribute-not-here", "This kind of declaration does not have this attribute.";
+    ATTRIBUTE_RANGE = "attribute-range", "The value of an attribute lies in its range, or is one of its words.";
     BAD_CHARACTER = "bad-character", "A character that no program holds outside comments.";
     BAD_NUMBER = "bad-number", "A `.` without digits.";
     COMPONENT_INDEX = "component-index", "After the `_` of a value stands a positive integer.";
+    DUPLICATE_ATTRIBUTE = "duplicate-attribute", "A declaration states each attribute once.";
     DUPLICATE_PARAMETER = "duplicate-parameter", "A parameter list names the same parameter twice.";
     EXPECTED_DECLARATION = "expected-declaration", "A declaration begins with one of the keywords.";
     MISMATCHED_BRACKET = "mismatched-bracket", "A bracket is closed by a bracket of another kind.";
@@ -24,6 +27,7 @@ codes! {
     UNCLOSED_BRACKET = "unclosed-bracket", "A bracket is not closed before the declaration ends.";
     UNDEFINED_NAME = "undefined-name", "A word that means nothing at this place.";
     UNEXPECTED_TOKEN = "unexpected-token", "The grammar does not allow this token here.";
+    UNKNOWN_ATTRIBUTE = "unknown-attribute", "A word behind a `,` of a declaration that is neither one of its parameters nor an attribute.";
     UNKNOWN_PARAMETER = "unknown-parameter", "A partial derivative by a name that is no parameter of the function.";
     UNKNOWN_TAG = "unknown-tag", "An interval's tag is none of the parameters.";
 }

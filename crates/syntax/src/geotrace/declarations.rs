@@ -14,12 +14,18 @@ pub enum Syntax {
     Grid,
     /// `id = EXPR`.
     Value,
-    /// `id = EXPR @ EXPR`: a value with an origin.
+    /// `id = EXPR @ EXPR`: a value with a place.
     Anchored,
     /// `id(IDS) = EXPR`.
     Function,
     /// `id(IDS) = EXPR, TINTS`: a function over a domain.
     Parametrized,
+    /// `id(IDS) = EXPR` or `id = SET`: a set of points, by a function or of others.
+    Solid,
+    /// `id = EXPR`, `id = @ EXPR` or `id = EXPR @ EXPR`: a direction, a place or both.
+    Light,
+    /// `id(IDS) = EXPR` or `id = EXPR`: a value, or a function of a direction.
+    Background,
     /// `id(IDS) : func = EXPR @ EXPR, TINTS`: a curve in the surface or metric `func`, from a start along a direction, or
     /// without `@` between two places.
     InSurface,
@@ -34,6 +40,10 @@ pub enum ParameterCount {
     AnyNumber,
     /// It declares a function of exactly this many parameters.
     Exactly(usize),
+    /// It declares a function; one that states no parameters has those of space, x, y and z.
+    OfSpace,
+    /// It declares a value if it states no parameters, else a function.
+    Optional,
 }
 
 /// The category of a declared name, as far as tools distinguish declarations: in colours, icons, lists and views.
@@ -53,6 +63,10 @@ pub enum Category {
     Surface,
     /// A surface that is given by its first fundamental form alone and has no shape in space.
     Metric,
+    /// A set of points of space.
+    Solid,
+    /// A light, a camera or a background.
+    Stage,
 }
 
 /// A row of the table.
@@ -107,6 +121,9 @@ macro_rules! declarations {
         }
     };
 }
+
+/// The parameters of a solid that states none.
+pub const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 declarations! {
     Param "param" {
@@ -189,6 +206,38 @@ declarations! {
         purpose: "a straightest line in a surface: direction @ start, or (p, q) from p to q",
         snippet: "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];",
     }
+    Solid "solid" {
+        syntax: Syntax::Solid,
+        parameters: ParameterCount::OfSpace,
+        category: Category::Solid,
+        example: "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;",
+        purpose: "the points where a function is not positive, or a set of solids: a | b, a & b, a \\ b, a @ v",
+        snippet: "solid ${1:ball}(${2:x}, ${3:y}, ${4:z}) = ${5:x^2 + y^2 + z^2 - 1};",
+    }
+    Light "light" {
+        syntax: Syntax::Light,
+        parameters: ParameterCount::None,
+        category: Category::Stage,
+        example: "light lamp = @ (2, -2, 4);",
+        purpose: "a light: @ place, direction, or direction @ place",
+        snippet: "light ${1:lamp} = @ (${2:2}, ${3:-2}, ${4:4});",
+    }
+    Camera "camera" {
+        syntax: Syntax::Anchored,
+        parameters: ParameterCount::None,
+        category: Category::Stage,
+        example: "camera eye = (0, 4, -1) @ (0, -4, 1);",
+        purpose: "a camera: direction @ place",
+        snippet: "camera ${1:eye} = (${2:0}, ${3:4}, ${4:-1}) @ (${5:0}, ${6:-4}, ${7:1});",
+    }
+    Background "background" {
+        syntax: Syntax::Background,
+        parameters: ParameterCount::Optional,
+        category: Category::Stage,
+        example: "background sky(x, y, z) = (1 - z)(0.8, 0.9, 1) + z(0.1, 0.3, 0.6);",
+        purpose: "a colour, or a colour for each direction, where no object is",
+        snippet: "background ${1:sky} = (${2:0.8}, ${3:0.9}, ${4:1});",
+    }
 }
 
 impl DeclarationKeyword {
@@ -208,9 +257,29 @@ impl DeclarationKeyword {
         self.row().category
     }
 
-    /// Returns true if the declared name is applied to operands, because it has parameters, and false if it is a value.
-    pub fn declares_function(self) -> bool {
-        self.row().parameters != ParameterCount::None
+    /// Returns true if the declared name is applied to operands, and false if it is a value. `states_parameters` says that
+    /// the declaration lists parameters.
+    pub fn declares_function(self, states_parameters: bool) -> bool {
+        match self.row().parameters {
+            ParameterCount::None => false,
+            ParameterCount::Optional => states_parameters,
+            ParameterCount::AnyNumber | ParameterCount::Exactly(_) | ParameterCount::OfSpace => {
+                true
+            }
+        }
+    }
+
+    /// Returns true if the declaration may list parameters.
+    pub fn may_have_parameters(self) -> bool {
+        self.declares_function(true)
+    }
+
+    /// Returns true if the word is a keyword only where a declaration may begin, and an ordinary word elsewhere.
+    pub fn is_soft(self) -> bool {
+        matches!(
+            self,
+            Self::Solid | Self::Light | Self::Camera | Self::Background
+        )
     }
 
     /// Returns true if the declaration gives an interval for each of its parameters.
@@ -244,9 +313,11 @@ mod tests {
             assert!(row.example.ends_with(';') && row.snippet.ends_with(';'));
             let has_parameters = matches!(
                 row.syntax,
-                Syntax::Function | Syntax::Parametrized | Syntax::InSurface
+                Syntax::Function | Syntax::Parametrized | Syntax::InSurface | Syntax::Solid
             );
-            assert_eq!(row.keyword.declares_function(), has_parameters);
+            assert_eq!(row.keyword.declares_function(false), has_parameters);
+            let may_have = has_parameters || row.syntax == Syntax::Background;
+            assert_eq!(row.keyword.declares_function(true), may_have);
         }
     }
 }

@@ -15,14 +15,16 @@ use crate::spelling::Search;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
-use super::actions::{Actions, Declaration, Interval, Operator, Parameter};
+use super::actions::{Actions, Declaration, Interval, Operator, Parameter, StatedAttribute};
 use super::declarations::DeclarationKeyword;
 use super::parser::deferred::{Deferred, References};
 use super::parser::lints::shadowed_split;
 use super::parser::parse_chunk;
 use super::parser::suggestions::each_declared;
 use super::records::{EventRecorder, Records};
-use super::symbols::{MAX_NAME_LENGTH, NameScope, Parsed, SpecialWords, Symbol, Vocabulary};
+use super::symbols::{
+    MAX_NAME_LENGTH, NameScope, Parsed, SpecialWords, Symbol, SymbolKind, Vocabulary,
+};
 use super::token::{Token, TokenKind};
 
 pub use super::records::{Parameters, ParseEvents, Tokens};
@@ -49,6 +51,7 @@ pub struct ChunkAnalysis {
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Signature {
     keyword: Option<DeclarationKeyword>,
+    kind: SymbolKind,
     parameters: Vec<String>,
     faulty: bool,
 }
@@ -62,6 +65,8 @@ pub enum ParseEvent<'d> {
     Operator(Operator, Span),
     /// An interval.
     Interval(Interval),
+    /// An attribute.
+    Attribute(StatedAttribute),
     /// A declaration has been read.
     Declaration(ReadDeclaration<'d>),
     /// A diagnostic: the next one of [`findings_of`](Document::findings_of).
@@ -196,6 +201,7 @@ impl Definition for Symbol {
         let parameters = self.parameters.iter();
         Signature {
             keyword: self.keyword,
+            kind: self.kind,
             parameters: parameters.map(|parameter| parameter.name.clone()).collect(),
             faulty: self.faulty,
         }
@@ -256,7 +262,9 @@ impl NameScope for ScopeView<'_, Geotrace> {
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
             TokenKind::Undefined => length = 0,
-            TokenKind::Declare(_) => return,
+            // A keyword whatever the names above are.
+            TokenKind::Declare(keyword) if !keyword.is_soft() => return,
+            TokenKind::Declare(_) => length = 0,
             // A parameter that a longer name takes the letters of is reported where the parameter is declared.
             _ => {}
         }
@@ -326,6 +334,10 @@ impl Actions for Recorder {
 
     fn act_interval(&mut self, interval: Interval) {
         self.events.interval(interval);
+    }
+
+    fn act_attribute(&mut self, attribute: StatedAttribute) {
+        self.events.attribute(attribute);
     }
 
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {

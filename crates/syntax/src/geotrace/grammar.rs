@@ -13,13 +13,23 @@ macro_rules! terminals {
         pub enum Terminal {
             /// A keyword that opens a declaration.
             Keyword(DeclarationKeyword),
-            /// A new name, or an interval's tag.
+            /// A new name.
             Id,
             Const,
             /// A function's name.
             Func,
             Var,
             Num,
+            /// The name of a parameter before its interval. The lexer reads it as a variable.
+            Tag,
+            /// The word of an attribute whose value is an expression.
+            Attr,
+            /// The word of an attribute whose value is a word.
+            Key,
+            /// The value of such an attribute.
+            Word,
+            /// `scale` or `rotate`.
+            Map,
             $($symbol,)*
         }
 
@@ -34,6 +44,10 @@ macro_rules! terminals {
                     TokenKind::Function(_) => Self::Func,
                     TokenKind::Variable(_) => Self::Var,
                     TokenKind::Number(_) => Self::Num,
+                    TokenKind::Attribute(word) if word.is_key() => Self::Key,
+                    TokenKind::Attribute(_) => Self::Attr,
+                    TokenKind::Word => Self::Word,
+                    TokenKind::Map(_) => Self::Map,
                     $(TokenKind::$symbol => Self::$symbol,)*
                     TokenKind::Comment | TokenKind::Error | TokenKind::Eoi => return None,
                 })
@@ -64,10 +78,28 @@ pub enum Nonterminal {
     Grid,
     Grids,
     GridsTail,
-    Tint,
-    TintCount,
-    Tints,
-    TintsTail,
+    Attrs,
+    Items,
+    ItemsTail,
+    Item,
+    /// The number of samples of an interval.
+    Count,
+    /// A solid behind its name.
+    Body,
+    /// A light behind its `=`.
+    Light,
+    /// A background behind its name.
+    Sky,
+    Set,
+    SetTail,
+    Meet,
+    MeetTail,
+    Put,
+    PutTail,
+    Place,
+    /// The rest of a place that begins with a function: an image under it, or an expression.
+    Image,
+    Atom,
     Expr,
     Add,
     AddTail,
@@ -138,12 +170,16 @@ pub const PRODUCTIONS: &[Production] = {
         Decl = K(Grid) T(Id) T(Colon) N(Grids) T(Semicolon);
         Decl = K(Define) T(Id) T(Equals) N(Expr) T(Semicolon);
         Decl = K(Function) N(Fdecl) T(Semicolon);
-        Decl = K(Curve) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = K(Surface) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = K(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
-        Decl = K(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
-        Decl = K(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = K(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) N(Origin) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Curve) N(Fdecl) T(Comma) N(Items) T(Semicolon);
+        Decl = K(Surface) N(Fdecl) T(Comma) N(Items) T(Semicolon);
+        Decl = K(Point) T(Id) T(Equals) N(Expr) N(Attrs) T(Semicolon);
+        Decl = K(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) N(Attrs) T(Semicolon);
+        Decl = K(Metric) N(Fdecl) T(Comma) N(Items) T(Semicolon);
+        Decl = K(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) N(Origin) T(Comma) N(Items) T(Semicolon);
+        Decl = K(Solid) T(Id) N(Body) N(Attrs) T(Semicolon);
+        Decl = K(Light) T(Id) T(Equals) N(Light) N(Attrs) T(Semicolon);
+        Decl = K(Camera) T(Id) T(Equals) N(Expr) T(At) N(Expr) N(Attrs) T(Semicolon);
+        Decl = K(Background) T(Id) N(Sky) N(Attrs) T(Semicolon);
 
         Opening = T(Equals) N(Expr);
         Opening =;
@@ -163,12 +199,46 @@ pub const PRODUCTIONS: &[Production] = {
         Grids = N(Grid) N(GridsTail);
         GridsTail = T(Comma) N(Grid) N(GridsTail);
         GridsTail =;
-        Tint = T(Id) T(Colon) T(BracketOpen) N(Expr) T(Comma) N(Expr) N(TintCount) T(BracketClose);
-        TintCount = T(Comma) N(Expr);
-        TintCount =;
-        Tints = N(Tint) N(TintsTail);
-        TintsTail = T(Comma) N(Tint) N(TintsTail);
-        TintsTail =;
+        Attrs = T(Comma) N(Items);
+        Attrs =;
+        Items = N(Item) N(ItemsTail);
+        ItemsTail = T(Comma) N(Item) N(ItemsTail);
+        ItemsTail =;
+        Item = T(Tag) T(Colon) T(BracketOpen) N(Expr) T(Comma) N(Expr) N(Count) T(BracketClose);
+        Item = T(Attr) T(Colon) N(Expr);
+        Item = T(Key) T(Colon) T(Word);
+        Count = T(Comma) N(Expr);
+        Count =;
+
+        Body = T(ParenOpen) N(Ids) T(ParenClose) T(Equals) N(Expr);
+        Body = T(Equals) N(Set);
+        Light = T(At) N(Expr);
+        Light = N(Expr) N(Origin);
+        Sky = T(ParenOpen) N(Ids) T(ParenClose) T(Equals) N(Expr);
+        Sky = T(Equals) N(Expr);
+        Set = N(Meet) N(SetTail);
+        SetTail = T(Bar) N(Meet) N(SetTail);
+        SetTail = T(Backslash) N(Meet) N(SetTail);
+        SetTail =;
+        Meet = N(Put) N(MeetTail);
+        MeetTail = T(Ampersand) N(Put) N(MeetTail);
+        MeetTail =;
+        Put = N(Atom) N(PutTail);
+        PutTail = T(At) N(Place) N(PutTail);
+        PutTail =;
+        Place = T(Map) N(Unary);
+        Place = N(Func2) N(Image);
+        Place = N(Pow) N(MultTail) N(JuxTail) N(AddTail);
+        Place = T(Plus) N(Unary) N(MultTail) N(JuxTail) N(AddTail);
+        Place = T(Minus) N(Unary) N(MultTail) N(JuxTail) N(AddTail);
+        Place = T(Star) N(Unary) N(MultTail) N(JuxTail) N(AddTail);
+        Place = T(Slash) N(Unary) N(MultTail) N(JuxTail) N(AddTail);
+        Image = N(FuncTail) N(Unary) N(MultTail) N(JuxTail) N(AddTail);
+        Image =;
+        Atom = T(Func);
+        Atom = T(ParenOpen) N(Set) T(ParenClose);
+        Atom = T(BracketOpen) N(Set) T(BracketClose);
+        Atom = T(BraceOpen) N(Set) T(BraceClose);
 
         Expr = N(Add);
         Add = N(Jux) N(AddTail);

@@ -1,9 +1,8 @@
 //! Colours for a text: "highlighting is another compiler", a second implementation of the hooks.
 
 use crate::geotrace::actions::{Actions, Declaration};
-use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::parser::parse_program;
-use crate::geotrace::symbols::{SymbolKind, Vocabulary};
+use crate::geotrace::symbols::Vocabulary;
 use crate::geotrace::token::{Token, TokenKind};
 use crate::highlight::HighlightKind;
 use crate::span::Span;
@@ -58,9 +57,10 @@ impl Actions for Highlighter {
 
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
         if declaration.symbol.is_some() {
-            let kind = match symbol_kind(declaration.keyword) {
-                SymbolKind::Constant => HighlightKind::Constant,
-                SymbolKind::Function => HighlightKind::Function,
+            let has_parameters = !declaration.parameters.is_empty();
+            let kind = match declaration.keyword.declares_function(has_parameters) {
+                false => HighlightKind::Constant,
+                true => HighlightKind::Function,
             };
             self.declare(declaration.name_span, kind);
         }
@@ -70,19 +70,14 @@ impl Actions for Highlighter {
     }
 }
 
-fn symbol_kind(keyword: DeclarationKeyword) -> SymbolKind {
-    if keyword.declares_function() {
-        SymbolKind::Function
-    } else {
-        SymbolKind::Constant
-    }
-}
-
 fn kind(token: TokenKind) -> Option<HighlightKind> {
     Some(match token {
         TokenKind::Comment => HighlightKind::Comment,
         TokenKind::Number(_) => HighlightKind::Number,
-        TokenKind::Declare(_) => HighlightKind::Keyword,
+        TokenKind::Declare(_) | TokenKind::Attribute(_) | TokenKind::Map(_) => {
+            HighlightKind::Keyword
+        }
+        TokenKind::Word => HighlightKind::Constant,
         TokenKind::Constant(_) => HighlightKind::Constant,
         TokenKind::Function(_) => HighlightKind::Function,
         TokenKind::Variable(_) => HighlightKind::Variable,
@@ -93,7 +88,10 @@ fn kind(token: TokenKind) -> Option<HighlightKind> {
         | TokenKind::Slash
         | TokenKind::Caret
         | TokenKind::Underscore
-        | TokenKind::Prime => HighlightKind::Operator,
+        | TokenKind::Prime
+        | TokenKind::Bar
+        | TokenKind::Ampersand
+        | TokenKind::Backslash => HighlightKind::Operator,
         TokenKind::ParenOpen
         | TokenKind::ParenClose
         | TokenKind::BracketOpen

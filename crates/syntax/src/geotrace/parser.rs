@@ -6,7 +6,9 @@
 //! declaration keyword.
 //!
 //! - `declaration`: `DECL` and all that is not an expression.
+//! - `items`: the intervals and attributes behind a declaration's commas.
 //! - `intervals`: the intervals of params, grids and domains.
+//! - `sets`: `SET` and all below it.
 //! - `expression`: `EXPR` and all below it.
 //! - `names`: the token that a word is, new names, undefined words.
 //! - `lints`: warnings about legal text that is not read as it looks.
@@ -20,15 +22,18 @@ pub(crate) mod deferred;
 mod expression;
 mod foreign;
 mod intervals;
+mod items;
 pub(crate) mod lints;
 mod messages;
 mod names;
+mod sets;
 pub(crate) mod suggestions;
 
 use std::cell::OnceCell;
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::geotrace::actions::{Actions, Interval, Operator, Parameter};
+use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexer};
 use crate::geotrace::symbols::{NameScope, Parsed, Symbol, Vocabulary};
@@ -56,7 +61,7 @@ pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions:
     let Some(source) = accept_length(source, actions) else {
         return parsed;
     };
-    let mut parser = Parser::new(Lexer::new(source), parsed, actions);
+    let mut parser = Parser::new(Lexer::new(source), parsed, actions, Mode::Start);
     parser.program();
     parser.warn_shadowed_splits();
     parser.parsed
@@ -68,7 +73,8 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
     let Some(source) = accept_length(source, actions) else {
         return false;
     };
-    let mut parser = Parser::new(Lexer::new(source), parsed.clone(), actions);
+    let lexer = Lexer::new(source);
+    let mut parser = Parser::new(lexer, parsed.clone(), actions, Mode::Expression);
     parser.lone_expression();
     !parser.state.faulty
 }
@@ -87,7 +93,7 @@ pub(crate) fn parse_chunk<A: Actions, S: NameScope>(
         true => Lexer::new(source),
         false => Lexer::inside(source),
     };
-    let mut parser = Parser::new(lexer, scope, actions);
+    let mut parser = Parser::new(lexer, scope, actions, Mode::Start);
     parser.program();
     (parser.parsed, parser.deferred)
 }
@@ -146,8 +152,14 @@ struct DeclarationState<'s> {
     name_is_free: bool,
     parameters: Vec<Parameter>,
     parameter_trie: Trie<u32>,
-    /// The body is being read: parameters are variables.
+    /// The body or the value of an attribute is being read: parameters are variables.
     in_body: bool,
+    /// A set is being read: its signs are tokens.
+    in_set: bool,
+    /// It is a solid, whose parameters are x, y and z if it lists none.
+    is_of_space: bool,
+    /// The attributes that have been read, with their places.
+    attributes: Vec<(AttributeWord, Span)>,
     /// The undefined words that have been reported.
     undefined: Vec<&'s str>,
     /// A syntax error has been reported: one is enough for a declaration.
@@ -157,7 +169,8 @@ struct DeclarationState<'s> {
 }
 
 impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
-    fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A) -> Self {
+    /// A parser whose first token is read as the mode says.
+    fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A, mode: Mode) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
             span: Span::default(),
@@ -179,7 +192,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
             lines: OnceCell::new(),
             declared_below: OnceCell::new(),
         };
-        parser.fetch(Mode::Expression);
+        parser.fetch(mode);
         parser
     }
 

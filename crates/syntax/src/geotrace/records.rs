@@ -7,14 +7,16 @@
 //! They are packed by hand because a program of 10,000 declarations has 230,000 tokens and 170,000 events. As enums with their
 //! spans they take 24 bytes each, 6.4 MB more in all: a fifth more than the whole server needs for that program.
 
-use crate::geotrace::actions::{Interval, IntervalKind, Operator, Parameter};
+use crate::geotrace::actions::{Interval, IntervalKind, Operator, Parameter, StatedAttribute};
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::token::Token;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
 use super::document::{ParseEvent, ReadDeclaration};
-use tags::{STEPS_END, keyword, keyword_index, of_operator, of_token, operator, token_kind};
+use tags::{
+    STEPS_END, attribute, keyword, keyword_index, of_operator, of_token, operator, token_kind,
+};
 
 mod tags;
 
@@ -187,6 +189,11 @@ impl EventRecorder {
         }
     }
 
+    pub(crate) fn attribute(&mut self, attribute: StatedAttribute) {
+        self.push(ATTRIBUTE, attribute.word_span, attribute.word as u32);
+        self.push(NONE, attribute.value_span, 0);
+    }
+
     pub(crate) fn finding(&mut self) {
         self.push(FINDING, Span::default(), 0);
     }
@@ -280,7 +287,12 @@ impl<'d> Iterator for ParseEvents<'d> {
                     tag: tagged,
                 })
             }
-            FINDING..DECLARATION => ParseEvent::Finding,
+            FINDING..ATTRIBUTE => ParseEvent::Finding,
+            ATTRIBUTE..DECLARATION => ParseEvent::Attribute(StatedAttribute {
+                word: attribute(number),
+                word_span: span,
+                value_span: self.entry()?.span,
+            }),
             DECLARATION.. => {
                 let faulty = tag >= FAULTY_DECLARATION;
                 let first = if faulty {
@@ -345,6 +357,7 @@ const OPEN: u8 = STEPS_END;
 const INTERVAL: u8 = 48;
 const TAGGED_INTERVAL: u8 = 50;
 const FINDING: u8 = 52;
+const ATTRIBUTE: u8 = 53;
 const DECLARATION: u8 = 64;
 const FAULTY_DECLARATION: u8 = 80;
 // Those of the second and further entries of an event, below all that begin a declaration.
@@ -356,9 +369,12 @@ mod tests {
     use super::ParseEvent;
     use super::tags::STEPS;
     use super::{Entry, EventRecorder, ParseEvents, Records, Tokens};
-    use crate::geotrace::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
+    use crate::geotrace::actions::{
+        Declaration, Interval, IntervalKind, Operator, Parameter, StatedAttribute,
+    };
+    use crate::geotrace::attributes::AttributeWord;
     use crate::geotrace::declarations::DeclarationKeyword;
-    use crate::geotrace::token::{Token, TokenKind};
+    use crate::geotrace::token::{MapWord, Token, TokenKind};
     use crate::span::Span;
     use crate::symbol::SymbolId;
 
@@ -377,6 +393,8 @@ mod tests {
             kinds.push(TokenKind::Constant(SymbolId(id)));
             kinds.push(TokenKind::Function(SymbolId(id)));
             kinds.push(TokenKind::Variable(id));
+            kinds.extend(AttributeWord::ALL.map(TokenKind::Attribute));
+            kinds.extend(MapWord::ALL.map(TokenKind::Map));
             let mut tokens = vec![Token {
                 kind: TokenKind::Number(25.0),
                 span: Span::new(0, 5),
@@ -441,6 +459,14 @@ mod tests {
             for interval in &intervals {
                 recorder.interval(*interval);
             }
+            let attributes = AttributeWord::ALL.map(|word| StatedAttribute {
+                word,
+                word_span: span(4),
+                value_span: span(8),
+            });
+            for attribute in attributes {
+                recorder.attribute(attribute);
+            }
             recorder.declaration(&declared(None, true, 0));
             recorder.open(DeclarationKeyword::Geodesic, span(6));
             let records = recorder.finish(&text);
@@ -460,10 +486,9 @@ mod tests {
             let mut first = vec![told(ParseEvent::Open(DeclarationKeyword::Param, span(6)))];
             first.extend([told(number), told(ParseEvent::Finding)]);
             first.extend(expected(&operators));
-            let second: Vec<_> = intervals
-                .iter()
-                .map(|it| told(ParseEvent::Interval(*it)))
-                .collect();
+            let intervals = intervals.iter().map(|it| ParseEvent::Interval(*it));
+            let second = intervals.chain(attributes.map(ParseEvent::Attribute));
+            let second: Vec<_> = second.map(told).collect();
             let all = ParseEvents::new(&records, &text);
             let found: Vec<_> = all.declarations().collect();
             let declarations = [

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::geotrace::actions::Parameter;
-use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::spelling::Search;
@@ -65,7 +65,8 @@ pub struct Symbol {
     pub keyword: Option<DeclarationKeyword>,
     /// The place of the name in its declaration; `None` for a builtin.
     pub name_span: Option<Span>,
-    /// The parameters of what is declared with parameters; empty for everything else.
+    /// The parameters of what is declared with parameters; empty for everything else. A solid that lists none has the
+    /// parameters [`COORDINATES`].
     pub parameters: Vec<Parameter>,
     /// Its declaration holds an error, which has been reported: uses of it are to be silent.
     pub faulty: bool,
@@ -223,7 +224,7 @@ impl Symbol {
         trie: Trie<u32>,
         faulty: bool,
     ) -> Self {
-        let kind = match keyword.declares_function() {
+        let kind = match keyword.declares_function(!parameters.is_empty()) {
             true => SymbolKind::Function,
             false => SymbolKind::Constant,
         };
@@ -244,6 +245,10 @@ impl Symbol {
 
     /// The longest parameter that a word begins with, of equal ones the first: its length in bytes and its position.
     pub(crate) fn longest_parameter(&self, word: &str) -> Option<(usize, u32)> {
+        if self.parameters.is_empty() && self.keyword == Some(DeclarationKeyword::Solid) {
+            let named = COORDINATES.iter().position(|name| word.starts_with(name));
+            return named.map(|position| (1, position as u32));
+        }
         if self.parameters.len() > FEW_PARAMETERS {
             return self.parameter_trie.longest_prefix(word);
         }

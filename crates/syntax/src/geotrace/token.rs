@@ -1,5 +1,6 @@
 //! The kinds of token.
 
+use super::attributes::AttributeWord;
 use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -11,7 +12,7 @@ macro_rules! with_symbols {
         $macro! {
             Comma b',' ParenOpen b'(' ParenClose b')' Plus b'+' Minus b'-' Slash b'/' Semicolon b';' Equals b'='
             BracketOpen b'[' BracketClose b']' Colon b':' Caret b'^' Underscore b'_' Prime b'\'' Star b'*' At b'@'
-            BraceOpen b'{' BraceClose b'}'
+            BraceOpen b'{' BraceClose b'}' Bar b'|' Ampersand b'&' Backslash b'\\'
         }
     };
 }
@@ -33,6 +34,12 @@ macro_rules! token_kinds {
             Variable(u32),
             /// A word that is not defined.
             Undefined,
+            /// The word of an attribute, behind a `,` of a declaration.
+            Attribute(AttributeWord),
+            /// The word that is the value of an attribute.
+            Word,
+            /// The word of a map, right behind the `@` of a set.
+            Map(MapWord),
             $($symbol,)*
             /// Any other character, or a malformed number.
             Error,
@@ -42,8 +49,8 @@ macro_rules! token_kinds {
 
         impl TokenKind {
             /// The kinds without a value.
-            pub(crate) const PLAIN: [Self; 22] =
-                [$(Self::$symbol,)* Self::Comment, Self::Undefined, Self::Error, Self::Eoi];
+            pub(crate) const PLAIN: &[Self] =
+                &[$(Self::$symbol,)* Self::Comment, Self::Undefined, Self::Word, Self::Error, Self::Eoi];
 
             /// The symbol that a byte is.
             pub(crate) fn from_byte(byte: u8) -> Option<Self> {
@@ -57,6 +64,33 @@ macro_rules! token_kinds {
 }
 
 with_symbols!(token_kinds);
+
+/// A map of space that has a word of its own.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum MapWord {
+    /// `scale`, by a number or by one along each axis.
+    Scale,
+    /// `rotate`, about a vector by its length in radians.
+    Rotate,
+}
+
+impl MapWord {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Scale, Self::Rotate];
+
+    /// The word as it is written.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Scale => "scale",
+            Self::Rotate => "rotate",
+        }
+    }
+
+    /// The map that is written so.
+    pub fn from_text(text: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|map| map.text() == text)
+    }
+}
 
 /// One token and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]

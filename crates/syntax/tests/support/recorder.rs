@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator};
+use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator, StatedAttribute};
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::symbols::{Parsed, Vocabulary};
 use syntax::geotrace::token::{Token, TokenKind};
@@ -23,6 +23,7 @@ pub struct Declared {
     pub name_span: Span,
     pub steps: Vec<(Operator, Span)>,
     pub intervals: Vec<Interval>,
+    pub attributes: Vec<StatedAttribute>,
 }
 
 /// Records every call of a hook.
@@ -32,6 +33,7 @@ pub struct Recorder {
     pub opened: Vec<(DeclarationKeyword, Span)>,
     pub steps: Vec<(Operator, Span)>,
     pub intervals: Vec<Interval>,
+    pub attributes: Vec<StatedAttribute>,
     pub declared: Vec<Declared>,
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -43,6 +45,7 @@ impl Actions for Recorder {
     fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
         self.steps.clear();
         self.intervals.clear();
+        self.attributes.clear();
         self.opened.push((keyword, span));
     }
     fn act_operator(&mut self, operator: Operator, span: Span) {
@@ -50,6 +53,9 @@ impl Actions for Recorder {
     }
     fn act_interval(&mut self, interval: Interval) {
         self.intervals.push(interval);
+    }
+    fn act_attribute(&mut self, attribute: StatedAttribute) {
+        self.attributes.push(attribute);
     }
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
         self.declared.push(Declared {
@@ -66,6 +72,7 @@ impl Actions for Recorder {
             name_span: declaration.name_span,
             steps: std::mem::take(&mut self.steps),
             intervals: std::mem::take(&mut self.intervals),
+            attributes: std::mem::take(&mut self.attributes),
         });
     }
     fn act_error(&mut self, diagnostic: Diagnostic) {
@@ -142,6 +149,15 @@ pub fn postfix(steps: &[(Operator, Span)], parsed: &Parsed, parameters: &[String
         Operator::Component(n) => format!("_{n}"),
         Operator::Tuple(1) => "()".to_owned(),
         Operator::Tuple(n) => format!("({n})"),
+        Operator::Position => "place".to_owned(),
+        Operator::Atom => "set".to_owned(),
+        Operator::Union => "|".to_owned(),
+        Operator::Intersection => "&".to_owned(),
+        Operator::Difference => "\\".to_owned(),
+        Operator::Move => "move".to_owned(),
+        Operator::Scale => "scale".to_owned(),
+        Operator::Rotate => "rotate".to_owned(),
+        Operator::Image => "image".to_owned(),
     };
     steps.iter().map(show).collect::<Vec<_>>().join(" ")
 }

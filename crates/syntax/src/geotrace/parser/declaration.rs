@@ -1,12 +1,13 @@
 //! Declarations: `DECL` and all below it that is not an expression.
 
+use super::intervals::IntervalOwner;
 use super::messages::quote;
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
 use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Declaration, Operator};
-use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
+use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
@@ -39,7 +40,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state = DeclarationState::default();
         let word = self.lexer.word();
         let is_word = word.start == self.current.span.start && word.end > word.start;
-        let text = word.text(self.source);
+        let text = if is_word { word.text(self.source) } else { "" };
         let following = self.following(word.end);
         let guess = nearest_keyword(text)
             .or_else(|| foreign::keyword(text, self.is_head(word.end)))
@@ -78,7 +79,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             (None, None) => {
                 self.recover();
                 if self.current.kind == TokenKind::Semicolon {
-                    self.advance(Mode::Expression);
+                    self.advance(Mode::Start);
                 }
             }
         }
@@ -120,7 +121,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         });
         self.state = DeclarationState::default();
         if ends {
-            self.fetch(Mode::Expression);
+            self.fetch(Mode::Start);
         }
     }
 
@@ -146,28 +147,64 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             Syntax::Slider => {
                 self.new_name(keyword)?;
                 self.opening(keyword)?;
-                self.intervals(keyword)?;
+                self.intervals(IntervalOwner::Param)?;
             }
             Syntax::Grid => {
                 self.new_name(keyword)?;
                 self.after_name(keyword, TokenKind::Colon, "`:`")?;
-                self.intervals(keyword)?;
+                self.intervals(IntervalOwner::Grid)?;
             }
             Syntax::Value => {
                 self.new_name(keyword)?;
                 self.after_name(keyword, TokenKind::Equals, "`=`")?;
                 self.expression()?;
+                if keyword != DeclarationKeyword::Define {
+                    self.attrs()?;
+                }
             }
             Syntax::Anchored => {
                 self.new_name(keyword)?;
                 self.after_name(keyword, TokenKind::Equals, "`=`")?;
                 self.expression()?;
-                self.origin("the vector's origin", "vector v = direction @ origin;")?;
+                let (what, form) = match keyword {
+                    DeclarationKeyword::Camera => {
+                        ("the camera's place", "camera eye = direction @ place;")
+                    }
+                    _ => ("the vector's origin", "vector v = direction @ origin;"),
+                };
+                self.origin(what, form)?;
+                self.attrs()?;
             }
             Syntax::Function => self.fdecl(keyword)?,
             Syntax::Parametrized => {
                 self.fdecl(keyword)?;
-                self.tints()?;
+                self.domain_items()?;
+            }
+            Syntax::Solid => {
+                self.state.is_of_space = true;
+                self.new_name(keyword)?;
+                match self.current.kind {
+                    TokenKind::ParenOpen => self.list_and_body()?,
+                    _ => self.set_body(keyword)?,
+                }
+                self.attrs()?;
+            }
+            Syntax::Light => {
+                self.new_name(keyword)?;
+                self.after_name(keyword, TokenKind::Equals, "`=`")?;
+                self.light()?;
+                self.attrs()?;
+            }
+            Syntax::Background => {
+                self.new_name(keyword)?;
+                match self.current.kind {
+                    TokenKind::ParenOpen => self.list_and_body()?,
+                    _ => {
+                        self.after_name(keyword, TokenKind::Equals, "`=`")?;
+                        self.expression()?;
+                    }
+                }
+                self.attrs()?;
             }
             Syntax::InSurface => {
                 self.head(keyword)?;
@@ -176,7 +213,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 if self.current.kind != TokenKind::Comma {
                     self.origin("the parameters where the geodesic starts", GEODESIC)?;
                 }
-                self.tints()?;
+                self.domain_items()?;
             }
         }
         match self.current.kind {
@@ -254,7 +291,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             TokenKind::ParenOpen => {
                 let words = DeclarationKeyword::ALL
                     .into_iter()
-                    .filter(|w| w.declares_function());
+                    .filter(|word| word.may_have_parameters());
                 let words: Vec<_> = words
                     .map(|keyword| format!("`{}`", keyword.text()))
                     .collect();
@@ -277,7 +314,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject(diagnostic))
     }
 
-    /// `"@" EXPR` of a vector or a geodesic.
+    /// `"@" EXPR` of a vector, a camera or a geodesic.
     fn origin(&mut self, what: &str, form: &str) -> Result<(), Stop> {
         if self.current.kind != TokenKind::At {
             let diagnostic = self
@@ -304,7 +341,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.operator(Operator::Function(id), self.current.span);
                 self.advance(Mode::Expression);
             }
-            TokenKind::Undefined => self.undefined_surface(),
+            TokenKind::Undefined => self.undefined_function(),
             _ => return Err(self.expected("the name of a surface or a metric after `:`")),
         }
         if self.current.kind != TokenKind::Equals {
@@ -317,9 +354,55 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
+    /// `SET` of a solid, and the `=` before it.
+    fn set_body(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::Equals {
+            return self.after_name(keyword, TokenKind::Equals, "`=` or `(`");
+        }
+        self.state.in_set = true;
+        self.advance(Mode::Name);
+        self.set()?;
+        self.state.in_set = false;
+        for (name, position) in COORDINATES.into_iter().zip(0..) {
+            // They are names, and the trie takes all names.
+            let _ = self.state.parameter_trie.insert(name, position);
+        }
+        Ok(())
+    }
+
+    /// `LIGHT = "@" EXPR | EXPR | EXPR "@" EXPR`
+    fn light(&mut self) -> Result<(), Stop> {
+        let start = self.current.span;
+        if self.current.kind == TokenKind::At {
+            self.advance(Mode::Expression);
+            let place = self.expression()?;
+            self.operator(Operator::Position, start.to(place));
+            return Ok(());
+        }
+        self.expression()?;
+        if self.current.kind == TokenKind::At {
+            self.advance(Mode::Expression);
+            self.expression()?;
+        }
+        Ok(())
+    }
+
     /// `FDECL = HEAD "=" EXPR`
     fn fdecl(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         self.head(keyword)?;
+        self.body()
+    }
+
+    /// `"(" IDS ")" "=" EXPR`
+    fn list_and_body(&mut self) -> Result<(), Stop> {
+        let opening = self.current.span;
+        self.advance(Mode::Name);
+        self.ids(opening)?;
+        self.body()
+    }
+
+    /// `"=" EXPR` over the parameters.
+    fn body(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
             return Err(self.expected("`=` after the parameters"));
         }

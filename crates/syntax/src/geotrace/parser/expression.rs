@@ -19,7 +19,18 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// `ADD = ADD "+" JUX | ADD "-" JUX | JUX`
     fn add(&mut self) -> Parse {
-        let mut span = self.jux()?;
+        let first = self.jux()?;
+        self.add_tail(first)
+    }
+
+    /// The rest of `EXPR` behind its first `APP`.
+    pub(super) fn add_from(&mut self, app: Span) -> Parse {
+        let factor = self.mult_tail(app)?;
+        let first = self.jux_tail(factor)?;
+        self.add_tail(first)
+    }
+
+    fn add_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
                 TokenKind::Plus => Operator::Add,
@@ -34,7 +45,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// `JUX = JUX MULT2 | MULT`
     fn jux(&mut self) -> Parse {
-        let mut span = self.mult()?;
+        let first = self.mult()?;
+        self.jux_tail(first)
+    }
+
+    fn jux_tail(&mut self, mut span: Span) -> Parse {
         while self.starts_app() {
             self.warn_number_argument();
             span = span.to(self.mult2()?);
@@ -77,7 +92,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `UNARY = "+" UNARY | "-" UNARY | "*" UNARY | "/" UNARY | APP`
     ///
     /// Every way to nest leads through here, so this is where depth is counted.
-    fn unary(&mut self) -> Parse {
+    pub(super) fn unary(&mut self) -> Parse {
         if self.state.depth > MAX_DEPTH {
             return Err(self.too_deep());
         }
@@ -111,8 +126,19 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let TokenKind::Function(id) = self.current.kind else {
             return self.pow();
         };
-        let function = self.func(id)?;
-        if self.prefix_operator().is_none() && !self.starts_app() {
+        let function = self.func2(id)?;
+        self.applied(id, function)
+    }
+
+    /// Returns true if the current token begins a `UNARY`.
+    pub(super) fn starts_operand(&self) -> bool {
+        self.prefix_operator().is_some() || self.starts_app()
+    }
+
+    /// The rest of `APP` behind its `FUNC2`.
+    pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
+        let function = self.func(id, function)?;
+        if !self.starts_operand() {
             return Err(self.missing_argument(function));
         }
         if self.opens_bracket() && self.current.span.start == function.end {
@@ -128,9 +154,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// `FUNC = FUNC2 "^" UNARY | FUNC2`
-    fn func(&mut self, id: SymbolId) -> Parse {
-        let function = self.func2(id)?;
+    /// The rest of `FUNC = FUNC2 "^" UNARY | FUNC2` behind its `FUNC2`.
+    fn func(&mut self, id: SymbolId, function: Span) -> Parse {
         if self.current.kind != TokenKind::Caret {
             return Ok(function);
         }
@@ -143,7 +168,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// `FUNC2 = FUNC2 "_" var | FUNC2 "'" | func`
-    fn func2(&mut self, id: SymbolId) -> Parse {
+    pub(super) fn func2(&mut self, id: SymbolId) -> Parse {
         let mut span = self.current.span;
         self.operator(Operator::Function(id), span);
         self.advance(Mode::Expression);
@@ -323,7 +348,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     #[cold]
-    fn too_deep(&mut self) -> Stop {
+    pub(super) fn too_deep(&mut self) -> Stop {
         let message = format!("this is nested deeper than {MAX_DEPTH} levels");
         let diagnostic = self
             .here(codes::TOO_DEEP, message)

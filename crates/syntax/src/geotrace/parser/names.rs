@@ -6,11 +6,12 @@ use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop};
 use crate::diagnostic::Diagnostic;
 use crate::geotrace::actions::{Actions, Parameter};
+use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
-use crate::geotrace::lexer::{Lexeme, Word};
+use crate::geotrace::lexer::{Fault, Lexeme, Word};
 use crate::geotrace::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, SymbolKind};
-use crate::geotrace::token::TokenKind;
+use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
@@ -21,8 +22,14 @@ pub(super) enum Mode {
     Expression,
     /// The whole word is one token, whatever it may be made of.
     Name,
-    /// The whole word is one token: one of the parameters, or nothing.
-    Tag,
+    /// A declaration may begin here: words that are keywords nowhere else are keywords.
+    Start,
+    /// The whole word is one token: one of the parameters, an attribute, or nothing.
+    Item,
+    /// The whole word is one token, the value of an attribute.
+    Word,
+    /// The word of a map, else as [`Mode::Expression`].
+    Place,
     /// The longest prefix that is a parameter of this function is one token.
     ParameterOf(SymbolId),
 }
@@ -42,36 +49,81 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             ..
         } = self;
         let source = lexer.source();
-        lexer.next(|word| match mode {
-            Mode::Expression => {
-                if let Some(id) = weak_function(parsed, state, source, word) {
-                    // A name that is declared takes its place.
-                    parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
-                    return (word.rest.len(), TokenKind::Function(id));
+        let is_in_set = state.in_set;
+        let lexeme = lexer.next(|word| {
+            if let Some(keyword) = soft_keyword(source, mode, word) {
+                if let Mode::Start = mode {
+                    return (word.rest.len(), TokenKind::Declare(keyword));
                 }
+                // A `;` is missing, if no name begins the word.
                 let (length, kind) = expression_word(parsed, state, word);
-                if length < word.rest.len() && !S::IS_CHUNK {
-                    lints.record_split(word, length);
-                }
                 parsed.record_prefix_lookup(word.rest, word.start, length, kind);
-                (length, kind)
-            }
-            Mode::Name => {
-                let (length, kind) = whole_word(parsed, word);
-                parsed.record_name_lookup(word.rest, word.start, kind);
-                (length, kind)
-            }
-            Mode::Tag => match state.parameter_trie.get(word.rest) {
-                Some(parameter) => (word.rest.len(), TokenKind::Variable(parameter)),
-                None => declaring_or(word, TokenKind::Undefined),
-            },
-            Mode::ParameterOf(function) => {
-                match parsed.symbol(function).longest_parameter(word.rest) {
-                    Some((length, parameter)) => (length, TokenKind::Variable(parameter)),
-                    None => declaring_or(word, TokenKind::Undefined),
+                if kind == TokenKind::Undefined {
+                    return (length, TokenKind::Declare(keyword));
                 }
             }
-        })
+            let map = match mode {
+                Mode::Place if word.is_whole() => MapWord::from_text(word.rest),
+                _ => None,
+            };
+            if let Some(map) = map.filter(|_| parsed.get(word.rest).is_none()) {
+                parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
+                return (word.rest.len(), TokenKind::Map(map));
+            }
+            match mode {
+                Mode::Expression | Mode::Start | Mode::Place => {
+                    if let Some(id) = weak_function(parsed, state, source, word) {
+                        // A name that is declared takes its place.
+                        parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
+                        return (word.rest.len(), TokenKind::Function(id));
+                    }
+                    let (length, kind) = expression_word(parsed, state, word);
+                    if length < word.rest.len() && !S::IS_CHUNK {
+                        lints.record_split(word, length);
+                    }
+                    parsed.record_prefix_lookup(word.rest, word.start, length, kind);
+                    if state.is_of_space && matches!(kind, TokenKind::Variable(_)) {
+                        // A declared name of the same letters would take its place.
+                        let name = &word.rest[..length];
+                        parsed.record_name_lookup(name, word.start, TokenKind::Undefined);
+                    }
+                    (length, kind)
+                }
+                Mode::Name => {
+                    let (length, kind) = whole_word(parsed, word);
+                    parsed.record_name_lookup(word.rest, word.start, kind);
+                    (length, kind)
+                }
+                Mode::Item => {
+                    let parameter = state.parameter_trie.get(word.rest);
+                    match (parameter, AttributeWord::from_text(word.rest)) {
+                        (Some(parameter), _) => (word.rest.len(), TokenKind::Variable(parameter)),
+                        (None, Some(known)) => (word.rest.len(), TokenKind::Attribute(known)),
+                        (None, None) => declaring_or(word, TokenKind::Undefined),
+                    }
+                }
+                Mode::Word => declaring_or(word, TokenKind::Word),
+                Mode::ParameterOf(function) => {
+                    match parsed.symbol(function).longest_parameter(word.rest) {
+                        Some((length, parameter)) => (length, TokenKind::Variable(parameter)),
+                        None => declaring_or(word, TokenKind::Undefined),
+                    }
+                }
+            }
+        });
+        match lexeme.token.kind {
+            TokenKind::Bar | TokenKind::Ampersand | TokenKind::Backslash if !is_in_set => {
+                let sign = lexeme.token.span.text(source).chars().next();
+                Lexeme {
+                    token: Token {
+                        kind: TokenKind::Error,
+                        ..lexeme.token
+                    },
+                    fault: sign.map(Fault::Character),
+                }
+            }
+            _ => lexeme,
+        }
     }
 
     /// Reads the name that a declaration introduces. One that is not free is reported and passed.
@@ -220,9 +272,9 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         span.to(self.previous.span)
     }
 
-    /// Reports an undefined word in the place of a surface's name, and passes it.
+    /// Reports an undefined word in the place of the name of a surface or a solid, and passes it.
     #[cold]
-    pub(super) fn undefined_surface(&mut self) {
+    pub(super) fn undefined_function(&mut self) {
         self.report_undefined();
         self.state.faulty = true;
         self.state.silent = true;
@@ -377,14 +429,38 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
     }
 }
 
+/// The keyword that a word is where a declaration may begin, of those that are ordinary words elsewhere; there it counts only
+/// where another word follows.
+#[inline]
+fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationKeyword> {
+    let keyword = DeclarationKeyword::from_text(word.rest)?;
+    let is_candidate = keyword.is_soft() && word.is_whole();
+    let behind = &source[word.start as usize + word.rest.len()..];
+    let is_followed = || {
+        let behind = behind.trim_start_matches([' ', '\t', '\r', '\n']);
+        behind.starts_with(|c: char| c.is_ascii_alphabetic())
+    };
+    let counts = is_candidate
+        && match mode {
+            Mode::Start => true,
+            Mode::ParameterOf(_) | Mode::Item => false,
+            _ => is_followed(),
+        };
+    counts.then_some(keyword)
+}
+
+/// The keyword that a word is wherever it stands.
+fn hard_keyword(word: Word<'_>) -> Option<DeclarationKeyword> {
+    let keyword = DeclarationKeyword::from_text(word.rest)?;
+    (word.is_whole() && !keyword.is_soft()).then_some(keyword)
+}
+
 fn expression_word(
     parsed: &impl NameScope,
     state: &DeclarationState<'_>,
     word: Word<'_>,
 ) -> (usize, TokenKind) {
-    if word.is_whole()
-        && let Some(declaring) = DeclarationKeyword::from_text(word.rest)
-    {
+    if let Some(declaring) = hard_keyword(word) {
         return (word.rest.len(), TokenKind::Declare(declaring));
     }
     let symbol = parsed.longest_prefix(word.rest);
@@ -434,8 +510,7 @@ fn whole_word(parsed: &impl NameScope, word: Word<'_>) -> (usize, TokenKind) {
 }
 
 fn declaring_or(word: Word<'_>, otherwise: TokenKind) -> (usize, TokenKind) {
-    let declaring = DeclarationKeyword::from_text(word.rest).filter(|_| word.is_whole());
-    let kind = declaring.map_or(otherwise, TokenKind::Declare);
+    let kind = hard_keyword(word).map_or(otherwise, TokenKind::Declare);
     (word.rest.len(), kind)
 }
 

@@ -25,7 +25,7 @@ impl<'s> DeclaredNames<'s> {
 
 /// Calls `found` with every name that follows a declaration keyword, and its place.
 pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, u32)) {
-    let mut after_declaring = false;
+    let (mut after_declaring, mut at_start) = (false, true);
     let bytes = source.as_bytes();
     let mut at = 0;
     while let Some(&byte) = bytes.get(at) {
@@ -40,7 +40,9 @@ pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, 
             b'a'..=b'z' | b'A'..=b'Z' => {
                 let length = run(u8::is_ascii_alphanumeric);
                 let word = &source[at..at + length];
-                let declares = DeclarationKeyword::from_text(word).is_some();
+                let keyword = DeclarationKeyword::from_text(word);
+                let declares = keyword.is_some_and(|it| at_start || !it.is_soft());
+                at_start = false;
                 if after_declaring && !declares {
                     found(word, at as u32);
                 }
@@ -50,6 +52,7 @@ pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, 
             b' ' | b'\t' | b'\r' | b'\n' => 1,
             _ => {
                 after_declaring = false;
+                at_start = byte == b';';
                 1
             }
         };

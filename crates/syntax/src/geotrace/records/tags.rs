@@ -3,9 +3,10 @@
 //! The value of a number is not part of them: it is read from the text again.
 
 use crate::geotrace::actions::Operator;
+use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::literal;
-use crate::geotrace::token::TokenKind;
+use crate::geotrace::token::{MapWord, TokenKind};
 use crate::symbol::SymbolId;
 
 pub(super) fn keyword_index(keyword: DeclarationKeyword) -> u8 {
@@ -20,12 +21,20 @@ pub(super) fn keyword(index: u8) -> DeclarationKeyword {
     keyword.unwrap_or(DeclarationKeyword::Define)
 }
 
+/// The attribute of a number.
+pub(super) fn attribute(number: u32) -> AttributeWord {
+    let word = AttributeWord::ALL.get(number as usize).copied();
+    word.unwrap_or(AttributeWord::Color)
+}
+
 // A kind without a value has its place in `TokenKind::PLAIN` as its tag.
-const NUMBER: u8 = 22;
-const DECLARE: u8 = 23;
-const CONSTANT: u8 = 24;
-const FUNCTION: u8 = 25;
-const VARIABLE: u8 = 26;
+const NUMBER: u8 = TokenKind::PLAIN.len() as u8;
+const DECLARE: u8 = NUMBER + 1;
+const CONSTANT: u8 = NUMBER + 2;
+const FUNCTION: u8 = NUMBER + 3;
+const VARIABLE: u8 = NUMBER + 4;
+const ATTRIBUTE_WORD: u8 = NUMBER + 5;
+const MAP_WORD: u8 = NUMBER + 6;
 
 /// The tag and the number of a token.
 pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
@@ -35,6 +44,8 @@ pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
         TokenKind::Constant(id) => (CONSTANT, id.0),
         TokenKind::Function(id) => (FUNCTION, id.0),
         TokenKind::Variable(position) => (VARIABLE, position),
+        TokenKind::Attribute(word) => (ATTRIBUTE_WORD, word as u32),
+        TokenKind::Map(map) => (MAP_WORD, map as u32),
         kind => {
             let tag = TokenKind::PLAIN.iter().position(|plain| *plain == kind);
             (tag.unwrap_or_default() as u8, 0)
@@ -50,12 +61,17 @@ pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
         CONSTANT => TokenKind::Constant(SymbolId(number)),
         FUNCTION => TokenKind::Function(SymbolId(number)),
         VARIABLE => TokenKind::Variable(number),
+        ATTRIBUTE_WORD => TokenKind::Attribute(attribute(number)),
+        MAP_WORD => TokenKind::Map(match number {
+            0 => MapWord::Scale,
+            _ => MapWord::Rotate,
+        }),
         plain => TokenKind::PLAIN[usize::from(plain)],
     }
 }
 
 /// The operators that are nothing but themselves; a tag is a position.
-pub(super) const STEPS: [Operator; 13] = [
+pub(super) const STEPS: [Operator; 22] = [
     Operator::Apply,
     Operator::Add,
     Operator::Subtract,
@@ -69,15 +85,24 @@ pub(super) const STEPS: [Operator; 13] = [
     Operator::Reciprocal,
     Operator::Total,
     Operator::FunctionPower,
+    Operator::Position,
+    Operator::Atom,
+    Operator::Union,
+    Operator::Intersection,
+    Operator::Difference,
+    Operator::Move,
+    Operator::Scale,
+    Operator::Rotate,
+    Operator::Image,
 ];
 // The tags of the others, which are all below `STEPS_END`.
-const PUSH_NUMBER: u8 = 13;
-const PUSH_CONSTANT: u8 = 14;
-const PUSH_VARIABLE: u8 = 15;
-const PUSH_FUNCTION: u8 = 16;
-const PARTIAL: u8 = 17;
-const COMPONENT: u8 = 18;
-const TUPLE: u8 = 19;
+const PUSH_NUMBER: u8 = STEPS.len() as u8;
+const PUSH_CONSTANT: u8 = STEPS.len() as u8 + 1;
+const PUSH_VARIABLE: u8 = STEPS.len() as u8 + 2;
+const PUSH_FUNCTION: u8 = STEPS.len() as u8 + 3;
+const PARTIAL: u8 = STEPS.len() as u8 + 4;
+const COMPONENT: u8 = STEPS.len() as u8 + 5;
+const TUPLE: u8 = STEPS.len() as u8 + 6;
 /// Above the tags of all steps.
 pub(super) const STEPS_END: u8 = 32;
 

@@ -1,0 +1,301 @@
+//! The one table of attributes.
+//!
+//! Each row gives the word of an attribute, the declarations that may state it, its value with its range and its default, and
+//! its documentation (the purpose in one sentence, an example). A word that means different things on different declarations
+//! has a row for each. The parser, completion, hover, the diagnostics and the documentation read this table. To add an
+//! attribute, add a row.
+
+use super::declarations::DeclarationKeyword;
+use DeclarationKeyword::{
+    Background, Camera, Curve, Geodesic, Light, Metric, Point, Solid, Surface, Vector,
+};
+
+/// The value of an attribute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AttributeType {
+    /// An expression: a number of a range.
+    Number(AttributeRange),
+    /// An expression: a number of a range, or three of them.
+    Color(AttributeRange),
+    /// An expression: two numbers.
+    Pair,
+    /// One of these words; the first is the default.
+    Choice(&'static [&'static str]),
+    /// Any word.
+    Name,
+}
+
+/// The numbers that an attribute may have as its value, or as components of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttributeRange {
+    /// The least number.
+    pub min: f64,
+    /// The greatest number.
+    pub max: f64,
+    /// True if the least number itself is none of them.
+    pub is_open: bool,
+}
+
+impl AttributeRange {
+    /// Every finite number.
+    pub const ANY: Self = Self::closed(f64::NEG_INFINITY, f64::INFINITY);
+    /// 0…1.
+    pub const SHARE: Self = Self::closed(0.0, 1.0);
+    /// ≥ 0.
+    pub const NOT_NEGATIVE: Self = Self::closed(0.0, f64::INFINITY);
+    /// > 0.
+    pub const POSITIVE: Self = Self {
+        is_open: true,
+        ..Self::NOT_NEGATIVE
+    };
+    /// An angle up to a full turn.
+    pub const TURN: Self = Self {
+        is_open: true,
+        ..Self::closed(0.0, std::f64::consts::TAU)
+    };
+
+    const fn closed(min: f64, max: f64) -> Self {
+        Self {
+            min,
+            max,
+            is_open: false,
+        }
+    }
+
+    /// Returns true if a number is one of the range. NaN and infinite numbers are not.
+    pub fn contains(self, value: f64) -> bool {
+        let above = value > self.min || (value == self.min && !self.is_open);
+        value.is_finite() && above && value <= self.max
+    }
+
+    /// The number of the range that is nearest to a finite one; of an open range the least that is above its end and not
+    /// denormal.
+    pub fn clamp(self, value: f64) -> f64 {
+        let least = if self.is_open {
+            self.min + f64::MIN_POSITIVE
+        } else {
+            self.min
+        };
+        value.clamp(least, self.max)
+    }
+
+    /// The range as the end of a sentence: `0…1`, `> 0`; `None` if every number is in it.
+    pub fn text(self) -> Option<&'static str> {
+        match self {
+            Self::SHARE => Some("0…1"),
+            Self::NOT_NEGATIVE => Some("≥ 0"),
+            Self::POSITIVE => Some("> 0"),
+            Self::TURN => Some("> 0 and ≤ 2pi"),
+            _ => None,
+        }
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttributeRow {
+    /// The word.
+    pub word: AttributeWord,
+    /// The word as it is written.
+    pub text: &'static str,
+    /// The declarations that may state it.
+    pub on: &'static [DeclarationKeyword],
+    /// Its value.
+    pub value: AttributeType,
+    /// The value of what does not state it, as it is written or as a phrase.
+    pub default: &'static str,
+    /// The purpose: the end of a sentence, without a full stop.
+    pub purpose: &'static str,
+    /// The item as a declaration states it.
+    pub example: &'static str,
+}
+
+/// All that is drawn in space.
+const DRAWN: &[DeclarationKeyword] = &[Curve, Surface, Point, Vector, Geodesic, Solid];
+const FACES: &[DeclarationKeyword] = &[Surface, Solid];
+const LINES: &[DeclarationKeyword] = &[Curve, Point, Vector, Geodesic];
+
+macro_rules! attributes {
+    (
+        $($word:ident $text:literal)*;
+        $($name:ident on $on:expr, $value:expr, $default:literal, $purpose:literal, $example:literal;)*
+    ) => {
+        /// The words of attributes.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        #[allow(missing_docs)]
+        pub enum AttributeWord {
+            $($word),*
+        }
+
+        impl AttributeWord {
+            /// Every word.
+            pub const ALL: [Self; [$($text),*].len()] = [$(Self::$word),*];
+
+            /// The word as it is written.
+            pub const fn text(self) -> &'static str {
+                match self {
+                    $(Self::$word => $text),*
+                }
+            }
+
+            /// The attribute that is written so.
+            pub fn from_text(text: &str) -> Option<Self> {
+                Some(match text {
+                    $($text => Self::$word,)*
+                    _ => return None,
+                })
+            }
+        }
+
+        /// The table.
+        pub static TABLE: [AttributeRow; [$($default),*].len()] = [
+            $(AttributeRow {
+                word: AttributeWord::$name,
+                text: AttributeWord::$name.text(),
+                on: $on,
+                value: $value,
+                default: $default,
+                purpose: $purpose,
+                example: $example,
+            }),*
+        ];
+    };
+}
+
+attributes! {
+    Color "color" Mirror "mirror" Glass "glass" Ior "ior" Depth "depth" Diffuse "diffuse" Specular "specular"
+    Shininess "shininess" Bump "bump" Uv "uv" Image "image" Radius "radius" Power "power" Ambient "ambient"
+    Falloff "falloff" Angle "angle" Soft "soft" Size "size" Fov "fov" Focus "focus" Aperture "aperture" Bokeh "bokeh"
+    Roll "roll" Projection "projection" Turn "turn";
+
+    Color on &[Curve, Surface, Point, Vector, Geodesic, Solid, Metric], AttributeType::Color(AttributeRange::SHARE),
+        "the window's; (0.88, 0.86, 0.82) for a solid, 1 where it is glass",
+        "the colour: a grey or (red, green, blue), sRGB", "color : (0.8, 0.3, 0.1)";
+    Color on &[Light], AttributeType::Color(AttributeRange::NOT_NEGATIVE), "1",
+        "the light's colour: a grey or (red, green, blue), sRGB", "color : (1, 0.9, 0.7)";
+    Mirror on DRAWN, AttributeType::Color(AttributeRange::SHARE), "0",
+        "the share of light that is reflected as by a mirror, or one for each of red, green and blue", "mirror : 0.3";
+    Glass on FACES, AttributeType::Number(AttributeRange::SHARE), "0",
+        "the share of light that goes through", "glass : 0.9";
+    Ior on &[Solid], AttributeType::Number(AttributeRange::POSITIVE), "1.5",
+        "the index of refraction inside", "ior : 1.33";
+    Depth on &[Solid], AttributeType::Number(AttributeRange::POSITIVE), "1",
+        "the length of the way through glass after which light has its colour", "depth : 0.5";
+    Diffuse on DRAWN, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "1 - mirror - glass",
+        "the share of light that is scattered to all sides", "diffuse : 0.8";
+    Specular on DRAWN, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0.07",
+        "the strength of highlights", "specular : 0.5";
+    Shininess on DRAWN, AttributeType::Number(AttributeRange::POSITIVE), "40",
+        "the exponent of highlights: the larger, the smaller they are", "shininess : 200";
+    Bump on FACES, AttributeType::Number(AttributeRange::ANY), "0",
+        "a height along the normal, which tilts the normal and moves nothing", "bump : 0.01sin(40z)";
+    Uv on FACES, AttributeType::Pair, "the parameters of a surface",
+        "the place in the texture, which repeats", "uv : (x, y)";
+    Image on &[Surface, Metric, Solid, Background], AttributeType::Name, "none",
+        "the texture: a picture of this name beside the program or in `--images`", "image : earth";
+    Radius on LINES, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "as the 3D view shows it",
+        "the thickness in the traced view, as a radius", "radius : 0.05";
+    Radius on &[Light], AttributeType::Number(AttributeRange::POSITIVE), "none: the light is a cone",
+        "the radius of a beam of parallel rays", "radius : 0.5";
+    Power on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "1",
+        "the factor of the light's colour", "power : 2";
+    Ambient on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
+        "the share of the light that is everywhere, in shadows too", "ambient : 0.2";
+    Falloff on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "none: the light never fades",
+        "the distance at which the light has its strength; it fades with the square of the distance", "falloff : 5";
+    Angle on &[Light], AttributeType::Number(AttributeRange::TURN), "pi/3",
+        "the full opening of a spot's cone, in radians", "angle : pi/8";
+    Soft on &[Light], AttributeType::Number(AttributeRange::SHARE), "0.2",
+        "the share of a cone's opening or of a beam's radius over which it fades to its edge", "soft : 0";
+    Size on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
+        "the radius of the ball that shines: soft shadows", "size : 0.3";
+    Fov on &[Camera], AttributeType::Number(AttributeRange::TURN), "pi/4",
+        "the vertical field of view, in radians: below pi for a pinhole camera", "fov : 75pi/180";
+    Focus on &[Camera], AttributeType::Number(AttributeRange::POSITIVE), "the length of the direction",
+        "the distance of the plane that is sharp", "focus : 3";
+    Aperture on &[Camera], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
+        "the radius of the lens: depth of field", "aperture : 0.05";
+    Bokeh on &[Camera], AttributeType::Choice(&[
+        "circle", "line", "triangle", "square", "pentagon", "hexagon", "octagon", "star", "box", "gaussian",
+    ]), "circle", "the shape of the lens", "bokeh : star";
+    Roll on &[Camera], AttributeType::Number(AttributeRange::ANY), "0",
+        "the angle by which the picture's up turns towards its right, in radians", "roll : pi/12";
+    Projection on &[Camera], AttributeType::Choice(&["pinhole", "spherical", "cylindrical"]), "pinhole",
+        "the projection", "projection : spherical";
+    Turn on &[Background], AttributeType::Number(AttributeRange::ANY), "0",
+        "the angle by which the background's picture turns about z, in radians", "turn : pi/2";
+}
+
+impl AttributeWord {
+    /// The rows of the word.
+    pub fn rows(self) -> impl Iterator<Item = &'static AttributeRow> {
+        TABLE.iter().filter(move |row| row.word == self)
+    }
+
+    /// The row of the word on a declaration; `None` if that does not have it.
+    pub fn row(self, on: DeclarationKeyword) -> Option<&'static AttributeRow> {
+        self.rows().find(|row| row.on.contains(&on))
+    }
+
+    /// Returns true if its value is a word.
+    pub fn is_key(self) -> bool {
+        matches!(self, Self::Image | Self::Bokeh | Self::Projection)
+    }
+}
+
+/// The attributes that a declaration may state, in the order of the table.
+pub fn of(declaration: DeclarationKeyword) -> impl Iterator<Item = &'static AttributeRow> {
+    TABLE
+        .iter()
+        .filter(move |row| row.on.contains(&declaration))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AttributeRange, AttributeType, AttributeWord, TABLE, of};
+    use crate::geotrace::declarations::DeclarationKeyword;
+
+    #[test]
+    fn each_word_has_one_row_on_a_declaration_and_values_of_one_kind() {
+        for word in AttributeWord::ALL {
+            assert_eq!(AttributeWord::from_text(word.text()), Some(word));
+            assert!(word.rows().count() > 0, "{word:?}");
+            for row in word.rows() {
+                let takes_word =
+                    matches!(row.value, AttributeType::Choice(_) | AttributeType::Name);
+                assert_eq!(takes_word, word.is_key(), "{word:?}");
+                assert!(row.example.starts_with(&format!("{} : ", row.text)));
+            }
+        }
+        for keyword in DeclarationKeyword::ALL {
+            for row in of(keyword) {
+                assert_eq!(row.word.row(keyword), Some(row));
+            }
+        }
+        assert_eq!(of(DeclarationKeyword::Define).count(), 0);
+        let rows: usize = AttributeWord::ALL
+            .map(|word| word.rows().count())
+            .iter()
+            .sum();
+        assert_eq!(rows, TABLE.len());
+    }
+
+    #[test]
+    fn ranges_hold_finite_numbers_and_clamp_to_them() {
+        for range in [
+            AttributeRange::ANY,
+            AttributeRange::SHARE,
+            AttributeRange::NOT_NEGATIVE,
+            AttributeRange::POSITIVE,
+            AttributeRange::TURN,
+        ] {
+            for value in [-7.0, -1e-300, 0.0, 0.5, 1.0, 4.0, 1e300] {
+                assert!(range.contains(range.clamp(value)), "{range:?} {value}");
+                assert_eq!(range.contains(value), range.clamp(value) == value);
+            }
+            assert!(!range.contains(f64::NAN) && !range.contains(f64::INFINITY));
+        }
+        assert!(!AttributeRange::POSITIVE.contains(0.0));
+        assert!(AttributeRange::SHARE.contains(0.0));
+    }
+}

@@ -1,0 +1,323 @@
+//! The items behind the commas of a declaration: `ATTRS`, `ITEMS` and all below them but intervals.
+
+use super::intervals::IntervalOwner;
+use super::messages::quote;
+use super::names::{Mode, list};
+use super::{Parser, Stop};
+use crate::diagnostic::{Diagnostic, Fix};
+use crate::geotrace::actions::{Actions, StatedAttribute};
+use crate::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
+use crate::geotrace::codes;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::symbols::NameScope;
+use crate::geotrace::token::TokenKind;
+use crate::span::Span;
+use crate::spelling::nearest;
+
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
+    /// `"," ITEMS` of what has a domain.
+    pub(super) fn domain_items(&mut self) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::Comma {
+            let ends = matches!(
+                self.current.kind,
+                TokenKind::Semicolon | TokenKind::Declare(_) | TokenKind::Eoi
+            );
+            if self.current.kind == TokenKind::Colon
+                && matches!(self.previous.kind, TokenKind::Variable(_))
+            {
+                return Err(self.missing_comma(self.previous.span));
+            }
+            if !ends {
+                return Err(self.expected("`,` and an interval for each parameter"));
+            }
+            let name = quote(self.state.name);
+            let missing: Vec<String> = (self.state.parameters.iter())
+                .take(2)
+                .map(|parameter| format!(", {} : [min, max]", parameter.name))
+                .collect();
+            let found = self.found();
+            let message = format!("{name} needs an interval for each parameter, found {found}");
+            let hint = format!("write {} before the `;`", quote(&missing.concat()));
+            let diagnostic = self.here(codes::MISSING_INTERVAL, message).with_hint(hint);
+            return Err(self.reject(diagnostic));
+        }
+        self.items()
+    }
+
+    /// `ATTRS = "," ITEMS |`
+    pub(super) fn attrs(&mut self) -> Result<(), Stop> {
+        if self.current.kind == TokenKind::Comma && !self.begins_item(self.current.span.end) {
+            // What follows is no item: the comma is too much.
+            return Ok(());
+        }
+        self.items()
+    }
+
+    fn items(&mut self) -> Result<(), Stop> {
+        while self.current.kind == TokenKind::Comma {
+            self.advance(Mode::Item);
+            self.item()?;
+        }
+        let word = self.lexer.word();
+        let text = word.text(self.source);
+        let is_item = |text| {
+            self.state.parameter_trie.get(text).is_some()
+                || AttributeWord::from_text(text).is_some()
+        };
+        if word.start == self.current.span.start
+            && word.end > word.start
+            && self.following(word.end) == Some(b':')
+            && is_item(text)
+        {
+            return Err(self.missing_comma(word));
+        }
+        Ok(())
+    }
+
+    /// Returns true if what stands at a place looks like an item: a word with a `:`, an attribute, or an interval.
+    fn begins_item(&self, offset: u32) -> bool {
+        let rest = self.source[offset as usize..].trim_start();
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric());
+        let (word, rest) = rest.split_at(end.unwrap_or(rest.len()));
+        if word.is_empty() {
+            // A comment may stand between; an interval without its parameter is reported as such.
+            let has_parameters = !self.state.parameters.is_empty();
+            return rest.starts_with('#') || (rest.starts_with('[') && has_parameters);
+        }
+        let is_word = word.starts_with(|c: char| c.is_ascii_alphabetic());
+        is_word && (rest.trim_start().starts_with(':') || AttributeWord::from_text(word).is_some())
+    }
+
+    /// Rejects an item with no comma before it.
+    #[cold]
+    fn missing_comma(&mut self, word: Span) -> Stop {
+        let end = self.source[..word.start as usize].trim_end().len() as u32;
+        let text = word.text(self.source);
+        let what = match self.state.parameter_trie.get(text) {
+            Some(_) => format!("the interval of {}", quote(text)),
+            None => quote(text),
+        };
+        let message = format!("expected `,` before {what}");
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, word, message)
+            .with_fix(Fix::insert("Insert `,`", end, ",").with_all());
+        self.reject(diagnostic)
+    }
+
+    /// `ITEM = tag ":" INT | tag ":" GRID | attr ":" EXPR | key ":" word`
+    fn item(&mut self) -> Result<(), Stop> {
+        let span = self.current.span;
+        if let TokenKind::Attribute(word) = self.current.kind {
+            return self.attribute(word);
+        }
+        if self.current.kind != TokenKind::BracketOpen && self.following(span.end) != Some(b':') {
+            self.reject_foreign_interval()?;
+        }
+        let tag = match self.current.kind {
+            TokenKind::Variable(parameter) => Some((Some(parameter), span)),
+            TokenKind::Undefined if self.has_interval(span.end) => {
+                let names = match self.state.parameters.is_empty() && self.state.is_of_space {
+                    true => ": its parameters are `x`, `y` and `z`".to_owned(),
+                    false => list(&self.state.parameters),
+                };
+                let message = format!(
+                    "{} is not a parameter of {}{names}",
+                    self.found(),
+                    quote(self.state.name)
+                );
+                let diagnostic = self.here(codes::UNKNOWN_TAG, message);
+                self.report(diagnostic);
+                Some((None, span))
+            }
+            TokenKind::Undefined => return self.unknown_attribute(),
+            TokenKind::BracketOpen => {
+                let name = match self.state.parameters.first() {
+                    Some(parameter) => &parameter.name,
+                    None => "t",
+                };
+                let form = quote(&format!("{name} : […]"));
+                let message = format!("this interval needs its parameter before it, as in {form}");
+                let diagnostic = self.here(codes::MISSING_TAG, message);
+                self.report(diagnostic);
+                None
+            }
+            _ => {
+                let has_domain = self
+                    .state
+                    .keyword
+                    .is_some_and(DeclarationKeyword::has_domain);
+                return Err(self.expected(match has_domain {
+                    true => "the name of a parameter and its interval",
+                    false => "an attribute",
+                }));
+            }
+        };
+        if tag.is_some() {
+            self.advance(Mode::Expression);
+            if self.current.kind != TokenKind::Colon {
+                return Err(self.expected("`:` after the name of the parameter"));
+            }
+            self.advance(Mode::Expression);
+        }
+        self.interval(IntervalOwner::Domain, tag)
+    }
+
+    /// Returns true if a `:` and an interval follow at a place, or what may become one: no value of an attribute.
+    fn has_interval(&self, offset: u32) -> bool {
+        let rest = self.source[offset as usize..].trim_start();
+        let Some(value) = rest.strip_prefix(':') else {
+            return self
+                .state
+                .keyword
+                .is_some_and(DeclarationKeyword::has_domain);
+        };
+        value.trim_start().starts_with('[')
+    }
+
+    /// The value of an attribute whose word is the current token, which may not be one of this declaration.
+    fn attribute(&mut self, word: AttributeWord) -> Result<(), Stop> {
+        let span = self.current.span;
+        let keyword = self.state.keyword.unwrap_or(DeclarationKeyword::Define);
+        let row = word.row(keyword);
+        let first = self
+            .state
+            .attributes
+            .iter()
+            .find(|(stated, _)| *stated == word);
+        let fault = match (first, row) {
+            (Some((_, first)), _) => {
+                let message = format!("`{}` is stated twice", word.text());
+                let diagnostic = self.here(codes::DUPLICATE_ATTRIBUTE, message);
+                Some(diagnostic.with_related(*first, "it comes first here"))
+            }
+            (None, None) => {
+                let message = format!("{} has no `{}`", with_article(keyword), word.text());
+                let diagnostic = self.here(codes::ATTRIBUTE_NOT_HERE, message);
+                Some(diagnostic.with_hint(attributes_of(keyword)))
+            }
+            (None, Some(_)) => None,
+        };
+        self.state.attributes.push((word, span));
+        let is_sound = fault.is_none();
+        if let Some(fault) = fault {
+            self.report(fault);
+            self.state.silent = true;
+        }
+        self.advance(Mode::Expression);
+        if self.current.kind != TokenKind::Colon {
+            let message = format!("`:` and a value after `{}`", word.text());
+            let mut diagnostic = self.expected_diagnostic(&message);
+            if let Some(row) = row {
+                diagnostic = diagnostic.with_hint(format!("write `{}`", row.example));
+            }
+            return Err(self.reject(diagnostic));
+        }
+        let value_span = if word.is_key() {
+            self.advance(Mode::Word);
+            if self.current.kind != TokenKind::Word {
+                return Err(self.expected(&format!("a word after `{} :`", word.text())));
+            }
+            let value = self.current.span;
+            if let Some(row) = row.filter(|_| is_sound) {
+                self.check_choice(row);
+            }
+            self.advance(Mode::Expression);
+            value
+        } else {
+            self.value()?
+        };
+        if !self.state.silent {
+            self.actions.act_attribute(StatedAttribute {
+                word,
+                word_span: span,
+                value_span,
+            });
+        }
+        Ok(())
+    }
+
+    /// The expression behind a `:`, over the parameters of the declaration.
+    fn value(&mut self) -> Result<Span, Stop> {
+        self.state.in_body = true;
+        self.advance(Mode::Expression);
+        let value = self.expression()?;
+        self.state.in_body = false;
+        Ok(value)
+    }
+
+    /// Reports the current token if it is none of the words that an attribute may have.
+    fn check_choice(&mut self, row: &AttributeRow) {
+        let AttributeType::Choice(words) = row.value else {
+            return;
+        };
+        let found = self.current.span.text(self.source);
+        if words.contains(&found) {
+            return;
+        }
+        let message = format!("{} is no `{}`", quote(found), row.text);
+        let mut diagnostic = self.here(codes::ATTRIBUTE_RANGE, message);
+        if let Some(meant) = nearest(found, words.iter().copied()) {
+            let fix = Fix::change(self.current.span, &meant, true);
+            diagnostic = diagnostic.with_fix(fix);
+        }
+        let hint = format!("it is one of `{}`", words.join("`, `"));
+        self.report(diagnostic.with_hint(hint));
+    }
+
+    /// Reports a word that is neither a parameter nor an attribute, and passes it with what looks like its value.
+    #[cold]
+    fn unknown_attribute(&mut self) -> Result<(), Stop> {
+        let keyword = self.state.keyword.unwrap_or(DeclarationKeyword::Define);
+        let word = self.current.span;
+        let text = word.text(self.source);
+        let message = format!(
+            "{} is no attribute of {}",
+            quote(text),
+            with_article(keyword)
+        );
+        let mut diagnostic = self.here(codes::UNKNOWN_ATTRIBUTE, message);
+        let known: Vec<&str> = attributes::of(keyword).map(|row| row.text).collect();
+        let meant = match text {
+            "colour" => Some("color".to_owned()).filter(|_| known.contains(&"color")),
+            _ => nearest(text, known.iter().copied()),
+        };
+        diagnostic = match meant {
+            Some(meant) => diagnostic
+                .with_hint(format!("did you mean `{meant}`?"))
+                .with_fix(Fix::change(word, &meant, true)),
+            None => diagnostic.with_hint(attributes_of(keyword)),
+        };
+        self.report(diagnostic);
+        self.state.silent = true;
+        self.advance(Mode::Expression);
+        if self.current.kind != TokenKind::Colon {
+            self.state.rejected = true;
+            return Err(self.expected("`:` after the attribute"));
+        }
+        if self.is_lone_word(self.current.span.end) {
+            self.advance(Mode::Word);
+            self.advance(Mode::Expression);
+            return Ok(());
+        }
+        self.value()?;
+        Ok(())
+    }
+
+    /// Returns true if a word stands at a place, and behind it the end of an item.
+    fn is_lone_word(&self, offset: u32) -> bool {
+        let rest = self.source[offset as usize..].trim_start();
+        let behind = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+        rest.starts_with(|c: char| c.is_ascii_alphabetic())
+            && behind.trim_start().starts_with([',', ';'])
+    }
+}
+
+/// A declaration's word with its article: `a solid`.
+fn with_article(keyword: DeclarationKeyword) -> String {
+    format!("a `{}`", keyword.text())
+}
+
+/// The attributes of a declaration, as a hint.
+fn attributes_of(keyword: DeclarationKeyword) -> String {
+    let words: Vec<&str> = attributes::of(keyword).map(|row| row.text).collect();
+    format!("its attributes are `{}`", words.join("`, `"))
+}
