@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! text ──syntax──▶ hooks ──▶ declarations.rs    the state between two declarations
-//!                              declare.rs, params.rs, intrinsic.rs   what each kind of declaration means
-//!                              interval.rs      the numbers between `[` and `]`
+//!                              declare.rs, params.rs, intrinsic.rs, solids.rs, stage.rs   what each kind of declaration means
+//!                              interval.rs, attributes.rs   the numbers between `[` and `]`, and the values of attributes
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
+//!                              sets.rs, affine.rs   sets of points as values, and where they are placed
 //!                              geodesics.rs, geodesic_equation.rs   points of geodesics as values over that graph
 //!                              code.rs, operation.rs, symbol.rs, builtin.rs, foreign.rs, dependencies.rs, error.rs
 //!
@@ -15,8 +16,10 @@
 //! evaluate.rs   a lone expression in a program's scope
 //! ```
 
+mod affine;
 mod apply;
 mod assembler;
+mod attributes;
 mod builtin;
 mod code;
 mod compile;
@@ -36,6 +39,9 @@ mod lower;
 mod lowerer;
 mod operation;
 mod params;
+mod sets;
+mod solids;
+mod stage;
 mod symbol;
 
 pub use builtin::{count as builtin_count, vocabulary};

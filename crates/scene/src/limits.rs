@@ -17,3 +17,6 @@ pub const DEFAULT_SAMPLES: u32 = 100;
 /// The largest number of components of all params and grids together: what every GPU takes as uniforms (64 KiB of
 /// f32).
 pub const MAX_UNIFORMS: u32 = 16_384;
+
+/// The largest number of leaves of all solids together, with all instances of each.
+pub const MAX_LEAVES: u64 = 1_000_000;

@@ -1,6 +1,6 @@
 //! Solids, lights, cameras and backgrounds as data.
 
-use expr::NodeId;
+use expr::{Graph, NodeId};
 use syntax::span::Span;
 
 use crate::range::Sampling;
@@ -30,6 +30,9 @@ pub enum SolidStep {
     Instances(Vec<GridId>),
 }
 
+/// The field of a leaf that is nothing but its cuts.
+pub(crate) const EVERYWHERE: f64 = -1.0;
+
 /// The points where a function of three numbers is not positive, within cuts, under an affine map.
 #[derive(Clone, Debug)]
 pub struct SolidLeaf {
@@ -39,7 +42,8 @@ pub struct SolidLeaf {
     pub name_span: Span,
     /// The function over `Variable(0)`, `Variable(1)`, `Variable(2)`: the leaf's own x, y, z.
     pub field: NodeId,
-    /// The intervals that cut it, in its own x, y, z. Their counts are numbers of mesh cells.
+    /// The intervals that cut it, in its own x, y, z. Their counts are numbers of mesh cells. A set that states intervals has
+    /// a leaf for them, whose field is -1 everywhere.
     pub cuts: [Option<Sampling>; 3],
     /// From its own coordinates to the scene's.
     pub map: AffineNodes,
@@ -66,7 +70,7 @@ pub struct Attribute {
 }
 
 /// The value of an attribute.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum AttributeValue {
     /// One number or three, over the variables of the declaration: x, y, z; u, v; t; or none.
     Numbers(Vec<NodeId>),
@@ -99,7 +103,32 @@ pub struct Background {
     pub color: [NodeId; 3],
 }
 
+impl Solid {
+    /// Returns true if two solids differ in nothing but places of the text.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let mut pairs = self.leaves.iter().zip(&other.leaves);
+        self.steps == other.steps
+            && self.leaves.len() == other.leaves.len()
+            && pairs.all(|(a, b)| a.is_same(b))
+    }
+}
+
 impl SolidLeaf {
+    fn is_same(&self, other: &Self) -> bool {
+        let mut pairs = self.attributes.iter().zip(&other.attributes);
+        self.name == other.name
+            && self.field == other.field
+            && self.cuts == other.cuts
+            && self.map == other.map
+            && self.attributes.len() == other.attributes.len()
+            && pairs.all(|(a, b)| a.is_same(b))
+    }
+
+    /// Returns true if its cuts are all that it is: those of a set.
+    pub(crate) fn is_cut_alone(&self, graph: &Graph) -> bool {
+        self.cuts.iter().any(Option::is_some) && graph.value(self.field) == Some(EVERYWHERE)
+    }
+
     pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
         let attributes = self.attributes.iter_mut().flat_map(Attribute::nodes_mut);
         let map = self.map.0.as_flattened_mut().iter_mut();
@@ -110,6 +139,11 @@ impl SolidLeaf {
 }
 
 impl Attribute {
+    /// Returns true if it differs in nothing but its place in the text.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.word == other.word && self.value == other.value && self.map == other.map
+    }
+
     pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
         let numbers = match &mut self.value {
             AttributeValue::Numbers(nodes) => nodes.as_mut_slice(),

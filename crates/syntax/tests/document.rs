@@ -42,8 +42,8 @@ impl Actions for Transcript {
     fn act_interval(&mut self, interval: Interval) {
         self.events.push(ParseEvent::Interval(interval));
     }
-    fn act_attribute(&mut self, attribute: StatedAttribute) {
-        self.events.push(ParseEvent::Attribute(attribute));
+    fn act_attribute(&mut self, attribute: StatedAttribute, _: &str) {
+        self.events.push(ParseEvent::Attribute(attribute, ""));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
         let mut line = format!("{:?} {:?} {} {:?}", d.keyword, d.span, d.name, d.name_span);
@@ -112,7 +112,7 @@ fn steps<'e>(
                         interval.span.moved(start)
                     )
                 }
-                ParseEvent::Attribute(attribute) => {
+                ParseEvent::Attribute(attribute, _) => {
                     let StatedAttribute {
                         word,
                         word_span,

@@ -21,7 +21,8 @@ use crate::geotrace::lowerer::{
     dimension_error, too_large,
 };
 use crate::geotrace::operation::Derivation;
-use crate::geotrace::symbol::{Declared, Meaning};
+use crate::geotrace::sets::DeclaredSolid;
+use crate::geotrace::symbol::Meaning;
 
 impl Lowerer {
     /// `f x`. The function and its operand have been taken from the stack; they are put back where the body
@@ -46,8 +47,15 @@ impl Lowerer {
             },
             Meaning::Declared(declared) => {
                 let declared = declared.clone();
-                match self.arguments(symbol, &declared, &operand, span)? {
+                match self.arguments(symbol, &declared.parameters, &operand, span)? {
                     Some(arguments) => (arguments, Some(declared.body)),
+                    None => return Ok(Effect::Push(StackItem::Poison)),
+                }
+            }
+            Meaning::Solid(solid) => {
+                let solid = Arc::clone(solid);
+                match self.arguments(symbol, &solid.parameters, &operand, span)? {
+                    Some(arguments) => (arguments, None),
                     None => return Ok(Effect::Push(StackItem::Poison)),
                 }
             }
@@ -115,13 +123,13 @@ impl Lowerer {
     fn arguments(
         &mut self,
         symbol: SymbolId,
-        declared: &Declared,
+        parameters: &[Box<str>],
         operand: &StackItem,
         span: Span,
     ) -> Result<Option<Vec<Value>>, (SemanticError, Span)> {
-        let expected = declared.parameters.len();
+        let expected = parameters.len();
         let given = match operand {
-            StackItem::Function(_) | StackItem::Poison => return Ok(None),
+            StackItem::Function(_) | StackItem::Set(_) | StackItem::Poison => return Ok(None),
             // One parameter takes the whole operand.
             operand if expected == 1 => {
                 return Ok(self.value(operand.clone())?.map(|value| vec![value]));
@@ -138,12 +146,7 @@ impl Lowerer {
             return Ok(Some(given));
         }
         let name = self.symbols.name(symbol);
-        let names: Vec<&str> = declared
-            .parameters
-            .iter()
-            .take(8)
-            .map(|name| &**name)
-            .collect();
+        let names: Vec<&str> = parameters.iter().take(8).map(|name| &**name).collect();
         let more = if expected > names.len() { ",…" } else { "" };
         Err((
             SemanticError::new(
@@ -183,6 +186,9 @@ impl Lowerer {
     /// The body of a builtin or of a geodesic, which have none in the text.
     fn own_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
         let parameters = self.formal_parameters(&key.dimensions);
+        if let Meaning::Solid(solid) = self.symbols.meaning(key.symbol) {
+            return self.solid_body(&Arc::clone(solid), key);
+        }
         match (self.symbols.meaning(key.symbol), &parameters[..]) {
             (Meaning::Builtin(builtin), [parameter]) => Ok(BodyOutcome::Ready {
                 value: builtin
@@ -212,6 +218,27 @@ impl Lowerer {
             )),
             _ => Ok(BodyOutcome::Silent),
         }
+    }
+
+    /// The body of a solid as a function of numbers.
+    fn solid_body(
+        &mut self,
+        solid: &DeclaredSolid,
+        key: &BodyKey,
+    ) -> Result<BodyOutcome, SemanticError> {
+        if let Some(position) = key.dimensions.iter().position(|dimension| *dimension != 1) {
+            let message = format!(
+                "the parameter `{}` of the solid `{}` is a number, but this is a vector of dimension {}",
+                self.symbols.parameter(key.symbol, position),
+                self.symbols.name(key.symbol),
+                key.dimensions[position]
+            );
+            return Err(SemanticError::new(error::DIMENSION_MISMATCH, message));
+        }
+        Ok(BodyOutcome::Ready {
+            value: Value::Number(self.solid_function(solid)?),
+            dependencies: solid.dependencies,
+        })
     }
 
     /// The derivative of the body `id`, which is one of `key`'s or of its derivatives.

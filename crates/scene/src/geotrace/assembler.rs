@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 use syntax::diagnostic::Severity;
-use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
+use syntax::geotrace::actions::{self, Actions, Declaration, Operator, StatedAttribute};
 use syntax::geotrace::document::{ParseEvent, ParseEvents, ReadDeclaration, Snapshot};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
@@ -95,9 +95,11 @@ impl<'s> Assembler<'s> {
     /// has an error, its name is taken, or it uses a name that has no meaning.
     pub(crate) fn add(&mut self, reading: Reading<'s>, place: NamePlace) -> Option<Assembled> {
         let read = reading.declaration;
-        let (base, mut is_stale) = match place {
-            NamePlace::Chunk(start) => (start, false),
-            NamePlace::Instead(_) => (0, true),
+        let mut is_stale = matches!(place, NamePlace::Instead(_));
+        // What stands in for another has the place of that.
+        let placed = |span: Span| match place {
+            NamePlace::Chunk(start) => span.moved(start),
+            NamePlace::Instead(place) => place,
         };
         let mut is_sound = read.symbol.is_some() && !self.names.contains_key(read.name);
         for event in reading.events {
@@ -112,23 +114,27 @@ impl<'s> Assembler<'s> {
                         is_stale |= named.is_some_and(|named| named.is_stale);
                         named.map_or(MEANINGLESS, |named| named.symbol)
                     });
-                    self.declarations.act_operator(operator, span.moved(base));
+                    self.declarations.act_operator(operator, placed(span));
                 }
                 ParseEvent::Interval(interval) => {
-                    self.declarations.act_interval(moved(interval, base));
+                    self.declarations.act_interval(moved(interval, placed));
+                }
+                ParseEvent::Attribute(attribute, value) => {
+                    let attribute = moved_attribute(attribute, placed);
+                    self.declarations.act_attribute(attribute, value);
                 }
                 ParseEvent::Declaration(_) | ParseEvent::Open(..) | ParseEvent::Finding => {}
             }
         }
         let symbol = SymbolId(self.next);
-        let parameters = read.parameters.moved(base);
+        let mut parameters = read.parameters.moved(0);
+        for parameter in &mut parameters {
+            parameter.span = placed(parameter.span);
+        }
         let declaration = Declaration {
             symbol: Some(symbol),
-            span: read.span.moved(base),
-            name_span: match place {
-                NamePlace::Chunk(start) => read.name_span.moved(start),
-                NamePlace::Instead(span) => span,
-            },
+            span: placed(read.span),
+            name_span: placed(read.name_span),
             faulty: read.faulty || !is_sound,
             ..read.as_declaration(&parameters)
         };
@@ -158,12 +164,27 @@ impl<'s> Assembler<'s> {
     }
 }
 
-/// An interval, so many bytes further down.
-pub(crate) fn moved(interval: actions::Interval, bytes: u32) -> actions::Interval {
+/// An interval at another place.
+pub(crate) fn moved(
+    interval: actions::Interval,
+    placed: impl Fn(Span) -> Span,
+) -> actions::Interval {
     actions::Interval {
         kind: interval.kind,
-        span: interval.span.moved(bytes),
-        tag: interval.tag.map(|(at, span)| (at, span.moved(bytes))),
+        span: placed(interval.span),
+        tag: interval.tag.map(|(at, span)| (at, placed(span))),
+    }
+}
+
+/// An attribute at another place.
+pub(crate) fn moved_attribute(
+    attribute: StatedAttribute,
+    placed: impl Fn(Span) -> Span,
+) -> StatedAttribute {
+    StatedAttribute {
+        word: attribute.word,
+        word_span: placed(attribute.word_span),
+        value_span: placed(attribute.value_span),
     }
 }
 

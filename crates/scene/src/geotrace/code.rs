@@ -115,6 +115,11 @@ impl Code {
         (a.len() == b.len() && a.iter().zip(b).all(same)).then_some(shift)
     }
 
+    /// The operator that gives an expression its value.
+    pub(crate) fn last_operator(&self, expression: Expression) -> Option<Operator> {
+        Some(self.steps[expression.steps()].last()?.operator)
+    }
+
     /// The functions in an expression, each with its place.
     pub(crate) fn functions(
         &self,

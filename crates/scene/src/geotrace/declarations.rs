@@ -1,17 +1,18 @@
 //! The compiler between two declarations: what has been declared, and what has been read of the next.
 //!
 //! In: the parser's hooks. Out: the meaning of each symbol, and the objects of the scene. The kinds of declaration are in
-//! `declare.rs`, `params.rs` and `intrinsic.rs`.
+//! `declare.rs`, `params.rs`, `intrinsic.rs`, `solids.rs` and `stage.rs`.
 
 use expr::value::Value;
 use expr::{Input, NodeId};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use syntax::diagnostic::Diagnostic;
-use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
+use syntax::geotrace::actions::{self, Actions, Declaration, Operator, StatedAttribute};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use crate::geodesic_value::{GeodesicValue, ManifoldNodes};
+use crate::geotrace::attributes::{DeclaredAttribute, ReadValue};
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::{Dependencies, SourceIndex};
 use crate::geotrace::error::{self, SemanticError};
@@ -21,6 +22,7 @@ use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::geotrace::symbol::{Constant, Declared, Meaning, Symbols};
 use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
 use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Scene, Shape};
+use crate::solid::Attribute;
 
 /// The compiler between two declarations: what has been declared, and what has been read of the next.
 #[derive(Clone, Debug, Default)]
@@ -34,10 +36,19 @@ pub(crate) struct Declarations {
     pub(crate) found: Vec<Diagnostic>,
     /// The intervals of the declaration that is being read.
     intervals: Vec<DeclaredInterval>,
+    /// The attributes of the declaration that is being read.
+    pub(crate) attributes: Vec<DeclaredAttribute>,
     /// The param or grid of each source of the lowerer's dependencies.
     pub(crate) sources: Vec<Owner>,
     /// The number of samples of all objects together.
     pub(crate) samples: u64,
+    /// The number of leaves of all solids together, with all instances of each.
+    pub(crate) leaves: u64,
+    /// The solids, with the numbers of their objects.
+    solids: Vec<(SymbolId, ObjectId)>,
+    /// The solids that sets name.
+    parts: FxHashSet<SymbolId>,
+    pub(crate) has_background: bool,
     /// The surfaces and metrics, for the geodesics that lie on them.
     manifolds: FxHashMap<SymbolId, DeclaredManifold>,
     /// The number of components of all params and grids together.
@@ -68,6 +79,12 @@ pub(crate) struct Drawn {
     /// The number of samples of all its instances together.
     pub(crate) samples: u64,
     pub(crate) dependencies: Dependencies,
+    /// The number of leaves of a solid, with all its instances.
+    pub(crate) leaves: u64,
+    /// The solids that a set names.
+    pub(crate) named: Vec<SymbolId>,
+    /// What a solid reads, the grids at which it closes among it.
+    pub(crate) closed: Dependencies,
 }
 
 /// A param or a grid that is yet to be added to the scene.
@@ -142,6 +159,10 @@ impl Actions for Declarations {
         self.interval(interval);
     }
 
+    fn act_attribute(&mut self, attribute: StatedAttribute, value: &str) {
+        self.attribute(attribute, value);
+    }
+
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
         let understood = self.understand(declaration);
         self.add(declaration, understood);
@@ -165,6 +186,7 @@ impl Declarations {
     pub(crate) fn scene(&self) -> Scene {
         let mut scene = self.scene.clone();
         scene.uniform_count = self.lowerer.dependencies.uniform_count();
+        self.put_parts_aside(&mut scene);
         self.read_geodesics(&mut scene);
         let stage = scene.parts.iter_mut().chain(&mut scene.stage);
         let objects = scene.objects.iter_mut().chain(stage);
@@ -181,6 +203,37 @@ impl Declarations {
         scene
     }
 
+    /// Takes the solids that sets name from the objects that are drawn.
+    fn put_parts_aside(&self, scene: &mut Scene) {
+        let mut is_part = vec![false; scene.objects.len()];
+        let named = self
+            .solids
+            .iter()
+            .filter(|(symbol, _)| self.parts.contains(symbol));
+        for (_, object) in named {
+            is_part[object.0 as usize] = true;
+        }
+        if !is_part.contains(&true) {
+            return;
+        }
+        let objects = std::mem::take(&mut scene.objects);
+        let mut numbers = Vec::with_capacity(objects.len());
+        for (object, is_part) in objects.into_iter().zip(is_part) {
+            numbers.push(ObjectId(scene.objects.len() as u32));
+            match is_part {
+                true => scene.parts.push(object),
+                false => scene.objects.push(object),
+            }
+        }
+        for object in &mut scene.objects {
+            if let Shape::Geodesic { surface, .. } = &mut object.shape
+                && let Some(number) = numbers.get(surface.0 as usize)
+            {
+                *surface = *number;
+            }
+        }
+    }
+
     /// Hands a scene the values of geodesics that its objects read.
     fn read_geodesics(&self, scene: &mut Scene) {
         let geodesics = &self.lowerer.geodesics;
@@ -188,21 +241,26 @@ impl Declarations {
             return;
         }
         let mut used: Vec<u32> = Vec::new();
-        for index in 0..scene.objects.len() {
-            let mut nodes = nodes_of(&scene.objects[index].shape);
+        let surfaces: Vec<Vec<NodeId>> = scene.objects.iter().map(|on| on.shape.roots()).collect();
+        let staged = scene.parts.iter_mut().chain(&mut scene.stage);
+        for object in scene.objects.iter_mut().chain(staged) {
+            let mut nodes = nodes_of(&object.shape);
+            let attributes = object.attributes.iter_mut();
+            nodes.extend(attributes.flat_map(Attribute::nodes_mut).map(|node| *node));
             // A geodesic is drawn with the numbers of its surface.
-            if let Some((surface, _)) = scene.objects[index].shape.geodesic()
-                && let Some(on) = scene.get(surface)
+            if let Some((surface, _)) = object.shape.geodesic()
+                && let Some(on) = surfaces.get(surface.0 as usize)
             {
-                nodes.extend(on.shape.roots());
+                nodes.extend(on);
             }
             let read = geodesics.read(&self.lowerer.graph, &nodes);
             used.extend(&read);
-            scene.objects[index].geodesic_values = read;
+            object.geodesic_values = read;
         }
         used.sort_unstable();
         used.dedup();
-        for object in &mut scene.objects {
+        let staged = scene.parts.iter_mut().chain(&mut scene.stage);
+        for object in scene.objects.iter_mut().chain(staged) {
             for value in &mut object.geodesic_values {
                 *value = used.partition_point(|other| other < value) as u32;
             }
@@ -219,6 +277,20 @@ impl Declarations {
             .extend(DeclaredInterval::last(&self.lowerer, read));
     }
 
+    /// Notes an attribute that has been read, with the text of its value.
+    pub(crate) fn attribute(&mut self, read: StatedAttribute, text: &str) {
+        let value = match read.word.is_key() {
+            true => Some(ReadValue::Word(text.into())),
+            false => {
+                let code = &self.lowerer.code;
+                let last = code.last_before(code.end());
+                last.map(|[value]| ReadValue::Expression(value))
+            }
+        };
+        let attribute = value.map(|value| DeclaredAttribute { read, value });
+        self.attributes.extend(attribute);
+    }
+
     /// Computes the outcome of a declaration that has been read to its end.
     pub(crate) fn understand(&mut self, declaration: &Declaration<'_>) -> Understood {
         let intervals = std::mem::take(&mut self.intervals);
@@ -226,6 +298,7 @@ impl Declarations {
             true => None,
             false => self.meaning(declaration, &intervals),
         };
+        self.attributes.clear();
         self.lowerer.code.forget();
         Understood {
             diagnostics: std::mem::take(&mut self.found),
@@ -242,24 +315,7 @@ impl Declarations {
             None => {}
         }
         if let Some(drawn) = understood.drawn {
-            let object = ObjectId(self.scene.objects.len() as u32);
-            let shape = &drawn.object.shape;
-            if let (Some(symbol), Some((components, domain))) =
-                (declaration.symbol, shape.surface().or(shape.metric()))
-            {
-                let manifold = DeclaredManifold {
-                    object,
-                    nodes: ManifoldNodes {
-                        components: *components,
-                        is_metric: shape.is_metric(),
-                        domain: domain.map(|axis| axis.range),
-                    },
-                    dependencies: drawn.dependencies,
-                };
-                self.manifolds.insert(symbol, manifold);
-            }
-            self.samples += drawn.samples;
-            self.scene.objects.push(drawn.object);
+            self.draw(declaration.symbol, drawn);
         }
         if let (Some(symbol), Some(meaning)) = (declaration.symbol, understood.meaning) {
             let keyword = Some(declaration.keyword);
@@ -269,21 +325,56 @@ impl Declarations {
         self.diagnostics.extend(understood.diagnostics);
     }
 
+    fn draw(&mut self, symbol: Option<SymbolId>, drawn: Drawn) {
+        let object = ObjectId(self.scene.objects.len() as u32);
+        let shape = &drawn.object.shape;
+        if let (Some(symbol), Some((components, domain))) =
+            (symbol, shape.surface().or(shape.metric()))
+        {
+            let manifold = DeclaredManifold {
+                object,
+                nodes: ManifoldNodes {
+                    components: *components,
+                    is_metric: shape.is_metric(),
+                    domain: domain.map(|axis| axis.range),
+                },
+                dependencies: drawn.dependencies,
+            };
+            self.manifolds.insert(symbol, manifold);
+        }
+        self.samples += drawn.samples;
+        self.leaves += drawn.leaves;
+        self.parts.extend(drawn.named);
+        match shape {
+            Shape::Light(_) | Shape::Camera(_) => self.scene.stage.push(drawn.object),
+            Shape::Background(_) => {
+                self.has_background = true;
+                self.scene.stage.push(drawn.object);
+            }
+            Shape::Solid(_) => {
+                self.solids.extend(symbol.map(|symbol| (symbol, object)));
+                self.scene.objects.push(drawn.object);
+            }
+            _ => self.scene.objects.push(drawn.object),
+        }
+    }
+
     /// The surface or metric of this symbol; `None` if it could not be added.
     pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<DeclaredManifold> {
         self.manifolds.get(&symbol).copied()
     }
 
-    /// The expressions that stand before the intervals.
+    /// The expressions that stand before the intervals and attributes.
     pub(crate) fn expressions<const N: usize>(
         &self,
         intervals: &[DeclaredInterval],
     ) -> Option<[Expression; N]> {
         let code = &self.lowerer.code;
-        let end = intervals
-            .first()
-            .map_or(code.end(), DeclaredInterval::start);
-        code.last_before(end)
+        let intervals = intervals.first().map(DeclaredInterval::start);
+        let mut attributes = self.attributes.iter();
+        let attributes = attributes.find_map(DeclaredAttribute::start);
+        let end = intervals.into_iter().chain(attributes).min();
+        code.last_before(end.unwrap_or(code.end()))
     }
 
     pub(crate) fn constant(&mut self, body: Expression) -> Lowered {
@@ -354,6 +445,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         shape: Shape,
         dependencies: Dependencies,
+        attributes: Vec<Attribute>,
     ) -> Option<Drawn> {
         let (params, grids) = self.sources_of(dependencies);
         let name = declaration.name;
@@ -415,10 +507,13 @@ impl Declarations {
                 grids,
                 // Those of a scene, whose graph has other nodes, are found when it is put together.
                 geodesic_values: Vec::new(),
-                attributes: Vec::new(),
+                attributes,
             },
             samples,
             dependencies,
+            leaves: 0,
+            named: Vec::new(),
+            closed: Dependencies::default(),
         })
     }
 

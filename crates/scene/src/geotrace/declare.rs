@@ -30,12 +30,16 @@ impl Declarations {
                 Some(constant(lowered.value?, lowered.dependencies).into())
             }
             DeclarationKeyword::Function => self.function(declaration),
-            DeclarationKeyword::Point => self.point(declaration),
-            DeclarationKeyword::Vector => self.vector(declaration),
+            DeclarationKeyword::Point => self.point(declaration, intervals),
+            DeclarationKeyword::Vector => self.vector(declaration, intervals),
             DeclarationKeyword::Curve => self.curve(declaration, intervals),
             DeclarationKeyword::Surface => self.surface(declaration, intervals),
             DeclarationKeyword::Metric => self.metric(declaration, intervals),
             DeclarationKeyword::Geodesic => self.geodesic(declaration, intervals),
+            DeclarationKeyword::Solid => self.solid(declaration, intervals),
+            DeclarationKeyword::Light => self.light(declaration, intervals),
+            DeclarationKeyword::Camera => self.camera(declaration, intervals),
+            DeclarationKeyword::Background => self.background(declaration, intervals),
         }
     }
 
@@ -53,26 +57,39 @@ impl Declarations {
         sound.then(|| self.keep(declaration, body).into())
     }
 
-    fn point(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
-        let [body] = self.expressions(&[])?;
+    fn point(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let [body] = self.expressions(intervals)?;
         let lowered = self.constant(body);
-        let position = self.in_space(body, &lowered, "a point")?;
-        let drawn = self.object(declaration, Shape::Point { position }, lowered.dependencies);
+        let position = self.in_space(body, &lowered, "a point");
+        let (attributes, all) = self.stated_with(declaration, 0, lowered.dependencies);
+        let shape = Shape::Point {
+            position: position?,
+        };
+        let drawn = self.object(declaration, shape, all, attributes);
         let meaning = constant(lowered.value?, lowered.dependencies);
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    fn vector(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
-        let [direction, origin] = self.expressions(&[])?;
+    fn vector(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let [direction, origin] = self.expressions(intervals)?;
         let lowered = self.constant(direction);
         let towards = self.in_space(direction, &lowered, "a vector's direction");
         let start = self.constant(origin);
         let from = self.in_space(origin, &start, "a vector's origin");
+        let sets = &mut self.lowerer.dependencies;
+        let dependencies = sets.union(lowered.dependencies, start.dependencies);
+        let (attributes, all) = self.stated_with(declaration, 0, dependencies);
         let drawn = from.zip(towards).and_then(|(origin, direction)| {
-            let sets = &mut self.lowerer.dependencies;
-            let dependencies = sets.union(lowered.dependencies, start.dependencies);
             let shape = Shape::Vector { direction, origin };
-            self.object(declaration, shape, dependencies)
+            self.object(declaration, shape, all, attributes)
         });
         // The name means the direction, which is valid even if the origin is not.
         towards?;
@@ -90,7 +107,9 @@ impl Declarations {
         self.lowerer.is_along_curve = true;
         let lowered = self.over_variables(body, declaration.parameters.len());
         self.lowerer.is_along_curve = false;
-        let mut position = self.in_space(body, &lowered, "a curve")?;
+        let position = self.in_space(body, &lowered, "a curve");
+        let (attributes, all) = self.stated_with(declaration, 1, lowered.dependencies);
+        let mut position = position?;
         let lowerer = &mut self.lowerer;
         let followed = lowerer.geodesics.follow(&mut lowerer.graph, &mut position);
         let followed = followed.map_err(|_| too_large());
@@ -103,7 +122,7 @@ impl Declarations {
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),
         };
-        let drawn = self.object(declaration, shape, lowered.dependencies);
+        let drawn = self.object(declaration, shape, all, attributes);
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
@@ -115,7 +134,9 @@ impl Declarations {
         let domain = self.domain(declaration, intervals, "a surface has two parameters");
         let [body] = self.expressions(intervals)?;
         let lowered = self.over_variables(body, declaration.parameters.len());
-        let position = self.in_space(body, &lowered, "a surface")?;
+        let position = self.in_space(body, &lowered, "a surface");
+        let (attributes, all) = self.stated_with(declaration, 2, lowered.dependencies);
+        let position = position?;
         let [u, v] = domain?;
         let [first, second] = declaration.parameters else {
             return None;
@@ -125,7 +146,7 @@ impl Declarations {
             domain: [u?, v?],
             parameters: [first.name.clone(), second.name.clone()],
         };
-        let drawn = self.object(declaration, shape, lowered.dependencies);
+        let drawn = self.object(declaration, shape, all, attributes);
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
@@ -218,7 +239,7 @@ impl Declarations {
 }
 
 /// Returns the span from the first parameter to the last.
-fn list_span(parameters: &[Parameter], name: Span) -> Span {
+pub(crate) fn list_span(parameters: &[Parameter], name: Span) -> Span {
     match parameters {
         [] => name,
         [first, .., last] => first.span.to(last.span),

@@ -116,6 +116,24 @@ impl DependencySets {
         union
     }
 
+    /// The members of a set for which `is_kept` holds.
+    pub(crate) fn retained(
+        &mut self,
+        dependencies: Dependencies,
+        is_kept: impl Fn(SourceIndex) -> bool,
+    ) -> Dependencies {
+        let mut bits = self.sets[dependencies.0 as usize].to_vec();
+        for source in self.members(dependencies).collect::<Vec<_>>() {
+            if !is_kept(source) {
+                bits[source.0 as usize / 64] &= !(1 << (source.0 % 64));
+            }
+        }
+        while bits.last() == Some(&0) {
+            bits.pop();
+        }
+        self.set(bits)
+    }
+
     /// The params and grids of a set, in the order of the text.
     pub(crate) fn sources(
         &self,

@@ -12,7 +12,7 @@
 //! to date edit by edit. The scene is built from what was read, without lexing or parsing, in time
 //! proportional to the program.
 //!
-//! A few limits hold for a program as a whole: how many samples, params and operations it may have. A
+//! A few limits hold for a program as a whole: how many samples, leaves, params, backgrounds and operations it may have. A
 //! declaration is checked as though it were alone with them; where one is exceeded, the whole program is
 //! compiled for its diagnostics.
 
@@ -33,7 +33,7 @@ use crate::geotrace::builtin;
 use crate::geotrace::compile::{Compilation, compile};
 use crate::geotrace::error::has_errors;
 use crate::geotrace::evaluate::Scope;
-use crate::limits::{MAX_SAMPLES, MAX_UNIFORMS};
+use crate::limits::{MAX_LEAVES, MAX_SAMPLES, MAX_UNIFORMS};
 use crate::program_scene::ProgramScene;
 use crate::scene::Scene;
 use checker::{Checked, Checker};
@@ -62,6 +62,7 @@ pub struct Document {
 struct CheckedChunk {
     samples: u64,
     components: u32,
+    backgrounds: u32,
     /// The start of the chunk's places; further ones are in `rest`.
     base: u32,
     /// The parts that most chunks do not have.
@@ -75,6 +76,7 @@ struct Details {
     watches: Vec<SymbolId>,
     watches_all: bool,
     is_limited: bool,
+    leaves: u64,
     bases: Vec<u32>,
 }
 
@@ -91,11 +93,13 @@ impl CheckedChunk {
             watches: checked.watches,
             watches_all: checked.watches_all,
             is_limited: checked.is_limited,
+            leaves: checked.leaves,
             bases,
         };
         Self {
             samples: checked.samples,
             components: checked.components,
+            backgrounds: checked.backgrounds,
             base,
             rest: (rest != Details::default()).then(|| Box::new(rest)),
         }
@@ -112,6 +116,8 @@ impl CheckedChunk {
 struct Totals {
     samples: u64,
     components: u64,
+    backgrounds: u64,
+    leaves: u64,
     /// The number of chunks that have met a limit.
     limited: usize,
 }
@@ -223,6 +229,8 @@ impl Document {
         totals.limited > 0
             || totals.samples > MAX_SAMPLES
             || totals.components > u64::from(MAX_UNIFORMS)
+            || totals.leaves > MAX_LEAVES
+            || totals.backgrounds > 1
             || self.text.is_overfull()
             || self.checker.is_full()
     }
@@ -312,7 +320,9 @@ impl Document {
         let kept = CheckedChunk::new(checked);
         self.totals.samples += kept.samples;
         self.totals.components += u64::from(kept.components);
+        self.totals.backgrounds += u64::from(kept.backgrounds);
         if let Some(rest) = &kept.rest {
+            self.totals.leaves += rest.leaves;
             self.totals.limited += usize::from(rest.is_limited);
             for symbol in &rest.watches {
                 self.watchers.entry(*symbol).or_default().insert(chunk);
@@ -338,8 +348,10 @@ impl Document {
         };
         self.totals.samples -= checked.samples;
         self.totals.components -= u64::from(checked.components);
+        self.totals.backgrounds -= u64::from(checked.backgrounds);
         let mut bases = vec![checked.base];
         if let Some(rest) = checked.rest {
+            self.totals.leaves -= rest.leaves;
             self.totals.limited -= usize::from(rest.is_limited);
             for symbol in &rest.watches {
                 if let Some(watchers) = self.watchers.get_mut(symbol) {

@@ -59,6 +59,18 @@ pub(crate) const GEODESIC_NOT_DRAWN: Code = Code("geodesic-not-drawn");
 pub(crate) const GEODESIC_UNDEFINED: Code = Code("geodesic-undefined");
 /// A geodesic is used where its argument is no number.
 pub(crate) const NO_FORMULA: Code = Code("no-formula");
+/// A set names what is no set of points.
+pub(crate) const NOT_A_SOLID: Code = Code("not-a-solid");
+/// A set is placed by a function that is no affine map of space.
+pub(crate) const NOT_AFFINE: Code = Code("not-affine");
+/// A set is placed by a constant map that flattens it.
+pub(crate) const SINGULAR_MAP: Code = Code("singular-map");
+/// The solids have too many leaves.
+pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
+/// There is a background already.
+pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
+/// The value of an attribute, or a background, has not the dimension that it must have.
+pub(crate) const ATTRIBUTE_DIMENSION: Code = Code("attribute-dimension");
 /// An expression is evaluated in a program that has errors.
 pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
 
@@ -125,11 +137,11 @@ pub const CODES: &[(Code, &str)] = &[
     (DUPLICATE_TAG, "A parameter has one interval, not two."),
     (
         PARAMETER_COUNT,
-        "A curve and a geodesic have one parameter, a surface and a metric have two.",
+        "A curve and a geodesic have one parameter, a surface and a metric have two, a solid has two or three, a background that is a function has three.",
     ),
     (
         NOT_IN_SPACE,
-        "Points, vectors, curves and surfaces lie in space: their values are vectors of dimension 3.",
+        "Points, vectors, curves, surfaces, lights and cameras lie in space: their values, and those by which solids are placed, are vectors of dimension 3.",
     ),
     (
         TOO_MANY_INSTANCES,
@@ -170,6 +182,27 @@ pub const CODES: &[(Code, &str)] = &[
     (
         GEODESIC_UNDEFINED,
         "A geodesic has no value there: it ends before, it cannot start, or no geodesic between its two places was found.",
+    ),
+    (
+        NOT_A_SOLID,
+        "A set is made of solids, and of functions of 2 or 3 numbers whose values are numbers.",
+    ),
+    (
+        NOT_AFFINE,
+        "A solid's image is taken under an affine function of 3 numbers: its derivatives depend on none of them.",
+    ),
+    (
+        SINGULAR_MAP,
+        "A map that places a solid takes it to a solid: it does not flatten it, and it is defined.",
+    ),
+    (
+        TOO_MANY_LEAVES,
+        "All solids together have more leaves, with the instances that grids give them, than the limit.",
+    ),
+    (SECOND_BACKGROUND, "A program has one background."),
+    (
+        ATTRIBUTE_DIMENSION,
+        "The value of an attribute is one number, or a vector of as many as the attribute has; a colour is a grey or three numbers.",
     ),
     (
         PROGRAM_HAS_ERRORS,

@@ -49,7 +49,9 @@ impl Declarations {
         let domain = self.domain(declaration, intervals, "a metric has two parameters");
         let [body] = self.expressions(intervals)?;
         let lowered = self.over_variables(body, declaration.parameters.len());
-        let components = self.coefficients(body, &lowered)?;
+        let components = self.coefficients(body, &lowered);
+        let (attributes, all) = self.stated_with(declaration, 2, lowered.dependencies);
+        let components = components?;
         let [u, v] = domain?;
         let [first, second] = declaration.parameters else {
             return None;
@@ -59,7 +61,7 @@ impl Declarations {
             domain: [u?, v?],
             parameters: [first.name.clone(), second.name.clone()],
         };
-        let drawn = self.object(declaration, shape, lowered.dependencies);
+        let drawn = self.object(declaration, shape, all, attributes);
         if let Some(drawn) = &drawn {
             let place = self.lowerer.code.span(body);
             let warning = self.degenerate(drawn, place);
@@ -87,6 +89,7 @@ impl Declarations {
                 (manifold, path)
             }
         };
+        let (attributes, stated) = self.stated(declaration.keyword, 1);
         let (manifold, path) = (manifold?, path?);
         let [domain] = domain?;
         let sets = &mut self.lowerer.dependencies;
@@ -109,7 +112,8 @@ impl Declarations {
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),
         };
-        let drawn = self.object(declaration, shape, dependencies);
+        let all = self.lowerer.dependencies.union(dependencies, stated);
+        let drawn = self.object(declaration, shape, all, attributes);
         let geodesic = self.lowerer.geodesics.declare(DeclaredGeodesic {
             name: declaration.name.into(),
             manifold: manifold.nodes,

@@ -22,6 +22,7 @@ use crate::geotrace::lowerer::{
     BodyKey, BodyOutcome, Effect, Function, Lowered, Lowerer, StackItem, dimension_error, too_large,
 };
 use crate::geotrace::operation::{Derivation, Operation, operation};
+use crate::geotrace::sets::PointSet;
 use crate::geotrace::symbol::{Constant, Meaning, Symbols};
 
 /// One expression being run.
@@ -68,6 +69,22 @@ impl Lowerer {
             lowerer.value(item)
         });
         (list, lowered)
+    }
+
+    /// Runs a set. `None` as in [`Lowered`].
+    pub(crate) fn lower_set(
+        &mut self,
+        set: Expression,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> (Option<PointSet>, Dependencies) {
+        let mut found = None;
+        let lowered = self.run(set, Vec::new(), diagnostics, |_, item| {
+            if let StackItem::Set(set) = item {
+                found = Some(*set);
+            }
+            Ok(None)
+        });
+        (found, lowered.dependencies)
     }
 
     /// Runs an expression; `finish` makes its value of the last item.
@@ -205,6 +222,23 @@ impl Lowerer {
                     return Err((no_formula(name), span));
                 }
                 return Ok(effect);
+            }
+            Operation::Atom => {
+                let function = pop(stack);
+                return self.atom(function, span, stack, &mut frame.dependencies);
+            }
+            Operation::Join(step) => {
+                let second = pop(stack);
+                self.joined(pop(stack), second, step, span)?
+            }
+            Operation::Place(placement) => {
+                let by = pop(stack);
+                self.placed(pop(stack), by, placement, span)?
+            }
+            Operation::Image => {
+                let function = pop(stack);
+                let set = pop(stack);
+                return self.image(set, function, span, stack, &mut frame.dependencies);
             }
             Operation::Tuple(count) => self.tuple(stack, count as usize, span)?,
             Operation::Component(index) => match self.value(pop(stack))? {

@@ -20,6 +20,7 @@ use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::geodesics::{GeodesicFaults, Geodesics};
 use crate::geotrace::operation::Derivation;
+use crate::geotrace::sets::PointSet;
 use crate::geotrace::symbol::Symbols;
 
 /// Everything that the meaning of an expression depends on.
@@ -55,6 +56,7 @@ pub(crate) enum StackItem {
     /// A bracketed list with a vector in it: arguments, or an error where a value is needed. With its place.
     List(Vec<Value>, Span),
     Function(Box<Function>),
+    Set(Box<PointSet>),
     /// Left behind by an error that has been reported.
     Poison,
 }
@@ -176,7 +178,7 @@ impl Lowerer {
                 Ok(value) => Ok(Some(value)),
                 Err(error) => Err((dimension_error(&error), span)),
             },
-            StackItem::Function(_) | StackItem::Poison => Ok(None),
+            StackItem::Function(_) | StackItem::Set(_) | StackItem::Poison => Ok(None),
         }
     }
 }

@@ -9,6 +9,9 @@ use expr::value::{self, DimensionError, Value};
 use syntax::geotrace::actions::Operator;
 use syntax::symbol::SymbolId;
 
+use crate::geotrace::sets::Placement;
+use crate::solid::SolidStep;
+
 /// One derivative of a function.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) enum Derivation {
@@ -19,7 +22,7 @@ pub(crate) enum Derivation {
 }
 
 /// The effect of an operator on the stack: it pops its operands and pushes one item.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Operation {
     Number(f64),
     Constant(SymbolId),
@@ -34,6 +37,14 @@ pub(crate) enum Operation {
     Component(u32),
     Unary(&'static Unary),
     Binary(&'static Binary),
+    /// Makes the function on top a set.
+    Atom,
+    /// Joins two sets.
+    Join(SolidStep),
+    /// Places the set below a value by the value.
+    Place(Placement),
+    /// Takes the image of the set below a function under the function.
+    Image,
 }
 
 /// An operator on one value.
@@ -74,17 +85,28 @@ pub(crate) fn operation(operator: Operator) -> Operation {
         Operator::Multiply => Binary(&MULTIPLY),
         Operator::Divide => Binary(&DIVIDE),
         Operator::Power => Binary(&POWER),
+        // It says where the value stands.
+        Operator::Position => Operation::Tuple(1),
+        Operator::Atom => Operation::Atom,
+        Operator::Union => Operation::Join(SolidStep::Union),
+        Operator::Intersection => Operation::Join(SolidStep::Intersection),
+        Operator::Difference => Operation::Join(SolidStep::Difference),
+        Operator::Move => Operation::Place(Placement::Move),
+        Operator::Scale => Operation::Place(Placement::Scale),
+        Operator::Rotate => Operation::Place(Placement::Rotate),
+        Operator::Image => Operation::Image,
     }
 }
 
 impl Operation {
     /// The number of items it takes from the stack; each operation puts one back.
-    pub(crate) fn operand_count(self) -> usize {
+    pub(crate) fn operand_count(&self) -> usize {
         match self {
             Self::Number(_) | Self::Constant(_) | Self::Variable(_) | Self::Function(_) => 0,
-            Self::Derive(_) | Self::Unary(_) | Self::Component(_) => 1,
+            Self::Derive(_) | Self::Unary(_) | Self::Component(_) | Self::Atom => 1,
             Self::FunctionPower | Self::Apply | Self::Binary(_) => 2,
-            Self::Tuple(count) => count as usize,
+            Self::Join(_) | Self::Place(_) | Self::Image => 2,
+            Self::Tuple(count) => *count as usize,
         }
     }
 }

@@ -4,6 +4,8 @@
 //! that is never given a meaning is one whose declaration failed: its uses are silent, for the mistake has been
 //! reported.
 
+use std::sync::Arc;
+
 use expr::Graph;
 use expr::ops::CONSTANTS;
 use expr::value::Value;
@@ -15,6 +17,7 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::geodesics::GeodesicId;
+use crate::geotrace::sets::DeclaredSolid;
 
 /// The meanings of all symbols that have one.
 #[derive(Clone, Debug, Default)]
@@ -39,6 +42,8 @@ pub(crate) enum Meaning {
     Declared(Declared),
     /// A curve that is integrated: nodes of its own stand for its points.
     Geodesic(GeodesicId),
+    /// A set of points, which is a function too.
+    Solid(Arc<DeclaredSolid>),
 }
 
 /// A value with a name.
@@ -128,25 +133,30 @@ impl Symbols {
     /// The name of a function's parameter.
     pub(crate) fn parameter(&self, symbol: SymbolId, position: usize) -> &str {
         match self.meaning(symbol) {
-            Meaning::Declared(declared) => {
-                declared.parameters.get(position).map_or("", |name| &**name)
-            }
+            Meaning::Declared(Declared { parameters, .. }) => named(parameters, position),
+            Meaning::Solid(solid) => named(&solid.parameters, position),
             _ => "x",
+        }
+    }
+
+    /// The names of a function's parameters; none of what has no body in the text.
+    fn parameters(&self, symbol: SymbolId) -> Option<&[Box<str>]> {
+        match self.meaning(symbol) {
+            Meaning::Declared(declared) => Some(&declared.parameters),
+            Meaning::Solid(solid) => Some(&solid.parameters),
+            _ => None,
         }
     }
 
     /// The error of writing `f'` for a function of several parameters, which has a derivative by each.
     pub(crate) fn total_error(&self, symbol: SymbolId) -> Option<SemanticError> {
-        let Meaning::Declared(declared) = self.meaning(symbol) else {
-            return None;
-        };
-        let count = declared.parameters.len();
+        let parameters = self.parameters(symbol)?;
+        let count = parameters.len();
         if count == 1 {
             return None;
         }
         let name = self.name(symbol);
-        let partials: Vec<String> = declared
-            .parameters
+        let partials: Vec<String> = parameters
             .iter()
             .take(3)
             .map(|parameter| format!("`{name}_{parameter}`"))
@@ -165,4 +175,8 @@ impl Symbols {
             )),
         )
     }
+}
+
+fn named(parameters: &[Box<str>], position: usize) -> &str {
+    parameters.get(position).map_or("", |name| &**name)
 }

@@ -151,8 +151,8 @@ pub trait Actions {
     /// An interval has been read.
     fn act_interval(&mut self, interval: Interval) {}
 
-    /// An attribute has been read.
-    fn act_attribute(&mut self, attribute: StatedAttribute) {}
+    /// An attribute has been read. `value` is the text of its value.
+    fn act_attribute(&mut self, attribute: StatedAttribute, value: &str) {}
 
     /// A declaration has been read.
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {}

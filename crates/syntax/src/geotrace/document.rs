@@ -65,8 +65,8 @@ pub enum ParseEvent<'d> {
     Operator(Operator, Span),
     /// An interval.
     Interval(Interval),
-    /// An attribute.
-    Attribute(StatedAttribute),
+    /// An attribute, with the text of its value.
+    Attribute(StatedAttribute, &'d str),
     /// A declaration has been read.
     Declaration(ReadDeclaration<'d>),
     /// A diagnostic: the next one of [`findings_of`](Document::findings_of).
@@ -336,7 +336,7 @@ impl Actions for Recorder {
         self.events.interval(interval);
     }
 
-    fn act_attribute(&mut self, attribute: StatedAttribute) {
+    fn act_attribute(&mut self, attribute: StatedAttribute, _: &str) {
         self.events.attribute(attribute);
     }
 

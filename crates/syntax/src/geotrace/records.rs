@@ -288,11 +288,15 @@ impl<'d> Iterator for ParseEvents<'d> {
                 })
             }
             FINDING..ATTRIBUTE => ParseEvent::Finding,
-            ATTRIBUTE..DECLARATION => ParseEvent::Attribute(StatedAttribute {
-                word: attribute(number),
-                word_span: span,
-                value_span: self.entry()?.span,
-            }),
+            ATTRIBUTE..DECLARATION => {
+                let value = self.entry()?.span;
+                let read = StatedAttribute {
+                    word: attribute(number),
+                    word_span: span,
+                    value_span: value,
+                };
+                ParseEvent::Attribute(read, value.text(self.text))
+            }
             DECLARATION.. => {
                 let faulty = tag >= FAULTY_DECLARATION;
                 let first = if faulty {
@@ -464,8 +468,8 @@ mod tests {
                 word_span: span(4),
                 value_span: span(8),
             });
-            for attribute in attributes {
-                recorder.attribute(attribute);
+            for attribute in &attributes {
+                recorder.attribute(*attribute);
             }
             recorder.declaration(&declared(None, true, 0));
             recorder.open(DeclarationKeyword::Geodesic, span(6));
@@ -487,7 +491,10 @@ mod tests {
             first.extend([told(number), told(ParseEvent::Finding)]);
             first.extend(expected(&operators));
             let intervals = intervals.iter().map(|it| ParseEvent::Interval(*it));
-            let second = intervals.chain(attributes.map(ParseEvent::Attribute));
+            let attributes = attributes.iter();
+            let attributes =
+                attributes.map(|it| ParseEvent::Attribute(*it, it.value_span.text(&text)));
+            let second = intervals.chain(attributes);
             let second: Vec<_> = second.map(told).collect();
             let all = ParseEvents::new(&records, &text);
             let found: Vec<_> = all.declarations().collect();

@@ -54,7 +54,7 @@ impl Actions for Recorder {
     fn act_interval(&mut self, interval: Interval) {
         self.intervals.push(interval);
     }
-    fn act_attribute(&mut self, attribute: StatedAttribute) {
+    fn act_attribute(&mut self, attribute: StatedAttribute, _: &str) {
         self.attributes.push(attribute);
     }
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {

@@ -21,12 +21,12 @@ use syntax::geotrace::document::{ParseEvent, ReadDeclaration};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::geotrace::assembler::{MEANINGLESS, moved};
+use crate::geotrace::assembler::{MEANINGLESS, moved, moved_attribute};
 use crate::geotrace::code::with_symbol;
 use crate::geotrace::declarations::{Declarations, Drawn, SourceData, Uniforms};
 use crate::geotrace::error;
 use crate::geotrace::symbol::Meaning;
-use crate::scene::{Object, Range, Sampling};
+use crate::scene::{Object, Range, Sampling, Shape};
 
 /// Checks declarations and remembers what they mean.
 #[derive(Clone, Debug)]
@@ -119,6 +119,10 @@ pub(super) struct Checked {
     pub(super) bases: Vec<u32>,
     /// The number of samples that are drawn.
     pub(super) samples: u64,
+    /// The number of leaves of its solids, with their instances.
+    pub(super) leaves: u64,
+    /// The number of backgrounds.
+    pub(super) backgrounds: u32,
     /// The number of components of its params and grids.
     pub(super) components: u32,
     /// The number of declarations that were lowered.
@@ -239,7 +243,14 @@ impl Checker {
                     let code = &mut self.declarations.lowerer.code;
                     code.push(operator, span.moved(base));
                 }
-                ParseEvent::Interval(interval) => self.declarations.interval(moved(interval, base)),
+                ParseEvent::Interval(interval) => {
+                    let interval = moved(interval, |span| span.moved(base));
+                    self.declarations.interval(interval);
+                }
+                ParseEvent::Attribute(attribute, value) => {
+                    let attribute = moved_attribute(attribute, |span| span.moved(base));
+                    self.declarations.attribute(attribute, value);
+                }
                 ParseEvent::Declaration(declaration) => {
                     let rank = document.rank(chunk);
                     self.declare(declaration, chunk, rank, base, &mut checked);
@@ -274,6 +285,7 @@ impl Checker {
         let declarations = &mut self.declarations;
         // A declaration is checked as though no other drew anything.
         declarations.samples = 0;
+        declarations.leaves = 0;
         // A param that keeps its uniforms keeps its nodes: its readers' expressions stay what they are.
         declarations.kept = before
             .as_ref()
@@ -294,11 +306,20 @@ impl Checker {
         let diagnostics = std::mem::take(&mut understood.diagnostics);
         let has = |code: Code| diagnostics.iter().any(|found| found.code == code);
         checked.is_limited |= has(error::TOO_MANY_SAMPLES) || has(error::EXPRESSION_TOO_LARGE);
-        checked.watches_all |= has(error::TOO_MANY_SAMPLES) || has(error::TOO_MANY_INSTANCES);
+        checked.watches_all |= has(error::TOO_MANY_SAMPLES)
+            || has(error::TOO_MANY_INSTANCES)
+            || has(error::TOO_MANY_LEAVES);
         checked.diagnostics.push(diagnostics);
         checked.lowered += u32::from(!read.faulty);
         if let Some(drawn) = &understood.drawn {
             checked.samples += drawn.samples;
+            checked.leaves += drawn.leaves;
+            let is_background = matches!(drawn.object.shape, Shape::Background(_));
+            checked.backgrounds += u32::from(is_background);
+            // A solid closes at its grids.
+            let (_, closed) = declarations.sources_of(drawn.closed);
+            let closed = closed.iter().map(|id| self.grids[id.0 as usize]);
+            checked.watches.extend(closed);
             if read.symbol.is_some() {
                 watch(&drawn.object, &self.params, &self.grids, checked);
             }
@@ -393,6 +414,7 @@ impl Checker {
         let symbols = &self.declarations.lowerer.symbols;
         match (symbols.meaning(before.own), symbols.meaning(now.own)) {
             (Meaning::Poisoned, Meaning::Poisoned) => Some(None),
+            (Meaning::Solid(a), Meaning::Solid(b)) => a.is_same(b).then_some(None),
             (Meaning::Geodesic(a), Meaning::Geodesic(b)) => (a == b).then_some(None),
             (Meaning::Constant(a), Meaning::Constant(b)) => {
                 (a.value == b.value && a.dependencies == b.dependencies).then_some(None)

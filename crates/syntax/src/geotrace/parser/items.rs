@@ -226,11 +226,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.value()?
         };
         if !self.state.silent {
-            self.actions.act_attribute(StatedAttribute {
+            let attribute = StatedAttribute {
                 word,
                 word_span: span,
                 value_span,
-            });
+            };
+            let value = value_span.text(self.source);
+            self.actions.act_attribute(attribute, value);
         }
         Ok(())
     }

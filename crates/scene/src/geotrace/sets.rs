@@ -1,0 +1,479 @@
+//! Sets of points as values: what `|`, `&`, `\` and `@` of a solid do.
+//!
+//! In: functions and solids by their symbols, and values that place them. Out: leaves under affine maps with the steps that
+//! join them, or errors.
+
+use std::sync::Arc;
+
+use expr::ops::Binary;
+use expr::value::Value;
+use expr::{Graph, Input, NodeId};
+use syntax::span::Span;
+use syntax::symbol::SymbolId;
+
+use crate::geotrace::declarations::kind_of;
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::lowerer::{Effect, Function, Lowerer, StackItem, too_large};
+use crate::geotrace::symbol::Meaning;
+use crate::limits::MAX_LEAVES;
+use crate::scene::{GridId, Sampling};
+use crate::solid::{AffineNodes, Attribute, Solid, SolidLeaf, SolidStep};
+
+/// A set that is being read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PointSet {
+    pub(crate) solid: Solid,
+    /// The solids that it names.
+    pub(crate) named: Vec<SymbolId>,
+    /// The grids at which parts of it close.
+    pub(crate) closed: Vec<ClosedGrid>,
+    /// The number of its leaves with all instances of its parts.
+    pub(crate) size: u64,
+}
+
+/// A grid at which a solid closes: it is the union of its instances.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ClosedGrid {
+    pub(crate) grid: GridId,
+    pub(crate) first_uniform: u32,
+    pub(crate) axes: Vec<Sampling>,
+}
+
+/// A declared solid.
+#[derive(Clone, Debug)]
+pub(crate) struct DeclaredSolid {
+    pub(crate) set: PointSet,
+    /// The set without its own cuts, where it has any that are a leaf.
+    pub(crate) uncut: Option<Solid>,
+    pub(crate) parameters: Box<[Box<str>]>,
+    /// The params that it reads.
+    pub(crate) dependencies: Dependencies,
+}
+
+impl DeclaredSolid {
+    /// Returns true if nothing that uses one or the other differs but in places of the text.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.parameters == other.parameters
+            && self.dependencies == other.dependencies
+            && self.uncut.is_some() == other.uncut.is_some()
+            && self.set.size == other.set.size
+            && self.set.closed == other.set.closed
+            && self.set.solid.is_same(&other.set.solid)
+    }
+
+    /// The set that it stands for as a function.
+    fn function_set(&self) -> &Solid {
+        self.uncut.as_ref().unwrap_or(&self.set.solid)
+    }
+}
+
+impl PointSet {
+    /// A leaf alone.
+    pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
+        Self {
+            solid: Solid {
+                leaves: vec![leaf],
+                steps: vec![SolidStep::Leaf(0)],
+            },
+            size: 1,
+            ..Self::default()
+        }
+    }
+
+    /// The set of two that a step joins.
+    pub(crate) fn joined(mut self, other: Self, step: SolidStep) -> Result<Self, SemanticError> {
+        self.size = self.size.saturating_add(other.size);
+        if self.size > MAX_LEAVES {
+            return Err(too_many_leaves(self.size));
+        }
+        let first = self.solid.leaves.len() as u32;
+        self.solid.leaves.extend(other.solid.leaves);
+        let steps = other.solid.steps.into_iter().map(|step| match step {
+            SolidStep::Leaf(leaf) => SolidStep::Leaf(first + leaf),
+            step => step,
+        });
+        self.solid.steps.extend(steps);
+        self.solid.steps.push(step);
+        self.named.extend(other.named);
+        for closed in other.closed {
+            if !self.closed.contains(&closed) {
+                self.closed.push(closed);
+            }
+        }
+        Ok(self)
+    }
+
+    /// The set, placed by a map.
+    fn placed(mut self, graph: &mut Graph, by: &AffineNodes) -> Self {
+        let identity = AffineNodes::identity(graph);
+        for leaf in &mut self.solid.leaves {
+            leaf.map = by.after(graph, &leaf.map);
+            for attribute in &mut leaf.attributes {
+                let before = attribute.map.unwrap_or(identity);
+                attribute.map = Some(by.after(graph, &before));
+            }
+        }
+        self
+    }
+
+    /// States attributes on the whole set, in the place of those of its parts.
+    pub(crate) fn state(&mut self, attributes: &[Attribute]) {
+        for leaf in &mut self.solid.leaves {
+            let is_replaced =
+                |own: &Attribute| attributes.iter().any(|stated| stated.word == own.word);
+            leaf.attributes.retain(|own| !is_replaced(own));
+            leaf.attributes.extend(attributes.iter().cloned());
+        }
+    }
+}
+
+impl Lowerer {
+    /// The set that a function stands for. The function is put back where its body has to be lowered first.
+    pub(crate) fn atom(
+        &mut self,
+        function: StackItem,
+        span: Span,
+        stack: &mut Vec<StackItem>,
+        dependencies: &mut Dependencies,
+    ) -> Result<Effect, (SemanticError, Span)> {
+        let StackItem::Function(function) = function else {
+            return Ok(Effect::Push(StackItem::Poison));
+        };
+        let symbol = function.symbol;
+        let count = match self.symbols.meaning(symbol) {
+            Meaning::Poisoned => return Ok(Effect::Push(StackItem::Poison)),
+            Meaning::Solid(solid) => {
+                let solid = Arc::clone(solid);
+                *dependencies = self.dependencies.union(*dependencies, solid.dependencies);
+                let mut set = solid.set.clone();
+                set.named = vec![symbol];
+                return Ok(Effect::Push(StackItem::Set(Box::new(set))));
+            }
+            Meaning::Declared(declared) => Some(declared.parameters.len()),
+            _ => None,
+        };
+        let Some(count @ (2 | 3)) = count else {
+            return Err((self.not_a_solid(symbol, count), span));
+        };
+        let place = (0..count as u32).map(|k| self.graph.input(Input::Variable(k)));
+        let operand = StackItem::Value(Value::Vector(place.collect()));
+        let field = match self.body_at(function, operand, span, stack, dependencies)? {
+            Ok(value) => value,
+            Err(effect) => return Ok(effect),
+        };
+        let Value::Number(field) = field else {
+            let name = self.symbols.name(symbol);
+            let message = format!(
+                "a solid is where a number is not positive, but the value of `{name}` is {}",
+                kind_of(&field)
+            );
+            return Err((SemanticError::new(error::NOT_A_SOLID, message), span));
+        };
+        let leaf = SolidLeaf {
+            name: self.symbols.name(symbol).to_owned(),
+            name_span: span,
+            field,
+            cuts: [None; 3],
+            map: AffineNodes::identity(&mut self.graph),
+            attributes: Vec::new(),
+        };
+        Ok(Effect::Push(StackItem::Set(Box::new(PointSet::leaf(leaf)))))
+    }
+
+    fn not_a_solid(&self, symbol: SymbolId, parameters: Option<usize>) -> SemanticError {
+        let name = self.symbols.name(symbol);
+        let what = match (self.symbols.meaning(symbol), parameters) {
+            (Meaning::Builtin(_), _) => "a builtin function".to_owned(),
+            (Meaning::Geodesic(_), _) => "a geodesic".to_owned(),
+            (_, Some(1)) => "a function of 1 parameter".to_owned(),
+            (_, Some(count)) => format!("a function of {count} parameters"),
+            (_, None) => "a value".to_owned(),
+        };
+        let message = format!(
+            "a set is made of solids and of functions of 2 or 3 numbers, but `{name}` is {what}"
+        );
+        SemanticError::new(error::NOT_A_SOLID, message)
+    }
+
+    /// The value of a function at an operand. Where its body has to be lowered first, that is the effect, and the function is
+    /// put back alone.
+    fn body_at(
+        &mut self,
+        function: Box<Function>,
+        operand: StackItem,
+        span: Span,
+        stack: &mut Vec<StackItem>,
+        dependencies: &mut Dependencies,
+    ) -> Result<Result<Value, Effect>, (SemanticError, Span)> {
+        let function = StackItem::Function(function);
+        let effect = self.apply(function, operand, span, stack, dependencies)?;
+        Ok(match effect {
+            Effect::Push(StackItem::Value(value)) => Ok(value),
+            Effect::Push(_) => Err(Effect::Push(StackItem::Poison)),
+            run @ Effect::Run(..) => {
+                stack.pop();
+                Err(run)
+            }
+        })
+    }
+
+    /// The set of two sets that a step joins.
+    pub(crate) fn joined(
+        &mut self,
+        first: StackItem,
+        second: StackItem,
+        step: SolidStep,
+        span: Span,
+    ) -> Result<StackItem, (SemanticError, Span)> {
+        let (StackItem::Set(first), StackItem::Set(second)) = (first, second) else {
+            return Ok(StackItem::Poison);
+        };
+        match first.joined(*second, step) {
+            Ok(set) => Ok(StackItem::Set(Box::new(set))),
+            Err(error) => Err((error, span)),
+        }
+    }
+
+    /// `set @ v`, `set @ scale v` and `set @ rotate v`.
+    pub(crate) fn placed(
+        &mut self,
+        set: StackItem,
+        by: StackItem,
+        placement: Placement,
+        span: Span,
+    ) -> Result<StackItem, (SemanticError, Span)> {
+        let value = self.value(by)?;
+        let (StackItem::Set(set), Some(value)) = (set, value) else {
+            return Ok(StackItem::Poison);
+        };
+        let in_space = <[NodeId; 3]>::try_from(value.components()).ok();
+        let graph = &mut self.graph;
+        let map = match (placement, in_space, &value) {
+            (Placement::Move, Some(by), _) => AffineNodes::translation(graph, by),
+            (Placement::Rotate, Some(by), _) => AffineNodes::rotation(graph, by),
+            (Placement::Scale, Some(by), _) => AffineNodes::scaling(graph, by),
+            (Placement::Scale, None, Value::Number(by)) => AffineNodes::scaling(graph, [*by; 3]),
+            _ => {
+                let what = match placement {
+                    Placement::Move => "a solid is moved by a vector of dimension 3",
+                    Placement::Scale => {
+                        "a solid is scaled by a number or by one along each of x, y and z"
+                    }
+                    Placement::Rotate => {
+                        "a solid is turned about a vector of dimension 3, by its length"
+                    }
+                };
+                let message = format!("{what}, but this is {}", kind_of(&value));
+                return Err((SemanticError::new(error::NOT_IN_SPACE, message), span));
+            }
+        };
+        self.under(*set, &map, span)
+    }
+
+    /// `set @ f`. The set and the function are put back where the body has to be lowered first.
+    pub(crate) fn image(
+        &mut self,
+        set: StackItem,
+        function: StackItem,
+        span: Span,
+        stack: &mut Vec<StackItem>,
+        dependencies: &mut Dependencies,
+    ) -> Result<Effect, (SemanticError, Span)> {
+        let (StackItem::Set(set), StackItem::Function(function)) = (set, function) else {
+            return Ok(Effect::Push(StackItem::Poison));
+        };
+        let name = self.symbols.name(function.symbol).to_owned();
+        let count = match self.symbols.meaning(function.symbol) {
+            Meaning::Poisoned => return Ok(Effect::Push(StackItem::Poison)),
+            Meaning::Declared(declared) => declared.parameters.len(),
+            _ => 0,
+        };
+        let not_affine = |why: String| {
+            let hint = "a map is a function of 3 numbers such as `function lean(x, y, z) = (x + 0.4z, y, z);`";
+            SemanticError::new(error::NOT_AFFINE, why).with_hint(hint)
+        };
+        if count != 3 {
+            let why = format!(
+                "a solid's image is taken under a function of 3 numbers, and `{name}` is none"
+            );
+            return Err((not_affine(why), span));
+        }
+        let place = [0, 1, 2].map(|k| self.graph.input(Input::Variable(k)));
+        let operand = StackItem::Value(Value::Vector(place.to_vec()));
+        let value = match self.body_at(function, operand, span, stack, dependencies)? {
+            Ok(value) => value,
+            Err(run @ Effect::Run(..)) => {
+                // The function lies on top; the set belongs below it.
+                let function = stack.pop();
+                stack.push(StackItem::Set(set));
+                stack.extend(function);
+                return Ok(run);
+            }
+            Err(poison) => return Ok(poison),
+        };
+        let Ok(image) = <[NodeId; 3]>::try_from(value.components()) else {
+            let why = format!(
+                "the value of a map has dimension 3, but that of `{name}` is {}",
+                kind_of(&value)
+            );
+            return Err((not_affine(why), span));
+        };
+        let map = AffineNodes::of_image(&mut self.graph, image).map_err(|_| (too_large(), span))?;
+        let Some(map) = map else {
+            let why =
+                format!("`{name}` is not affine: a derivative of it depends on its parameters");
+            return Err((not_affine(why), span));
+        };
+        self.under(*set, &map, span).map(Effect::Push)
+    }
+
+    /// A set under a map, which is an error where the map is constant and singular.
+    fn under(
+        &mut self,
+        set: PointSet,
+        map: &AffineNodes,
+        span: Span,
+    ) -> Result<StackItem, (SemanticError, Span)> {
+        let entries = map.0.as_flattened();
+        if self.graph.inputs(entries).is_empty() && AffineNodes::is_singular(&self.numbers(entries))
+        {
+            let numbers = self.numbers(entries);
+            let message = match numbers.iter().all(|number| number.is_finite()) {
+                true => "this map is singular: it flattens the solid",
+                false => "this map is undefined",
+            };
+            return Err((SemanticError::new(error::SINGULAR_MAP, message), span));
+        }
+        let placed = set.placed(&mut self.graph, map);
+        Ok(StackItem::Set(Box::new(placed)))
+    }
+
+    /// The number that a solid is as a function, over the variables of space: min for a union, max for an intersection, and
+    /// the least over all instances. A solid's cuts are not part of it.
+    ///
+    /// # Errors
+    /// The solid has so many leaves or instances that the expression has no room.
+    pub(crate) fn solid_function(
+        &mut self,
+        solid: &DeclaredSolid,
+    ) -> Result<NodeId, SemanticError> {
+        let set = solid.function_set();
+        let graph = &mut self.graph;
+        let mut stack: Vec<Option<NodeId>> = Vec::new();
+        for step in &set.steps {
+            let node = match step {
+                SolidStep::Leaf(leaf) => match set.leaves.get(*leaf as usize) {
+                    Some(leaf) if !leaf.is_cut_alone(graph) => Some(leaf_function(graph, leaf)?),
+                    _ => None,
+                },
+                SolidStep::Instances(grids) => {
+                    let node = stack.pop().flatten();
+                    let closed = solid.set.closed.iter();
+                    let closed: Vec<&ClosedGrid> =
+                        closed.filter(|it| grids.contains(&it.grid)).collect();
+                    match node {
+                        Some(node) => Some(least(graph, node, &closed)?),
+                        None => None,
+                    }
+                }
+                join => {
+                    let (second, first) = (stack.pop().flatten(), stack.pop().flatten());
+                    let negated = |graph: &mut Graph, node: NodeId| graph.neg(node);
+                    match (join, first, second) {
+                        (SolidStep::Union, Some(a), Some(b)) => {
+                            Some(graph.binary(Binary::Min, a, b))
+                        }
+                        (SolidStep::Difference, Some(a), Some(b)) => {
+                            let b = negated(graph, b);
+                            Some(graph.binary(Binary::Max, a, b))
+                        }
+                        (_, Some(a), Some(b)) => Some(graph.binary(Binary::Max, a, b)),
+                        // A part's cuts.
+                        (_, a, b) => a.or(b),
+                    }
+                }
+            };
+            stack.push(node);
+        }
+        stack.pop().flatten().ok_or_else(too_large)
+    }
+}
+
+/// The way in which a value places a set.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Placement {
+    Move,
+    Scale,
+    Rotate,
+}
+
+/// f(M⁻¹q) of a leaf f under M, over the variables of q.
+fn leaf_function(graph: &mut Graph, leaf: &SolidLeaf) -> Result<NodeId, SemanticError> {
+    if leaf.map == AffineNodes::identity(graph) {
+        return Ok(leaf.field);
+    }
+    let place = leaf.map.preimage(graph);
+    let replace = |input| match input {
+        Input::Variable(k) => place.get(k as usize).copied(),
+        Input::Uniform(_) => None,
+    };
+    let found = graph.substitute(&[leaf.field], &replace);
+    let found = found.map_err(|_| too_large())?;
+    found.first().copied().ok_or_else(too_large)
+}
+
+/// The most values of grids over which a solid's least value is written out.
+const MOST_INSTANCES: u64 = 4_096;
+
+/// The least value of a node over all values of grids.
+fn least(graph: &mut Graph, node: NodeId, grids: &[&ClosedGrid]) -> Result<NodeId, SemanticError> {
+    let axes = grids
+        .iter()
+        .flat_map(|grid| (grid.first_uniform..).zip(&grid.axes));
+    let axes: Vec<(u32, &Sampling)> = axes.collect();
+    let count = axes.iter().fold(1, |product: u64, (_, axis)| {
+        product.saturating_mul(u64::from(axis.count))
+    });
+    if count > MOST_INSTANCES {
+        return Err(too_large());
+    }
+    let mut all: Option<NodeId> = None;
+    for index in 0..count {
+        let mut rest = index;
+        let mut values: Vec<(u32, NodeId)> = Vec::with_capacity(axes.len());
+        for (uniform, axis) in axes.iter().rev() {
+            let value = axis.value((rest % u64::from(axis.count)) as u32);
+            rest /= u64::from(axis.count);
+            values.push((*uniform, graph.constant(value)));
+        }
+        let replace = |input| match input {
+            Input::Uniform(k) => values
+                .iter()
+                .find(|(uniform, _)| *uniform == k)
+                .map(|(_, node)| *node),
+            Input::Variable(_) => None,
+        };
+        let found = graph
+            .substitute(&[node], &replace)
+            .map_err(|_| too_large())?;
+        let found = found.first().copied().ok_or_else(too_large)?;
+        all = Some(match all {
+            Some(known) => graph.binary(Binary::Min, known, found),
+            None => found,
+        });
+    }
+    all.ok_or_else(too_large)
+}
+
+pub(crate) fn too_many_leaves(count: u64) -> SemanticError {
+    let message = match count {
+        u64::MAX => {
+            format!("this solid has too many leaves: the limit is {MAX_LEAVES}, instances included")
+        }
+        count => format!(
+            "this solid has {count} leaves, instances included, and the limit is {MAX_LEAVES}"
+        ),
+    };
+    SemanticError::new(error::TOO_MANY_LEAVES, message)
+}

@@ -1,0 +1,248 @@
+//! Solids: from what was read to sets of points.
+
+use std::sync::Arc;
+
+use expr::value::Value;
+use syntax::diagnostic::Related;
+use syntax::geotrace::actions::Declaration;
+use syntax::geotrace::declarations::COORDINATES;
+
+use crate::geotrace::code::Expression;
+use crate::geotrace::declarations::{Declarations, Owner, Understood, kind_of};
+use crate::geotrace::declare::list_span;
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::interval::{DeclaredInterval, Purpose};
+use crate::geotrace::sets::{ClosedGrid, DeclaredSolid, PointSet, too_many_leaves};
+use crate::geotrace::symbol::Meaning;
+use crate::limits::{DEFAULT_SAMPLES, MAX_LEAVES};
+use crate::scene::{Sampling, Shape};
+use crate::solid::{AffineNodes, EVERYWHERE, SolidLeaf, SolidStep};
+
+/// The intervals of x, y and z.
+type Cuts = [Option<Sampling>; 3];
+
+impl Declarations {
+    /// `solid b(x,y,z) = f;` or `solid s = a & b;`
+    pub(crate) fn solid(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let is_set = declaration.parameters.is_empty();
+        let cuts = self.cuts(declaration, intervals);
+        let [body] = self.expressions(intervals)?;
+        let variables = match is_set {
+            true => COORDINATES.len(),
+            false => declaration.parameters.len(),
+        };
+        let (mut set, own) = match is_set {
+            true => self.lowerer.lower_set(body, &mut self.found),
+            false => self.field(declaration, body, variables),
+        };
+        let before = self.found.len();
+        let (attributes, stated) = self.stated(declaration.keyword, variables);
+        let is_sound = self.found.len() == before;
+        let (mut set, cuts) = (set.take()?, cuts?);
+        let dependencies = self.lowerer.dependencies.union(own, stated);
+        let mut uncut = None;
+        if !is_set {
+            for leaf in &mut set.solid.leaves {
+                leaf.cuts = cuts;
+            }
+        } else if cuts.iter().any(Option::is_some) {
+            let graph = &mut self.lowerer.graph;
+            let leaf = SolidLeaf {
+                name: declaration.name.to_owned(),
+                name_span: declaration.name_span,
+                field: graph.constant(EVERYWHERE),
+                cuts,
+                map: AffineNodes::identity(graph),
+                attributes: Vec::new(),
+            };
+            uncut = Some(set.solid.clone());
+            let cut = set.joined(PointSet::leaf(leaf), SolidStep::Intersection);
+            set = self.sound(cut, declaration.name_span)?;
+        }
+        set.state(&attributes);
+        let uncut = uncut.map(|solid| self.closed_at(solid, dependencies));
+        let named = std::mem::take(&mut set.named);
+        set.solid = self.closed_at(set.solid, dependencies);
+        let instances = self.close(&mut set, dependencies);
+        set.size = set.size.saturating_mul(instances);
+        if set.size > MAX_LEAVES {
+            let error = too_many_leaves(set.size);
+            self.found.push(error.at(declaration.name_span));
+            return None;
+        }
+        if !self.is_checker && self.leaves + set.size > MAX_LEAVES {
+            let error = too_many_leaves_in_all(set.size, self.leaves);
+            self.found.push(error.at(declaration.name_span));
+            return None;
+        }
+        let params = self.without_grids(dependencies);
+        let solid = set.solid.clone();
+        let size = set.size;
+        let parameters = match is_set {
+            true => COORDINATES.map(Box::from).into(),
+            false => {
+                let names = declaration.parameters.iter();
+                names
+                    .map(|parameter| parameter.name.as_str().into())
+                    .collect()
+            }
+        };
+        let meaning = Meaning::Solid(Arc::new(DeclaredSolid {
+            set,
+            uncut,
+            parameters,
+            dependencies: params,
+        }));
+        if !is_sound {
+            return None;
+        }
+        let drawn = self.object(declaration, Shape::Solid(solid), params, attributes);
+        let drawn = drawn.map(|mut drawn| {
+            drawn.leaves = size;
+            drawn.named = named;
+            drawn.closed = dependencies;
+            drawn
+        });
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// A solid by a function of two or three numbers.
+    fn field(
+        &mut self,
+        declaration: &Declaration<'_>,
+        body: Expression,
+        variables: usize,
+    ) -> (Option<PointSet>, Dependencies) {
+        let lowered = self.over_variables(body, variables);
+        let dependencies = lowered.dependencies;
+        if !matches!(variables, 2 | 3) {
+            let message = format!(
+                "a solid has the parameters x, y and z, or two for a prism, but `{}` has {variables}",
+                declaration.name
+            );
+            let error = SemanticError::new(error::PARAMETER_COUNT, message);
+            let place = list_span(declaration.parameters, declaration.name_span);
+            self.found.push(error.at(place));
+            return (None, dependencies);
+        }
+        let field = match lowered.value {
+            None => return (None, dependencies),
+            Some(Value::Number(field)) => field,
+            Some(vector) => {
+                let message = format!(
+                    "a solid is where a number is not positive, but this is {}",
+                    kind_of(&vector)
+                );
+                let error = SemanticError::new(error::NOT_A_SOLID, message);
+                let span = self.lowerer.code.span(body);
+                self.found.push(error.at(span));
+                return (None, dependencies);
+            }
+        };
+        let leaf = SolidLeaf {
+            name: declaration.name.to_owned(),
+            name_span: declaration.name_span,
+            field,
+            cuts: [None; 3],
+            map: AffineNodes::identity(&mut self.lowerer.graph),
+            attributes: Vec::new(),
+        };
+        (Some(PointSet::leaf(leaf)), dependencies)
+    }
+
+    /// The intervals of x, y and z; `None` after an error.
+    fn cuts(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Cuts> {
+        let mut cuts: [Option<(Sampling, &DeclaredInterval)>; 3] = [None; 3];
+        let mut is_sound = true;
+        for interval in intervals {
+            let lowerer = &mut self.lowerer;
+            let bounds = interval.bounds(lowerer, Purpose::Domain, &mut self.found);
+            // An unknown tag has been reported.
+            let place = interval.read.tag.and_then(|(position, span)| {
+                let position = position? as usize;
+                Some((position, span, cuts.get_mut(position)?))
+            });
+            let (Some(bounds), Some((position, span, place))) = (bounds, place) else {
+                is_sound = false;
+                continue;
+            };
+            if let Some((_, first)) = place {
+                let name = match declaration.parameters.get(position) {
+                    Some(parameter) => &parameter.name,
+                    None => COORDINATES[position],
+                };
+                let message = format!("the parameter `{name}` has two intervals");
+                let mut error = SemanticError::new(error::DUPLICATE_TAG, message);
+                error.trail.extend(first.read.tag.map(|(_, span)| Related {
+                    span,
+                    message: "its first interval is here".to_owned(),
+                }));
+                self.found.push(error.at(span));
+                is_sound = false;
+                continue;
+            }
+            *place = Some((bounds.sampling(DEFAULT_SAMPLES), interval));
+        }
+        is_sound.then(|| cuts.map(|cut| cut.map(|(sampling, _)| sampling)))
+    }
+
+    /// A set as the union of its instances.
+    fn closed_at(
+        &self,
+        mut solid: crate::solid::Solid,
+        dependencies: Dependencies,
+    ) -> crate::solid::Solid {
+        let (_, grids) = self.sources_of(dependencies);
+        if !grids.is_empty() {
+            solid.steps.push(SolidStep::Instances(grids));
+        }
+        solid
+    }
+
+    /// Notes the grids at which a set closes; returns the number of its instances.
+    fn close(&self, set: &mut PointSet, dependencies: Dependencies) -> u64 {
+        let (_, grids) = self.sources_of(dependencies);
+        let mut instances: u64 = 1;
+        for id in grids {
+            let Some(grid) = self.scene.grids.get(id.0 as usize) else {
+                continue;
+            };
+            for axis in &grid.axes {
+                instances = instances.saturating_mul(u64::from(axis.count));
+            }
+            let closed = ClosedGrid {
+                grid: id,
+                first_uniform: grid.first_uniform,
+                axes: grid.axes.clone(),
+            };
+            if !set.closed.contains(&closed) {
+                set.closed.push(closed);
+            }
+        }
+        instances
+    }
+
+    /// The params of a set of dependencies.
+    fn without_grids(&mut self, dependencies: Dependencies) -> Dependencies {
+        let sources = &self.sources;
+        let is_param = |index: usize| !matches!(sources.get(index), Some(Owner::Grid(_)));
+        let sets = &mut self.lowerer.dependencies;
+        sets.retained(dependencies, |source| is_param(source.0 as usize))
+    }
+}
+
+fn too_many_leaves_in_all(count: u64, others: u64) -> SemanticError {
+    let message = format!(
+        "this solid has {count} leaves, instances included, on top of the {others} of the solids above; the limit is {MAX_LEAVES} in all"
+    );
+    SemanticError::new(error::TOO_MANY_LEAVES, message)
+}

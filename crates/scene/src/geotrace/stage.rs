@@ -1,0 +1,150 @@
+//! Lights, cameras and the background: from what was read to a stage.
+
+use expr::NodeId;
+use expr::value::Value;
+use syntax::geotrace::actions::{Declaration, Operator};
+
+use crate::geotrace::code::Expression;
+use crate::geotrace::declarations::{Declarations, Understood, constant, kind_of};
+use crate::geotrace::declare::list_span;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::interval::DeclaredInterval;
+use crate::geotrace::lowerer::Lowered;
+use crate::scene::Shape;
+use crate::solid::{Background, Camera, Light};
+
+impl Declarations {
+    /// `light l = d;`, `light l = @ p;` or `light l = d @ p;`
+    pub(crate) fn light(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let (direction, position) = match self.expressions(intervals) {
+            Some([direction, position]) => (Some(direction), Some(position)),
+            None => {
+                let [part] = self.expressions(intervals)?;
+                match self.lowerer.code.last_operator(part) {
+                    Some(Operator::Position) => (None, Some(part)),
+                    _ => (Some(part), None),
+                }
+            }
+        };
+        let mut dependencies = crate::geotrace::dependencies::Dependencies::default();
+        let mut part = |declarations: &mut Self, part: Option<Expression>, what| {
+            let Some(part) = part else {
+                return Some((None, None));
+            };
+            let lowered = declarations.constant(part);
+            let sets = &mut declarations.lowerer.dependencies;
+            dependencies = sets.union(dependencies, lowered.dependencies);
+            let nodes = declarations.in_space(part, &lowered, what)?;
+            Some((Some(nodes), Some(lowered)))
+        };
+        let direction = part(self, direction, "a light's direction");
+        let position = part(self, position, "a light's place");
+        let (attributes, stated) = self.stated(declaration.keyword, 0);
+        let ((direction, towards), (position, place)) = (direction?, position?);
+        let all = self.lowerer.dependencies.union(dependencies, stated);
+        let shape = Shape::Light(Light {
+            position,
+            direction,
+        });
+        let drawn = self.object(declaration, shape, all, attributes);
+        let lowered = place.or(towards)?;
+        let meaning = constant(lowered.value?, lowered.dependencies);
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// `camera c = d @ p;`
+    pub(crate) fn camera(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let [direction, position] = self.expressions(intervals)?;
+        let towards = self.constant(direction);
+        let direction = self.in_space(direction, &towards, "a camera's direction");
+        let place = self.constant(position);
+        let position = self.in_space(position, &place, "a camera's place");
+        let (attributes, stated) = self.stated(declaration.keyword, 0);
+        let (direction, position) = (direction?, position?);
+        let sets = &mut self.lowerer.dependencies;
+        let all = sets.union(towards.dependencies, place.dependencies);
+        let all = sets.union(all, stated);
+        let shape = Shape::Camera(Camera {
+            direction,
+            position,
+        });
+        let drawn = self.object(declaration, shape, all, attributes);
+        let meaning = constant(place.value?, place.dependencies);
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// `background b(x,y,z) = c;` or `background b = c;`
+    pub(crate) fn background(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[DeclaredInterval],
+    ) -> Option<Understood> {
+        let count = declaration.parameters.len();
+        let [body] = self.expressions(intervals)?;
+        let lowered = self.over_variables(body, count);
+        let mut is_sound = matches!(count, 0 | 3);
+        if !is_sound {
+            let message = format!(
+                "a background is a function of x, y and z, but `{}` has {count} parameters",
+                declaration.name
+            );
+            let error = SemanticError::new(error::PARAMETER_COUNT, message);
+            let place = list_span(declaration.parameters, declaration.name_span);
+            self.found.push(error.at(place));
+        }
+        if let Some(interval) = intervals.first() {
+            let message = "a background has no intervals: it is seen in every direction";
+            let error = SemanticError::new(syntax::geotrace::codes::UNKNOWN_TAG, message);
+            self.found.push(error.at(interval.read.span));
+            is_sound = false;
+        }
+        let color = self.color(body, &lowered);
+        let (attributes, stated) = self.stated(declaration.keyword, count);
+        if !self.is_checker && self.has_background {
+            let message = format!("`{}` is a second background", declaration.name);
+            let error = SemanticError::new(error::SECOND_BACKGROUND, message)
+                .with_hint("a program has one background: remove one of them");
+            self.found.push(error.at(declaration.name_span));
+            is_sound = false;
+        }
+        let color = color.filter(|_| is_sound)?;
+        let all = self
+            .lowerer
+            .dependencies
+            .union(lowered.dependencies, stated);
+        let shape = Shape::Background(Background { color });
+        let drawn = self.object(declaration, shape, all, attributes);
+        let meaning = match count {
+            0 => constant(lowered.value?, lowered.dependencies),
+            _ => self.keep(declaration, body),
+        };
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// Red, green and blue of a value.
+    fn color(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
+        let value = lowered.value.as_ref()?;
+        if let Value::Number(grey) = value {
+            return Some([*grey; 3]);
+        }
+        if let Ok(color) = <[NodeId; 3]>::try_from(value.components()) {
+            return Some(color);
+        }
+        let message = format!(
+            "a colour is a number or three, but this is {}",
+            kind_of(value)
+        );
+        let error = SemanticError::new(error::ATTRIBUTE_DIMENSION, message);
+        let span = self.lowerer.code.span(body);
+        self.found.push(error.at(span));
+        None
+    }
+}
