@@ -7,7 +7,7 @@ use expr::{Graph, Input, NodeId};
 use render::bounds::Bounds;
 use render::point::WorldPoint;
 use render::sample::{Samples, sample};
-use scene::{ObjectId, Scene, Shape};
+use scene::{ObjectId, Range, Scene, Shape};
 use testing::close::{assert_close, close};
 use testing::draw::{middle, scene};
 use testing::examples;
@@ -112,27 +112,16 @@ fn generated_wgsl_gives_the_value_of_every_case() {
     assert!(wrong.is_empty(), "{} cases differ: {wrong:#?}", wrong.len());
 }
 
-/// The expressions of an object's positions.
-fn roots(shape: &Shape) -> Vec<NodeId> {
-    match shape {
-        Shape::Point { position }
-        | Shape::Curve { position, .. }
-        | Shape::Surface { position, .. } => position.to_vec(),
-        Shape::Vector { direction, origin } => [*origin, *direction].concat(),
-        Shape::Metric { components, .. } => components.to_vec(),
-        Shape::Geodesic {
-            direction, start, ..
-        } => [*direction, *start].concat(),
-    }
-}
-
 /// Points of an object's domain, and its first instance's uniforms: values for each input of its expressions.
 fn rows(scene: &Scene, shape: &Shape, uniforms: &[f64]) -> Vec<Vec<f64>> {
-    let inputs = scene.graph.inputs(&roots(shape));
-    let domains: Vec<_> = match shape {
-        Shape::Point { .. } | Shape::Vector { .. } | Shape::Geodesic { .. } => Vec::new(),
-        Shape::Curve { domain, .. } => vec![*domain],
-        Shape::Surface { domain, .. } | Shape::Metric { domain, .. } => domain.to_vec(),
+    let inputs = scene.graph.inputs(&shape.roots());
+    let space = Range {
+        min: -2.0,
+        max: 2.0,
+    };
+    let domains: Vec<Range> = match shape {
+        Shape::Solid(_) | Shape::Background(_) => vec![space; 3],
+        shape => shape.domain().iter().map(|axis| axis.range).collect(),
     };
     let count = if domains.is_empty() { 1 } else { 50 };
     let mut rows = Vec::new();
@@ -143,7 +132,7 @@ fn rows(scene: &Scene, shape: &Shape, uniforms: &[f64]) -> Vec<Vec<f64>> {
                 // A low-discrepancy sequence, another irrational step for each parameter.
                 let step = [0.618_033_988_749_895, 0.414_213_562_373_095][index as usize % 2];
                 let share = (f64::from(k) * step + 0.1).fract();
-                let range = domains[index as usize].range;
+                let range = domains[index as usize];
                 f64::from((range.min + share * (range.max - range.min)) as f32)
             }
         });
@@ -163,7 +152,7 @@ fn generated_wgsl_agrees_with_f64_on_every_example() {
                 .into_iter()
                 .map(|number| f64::from(number as f32))
                 .collect();
-            let roots = roots(&object.shape);
+            let roots = object.shape.roots();
             let rows = rows(&scene, &object.shape, &uniforms);
             let single: Vec<Vec<f32>> = rows
                 .iter()
@@ -192,7 +181,7 @@ fn tape_and_blocks_agree_on_every_example() {
         let settings = middle(&scene);
         for object in &scene.objects {
             let uniforms = settings.first_instance(&scene, object);
-            let roots = roots(&object.shape);
+            let roots = object.shape.roots();
             let rows = rows(&scene, &object.shape, &uniforms);
             let tape = Tape::new(&scene.graph, &roots);
             let mut registers = Registers::default();
@@ -232,7 +221,7 @@ fn the_samples_that_are_drawn_are_the_values_of_the_tape() {
             }
             let samples = sample(&scene, &settings, ObjectId(index as u32), &placement);
             let uniforms = settings.first_instance(&scene, object);
-            let tape = Tape::new(&scene.graph, &roots(&object.shape));
+            let tape = Tape::new(&scene.graph, &object.shape.roots());
             let mut registers = Registers::default();
             let mut out = vec![0.0; tape.root_count()];
             let mut at = |variables: &[f64]| {

@@ -98,8 +98,8 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
                 "the values {intervals}: what depends on it is drawn once for each"
             ));
         }
-        Category::Constant => text.extend(value(analysis, item)),
-        Category::Function => {}
+        Category::Constant | Category::Stage => text.extend(value(analysis, item)),
+        Category::Function | Category::Solid => {}
         Category::Curve | Category::Surface | Category::Metric => {
             let lines = item.parameters().filter_map(|(name, _)| {
                 let interval = interval_of(analysis, item, name)?;

@@ -28,7 +28,11 @@ fn kind(category: Category) -> OutlineKind {
         Category::Slider | Category::Grid => OutlineKind::Variable,
         Category::Constant => OutlineKind::Constant,
         Category::Function => OutlineKind::Function,
-        Category::Curve | Category::Surface | Category::Metric => OutlineKind::Object,
+        Category::Curve
+        | Category::Surface
+        | Category::Metric
+        | Category::Solid
+        | Category::Stage => OutlineKind::Object,
     }
 }
 

@@ -86,6 +86,8 @@ fn category_modifier(category: Option<Category>) -> Modifiers {
         Some(Category::Surface | Category::Metric) => Modifiers::SURFACE,
         Some(Category::Grid) => Modifiers::GRID,
         Some(Category::Slider) => Modifiers::PARAM,
-        Some(Category::Constant | Category::Function) => Modifiers::default(),
+        Some(Category::Constant | Category::Function | Category::Solid | Category::Stage) => {
+            Modifiers::default()
+        }
     }
 }

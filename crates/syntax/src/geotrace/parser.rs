@@ -259,7 +259,11 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                     if let Some((span, first)) = ended
                         && !self.state.quiet
                     {
-                        self.report(messages::bad_characters(self.source, span, first));
+                        let mut diagnostic = messages::bad_characters(self.source, span, first);
+                        if self.state.is_of_space && matches!(first, '|' | '&' | '\\') {
+                            diagnostic.hint = Some(messages::SET_HINT.to_owned());
+                        }
+                        self.report(diagnostic);
                     }
                     run = match fault {
                         Some(Fault::Character(first)) => Some((token.span, first)),

@@ -28,13 +28,21 @@ pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword
 
 /// The hint for a word that sets how things look in other languages.
 pub(super) fn style(word: &str) -> Option<&'static str> {
-    const WORDS: [&str; 12] = [
-        "color", "colour", "texture", "style", "camera", "view", "plot", "draw", "show", "hide",
-        "label", "width",
-    ];
-    WORDS.contains(&word).then_some(
-        "a program says what there is: colours, textures and cameras are set in the window or by options of `geotrace render`",
-    )
+    Some(match word {
+        "color" | "colour" => {
+            "a colour stands in the declaration of what has it: `point p = (1, 2, 3), color : (1, 0, 0);`"
+        }
+        "texture" => {
+            "an image stands in the declaration of what has it: `surface s(u, v) = …, image : earth;`"
+        }
+        "view" => {
+            "a program says what there is: write `camera eye = direction @ place;` for a view"
+        }
+        "style" | "plot" | "draw" | "show" | "hide" | "label" | "width" => {
+            "a program says what there is: all that it declares is drawn, and attributes such as `, color : 0.5` say how"
+        }
+        _ => return None,
+    })
 }
 
 /// The sign that begins a comment in another language, if the text begins with one.

@@ -4,6 +4,7 @@ use super::deferred::Deferred;
 use super::{Parser, Stop, foreign};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
+use crate::geotrace::attributes::{self, AttributeWord};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::Fault;
@@ -65,6 +66,9 @@ pub(super) fn bad_characters(source: &str, span: Span, first: char) -> Diagnosti
         None => diagnostic,
     }
 }
+
+/// The hint at a sign of sets in an expression of a solid.
+pub(super) const SET_HINT: &str = "a set names solids and lists no parameters: `solid s = a | b;`; functions are joined by `min(f, g)` and `max(f, g)`";
 
 /// The hint at a comment of another language.
 const COMMENT: &str = "a comment begins with `#`";
@@ -139,7 +143,8 @@ fn substitute(character: char) -> Option<&'static str> {
         '√' => "write `sqrt`",
         '|' => "write `abs x` for a number, and `sqrt*v` for the length of a vector",
         '\\' => "names have no backslash before them: `cos`, `pi`",
-        '!' | '%' | '&' | '?' | '~' | '$' => "the operators are `+ - * / ^ _ '`",
+        '&' => "write `max(a, b)` for what both functions bound; `a & b` is a set of solids",
+        '!' | '%' | '?' | '~' | '$' => "the operators are `+ - * / ^ _ '`",
         '\u{FEFF}' | '\u{200B}'..='\u{200F}' => "remove it",
         _ if character.is_whitespace() => "use an ordinary space",
         _ => return None,
@@ -291,6 +296,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject(diagnostic);
     }
 
+    /// Returns true if the word of an attribute and a `:` follow the current token.
+    fn is_before_attribute(&self) -> bool {
+        let rest = self.source[self.current.span.end as usize..].trim_start();
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric());
+        let (word, rest) = rest.split_at(end.unwrap_or(rest.len()));
+        AttributeWord::from_text(word).is_some() && rest.trim_start().starts_with(':')
+    }
+
     /// Rejects the current token in the place of the `;` that ends a declaration.
     pub(super) fn expected_end(&mut self, keyword: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
@@ -316,6 +329,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),
             ),
+            TokenKind::Comma
+                if attributes::of(keyword).next().is_none() && self.is_before_attribute() =>
+            {
+                self.expected_diagnostic("`;`").with_hint(format!(
+                    "a `{}` has no attributes: what is drawn has",
+                    keyword.text()
+                ))
+            }
             TokenKind::Comma if keyword == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
                 .with_hint("a function has no intervals: a `curve` or a `surface` has"),
@@ -324,7 +345,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 .with_hint("a tuple is written in brackets: `(1, 2)`"),
             TokenKind::At => self
                 .expected_diagnostic("`;`")
-                .with_hint("only a `vector` and a `geodesic` have an origin"),
+                .with_hint("a place stands behind `@` in a `vector`, a `geodesic`, a `light`, a `camera` and a set"),
             TokenKind::Prime => self
                 .expected_diagnostic("`;`")
                 .with_hint("only a function has a derivative: write `f' x`, not `(f x)'`"),

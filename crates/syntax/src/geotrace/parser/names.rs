@@ -350,6 +350,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 },
             );
         }
+        if AttributeWord::from_text(whole).is_some()
+            && self.following(self.lexer.word().end) == Some(b':')
+        {
+            return Some(format!(
+                "an attribute stands behind a `,`: write {}",
+                quote(&format!(", {whole} : …"))
+            ));
+        }
         let front = self.source[..self.current.span.start as usize].trim_end();
         if word == whole && front.ends_with("//") {
             return Some("a comment begins with `#`".to_owned());
