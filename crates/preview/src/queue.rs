@@ -61,6 +61,16 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         self.shared.1.notify_one();
     }
 
+    /// Puts a value back that was taken, unless a newer one with the same key waits.
+    pub(crate) fn restore(&self, rank: u8, key: K, value: V) {
+        let mut entries = self.lock();
+        if !entries.waiting.contains_key(&key) {
+            entries.turn += 1;
+            let turn = entries.turn;
+            entries.waiting.insert(key, (rank, turn, value));
+        }
+    }
+
     /// Drops the waiting value with a key.
     pub(crate) fn remove(&self, key: &K) {
         self.lock().waiting.remove(key);
@@ -130,6 +140,19 @@ mod tests {
         queue.close();
         let taken: Vec<_> = std::iter::from_fn(|| queue.take()).collect();
         assert_eq!(taken, [("first", 4), ("a", 3), ("b", 2)]);
+    }
+
+    #[test]
+    fn a_value_that_is_put_back_gives_way_to_a_newer_one_and_to_those_of_lower_ranks() {
+        let queue = LatestQueue::default();
+        queue.push(1, "a", 1);
+        let (key, value) = queue.take().expect("a value");
+        queue.push(1, "b", 2);
+        queue.restore(2, key, value);
+        queue.restore(2, "b", 3);
+        queue.close();
+        let taken: Vec<_> = std::iter::from_fn(|| queue.take()).collect();
+        assert_eq!(taken, [("b", 2), ("a", 1)]);
     }
 
     #[test]

@@ -32,7 +32,8 @@ pub use path::CameraPath;
 pub(crate) use program::Compiled;
 pub use program::Finding;
 pub use view::{
-    Animation, Choice, Look, Marks, Opening, Preferences, SCALES, Theme, View, WAVEFRONTS,
+    Animation, Choice, Look, MOST_SAMPLES, Marks, Opening, Preferences, SCALES, Theme, View,
+    WAVEFRONTS,
 };
 
 /// A sentence for the status line.

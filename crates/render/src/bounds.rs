@@ -5,13 +5,19 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
+use geometry::solids::{RayScene, RaySceneOptions};
+use glam::DVec3;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
+use tracer::Ray;
 
 use crate::closed::ClosedSurface;
 use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
+
+/// The rays along each axis that look for a solid, in a row.
+const RAYS: usize = 20;
 
 /// Coarse samples of one object.
 const SAMPLES: usize = 40_000;
@@ -130,6 +136,12 @@ impl Bounds {
 impl ObjectCloud {
     /// Samples an object coarsely.
     pub(crate) fn new(scene: &Scene, params: &ParamValues, object: &Object) -> Self {
+        if object.shape.solid().is_some() {
+            return Self {
+                points: solid_points(scene, params, object),
+                ..Self::default()
+            };
+        }
         let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
             (Some(position), _) => position.to_vec(),
             (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
@@ -172,6 +184,43 @@ impl ObjectCloud {
             counts,
         }
     }
+}
+
+/// Places on a solid that rays along the axes find; none on an endless one.
+fn solid_points(scene: &Scene, params: &ParamValues, solid: &Object) -> Vec<[f64; 3]> {
+    let options = RaySceneOptions {
+        shown: &|_| true,
+        color: &|_| DVec3::ONE,
+        thickness: None,
+    };
+    let rays = RayScene::of_solid(scene, params, &options, solid);
+    let world = rays.world();
+    let Some(bounds) = (world.solid_count() > 0).then(|| world.bounds(0)).flatten() else {
+        return Vec::new();
+    };
+    if bounds.is_empty() {
+        return Vec::new();
+    }
+    let size = bounds.upper - bounds.lower;
+    let cells = (0..3).flat_map(|axis| (0..RAYS * RAYS).map(move |cell| (axis, cell)));
+    let mut points = Vec::new();
+    let mut caster = world.caster();
+    for (axis, cell) in cells {
+        let share = |k: usize| (k as f64 + 0.5) / RAYS as f64;
+        let mut origin = bounds.lower;
+        origin[axis] -= 0.5 * size[axis].max(f64::MIN_POSITIVE);
+        origin[(axis + 1) % 3] += size[(axis + 1) % 3] * share(cell % RAYS);
+        origin[(axis + 2) % 3] += size[(axis + 2) % 3] * share(cell / RAYS);
+        let ray = Ray {
+            origin,
+            direction: DVec3::AXES[axis],
+            leaving: None,
+        };
+        let found = caster.cast(&ray).iter();
+        points.extend(found.map(|crossing| crossing.position.to_array()));
+    }
+    points.retain(|point| point.iter().all(|x| x.is_finite()));
+    points
 }
 
 /// The interval of the values without outliers.

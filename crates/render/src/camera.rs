@@ -199,6 +199,17 @@ impl Camera {
         ]))
     }
 
+    /// The depth in clip space of a place in drawing units; 1 for what lies before the near plane, or behind the eye.
+    pub(crate) fn depth_of(&self, place: DrawingPoint) -> f32 {
+        let at = self.view().transform_point3(DVec3::from(place.0));
+        let depth = match self.parallel {
+            None if -at.z > self.near => self.near / -at.z,
+            None => 1.0,
+            Some(parallel) => 0.5 + 0.5 * (at.z + parallel.distance) / parallel.reach,
+        };
+        depth as f32
+    }
+
     /// The tangents of half the field of view, across and up.
     pub fn half_tangents(&self) -> [f64; 2] {
         let tangent = (0.5 * style::FIELD_OF_VIEW).tan();

@@ -11,7 +11,9 @@ use std::sync::Arc;
 use expr::graph::Node;
 use expr::{Graph, Input, NodeId};
 use scene::ParamValues;
-use scene::{GeodesicValue, Object, ObjectId, Sampling, Scene, Shape};
+use scene::{
+    AttributeValue, GeodesicValue, Object, ObjectId, Sampling, Scene, Shape, Solid, SolidStep,
+};
 
 use crate::placement::Placement;
 
@@ -212,9 +214,45 @@ impl<'a> Writer<'a> {
         self.text(shape.kind());
         self.words
             .extend(shape.domain().iter().flat_map(sampling_words));
+        if let Some(solid) = shape.solid() {
+            self.solid(solid);
+        }
         for root in shape.roots() {
             let number = self.node(root);
             self.words.extend([WordTag::Root as u64, number]);
+        }
+    }
+
+    /// A solid's set, and what its leaves have beside expressions.
+    fn solid(&mut self, solid: &Solid) {
+        for step in &solid.steps {
+            match step {
+                SolidStep::Leaf(leaf) => self.words.extend([0, u64::from(*leaf)]),
+                SolidStep::Union => self.words.push(1),
+                SolidStep::Intersection => self.words.push(2),
+                SolidStep::Difference => self.words.push(3),
+                SolidStep::Instances(grids) => {
+                    self.words.extend([4, grids.len() as u64]);
+                    self.words
+                        .extend(grids.iter().map(|grid| u64::from(grid.0)));
+                }
+            }
+        }
+        for leaf in &solid.leaves {
+            // Notes name the leaf.
+            self.text(&leaf.name);
+            for cut in &leaf.cuts {
+                let words = cut.as_ref().map_or([u64::MAX; 3], sampling_words);
+                self.words.extend(words);
+            }
+            for attribute in &leaf.attributes {
+                self.text(attribute.word);
+                match &attribute.value {
+                    AttributeValue::Numbers(nodes) => self.words.push(nodes.len() as u64),
+                    AttributeValue::Word(word) => self.text(word),
+                }
+                self.words.push(u64::from(attribute.map.is_some()));
+            }
         }
     }
 

@@ -18,6 +18,12 @@ pub struct WorkCounters {
     /// Rows of up to eight pixels of which the distances to a straight piece of a line over a geodesic view were
     /// computed.
     pub distances: u64,
+    /// Worlds of solids that were prepared for rays.
+    pub worlds: u64,
+    /// Rays of the 3D view that were cast at solids.
+    pub rays: u64,
+    /// Samples of pixels of traced pictures.
+    pub traced: u64,
 }
 
 /// The counts that grow on many threads at once.
@@ -25,6 +31,8 @@ pub struct WorkCounters {
 pub(crate) struct PixelCounters {
     ends: AtomicU64,
     distances: AtomicU64,
+    rays: AtomicU64,
+    traced: AtomicU64,
 }
 
 impl PixelCounters {
@@ -38,9 +46,21 @@ impl PixelCounters {
         self.distances.fetch_add(count, Ordering::Relaxed);
     }
 
+    /// Adds rays that were cast at solids.
+    pub(crate) fn count_rays(&self, count: u64) {
+        self.rays.fetch_add(count, Ordering::Relaxed);
+    }
+
+    /// Adds samples of pixels that were traced.
+    pub(crate) fn count_traced(&self, count: u64) {
+        self.traced.fetch_add(count, Ordering::Relaxed);
+    }
+
     /// Writes them into counters.
     pub(crate) fn write(&self, counters: &mut WorkCounters) {
         counters.ends = self.ends.load(Ordering::Relaxed);
         counters.distances = self.distances.load(Ordering::Relaxed);
+        counters.rays = self.rays.load(Ordering::Relaxed);
+        counters.traced = self.traced.load(Ordering::Relaxed);
     }
 }

@@ -45,6 +45,8 @@ pub enum RenderError {
     Camera(String),
     /// The picture's size is not between 1×1 and [`MAX_SIDE`]×[`MAX_SIDE`].
     Size([u32; 2]),
+    /// The picture was given up for something newer.
+    Interrupted,
     /// The factor of widths and of words is not one of [`crate::request::SCALES`].
     Scale(f32),
     /// A fault of this program: generated text did not pass validation.
@@ -78,6 +80,7 @@ impl fmt::Display for RenderError {
                 "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
             ),
             Self::Camera(sentence) => write!(f, "{sentence}"),
+            Self::Interrupted => write!(f, "the picture was given up for a newer one"),
             Self::Size([width, height]) => {
                 write!(
                     f,

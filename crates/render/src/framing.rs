@@ -4,8 +4,11 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use geometry::solids::{RayScene, RaySceneOptions};
+use glam::DVec3;
 use rayon::prelude::*;
 use scene::ObjectId;
+use tracer::camera::LensCamera;
 
 use crate::bounds::{Bounds, ObjectCloud};
 use crate::camera::Camera;
@@ -14,6 +17,7 @@ use crate::error::RenderError;
 use crate::overlay::AxesBox;
 use crate::point::WorldPoint;
 use crate::request::PictureRequest;
+use crate::request::part::SpaceOptions;
 use crate::viewpoint::Viewpoint;
 
 /// The bounds are kept while the scene stays in a ball of so many of their radii …
@@ -191,6 +195,8 @@ fn with_room_for_axes(
     viewpoint: &Viewpoint,
     request: &PictureRequest,
 ) -> Result<Camera, RenderError> {
+    let declared = declared_viewpoint(bounds, viewpoint, request);
+    let viewpoint = declared.as_ref().unwrap_or(viewpoint);
     let camera = Camera::new(bounds, viewpoint, request.size)?;
     let corners = corners.filter(|_| request.overlays.axes);
     Ok(match corners {
@@ -198,6 +204,47 @@ fn with_room_for_axes(
             AxesBox::new(camera, corners).extent(camera, request.scale)
         }),
         None => camera,
+    })
+}
+
+/// The declared camera that the options of a view in space name, else the first one.
+pub(crate) fn declared_camera(rays: &RayScene, options: &SpaceOptions) -> Option<LensCamera> {
+    let mut cameras = rays.cameras().iter();
+    let found = match &options.declared {
+        Some(name) => cameras.find(|camera| camera.name == *name),
+        None => cameras.next(),
+    };
+    found.map(|camera| camera.lens)
+}
+
+/// The place of the camera that the scene declares, for a viewpoint that has none. Its target lies before it as deep as the
+/// middle of the scene.
+fn declared_viewpoint(
+    bounds: &Bounds,
+    viewpoint: &Viewpoint,
+    request: &PictureRequest,
+) -> Option<Viewpoint> {
+    if viewpoint.eye.is_some() || viewpoint.target.is_some() || request.scene.stage.is_empty() {
+        return None;
+    }
+    let options = RaySceneOptions {
+        shown: &|_| false,
+        color: &|_| DVec3::ONE,
+        thickness: None,
+    };
+    let rays = RayScene::new(&request.scene, &request.params, &options);
+    let lens = declared_camera(&rays, request.view.space()?)?;
+    let ahead = lens.direction.normalize_or_zero();
+    let depth = (DVec3::from(bounds.placement.centre) - lens.position).dot(ahead);
+    let depth = if depth > 0.1 * bounds.placement.radius {
+        depth
+    } else {
+        lens.direction.length()
+    };
+    let target = lens.position + depth * ahead;
+    Some(Viewpoint {
+        projection: viewpoint.projection,
+        ..Viewpoint::new(lens.position.to_array(), target.to_array())
     })
 }
 

@@ -22,6 +22,7 @@ mod platform;
 mod points;
 pub(crate) mod renderer;
 mod samples;
+mod solids;
 mod space;
 mod surfaces;
 mod vectors;

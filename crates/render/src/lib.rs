@@ -33,6 +33,7 @@ pub mod sample;
 mod sample_store;
 pub mod shared;
 pub mod software;
+mod solids;
 pub mod style;
 pub mod texture;
 pub mod trail;

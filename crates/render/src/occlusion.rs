@@ -1,25 +1,32 @@
-//! The surfaces that lie before a place of the 3D view, for labels: coarse grids of the surfaces' places and a camera flow
-//! in; for a place, whether it is hidden flows out.
+//! The surfaces and solids that lie before a place of the 3D view, for labels: coarse grids of the surfaces' places, solids
+//! and a camera flow in; for a place, whether it is hidden flows out.
 //!
 //! The grids are those that frame the scene, so that both backends have them without a look at the picture. They are off
 //! by a few thousandths of the surface's size, and a place is hidden only by what is clearly before it.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use scene::ObjectId;
+use tracer::Ray;
 
 use crate::bounds::ObjectCloud;
 use crate::camera::Camera;
+use crate::placement::Placement;
 use crate::point::{DrawingPoint, WorldPoint};
+use crate::solids::SolidScene;
 
 /// A surface hides what lies behind it by more than this, in drawing units.
 const CLEAR: f64 = 0.02;
 
-/// The surfaces of a scene as a camera sees them.
+/// The surfaces and solids of a scene as a camera sees them.
 pub(crate) struct Occlusion {
     eye: DVec3,
     /// The direction to the eye of a camera whose lines of sight are parallel.
     parallel: Option<DVec3>,
     strips: Vec<RowPair>,
+    solids: Option<Arc<SolidScene>>,
+    placement: Placement,
 }
 
 /// The cells between two rows of a grid.
@@ -64,10 +71,18 @@ impl Occlusion {
             eye: camera.eye,
             parallel: camera.parallel.map(|_| camera.axes[2]),
             strips,
+            solids: None,
+            placement: camera.placement,
         }
     }
 
-    /// Returns true if a surface lies between a place and the eye, other than the one that it is the edge of.
+    /// Returns it with solids, which hide what lies behind them too.
+    #[must_use]
+    pub(crate) fn with_solids(self, solids: Option<Arc<SolidScene>>) -> Self {
+        Self { solids, ..self }
+    }
+
+    /// Returns true if a surface or a solid lies between a place and the eye, other than the one that it is the edge of.
     pub(crate) fn hides(&self, place: DrawingPoint, except: Option<ObjectId>) -> bool {
         let place = DVec3::from(place.0);
         let to_eye = self.eye - place;
@@ -86,6 +101,24 @@ impl Occlusion {
         let others = |strip: &&RowPair| Some(strip.object) != except;
         let mut strips = self.strips.iter().filter(others);
         strips.any(|strip| sight.meets_box(strip.corners) && strip.meets(&sight))
+            || self.is_behind_solid(&sight, except)
+    }
+
+    /// Returns true if another solid lies on a line of sight.
+    fn is_behind_solid(&self, sight: &Sight, except: Option<ObjectId>) -> bool {
+        let Some(solids) = &self.solids else {
+            return false;
+        };
+        let WorldPoint(origin) = self.placement.world(DrawingPoint(sight.from.to_array()));
+        let ray = Ray {
+            origin: origin.into(),
+            direction: self.placement.radius * sight.towards,
+            leaving: None,
+        };
+        let mut caster = solids.world().caster();
+        let met = caster.cast(&ray).iter();
+        let mut others = met.filter(|it| solids.objects().get(it.solid).copied() != except);
+        others.any(|crossing| crossing.t < sight.length)
     }
 }
 

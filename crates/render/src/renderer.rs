@@ -32,7 +32,7 @@ use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::{Backend, PictureRequest};
 use crate::shared::Shared;
 use crate::texture::Texture;
-use crate::view::{Hit, SharedState, ViewId, ViewRenderer, Views};
+use crate::view::{Hit, Interrupt, SharedState, ViewId, ViewRenderer, Views};
 
 /// Pictures that are kept, each of another view.
 const KEPT: usize = 6;
@@ -152,6 +152,14 @@ impl Renderer {
         if let Some(gpu) = &mut self.shared.gpu {
             gpu.kernels_pay_from(operations);
         }
+        self
+    }
+
+    /// Returns the renderer with a question that it asks while a picture that takes long is drawn: whether to give it up,
+    /// with [`RenderError::Interrupted`]. What has been found of it is kept for the next picture.
+    #[must_use]
+    pub fn with_interrupt(mut self, interrupt: Interrupt) -> Self {
+        self.shared.interrupt = interrupt;
         self
     }
 

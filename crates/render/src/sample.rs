@@ -79,6 +79,8 @@ pub enum Painter {
     Curves,
     /// Lit, textured triangles.
     Surfaces,
+    /// Rays.
+    Solids,
 }
 
 impl Painter {
@@ -90,11 +92,10 @@ impl Painter {
             Shape::Curve { .. } => Some(Self::Curves),
             Shape::Surface { .. } => Some(Self::Surfaces),
             Shape::Geodesic { .. } => scene.is_in_space(object).then_some(Self::Curves),
-            Shape::Metric { .. }
-            | Shape::Solid(_)
-            | Shape::Light(_)
-            | Shape::Camera(_)
-            | Shape::Background(_) => None,
+            Shape::Solid(_) => Some(Self::Solids),
+            Shape::Metric { .. } | Shape::Light(_) | Shape::Camera(_) | Shape::Background(_) => {
+                None
+            }
         }
     }
 }

@@ -20,6 +20,6 @@ mod surfaces;
 mod vectors;
 
 pub use pick::{NEAR, Picked, pick};
-pub(crate) use space::draw_with_depths;
 pub use space::{Drawable, draw};
+pub(crate) use space::{draw_beside, draw_with_depths};
 pub(crate) use strokes::strokes;

@@ -41,6 +41,9 @@ const GREEN: [u8; 3] = [0, 205, 120];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
+/// Solids, sRGB: those that state no colour.
+pub const SOLID_COLOUR: [u8; 3] = [224, 219, 209];
+
 /// The colour that is mixed into a highlighted object, sRGB: unlike the colours above.
 pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
 /// The share of it in a highlighted object.
@@ -263,9 +266,9 @@ pub fn colours(scene: &Scene, theme: Theme, shows_curvature: bool) -> Vec<[u8; 3
         Shape::Curve { .. } | Shape::Geodesic { .. } => {
             curves.next().copied().unwrap_or(point_colour)
         }
+        Shape::Solid(_) => SOLID_COLOUR,
         Shape::Surface { .. }
         | Shape::Metric { .. }
-        | Shape::Solid(_)
         | Shape::Light(_)
         | Shape::Camera(_)
         | Shape::Background(_) => SURFACE_COLOUR,

@@ -12,8 +12,9 @@
 pub mod geodesic;
 mod shared_state;
 pub mod space;
+pub mod traced;
 
-pub use shared_state::SharedState;
+pub use shared_state::{Interrupt, SharedState};
 
 use std::fmt;
 use std::sync::Arc;
@@ -58,6 +59,18 @@ pub trait View: fmt::Debug + Send + Sync {
     /// A sentence about a scene of which it shows no object.
     fn nothing(&self) -> &'static str {
         "Nothing to show"
+    }
+
+    /// The view in whose pane it is shown, of a view that has none of its own: another way to see what that one shows.
+    fn instead_of(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// The options of a first picture with a name behind the view's: by default that of the object that it is of. `None` if
+    /// the scene has nothing of this name that the view takes.
+    fn options_of(&self, scene: &Scene, name: &str) -> Option<ViewPart> {
+        let (id, _) = scene.object(name)?;
+        self.is_of_object().then(|| self.options(Some(id)))
     }
 
     /// The options of a first picture: of this object, if it is of one. A view of an object that is given none takes one
@@ -149,6 +162,8 @@ pub struct Hit {
     pub parameters: [f64; 2],
     /// The number of the object's instance, from 0.
     pub instance: u64,
+    /// Of a solid, the leaf whose surface it is: a position in [`scene::Solid::leaves`].
+    pub leaf: Option<usize>,
     /// In a geodesic view, the polar coordinates of the place about the camera: the length of the pixel's geodesic, and its
     /// angle in (−π, π] from the picture's right towards its up.
     pub polar: Option<[f64; 2]>,
@@ -248,6 +263,7 @@ impl Views {
         Self(vec![
             Arc::new(space::SpaceView),
             Arc::new(geodesic::GeodesicView),
+            Arc::new(traced::TracedView),
         ])
     }
 
@@ -267,7 +283,7 @@ impl Views {
     /// The views that a scene has: those of the whole scene, and of each object those that show it.
     pub fn of_scene(&self, scene: Option<&Scene>) -> Vec<ViewId> {
         let mut ids = Vec::new();
-        for view in self.iter() {
+        for view in self.iter().filter(|view| view.instead_of().is_none()) {
             if !view.is_of_object() {
                 ids.push(ViewId::of_scene(view.name()));
             } else if let Some(scene) = scene {
@@ -282,11 +298,15 @@ impl Views {
     /// The options of a first picture of a view; `None` if there is no such view of this scene.
     pub fn options(&self, id: &ViewId, scene: &Scene) -> Option<ViewPart> {
         let view = self.get(&id.kind)?;
-        let object = match &id.object {
-            Some(name) => Some(scene.object(name)?.0),
-            None => None,
-        };
-        (object.is_some() == view.is_of_object()).then(|| view.options(object))
+        match &id.object {
+            Some(name) => view.options_of(scene, name),
+            None => (!view.is_of_object()).then(|| view.options(None)),
+        }
+    }
+
+    /// The view that is shown in the pane of another one, in its place.
+    pub fn instead_of(&self, name: &str) -> Option<&dyn View> {
+        self.iter().find(|view| view.instead_of() == Some(name))
     }
 
     /// The title of a view, and behind `between` the name of the object that it is of: "Geodesic view of s".

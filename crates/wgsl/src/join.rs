@@ -109,7 +109,7 @@ pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
             return Err(InternalError { message, source });
         }
     };
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::MULTISAMPLED_SHADING);
     if let Err(error) = validator.validate(&module) {
         let line = error.location(&source).map(|at| at.line_number);
         let mut sentence = error.to_string();

@@ -78,5 +78,7 @@ pub const PASS_DRAW_VECTORS: Piece<'static> = piece!("pass/draw_vectors.wgsl");
 pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
 /// Painter of surfaces.
 pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
+/// Painter of solids.
+pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 /// The pass from a table of polynomials to colours.
 pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");

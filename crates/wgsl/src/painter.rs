@@ -29,6 +29,11 @@ pub fn surfaces() -> Result<Joined, InternalError> {
     ])
 }
 
+/// Light and depth of solids.
+pub fn solids() -> Result<Joined, InternalError> {
+    join(&[library::PASS_DRAW_SOLIDS])
+}
+
 /// The pass from a table of polynomials to colours.
 pub fn resolve_patchwork() -> Result<Joined, InternalError> {
     let pass = library::PASS_RESOLVE_PATCHWORK;

@@ -255,6 +255,7 @@ fn painter(painter: Painter) -> &'static str {
         Painter::Vectors => "vectors",
         Painter::Curves => "curves",
         Painter::Surfaces => "surfaces",
+        Painter::Solids => "solids",
     }
 }
 

@@ -367,6 +367,10 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("`--backend auto` takes the software path where there is no GPU".into()),
         },
+        RenderError::Interrupted => Failure::Input {
+            message,
+            hint: None,
+        },
         RenderError::Gpu(_) => Failure::Input {
             message,
             hint: Some("`--backend software` draws without it".into()),

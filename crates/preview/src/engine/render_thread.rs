@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use render::counters::WorkCounters;
 use render::rendered::RenderedImage;
-use render::view::Hit;
+use render::view::{Hit, Interrupt};
 use render::{PictureRequest, Renderer, ViewId};
 
 use crate::channel::EventSender;
@@ -91,6 +91,7 @@ enum Rank {
     Frame,
     Draw,
     Pointer,
+    Refine,
 }
 
 /// A job for the thread.
@@ -126,8 +127,10 @@ impl RenderThread {
 
     /// Asks for a picture, in the place of one of the same pane that has not been begun.
     pub(crate) fn draw(&self, pane: ViewId, request: VersionedRequest) {
+        let refines = request.picture.view.samples().is_some_and(|it| it > 1);
+        let rank = if refines { Rank::Refine } else { Rank::Draw };
         let job = Job::Draw(Box::new(request));
-        self.queue.push(Rank::Draw as u8, JobKey::Pane(pane), job);
+        self.queue.push(rank as u8, JobKey::Pane(pane), job);
     }
 
     /// Drops the request of a pane that has not been begun.
@@ -173,11 +176,13 @@ impl Drop for RenderThread {
 }
 
 fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
-    let mut worker = Worker::new(renderer);
+    let waiting = queue.clone();
+    let interrupt = Interrupt::new(move || waiting.next_key().is_some());
+    let mut worker = Worker::new(renderer, interrupt);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
-            (JobKey::Pane(pane), Job::Draw(request)) => Some(worker.draw(pane, request)),
+            (JobKey::Pane(pane), Job::Draw(request)) => worker.draw(pane, request),
             (_, Job::Pick(request, at, purpose)) => Some(worker.pick(request, *at, *purpose)),
             (_, Job::Frame(request)) => worker.frame(request),
             _ => None,
@@ -188,6 +193,11 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 continue;
             }
             (Ok(Some(event)), ..) => event,
+            // Given up for what waits: it is drawn later, unless a newer one is asked for.
+            (Ok(None), key @ JobKey::Pane(_), job) => {
+                queue.restore(Rank::Refine as u8, key, job);
+                continue;
+            }
             (Ok(None), ..) => continue,
             (Err(_), JobKey::Pane(pane), Job::Draw(request)) => {
                 worker.leave_gpu();

@@ -26,7 +26,12 @@ pub(crate) fn picture_request(
     moving: bool,
 ) -> Option<PictureRequest> {
     let scene = model.scene.clone()?;
-    let mut view = views.options(id, &scene)?;
+    let other = views.instead_of(&id.kind);
+    let other = other.filter(|_| id.object.is_none() && model.view.preferences.traced);
+    let mut view = match other {
+        Some(other) => other.options(None),
+        None => views.options(id, &scene)?,
+    };
     let marks = model.view.preferences.marks.clone();
     for setting in views.get(&id.kind)?.settings() {
         view.set(setting.name, marks.is_on(setting));
@@ -45,6 +50,8 @@ pub(crate) fn picture_request(
     let mut hidden = Vec::new();
     if let Some(space) = view.space_mut() {
         let camera = model.view.space;
+        let camera = camera.filter(|_| !model.follows_declared_camera());
+        space.declared = model.declared_camera().map(|camera| camera.name.clone());
         let [r, g, b] = model.background();
         space.camera = Viewpoint {
             eye: camera.map(|it| it.eye.into()),
@@ -145,6 +152,9 @@ pub(crate) fn at_rest(
 ) -> PictureRequest {
     request.size = size;
     request.moving = false;
+    if request.view.samples().is_some() {
+        request.view.set_samples(model.view.preferences.samples);
+    }
     request.colours = colours(model, false);
     if let Some(space) = request.view.space_mut() {
         space.highlight = None;
@@ -182,6 +192,17 @@ pub(crate) fn differ_by_shown_camera(before: &PictureRequest, after: &PictureReq
         like.trails.clone_from(&after.trails);
     }
     before != after && like == *after
+}
+
+/// Returns whether two requests of a traced view are for the same picture, as coarse and as fine as may be.
+pub(crate) fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
+    let mut like = a.clone();
+    like.size = b.size;
+    like.moving = b.moving;
+    if let Some(samples) = b.view.samples() {
+        like.view.set_samples(samples);
+    }
+    like == *b
 }
 
 /// Returns a request whose surfaces have the textures of curvature as images, for a mesh.

@@ -27,6 +27,14 @@ pub struct Counters {
     pub pipelines: u64,
     /// Geodesic views whose geodesics were followed.
     pub looks: u64,
+    /// Scenes that were prepared for rays.
+    pub worlds: u64,
+    /// Rays of the 3D view that were cast at solids.
+    pub rays: u64,
+    /// Samples of pixels of traced pictures.
+    pub traced: u64,
+    /// The samples of each pixel in the traced pictures that panes show.
+    pub samples: BTreeMap<String, u32>,
     /// Texts that were compiled.
     pub compiled: u64,
     /// The text's version that is on the screen.

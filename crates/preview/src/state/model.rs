@@ -11,7 +11,7 @@ use ide::language::Analysis;
 use ide::outline::DeclarationRange;
 use render::trail::Trail;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene};
+use scene::{Object, ObjectId, Scene, Shape};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
@@ -246,6 +246,33 @@ impl Model {
             self.adjust(|view| view.space = None);
         }
         self.history.reframe();
+    }
+
+    /// The cameras that the program declares, in its order.
+    pub(crate) fn declared_cameras(&self) -> impl Iterator<Item = &Object> {
+        let stage = self.scene.iter().flat_map(|scene| &scene.stage);
+        stage.filter(|object| matches!(object.shape, Shape::Camera(_)))
+    }
+
+    /// The declared camera where the views in space open.
+    pub(crate) fn declared_camera(&self) -> Option<&Object> {
+        let chosen = self.view.preferences.camera.as_deref();
+        let chosen = chosen.and_then(|name| self.declared_cameras().find(|it| it.name == name));
+        chosen.or_else(|| self.declared_cameras().next())
+    }
+
+    /// Opens the views in space in a declared camera.
+    pub(crate) fn look_through(&mut self, camera: &str) {
+        self.change(Step::new("Look through a camera", ""), |view| {
+            view.preferences.camera = Some(camera.to_owned());
+            view.space = None;
+        });
+        self.history.settle();
+    }
+
+    /// Returns whether the views in space stand where the program declares a camera: the user has not moved away.
+    pub(crate) fn follows_declared_camera(&self) -> bool {
+        self.view.space.is_none_or(|camera| !camera.moved) && self.declared_camera().is_some()
     }
 
     /// Chooses other overlays. Axes need room: a camera that the user has not moved is put anew for them.

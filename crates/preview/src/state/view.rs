@@ -189,6 +189,9 @@ pub const WAVEFRONTS: &str = "Wavefronts (geodesic circles)";
 /// The sizes that the window's controls can have, as factors.
 pub const SCALES: [f32; 5] = [0.8, 1.0, 1.25, 1.5, 2.0];
 
+/// The most samples to which a pixel of a traced picture may be refined.
+pub const MOST_SAMPLES: u32 = 4096;
+
 /// Choices that belong to no object.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -209,6 +212,12 @@ pub struct Preferences {
     pub fly: bool,
     /// Set if the lines of sight of the views in space are parallel.
     pub orthographic: bool,
+    /// Set if the pane of the whole scene shows it traced: with its lights, shadows, mirrors and glass.
+    pub traced: bool,
+    /// The declared camera where the views in space open; the first one if none is chosen.
+    pub camera: Option<String>,
+    /// The samples to which each pixel of a traced picture at rest is refined.
+    pub samples: u32,
     /// Set if a slider that is let go writes its value into the text.
     pub write_on_release: bool,
     /// Set if the status line has what draws the pictures, how long that takes, and how exact they are.
@@ -228,6 +237,9 @@ impl Default for Preferences {
             marks: Marks::default(),
             fly: false,
             orthographic: false,
+            traced: false,
+            camera: None,
+            samples: 256,
             write_on_release: false,
             run_times: false,
             scale: 1.0,
@@ -283,6 +295,7 @@ impl View {
         };
         preferences.camera_speed = clamp(preferences.camera_speed, 0.01, 100.0, 1.0);
         preferences.scale = clamp(f64::from(preferences.scale), 0.5, 4.0, 1.0) as f32;
+        preferences.samples = preferences.samples.clamp(1, MOST_SAMPLES);
         for side in [&mut preferences.space_size, &mut preferences.inside_size] {
             *side = side.map(|side| side.clamp(16, 4096));
         }

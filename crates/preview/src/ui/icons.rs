@@ -14,6 +14,7 @@ pub(crate) enum Icon {
     Redo,
     Frame,
     Parallel,
+    Traced,
     Labels,
     Axes,
     Legend,
@@ -86,6 +87,11 @@ fn draw(painter: &Painter, icon: Icon, place: Rect, colour: Color32) {
                 c,
             ]);
             line(vec![b, at(1.0, 0.0)]);
+        }
+        Icon::Traced => {
+            // A ray that a ball reflects.
+            painter.circle_stroke(at(0.62, 0.68), 0.32 * place.width(), stroke);
+            line(vec![at(0.0, 0.0), at(0.4, 0.42), at(0.75, 0.0)]);
         }
         Icon::Labels => {
             line(vec![at(0.0, 0.1), at(1.0, 0.1)]);

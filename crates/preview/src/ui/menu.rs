@@ -249,6 +249,23 @@ fn view(window: &mut Window, ui: &mut Ui) {
         window.model.change(step, |view| view.preferences.fly = fly);
     }
     navigation::entries(window, ui);
+    let mut traced = window.model.view.preferences.traced;
+    let hint = "The 3D view with lights, shadows, mirrors and glass";
+    let tick = tick(ui, &mut traced, "Traced", "T");
+    if tick.on_hover_text(hint).changed() {
+        window.toggle_traced();
+    }
+    let cameras = window.model.declared_cameras();
+    let cameras: Vec<String> = cameras.map(|camera| camera.name.clone()).collect();
+    if !cameras.is_empty() {
+        ui.menu_button("Look through", |ui| {
+            for camera in cameras {
+                if entry(ui, true, &camera, "") {
+                    window.model.look_through(&camera);
+                }
+            }
+        });
+    }
     if entry(ui, true, "Frame everything", "F") {
         window.frame_all();
     }

@@ -18,6 +18,7 @@ enum Action {
     Redo,
     Frame,
     Orthographic,
+    Traced,
     Labels,
     Axes,
     Legend,
@@ -27,7 +28,7 @@ enum Action {
 }
 
 /// The buttons from the left to the right: action, icon, name, key.
-const BUTTONS: [(Action, Icon, &str, &str); 10] = [
+const BUTTONS: [(Action, Icon, &str, &str); 11] = [
     (Action::Undo, Icon::Undo, "Undo the last step", "Ctrl+Z"),
     (Action::Redo, Icon::Redo, "Redo the next step", "Ctrl+Y"),
     (Action::Frame, Icon::Frame, "Show everything", "F"),
@@ -36,6 +37,12 @@ const BUTTONS: [(Action, Icon, &str, &str); 10] = [
         Icon::Parallel,
         "Parallel lines of sight",
         "5",
+    ),
+    (
+        Action::Traced,
+        Icon::Traced,
+        "Trace lights, shadows and mirrors",
+        "T",
     ),
     (Action::Labels, Icon::Labels, "Show labels", ""),
     (Action::Axes, Icon::Axes, "Show axes", ""),
@@ -78,6 +85,7 @@ fn is_on(window: &Window, action: Action) -> bool {
     let preferences = &window.model.view.preferences;
     match action {
         Action::Orthographic => preferences.orthographic,
+        Action::Traced => preferences.traced,
         Action::Labels => preferences.marks.labels,
         Action::Axes => preferences.marks.axes,
         Action::Legend => preferences.marks.legend,
@@ -103,6 +111,7 @@ fn run(window: &mut Window, ui: &Ui, action: Action) {
         Action::Redo => window.redo(),
         Action::Frame => window.frame_all(),
         Action::Orthographic => navigation::toggle_orthographic(window),
+        Action::Traced => window.toggle_traced(),
         Action::Labels => mark(window, |marks| marks.labels = !marks.labels),
         Action::Axes => mark(window, |marks| marks.axes = !marks.axes),
         Action::Legend => mark(window, |marks| marks.legend = !marks.legend),

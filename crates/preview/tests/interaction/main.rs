@@ -21,4 +21,5 @@ mod recording;
 mod remembered;
 mod settings;
 mod snapshots;
+mod traced;
 mod trail;

@@ -127,6 +127,13 @@ pub(crate) struct Patch {
     pub(crate) padding: u32,
 }
 
+/// `SolidExtent` of pass/draw_solids.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct SolidExtent {
+    pub(crate) columns: u32,
+}
+
 /// `Sampling` of lib/sampling.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -229,6 +236,8 @@ mod tests {
             super::Patch,
             [colour, count, first, padding]
         );
+        let solids = painter::solids().expect("valid");
+        assert_same_layout!(solids, "SolidExtent", super::SolidExtent, [columns]);
         let curves = painter::curves().expect("valid");
         assert_same_layout!(
             curves,

@@ -22,6 +22,7 @@ use crate::plan::Built;
 use crate::request::PictureRequest;
 use crate::sample::{self, Painter};
 use crate::sample_store::SampleStore;
+use crate::solids::SolidPainter;
 use crate::style::Look;
 use crate::texture::Texture;
 
@@ -66,6 +67,8 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) texture: &'a dyn Fn(ObjectId) -> Arc<Texture>,
     /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
+    /// The solids, where there are any.
+    pub(crate) solids: Option<&'a SolidPainter<'a>>,
     /// Linear light and alpha.
     pub(crate) background: [f32; 4],
 }
@@ -110,11 +113,22 @@ impl GpuRenderer {
             let pixels = if is_single {
                 let drawn = |share: f32| progress(0.5 + 0.5 * share);
                 let (camera, background) = (scene.camera, scene.background);
-                Pixels::Image(draw_tiles(&gpu, camera, &view, &draws, background, &drawn)?)
+                let mut before = |first, size| self.solids(scene, first, size);
+                Pixels::Image(draw_tiles(
+                    &gpu,
+                    camera,
+                    &view,
+                    &draws,
+                    &mut before,
+                    background,
+                    &drawn,
+                )?)
             } else {
+                let solids = self.solids(scene, [0; 2], size)?;
+                let draws = solids.iter().chain(&draws);
                 let canvas = self.canvases.take(&gpu, size);
                 let target = self.target(size);
-                gpu.submit(|encoder| target.draw(encoder, &canvas, &draws, scene.background));
+                gpu.submit(|encoder| target.draw(encoder, &canvas, draws, scene.background));
                 Pixels::Texture(canvas)
             };
             self.painters.next();
@@ -189,7 +203,8 @@ impl GpuRenderer {
             let Some(look) = (scene.shown)(id) else {
                 continue;
             };
-            let Some(painter) = Painter::for_object(&request.scene, object) else {
+            let painter = Painter::for_object(&request.scene, object);
+            let Some(painter) = painter.filter(|painter| *painter != Painter::Solids) else {
                 notes.extend(sample::left_out(object));
                 continue;
             };
@@ -210,6 +225,21 @@ impl GpuRenderer {
             })?);
         }
         Ok((draws, notes))
+    }
+
+    /// The draw of the solids into a target of a size that begins at a pixel of the picture.
+    fn solids(
+        &mut self,
+        scene: &SpaceScene,
+        first: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Option<Draw>, RenderError> {
+        let draw = scene.solids.map(|painter| {
+            self.with_factory(|painters, factory| {
+                painters.draw_solids(factory, painter, first, size)
+            })
+        });
+        draw.transpose()
     }
 
     /// The samples of an object on the device. What a reader should know of them is added to `notes`.

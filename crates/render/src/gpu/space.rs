@@ -13,9 +13,11 @@ use crate::gpu::glyphs::Glyphs;
 use crate::gpu::layout::ViewUniform;
 use crate::gpu::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, PipelineFactory, SAMPLES};
 use crate::gpu::samples::SampleBuffer;
+use crate::gpu::solids::Solids;
 use crate::gpu::surfaces::Surfaces;
 use crate::gpu::{curves, points, vectors};
 use crate::sample::Painter;
+use crate::solids::SolidPainter;
 use crate::style::{self, Look};
 use crate::texture::Texture;
 
@@ -45,7 +47,8 @@ pub(crate) enum Vertices {
 }
 
 /// Draws into memory, tile by tile, so that a large picture needs no target of its own size. `view` is the uniform that
-/// the draws read. `progress` receives the share that is done.
+/// the draws read; `before` gives what is drawn before them into a tile that begins at a pixel and has a size. `progress`
+/// receives the share that is done.
 ///
 /// # Errors
 /// Those of the device.
@@ -54,6 +57,7 @@ pub(crate) fn draw_tiles(
     camera: &Camera,
     view: &wgpu::Buffer,
     draws: &[Draw],
+    before: &mut dyn FnMut([u32; 2], [u32; 2]) -> Result<Option<Draw>, RenderError>,
     background: [f32; 4],
     progress: &dyn Fn(f32),
 ) -> Result<RgbaImage, RenderError> {
@@ -69,6 +73,8 @@ pub(crate) fn draw_tiles(
         let uniform = ViewUniform::new(camera, *first, target.size);
         gpu.queue
             .write_buffer(view, 0, bytemuck::bytes_of(&uniform));
+        let before = before(*first, target.size)?;
+        let draws = before.iter().chain(draws);
         gpu.submit(|encoder| target.draw(encoder, &resolved, draws, background));
         let size = [
             target.size[0].min(width - first[0]),
@@ -109,10 +115,12 @@ pub(crate) struct Painters {
     vectors: Option<Glyphs>,
     curves: Option<Glyphs>,
     surfaces: Option<Surfaces>,
+    solids: Option<Solids>,
 }
 
 impl Painters {
-    /// The draw of an object with its samples and its look; of a surface also its texture.
+    /// The draw of an object with its samples and its look; of a surface also its texture. Solids have no samples, and a
+    /// draw together ([`Painters::draw_solids`]).
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
@@ -125,7 +133,7 @@ impl Painters {
         let (place, kind) = match painter {
             Painter::Points => (&mut self.points, &points::KIND),
             Painter::Vectors => (&mut self.vectors, &vectors::KIND),
-            Painter::Curves => (&mut self.curves, &curves::KIND),
+            Painter::Curves | Painter::Solids => (&mut self.curves, &curves::KIND),
             Painter::Surfaces => {
                 return built(&mut self.surfaces, || Surfaces::new(factory))?.draw(
                     factory,
@@ -138,6 +146,18 @@ impl Painters {
         };
         let glyphs = built(place, || Glyphs::new(factory, kind))?;
         Ok(glyphs.draw(factory, view, samples, look))
+    }
+
+    /// The draw of all solids into a target of a size that begins at a pixel of the picture.
+    pub(crate) fn draw_solids(
+        &mut self,
+        factory: &mut PipelineFactory<'_>,
+        painter: &SolidPainter<'_>,
+        first: [u32; 2],
+        size: [u32; 2],
+    ) -> Result<Draw, RenderError> {
+        let solids = built(&mut self.solids, || Solids::new(factory))?;
+        Ok(solids.draw(factory, painter, first, size))
     }
 
     /// Ends a picture: what it has not used is given up.
@@ -192,11 +212,11 @@ impl Target {
     }
 
     /// Draws onto a canvas of its size.
-    pub(crate) fn draw(
+    pub(crate) fn draw<'d>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         canvas: &Canvas,
-        draws: &[Draw],
+        draws: impl Iterator<Item = &'d Draw>,
         behind: [f32; 4],
     ) {
         let [r, g, b, a] = behind.map(f64::from);

@@ -69,7 +69,7 @@ impl TextLabel {
 }
 
 /// Returns the places in drawing units at which an object may have its name, the best one first: of a curve those that
-/// are nearest to its middle, of a vector its tip, of a surface the place that is seen farthest to the upper right.
+/// are nearest to its middle, of a vector its tip, of a surface or a solid the place that is seen farthest to the upper right.
 /// Geodesics have samples in place of a cloud.
 pub(crate) fn anchors(
     camera: &Camera,
@@ -86,7 +86,7 @@ pub(crate) fn anchors(
         };
         return from_the_middle(own).filter_map(place).collect();
     }
-    if !shape.is_surface() {
+    if !shape.is_surface() && shape.solid().is_none() {
         let middle = cloud.middle.iter().map(local);
         let along = shape.domain().len() == 1;
         let others = from_the_middle(&cloud.points).map(local);

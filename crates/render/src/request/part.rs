@@ -50,6 +50,14 @@ pub trait ViewOptions: Comparable {
         None
     }
 
+    /// The samples of a pixel, of a view that is refined by more of them.
+    fn samples(&self) -> Option<u32> {
+        None
+    }
+
+    /// Sets the samples of a pixel, of a view that is refined by more of them.
+    fn set_samples(&mut self, _samples: u32) {}
+
     /// Turns one of the view's [settings](crate::view::Setting) on or off; returns whether the view has it.
     fn set(&mut self, _setting: &str, _on: bool) -> bool {
         false
@@ -72,8 +80,10 @@ pub trait ViewOptions: Comparable {
 /// The options that all views in space have: the camera, and what is drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceOptions {
-    /// The camera.
+    /// The camera. One without a place and a target stands where the program declares a camera, if it does.
     pub camera: Viewpoint,
+    /// The name of that camera; the first one if not given.
+    pub declared: Option<String>,
     /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
     pub show_camera: Option<GeodesicCamera>,
     /// The colour behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
@@ -196,6 +206,16 @@ impl ViewPart {
     /// The method by which geodesics are integrated, of a view that offers several.
     pub fn method(&self) -> Option<PictureMethod> {
         self.0.method()
+    }
+
+    /// The samples of a pixel, of a view that is refined by more of them.
+    pub fn samples(&self) -> Option<u32> {
+        self.0.samples()
+    }
+
+    /// Sets the samples of a pixel, of a view that is refined by more of them.
+    pub fn set_samples(&mut self, samples: u32) {
+        self.0.set_samples(samples);
     }
 
     /// Puts a geodesic camera in place: the one that the picture is seen by, or that it shows in space.

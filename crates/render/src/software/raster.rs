@@ -19,6 +19,7 @@ use rayon::prelude::*;
 
 use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
 use super::shade::{Fragments, Material, Planes};
+use crate::solids::SolidPainter;
 use bins::Bins;
 
 pub(super) use edges::{Edges, cover};
@@ -85,18 +86,29 @@ impl<'a> Batch<'a> {
             });
     }
 
-    /// Draws the tile of a number, of which nothing else is kept: gives its pixels, or none if it is empty.
-    pub(super) fn pixels(&self, number: usize, space: &mut Workspace) -> Option<Vec<[u8; 4]>> {
-        if self.is_empty(number) {
-            return None;
-        }
+    /// Draws the tile of a number, of which nothing else is kept: gives its pixels, or none if it is empty. It begins with
+    /// what is seen of solids.
+    pub(super) fn pixels(
+        &self,
+        number: usize,
+        space: &mut Workspace,
+        solids: Option<&SolidPainter<'_>>,
+    ) -> Option<Vec<[u8; 4]>> {
         let Workspace {
             tile,
             tools,
             across,
             top,
         } = space;
-        tile.reset([number % *across * TILE, *top + number / *across * TILE]);
+        let origin = [number % *across * TILE, *top + number / *across * TILE];
+        let solids = solids.and_then(|solids| solids.tile(origin));
+        if solids.is_none() && self.is_empty(number) {
+            return None;
+        }
+        tile.reset(origin);
+        if let Some(solids) = solids {
+            tile.begin(&solids);
+        }
         self.processor.run(OneTile {
             batch: self,
             number,

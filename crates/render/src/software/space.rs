@@ -9,6 +9,7 @@ use super::shade::{Material, MaterialKind};
 use super::{curves, points, surfaces, vectors};
 use crate::camera::Camera;
 use crate::sample::Samples;
+use crate::solids::SolidPainter;
 use crate::style::{self, LineStyle, Look};
 use crate::texture::Texture;
 use image::RgbaImage;
@@ -84,10 +85,11 @@ impl DepthMap {
     }
 }
 
-/// Draws as [`draw`] does, and returns the depths of the pixels too.
+/// Draws as [`draw_beside`] does, and returns the depths of the pixels too.
 pub(crate) fn draw_with_depths(
     camera: &Camera,
     objects: &[Drawable],
+    solids: Option<&SolidPainter<'_>>,
     background: [f32; 4],
     progress: &(dyn Fn(f32) + Sync),
 ) -> (RgbaImage, DepthMap) {
@@ -104,7 +106,14 @@ pub(crate) fn draw_with_depths(
     for (band, (pixels, depths)) in bands.zip(depths.chunks_mut(band_rows * width)).enumerate() {
         let top = band * band_rows;
         let size = [across, (depths.len() / width).div_ceil(TILE)];
-        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
+        let tile = |k: usize| {
+            let origin = [k % across * TILE, top + k / across * TILE];
+            let mut tile = Tile::new(origin, background);
+            if let Some(solids) = solids.and_then(|solids| solids.tile(origin)) {
+                tile.begin(&solids);
+            }
+            tile
+        };
         let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
         for batch in &batches {
             let made = jobs[batch.clone()].par_iter();
@@ -154,6 +163,17 @@ pub fn draw(
     background: [f32; 4],
     progress: &(dyn Fn(f32) + Sync),
 ) -> RgbaImage {
+    draw_beside(camera, objects, None, background, progress)
+}
+
+/// Draws objects beside solids, which hide what lies behind them.
+pub(crate) fn draw_beside(
+    camera: &Camera,
+    objects: &[Drawable],
+    solids: Option<&SolidPainter<'_>>,
+    background: [f32; 4],
+    progress: &(dyn Fn(f32) + Sync),
+) -> RgbaImage {
     let eye = Eye::new(camera);
     let materials = materials(objects);
     let jobs = jobs(objects);
@@ -181,7 +201,7 @@ pub fn draw(
                 .into_par_iter()
                 .map_init(
                     || Workspace::new(background, across, top),
-                    |space, number| batch.pixels(number, space),
+                    |space, number| batch.pixels(number, space, solids),
                 )
                 .collect();
             let empty = Tile::new([0; 2], background).pixel(0, 0);
@@ -193,7 +213,14 @@ pub fn draw(
             progress((band + 1) as f32 / bands as f32);
             continue;
         }
-        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
+        let tile = |k: usize| {
+            let origin = [k % across * TILE, top + k / across * TILE];
+            let mut tile = Tile::new(origin, background);
+            if let Some(solids) = solids.and_then(|solids| solids.tile(origin)) {
+                tile.begin(&solids);
+            }
+            tile
+        };
         let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
         for (number, batch) in batches.iter().enumerate() {
             let meshes = made(batch);

@@ -228,6 +228,7 @@ impl ViewRenderer for GeodesicRenderer {
             position: trace.position.map(WorldPoint),
             parameters: trace.uv.0,
             instance: 0,
+            leaf: None,
             polar: Some([distance, y.atan2(x)]),
         }))
     }

@@ -13,10 +13,36 @@ use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
 use crate::sample_store::SampleStore;
+use crate::solids::SolidStore;
+
+/// The question whether a picture that takes long is to be given up, which any thread may ask while it is drawn.
+#[derive(Clone, Default)]
+pub struct Interrupt(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
+
+impl Interrupt {
+    /// A question with an answer.
+    pub fn new(answer: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(answer)))
+    }
+
+    /// Returns true if the picture is to be given up; never where nobody answers.
+    pub fn is_wanted(&self) -> bool {
+        self.0.as_ref().is_some_and(|answer| answer())
+    }
+}
+
+impl std::fmt::Debug for Interrupt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Interrupt")
+    }
+}
 
 /// The state that the views of one renderer share.
 #[derive(Debug, Default)]
 pub struct SharedState {
+    /// The solids of the last pictures.
+    pub(crate) solids: SolidStore,
+    pub(crate) interrupt: Interrupt,
     pub(crate) structures: Structures,
     pub(crate) framing: Framing,
     pub(crate) samples: SampleStore,
@@ -62,6 +88,7 @@ impl SharedState {
         counters.pipelines = gpu.map_or(0, |gpu| gpu.pipelines());
         counters.sampled = self.samples.sampled + gpu.map_or(0, |gpu| gpu.sampled());
         counters.looks = self.followed;
+        counters.worlds = self.solids.built;
         self.pixels.write(counters);
     }
 

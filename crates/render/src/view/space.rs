@@ -24,19 +24,26 @@ use crate::occlusion::Occlusion;
 use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
-use crate::point::{DrawingPoint, PixelPoint};
+use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
+use crate::solids::{SolidPainter, SolidScene, Tint};
 use crate::style::{self, Look};
 use crate::texture::Texture;
 use crate::viewpoint::GeodesicCamera;
+use tracer::shade::Face;
 
+pub(super) use crate::framing::declared_camera;
 pub use crate::framing::first_camera;
 
 /// The view's name.
 pub const NAME: &str = "3d";
+
+/// Lines are seen a little before what they lie on, and picked beside where they are: a solid is picked in place of what
+/// lies behind it by more than this factor of its depth.
+const NEARER: f32 = 1.02;
 
 /// The share of a software picture's work that its samples are taken to be.
 const SAMPLING_SHARE: f32 = 0.4;
@@ -128,7 +135,7 @@ impl View for SpaceView {
 }
 
 /// The keys that move the camera.
-const KEYS: &[Key] = &[
+pub(super) const KEYS: &[Key] = &[
     Key::new("W S", "forward, back"),
     Key::new("A D", "left, right"),
     Key::new("Q E", "up, down in the world"),
@@ -141,7 +148,7 @@ const KEYS: &[Key] = &[
         "Enter",
         "put the geodesic camera to the middle of the picture",
     ),
-    Key::new("1 3 7 5", "front, right, top; orthographic"),
+    Key::new("1 3 7 5 T", "front, right, top; orthographic; traced"),
     Key::new(
         "Ctrl+Enter",
         "show the declaration in the middle of the picture",
@@ -197,7 +204,16 @@ impl ViewRenderer for SpaceRenderer {
             overlay,
         } = self.stage(shared, request, options)?;
         let background = options.background_light();
-        let (mut pixels, notes) = if let Some(gpu) = &mut shared.gpu {
+        let solids = shared.solids.get(request, options, framed.contents());
+        let tints = solids
+            .as_ref()
+            .map(|solids| tints(request, options, solids));
+        let counters = shared.pixels.clone();
+        let solids = solids.as_deref().zip(tints.as_deref());
+        let painter = solids.map(|(solids, tints)| {
+            SolidPainter::new(&camera, solids, tints, !request.moving, &counters)
+        });
+        let (mut pixels, mut notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
             let shown = |id: ObjectId| options.shows(id).then(|| looks[id.0 as usize]);
             let texture = |id| texture(request, &framed, id);
@@ -209,6 +225,7 @@ impl ViewRenderer for SpaceRenderer {
                 shown: &shown,
                 texture: &texture,
                 overlay: &overlay,
+                solids: painter.as_ref(),
                 background,
             };
             gpu.draw_space(&mut shared.samples, &scene, shared.is_single, progress)?
@@ -219,11 +236,12 @@ impl ViewRenderer for SpaceRenderer {
                 let look = object.look(request.scale);
                 Drawable::new(object.samples.clone(), &look, None)
             }));
-            let image = software::draw(&camera, &drawables, background, &|share| {
-                progress(SAMPLING_SHARE + (1.0 - SAMPLING_SHARE) * share);
-            });
+            let drawn = |share| progress(SAMPLING_SHARE + (1.0 - SAMPLING_SHARE) * share);
+            let solids = painter.as_ref();
+            let image = software::draw_beside(&camera, &drawables, solids, background, &drawn);
             (Pixels::Image(image), notes)
         };
+        notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
         if request.overlays.labels {
             labels.extend(self::labels(
@@ -269,7 +287,14 @@ impl ViewRenderer for SpaceRenderer {
         let camera = framed.camera(&options.camera, request)?;
         let (drawables, _) = drawables(shared, request, options, &framed, &|_| {});
         let picked = software::pick(&camera, &drawables, at);
+        let solids = shared.solids.get(request, options, framed.contents());
+        if let Some(solids) = solids
+            && let Some(hit) = picked_solid(shared, request, &camera, &solids, picked.as_ref(), at)
+        {
+            return Ok(Some(hit));
+        }
         Ok(picked.map(|picked| Hit {
+            leaf: None,
             object: ObjectId(picked.object as u32),
             position: Some(camera.placement.world(picked.position)),
             parameters: parameters(&request.scene.objects[picked.object].shape, picked.shares),
@@ -390,6 +415,66 @@ fn options(request: &PictureRequest) -> Result<&SpaceOptions, RenderError> {
     })
 }
 
+/// Frames the scene of a request of a view in space in the bounds that are kept.
+pub(super) fn framed(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &SpaceOptions,
+) -> Framed {
+    let structures = shared.structures.get(request.scene.arc());
+    frame(shared, request, options, &structures)
+}
+
+/// The colours of solids as a request has them. A solid that states a colour keeps it, and is darker at most.
+fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) -> Vec<Tint> {
+    let colours = request.object_colours();
+    let usual = style::linear(style::SOLID_COLOUR);
+    let tint = |id: &ObjectId| {
+        let object = request.scene.get(*id);
+        let leaves = object.and_then(|object| object.shape.solid());
+        let leaves = leaves.into_iter().flat_map(|solid| &solid.leaves);
+        let mut attributes = leaves.flat_map(|leaf| &leaf.attributes);
+        let own = style::linear(colours[id.0 as usize]);
+        let factor = [0, 1, 2].map(|k| own[k] / usual[k]);
+        let brightest = factor.into_iter().fold(0.0, f32::max).min(1.0);
+        Tint {
+            colour: match attributes.any(|it| it.word == "color") {
+                true => [brightest; 3],
+                false => factor,
+            },
+            emphasis: options.emphasis(*id),
+        }
+    };
+    solids.objects().iter().map(tint).collect()
+}
+
+/// The solid at a place of the picture, unless what was picked there lies before it.
+fn picked_solid(
+    shared: &SharedState,
+    request: &PictureRequest,
+    camera: &Camera,
+    solids: &SolidScene,
+    picked: Option<&software::Picked>,
+    PixelPoint(at): PixelPoint,
+) -> Option<Hit> {
+    let painter = SolidPainter::new(camera, solids, &[], false, &shared.pixels);
+    let hit = painter.hit(at)?;
+    if let Some(picked) = picked
+        && camera.depth_of(picked.position) * NEARER >= hit.depth
+    {
+        return None;
+    }
+    let face = Face::from(&hit.crossing);
+    Some(Hit {
+        object: *solids.objects().get(hit.crossing.solid)?,
+        position: Some(WorldPoint(face.position.to_array())),
+        parameters: [0.0; 2],
+        instance: 0,
+        leaf: solids.leaf(&request.scene, &face),
+        polar: None,
+    })
+}
+
 /// Frames the scene of a request in the bounds that are kept.
 fn frame(
     shared: &mut SharedState,
@@ -471,7 +556,8 @@ fn labels(
     let numbered = (0..).map(ObjectId).zip(&scene.objects);
     let shown = numbered.filter(|(id, _)| options.shows(*id));
     let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
-    let occlusion = Occlusion::new(camera, clouds);
+    let solids = shared.solids.get(request, options, framed.contents());
+    let occlusion = Occlusion::new(camera, clouds).with_solids(solids);
     let objects = (0..).map(ObjectId).zip(&scene.objects);
     let objects = objects.zip(framed.contents());
     let drawn = objects.filter(|((id, object), _)| options.shows(*id) && scene.is_in_space(object));
@@ -485,7 +571,8 @@ fn labels(
         let cloud = framed.object(id)?;
         let places = overlay::anchors(camera, &object.shape, cloud, samples.as_deref());
         // The name of a surface is at its edge, where nothing of the surface itself lies before it.
-        let except = object.shape.is_surface().then_some(id);
+        let is_face = object.shape.is_surface() || object.shape.solid().is_some();
+        let except = is_face.then_some(id);
         let is_seen = |place: &&DrawingPoint| !occlusion.hides(**place, except);
         let seen = places.iter().find(is_seen);
         let place = *seen.or(places.first())?;
@@ -499,7 +586,7 @@ fn labels(
 }
 
 /// Parameters from shares of the domain.
-fn parameters(shape: &Shape, shares: [f64; 2]) -> [f64; 2] {
+pub(super) fn parameters(shape: &Shape, shares: [f64; 2]) -> [f64; 2] {
     let value = |sampling: &Sampling, share: f64| {
         let Range { min, max } = sampling.range;
         // As [`Sampling::value`], where the interval may be wider than the largest number.

@@ -10,6 +10,7 @@ use render::gpu::Pixels;
 use render::point::PixelPoint;
 use render::rendered::RenderedImage;
 use render::shared::Shared;
+use render::view::Interrupt;
 use render::view::space;
 use render::viewpoint::{Projection, Viewpoint};
 use render::{PictureRequest, RenderError, Renderer, ViewId};
@@ -21,6 +22,8 @@ use crate::state::SpaceCamera;
 /// The state of the render thread between two pictures.
 pub(super) struct Worker {
     renderer: Renderer,
+    /// Says whether a picture that takes long is to be given up.
+    interrupt: Interrupt,
     /// Set if the renderer draws on the window's own GPU.
     shares_gpu: bool,
     /// The camera that sees everything.
@@ -42,10 +45,11 @@ struct Home {
 
 impl Worker {
     /// Draws with a renderer. If that is on the window's own GPU, pictures stay there.
-    pub(super) fn new(renderer: Renderer) -> Self {
+    pub(super) fn new(renderer: Renderer, interrupt: Interrupt) -> Self {
         Self {
             shares_gpu: renderer.gpu().is_some(),
-            renderer,
+            renderer: renderer.with_interrupt(interrupt.clone()),
+            interrupt,
             home: None,
             took: BTreeMap::new(),
         }
@@ -54,7 +58,7 @@ impl Worker {
     /// Draws with another renderer from now on.
     pub(super) fn move_to(&mut self, renderer: Renderer) {
         self.shares_gpu = renderer.gpu().is_some();
-        self.renderer = renderer;
+        self.renderer = renderer.with_interrupt(self.interrupt.clone());
     }
 
     /// Draws by the processor, which is never lost, from now on.
@@ -73,26 +77,33 @@ impl Worker {
         self.renderer.counters()
     }
 
-    /// Draws a pane's picture.
-    pub(super) fn draw(&mut self, pane: &ViewId, request: &VersionedRequest) -> RenderEvent {
+    /// Draws a pane's picture; returns nothing if it was given up for something newer.
+    pub(super) fn draw(
+        &mut self,
+        pane: &ViewId,
+        request: &VersionedRequest,
+    ) -> Option<RenderEvent> {
         let start = Instant::now();
         let mut drawn = self.picture(&request.picture, start);
         if drawn.is_err() && self.renderer.is_lost() {
             self.leave_gpu();
             drawn = self.picture(&request.picture, start);
         }
+        if matches!(drawn, Err(RenderError::Interrupted)) {
+            return None;
+        }
         self.took.insert(pane.clone(), start.elapsed());
         let (picture, space_camera) = match drawn {
             Ok((picture, camera)) => (Ok(Box::new(picture)), camera),
             Err(error) => (Err(error.to_string()), None),
         };
-        RenderEvent::Drawn {
+        Some(RenderEvent::Drawn {
             pane: pane.clone(),
             picture,
             space_camera,
             request: Box::new(request.clone()),
             counters: self.renderer.counters(),
-        }
+        })
     }
 
     /// Finds what is under a pixel.

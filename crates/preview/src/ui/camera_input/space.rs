@@ -27,6 +27,9 @@ impl CameraInput for SpaceInput {
         if ui.input(|input| input.key_pressed(Key::F) && input.modifiers.is_none()) {
             window.frame_all();
         }
+        if ui.input(|input| input.key_pressed(Key::T) && input.modifiers.is_none()) {
+            window.toggle_traced();
+        }
         navigation::keys(window, ui);
         let Some(camera) = window.model.view.space else {
             return;

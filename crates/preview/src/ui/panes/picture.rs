@@ -130,6 +130,11 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         let place = rect.left_top() + egui::vec2(8.0, 8.0);
         badge(&painter, place, words, Color32::from_gray(70));
     }
+    if let Some([done, all]) = refinement(window, pane)
+        && error.is_none()
+    {
+        progress(&painter, rect, done, all);
+    }
     if let Some(error) = error {
         let place = rect.left_bottom() + egui::vec2(8.0, -34.0);
         badge(&painter, place, &error, Color32::from_rgb(120, 60, 0));
@@ -177,6 +182,32 @@ fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
     painter.galley(place, galley, Color32::WHITE);
 }
 
+/// Returns how many samples the pixels of a pane's traced picture have, and how many they will have.
+fn refinement(window: &Window, pane: &ViewId) -> Option<[u32; 2]> {
+    if !window.shows_traced(pane) {
+        return None;
+    }
+    let done = window.pictures.shown(pane)?.samples?;
+    Some([done, window.model.view.preferences.samples])
+}
+
+/// Shows how far a picture is refined: a line along its lower edge, and a number.
+fn progress(painter: &egui::Painter, rect: Rect, done: u32, all: u32) {
+    if done >= all {
+        return;
+    }
+    let share = done as f32 / all.max(1) as f32;
+    let line = Rect::from_min_max(
+        rect.left_bottom() - egui::vec2(0.0, 2.0),
+        rect.left_bottom() + egui::vec2(share * rect.width(), 0.0),
+    );
+    painter.rect_filled(line, 0.0, Color32::from_gray(150));
+    let at = rect.left_bottom() + egui::vec2(8.0, -8.0);
+    let text = format!("{done} of {all} samples");
+    let font = FontId::proportional(12.0);
+    painter.text(at, Align2::LEFT_BOTTOM, text, font, Color32::from_gray(150));
+}
+
 /// The picture in words.
 fn words(window: &Window, pane: &ViewId) -> String {
     let mut words = window.views.title(pane, " of ");
@@ -187,6 +218,9 @@ fn words(window: &Window, pane: &ViewId) -> String {
         words.push_str(&format!(" of {objects} {some}"));
     }
     words.extend(window.camera_input(pane).place(&window.model, pane));
+    if let Some([done, all]) = refinement(window, pane) {
+        words.push_str(&format!("; traced, {done} of {all} samples"));
+    }
     if is_set_off(&window.model, pane) {
         words.push_str("; declared at the cursor");
     }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use egui::Ui;
 use render::PictureRequest;
 use render::view::Hit;
+use scene::{Object, SolidLeaf};
 
 use super::Window;
 use crate::engine::render_thread::Purpose;
@@ -37,6 +38,11 @@ struct Open {
     surface: Option<String>,
     /// The surface whose camera was shown in space before.
     shown: Option<String>,
+}
+
+/// The leaf of a solid's set that was found.
+fn leaf_of<'s>(object: &'s Object, hit: &Hit) -> Option<&'s SolidLeaf> {
+    object.shape.solid()?.leaves.get(hit.leaf?)
 }
 
 impl Window {
@@ -116,7 +122,13 @@ impl Window {
         let number = match purpose {
             Purpose::Place(number) if self.input.clicks.withdrawn == Some(number) => return,
             Purpose::Place(number) => number,
-            Purpose::Open => return self.open_declaration(&name),
+            Purpose::Open => {
+                self.open_declaration(&name);
+                if let Some(leaf) = leaf_of(object, hit) {
+                    self.show_leaf(request, leaf);
+                }
+                return;
+            }
             Purpose::Measure => return crate::ui::measure::add_place(self, &name, hit),
             Purpose::Pointer => return crate::ui::measure::point(self, &name, hit),
         };
@@ -124,12 +136,18 @@ impl Window {
         let sentence = match object.shape.domain() {
             [_, _] => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
             [_] => format!("{name} at t = {u:.4}"),
-            _ => name.clone(),
+            _ => match leaf_of(object, hit) {
+                Some(leaf) if leaf.name != name => format!("{name}: {}", leaf.name),
+                _ => name.clone(),
+            },
         };
         self.status_message = Some(StatusMessage::info(sentence));
         if object.shape.manifold().is_none() {
             // It has no camera to be put there.
             self.show_declaration(&name);
+            if let Some(leaf) = leaf_of(object, hit) {
+                self.show_leaf(request, leaf);
+            }
             return;
         }
         let subject = Subject {

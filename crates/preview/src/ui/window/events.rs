@@ -130,7 +130,16 @@ impl Window {
                 self.records.counters.sampled = counters.sampled;
                 self.records.counters.pipelines = counters.pipelines;
                 self.records.counters.looks = counters.looks;
+                self.records.counters.worlds = counters.worlds;
+                self.records.counters.rays = counters.rays;
+                self.records.counters.traced = counters.traced;
                 self.take_picture(&pane, picture, space_camera, &request);
+                let shown = self.pictures.shown(&pane).and_then(|it| it.samples);
+                let samples = &mut self.records.counters.samples;
+                match shown {
+                    Some(shown) => samples.insert(pane.to_string(), shown),
+                    None => samples.remove(&pane.to_string()),
+                };
             }
             RenderEvent::Picked {
                 request,
@@ -205,6 +214,17 @@ impl Window {
             }
             return;
         };
+        let known = self.views.get(&view);
+        if let Some(other) = known.and_then(|known| known.instead_of()) {
+            if let Some(name) = surface {
+                self.model.look_through(&name);
+            }
+            self.set_traced(true);
+            return self.bring_forward(&Pane::View(ViewId::of_scene(other)));
+        }
+        if self.can_be_traced(&ViewId::of_scene(&view)) {
+            self.set_traced(false);
+        }
         let known = self.views.get(&view);
         match known.map(|known| (known.is_of_object(), surface)) {
             Some((true, Some(name))) => {

@@ -47,8 +47,10 @@ pub(crate) struct Picture {
     /// Of a geodesic view: its cost, and how exact it is.
     pub(crate) geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     pub(crate) took: Duration,
-    /// The seconds that a pixel took.
+    /// The seconds that a pixel took; of a picture that is refined, a sample of it.
     pub(super) rate: f64,
+    /// The samples of each pixel, of a picture that is refined.
+    pub(crate) samples: Option<u32>,
     /// The reason why there is no newer one.
     pub(crate) error: Option<String>,
     /// The version of the text that it shows.
@@ -82,7 +84,9 @@ impl PaneView {
             Pixels::Texture(canvas) => canvas.size(),
         };
         let pixels = f64::from(width) * f64::from(height);
-        picture.rate = drawn.took.as_secs_f64() / pixels.max(1.0);
+        let added = drawn.samples.map_or(1, |[_, new]| new.max(1));
+        picture.samples = drawn.samples.map(|[all, _]| all);
+        picture.rate = drawn.took.as_secs_f64() / (pixels * f64::from(added)).max(1.0);
         picture.fresh = Some(drawn.image);
         picture.notes = drawn.notes;
         picture.geodesics = drawn.geodesics.or(picture.geodesics);

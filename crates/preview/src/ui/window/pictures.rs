@@ -11,12 +11,16 @@ use render::{PictureRequest, Renderer, ViewId};
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
 use crate::engine::render_thread::{RenderThread, VersionedRequest};
-use crate::engine::request::{at_rest, picture_request};
+use crate::engine::request::{at_rest, differ_by_refinement, picture_request};
 use crate::engine::textures::Library;
-use crate::state::{Model, Preferences, SpaceCamera};
+use crate::state::{Model, Preferences, SpaceCamera, Step};
 
 /// The time that a picture of a moving view should take, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
+/// The time that a step of a picture that is refined should take, in seconds.
+const REFINED_STEP: f64 = 0.1;
+/// The scale of the first traced picture of a pane.
+const FIRST_TRACED: f64 = 0.25;
 
 /// The pictures of a window, and what draws them.
 pub(crate) struct Pictures {
@@ -45,13 +49,15 @@ impl Pictures {
         took.sum()
     }
 
-    /// The size of the picture for a pane: coarser while it moves, if pictures take long.
+    /// The size of the picture for a pane: coarser while it moves, if pictures take long, or may take long since none was
+    /// `traced` yet.
     fn size(
         &self,
         preferences: &Preferences,
         pane: &ViewId,
         pixels: [u32; 2],
         moving: bool,
+        traced: bool,
     ) -> [u32; 2] {
         let wanted = match pane.object {
             None => preferences.space_size,
@@ -62,8 +68,13 @@ impl Pictures {
         if moving && let Some(picture) = self.shown(pane) {
             let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
             let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
+            let (steps, least) = if traced { (16.0, 0.0625) } else { (8.0, 0.25) };
             // In steps, so that the size does not change with every picture.
-            scale *= ((share * 8.0).floor() / 8.0).clamp(0.25, 1.0);
+            scale *= if traced && picture.samples.is_none() {
+                FIRST_TRACED
+            } else {
+                ((share * steps).floor() / steps).clamp(least, 1.0)
+            };
         }
         pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
     }
@@ -85,7 +96,7 @@ impl Pictures {
         let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
         let size = room.map_or(request.size, |room| {
-            self.size(preferences, pane, room, false)
+            self.size(preferences, pane, room, false, false)
         });
         Some(at_rest(request, model, size))
     }
@@ -176,20 +187,102 @@ impl Window {
         moving: bool,
         again: bool,
     ) -> Option<PictureRequest> {
+        if self.shows_traced(pane) {
+            return self.refined_picture(pane, moving, again);
+        }
         let view = self.pictures.of_views.get(pane)?;
         let size = match &view.request {
             // A picture that has just come is not replaced by one of a size that would have been quicker.
             Some(sent) if moving && again => sent.size,
             _ => {
                 let preferences = &self.model.view.preferences;
-                self.pictures.size(preferences, pane, view.room?, moving)
+                self.pictures
+                    .size(preferences, pane, view.room?, moving, false)
             }
         };
+        let request = self.picture_request(pane, size, moving)?;
+        (self.pictures.sent(pane) != Some(&request)).then_some(request)
+    }
+
+    fn picture_request(
+        &mut self,
+        pane: &ViewId,
+        size: [u32; 2],
+        moving: bool,
+    ) -> Option<PictureRequest> {
         let active = self.focus.surface.clone();
         let (model, library, views) = (&mut self.model, &mut self.pictures.library, &self.views);
         let active = active.as_deref();
-        let request = picture_request(model, library, views, pane, size, active, moving)?;
-        (self.pictures.sent(pane) != Some(&request)).then_some(request)
+        picture_request(model, library, views, pane, size, active, moving)
+    }
+
+    /// Returns the next request for a pane's traced picture: a coarse one of something new, a whole one of what is at rest,
+    /// and then more samples of it, as many as take a moment.
+    fn refined_picture(
+        &mut self,
+        pane: &ViewId,
+        moving: bool,
+        again: bool,
+    ) -> Option<PictureRequest> {
+        let room = self.pictures.of_views.get(pane)?.room?;
+        let preferences = self.model.view.preferences.clone();
+        let size = |moving| self.pictures.size(&preferences, pane, room, moving, true);
+        let [coarse, whole] = [size(true), size(false)];
+        let mut request = self.picture_request(pane, whole, false)?;
+        request.view.set_samples(1);
+        let view = self.pictures.of_views.get(pane)?;
+        let sent = view.request.as_ref();
+        let is_known = sent.is_some_and(|sent| differ_by_refinement(sent, &request));
+        if moving || !is_known {
+            request.moving = true;
+            request.size = match sent {
+                Some(sent) if is_known && again => sent.size,
+                _ => coarse,
+            };
+            return (sent != Some(&request)).then_some(request);
+        }
+        let (Some(sent), Some(shown)) = (sent, &view.picture) else {
+            return Some(request);
+        };
+        if view.waiting != Waiting::No || shown.error.is_some() {
+            return None;
+        }
+        if sent.moving || sent.size != whole {
+            return Some(request);
+        }
+        let all = preferences.samples;
+        let done = sent.view.samples()?;
+        let pixels = f64::from(whole[0]) * f64::from(whole[1]);
+        let step = (REFINED_STEP / (shown.rate * pixels).max(1e-9)) as u32;
+        request
+            .view
+            .set_samples((done + step.clamp(1, done)).min(all));
+        (done < all).then_some(request)
+    }
+
+    /// Returns whether a pane shows the whole scene traced.
+    pub(crate) fn shows_traced(&self, pane: &ViewId) -> bool {
+        self.model.view.preferences.traced && self.can_be_traced(pane)
+    }
+
+    /// Returns whether a pane can show the whole scene traced.
+    pub(crate) fn can_be_traced(&self, pane: &ViewId) -> bool {
+        pane.object.is_none() && self.views.instead_of(&pane.kind).is_some()
+    }
+
+    /// Shows the whole scene traced, or as it was.
+    pub(crate) fn toggle_traced(&mut self) {
+        self.set_traced(!self.model.view.preferences.traced);
+    }
+
+    /// Shows the whole scene traced, or not.
+    pub(crate) fn set_traced(&mut self, traced: bool) {
+        if self.model.view.preferences.traced != traced {
+            let step = Step::new("Change a setting", "traced");
+            self.model
+                .change(step, |view| view.preferences.traced = traced);
+            self.model.history.settle();
+        }
     }
 
     /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
@@ -252,6 +345,13 @@ impl Window {
     /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
     /// do. It is ignored if the scene or the pane's size has changed since the request.
     fn take_space_camera(&mut self, pane: &ViewId, first: SpaceCamera, request: &PictureRequest) {
+        if self.model.follows_declared_camera() {
+            // Each picture asks for it anew: it may depend on params.
+            if self.model.view.space != Some(first) {
+                self.model.adjust(|view| view.space = Some(first));
+            }
+            return;
+        }
         if self.model.view.space.is_some() {
             return;
         }

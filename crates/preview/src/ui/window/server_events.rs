@@ -1,10 +1,12 @@
 //! The window's events for the server, and its changes of the text.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use protocol::Event;
-use render::ViewId;
+use render::{PictureRequest, ViewId};
+use scene::SolidLeaf;
 use syntax::span::Span;
 
 use super::Window;
@@ -131,6 +133,23 @@ impl Window {
         self.model.highlight(Some(name.to_owned()));
         if !self.text.is_own() || self.panes.is_open(&Pane::Program) {
             self.open(place, false);
+        }
+    }
+
+    /// Shows the name of a leaf within its set, in the text that the picture shows, where the declaration has just been
+    /// shown.
+    pub(super) fn show_leaf(&mut self, request: &PictureRequest, leaf: &SolidLeaf) {
+        let shown = self.model.scene.as_ref();
+        let is_current = shown.is_some_and(|scene| Arc::ptr_eq(scene, request.scene.arc()));
+        let place = leaf.name_span;
+        match &mut self.text.source {
+            _ if !is_current => {}
+            TextSource::Attached { .. } => self.open(place, false),
+            TextSource::File { editor, .. } => {
+                if let Some(jump) = &mut editor.jump {
+                    jump.place = place;
+                }
+            }
         }
     }
 

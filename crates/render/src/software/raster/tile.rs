@@ -1,5 +1,6 @@
 //! Samples: the depth and light of a tile's pixels, and which triangles they see.
 
+use crate::solids::{SolidSample, SolidTile};
 use crate::style::Encoder;
 
 /// Pixels along a tile's side.
@@ -81,6 +82,41 @@ impl Tile {
         }
         self.splits.clear();
         self.rows = Rows::none();
+    }
+
+    /// Begins a tile in which nothing is seen with what is seen of solids.
+    pub(in crate::software) fn begin(&mut self, solids: &SolidTile) {
+        for (index, pixel) in solids.pixels.iter().enumerate() {
+            if pixel.depth > 0.0 {
+                self.see(index, [*pixel; 4]);
+            }
+        }
+        for &(index, samples) in &solids.splits {
+            self.see(usize::from(index), samples);
+        }
+    }
+
+    /// Samples of a pixel that see solids.
+    fn see(&mut self, index: usize, samples: [SolidSample; 4]) {
+        let first = index / LANES * GROUP + index % LANES;
+        let mut open = 0_u8;
+        for (s, sample) in samples.iter().enumerate() {
+            self.depth[first + s * LANES] = sample.depth;
+            open |= u8::from(sample.depth > 0.0) << s;
+        }
+        self.split[index] = EMPTY;
+        while open != 0 {
+            let leader = samples[open.trailing_zeros() as usize];
+            let mut same = 0;
+            for (s, sample) in samples.iter().enumerate() {
+                same |= u8::from(*sample == leader) << s;
+            }
+            let same = same & open;
+            self.put(index, same, leader.light);
+            open &= !same;
+        }
+        let column = index % TILE / LANES * LANES;
+        self.rows.extend(index / TILE, [column, column + LANES]);
     }
 
     /// The top left pixel's place in the picture.

@@ -1,6 +1,6 @@
 //! The 3D view in layers: its curves, geodesics and axes as vectors, and its names.
 
-use super::{SpaceRenderer, drawables, labels, options};
+use super::{SpaceRenderer, drawables, labels, options, tints};
 use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
@@ -9,6 +9,7 @@ use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::PictureRequest;
 use crate::sample::Samples;
 use crate::software::{self, Drawable};
+use crate::solids::SolidPainter;
 use crate::view::SharedState;
 
 impl SpaceRenderer {
@@ -21,7 +22,7 @@ impl SpaceRenderer {
     ) -> Result<Layers, RenderError> {
         let options = options(request)?;
         let stage = self.stage(shared, request, options)?;
-        let (drawables, notes) = drawables(shared, request, options, &stage.framed, &|_| {});
+        let (drawables, mut notes) = drawables(shared, request, options, &stage.framed, &|_| {});
         let extras = stage.overlay.iter().map(|object| {
             let look = object.look(request.scale);
             Drawable::new(object.samples.clone(), &look, None)
@@ -31,7 +32,17 @@ impl SpaceRenderer {
             drawables.into_iter().chain(extras).partition(is_line);
         let background = options.background_light();
         let camera = &stage.camera;
-        let (mut image, depths) = software::draw_with_depths(camera, &others, background, progress);
+        let solids = shared.solids.get(request, options, stage.framed.contents());
+        let tints = solids
+            .as_ref()
+            .map(|solids| tints(request, options, solids));
+        let counters = shared.pixels.clone();
+        let solids = solids.as_deref().zip(tints.as_deref());
+        let painter =
+            solids.map(|(solids, tints)| SolidPainter::new(camera, solids, tints, true, &counters));
+        let (mut image, depths) =
+            software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
+        notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
         let strokes = software::strokes(camera, &lines, &depths);
         let mut words = stage
             .axes

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, DragValue, Grid, Slider, Ui};
 
-use crate::state::{Model, Preferences, SCALES, Step, Theme};
+use crate::state::{MOST_SAMPLES, Model, Preferences, SCALES, Step, Theme};
 use crate::ui::colour;
 use crate::ui::window::Window;
 
@@ -22,6 +22,11 @@ pub(super) fn show(model: &mut Model, ui: &mut Ui) {
         background(preferences, shown, ui);
         ui.end_row();
         side(ui, "3D pictures", &mut preferences.space_size);
+        ui.end_row();
+        let label = ui.label("Samples when traced");
+        let hint = "Each pixel of a traced picture at rest is refined to so many";
+        let samples = DragValue::new(&mut preferences.samples).range(1..=MOST_SAMPLES);
+        ui.add(samples).on_hover_text(hint).labelled_by(label.id);
         ui.end_row();
         side(ui, "Geodesic pictures", &mut preferences.inside_size);
         ui.end_row();

@@ -1,0 +1,348 @@
+//! Solids in the 3D view: a ray through each pixel finds what is seen of them, its light and its depth.
+//!
+//! ```text
+//! camera + world + look + tints ──SolidPainter──▶ tiles of pixels: linear light and clip depth
+//!                                               └▶ the crossing under a place, for picking
+//! ```
+//!
+//! Both backends draw the same tiles: the software path begins with them, the GPU composes them by their depth. At rest,
+//! pixels at edges get a ray for each of their four samples.
+
+mod store;
+
+pub(crate) use store::{SolidScene, SolidStore, TracedScene};
+
+use glam::{DVec3, Vec3};
+use tracer::shade::Face;
+use tracer::{BoundingBox, Caster, Crossing, Ray, World};
+
+use crate::camera::Camera;
+use crate::counters::PixelCounters;
+use crate::point::WorldPoint;
+use crate::style;
+
+/// Pixels along a tile's side.
+pub(crate) const TILE: usize = 64;
+/// Samples of a pixel at an edge, in pixels from its top left: those of both backends' rasters.
+const SAMPLES: [[f64; 2]; 4] = [
+    [0.375, 0.125],
+    [0.875, 0.375],
+    [0.125, 0.625],
+    [0.625, 0.875],
+];
+/// The side of a block of pixels whose rays are read together.
+const BUNDLE: usize = 8;
+/// Neighbours on one surface are at an edge where the way between them leaves its tangent plane by this share.
+const BEND: f64 = 0.6;
+
+/// What is seen of solids at a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SolidSample {
+    /// The depth in clip space, above 0 and at most 1; 0 where no solid is seen.
+    pub(crate) depth: f32,
+    /// Linear light.
+    pub(crate) light: [f32; 3],
+}
+
+/// What is seen of solids in a tile.
+#[derive(Clone, Debug)]
+pub(crate) struct SolidTile {
+    /// Row by row, [`TILE`] a row: that of the whole pixel.
+    pub(crate) pixels: Vec<SolidSample>,
+    /// The pixels at edges, by their index in the tile, each with that of its four samples.
+    pub(crate) splits: Vec<(u16, [SolidSample; 4])>,
+}
+
+/// The colour of a solid as the window has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tint {
+    /// The factor of its faces' linear colours.
+    pub(crate) colour: [f32; 3],
+    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
+    pub(crate) emphasis: f32,
+}
+
+/// Casts the rays of a picture.
+pub(crate) struct SolidPainter<'a> {
+    camera: &'a Camera,
+    scene: &'a SolidScene,
+    world: &'a World,
+    /// By the solids of the world.
+    tints: &'a [Tint],
+    /// True if pixels at edges get a ray for each sample.
+    is_smooth: bool,
+    counters: &'a PixelCounters,
+    /// The parts of the picture in which solids are seen: left, top, right and bottom in pixels.
+    boxes: Vec<[f64; 4]>,
+}
+
+/// A place on a solid under a place of the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SolidHit {
+    /// The crossing.
+    pub(crate) crossing: Crossing,
+    /// The depth in clip space.
+    pub(crate) depth: f32,
+}
+
+impl<'a> SolidPainter<'a> {
+    /// Begins a picture of a world by a camera. `tints` has one for each solid.
+    pub(crate) fn new(
+        camera: &'a Camera,
+        scene: &'a SolidScene,
+        tints: &'a [Tint],
+        is_smooth: bool,
+        counters: &'a PixelCounters,
+    ) -> Self {
+        let world = scene.world();
+        let solids = 0..world.solid_count();
+        let boxes = solids.filter_map(|solid| seen_box(camera, world.bounds(solid)));
+        Self {
+            camera,
+            scene,
+            world,
+            tints,
+            is_smooth,
+            counters,
+            boxes: boxes.collect(),
+        }
+    }
+
+    /// Draws the tile that begins at a pixel; `None` if no solid is seen in it.
+    pub(crate) fn tile(&self, [left, top]: [usize; 2]) -> Option<SolidTile> {
+        let [width, height] = self.camera.size.map(|side| side as usize);
+        let right = (left + TILE).min(width);
+        let bottom = (top + TILE).min(height);
+        let touches = |it: &[f64; 4]| {
+            it[0] <= right as f64
+                && it[1] <= bottom as f64
+                && it[2] >= left as f64
+                && it[3] >= top as f64
+        };
+        if left >= right || top >= bottom || !self.boxes.iter().any(touches) {
+            return None;
+        }
+        // Neighbours in the next tiles decide too whether a pixel is at an edge.
+        let ring = usize::from(self.is_smooth);
+        let [across, down] = [right - left + 2 * ring, bottom - top + 2 * ring];
+        let mut rays = RayCounter::new(self);
+        let mut hits: Vec<Option<SolidHit>> = vec![None; across * down];
+        for y in (0..down).step_by(BUNDLE) {
+            for x in (0..across).step_by(BUNDLE) {
+                let block: Vec<[usize; 2]> = (y..(y + BUNDLE).min(down))
+                    .flat_map(|y| (x..(x + BUNDLE).min(across)).map(move |x| [x, y]))
+                    .collect();
+                let middle = |&[x, y]: &[usize; 2]| {
+                    [(left + x) as f64, (top + y) as f64].map(|at| at + 0.5 - ring as f64)
+                };
+                let places: Vec<[f64; 2]> = block.iter().map(middle).collect();
+                rays.cast(&places, |k, hit| {
+                    let [x, y] = block[k];
+                    hits[y * across + x] = hit;
+                });
+            }
+        }
+        let mut tile = SolidTile {
+            pixels: vec![SolidSample::default(); TILE * TILE],
+            splits: Vec::new(),
+        };
+        let mut any = false;
+        for y in ring..down - ring {
+            for x in ring..across - ring {
+                let at = y * across + x;
+                let [i, j] = [x - ring, y - ring];
+                let index = j * TILE + i;
+                let corner = [(left + i) as f64, (top + j) as f64];
+                let is_edge = self.is_smooth
+                    && [at - 1, at + 1, at - across, at + across]
+                        .iter()
+                        .any(|&other| is_edge(hits[at].as_ref(), hits[other].as_ref()));
+                if let Some(hit) = &hits[at] {
+                    tile.pixels[index] = self.lit(hit, corner.map(|at| at + 0.5));
+                    any = true;
+                }
+                if is_edge {
+                    let places = SAMPLES.map(|sample| [0, 1].map(|k| corner[k] + sample[k]));
+                    let mut samples = [SolidSample::default(); 4];
+                    rays.cast(&places, |k, hit| {
+                        samples[k] = hit.map_or_else(SolidSample::default, |hit| {
+                            any = true;
+                            self.lit(&hit, places[k])
+                        });
+                    });
+                    tile.splits.push((index as u16, samples));
+                }
+            }
+        }
+        any.then_some(tile)
+    }
+
+    /// What is seen at a place of the picture, in pixels from its top left.
+    pub(crate) fn hit(&self, place: [f64; 2]) -> Option<SolidHit> {
+        let mut found = None;
+        RayCounter::new(self).cast(&[place], |_, hit| found = hit);
+        found
+    }
+
+    /// The light of what is seen at a place of the picture.
+    fn lit(&self, hit: &SolidHit, place: [f64; 2]) -> SolidSample {
+        let face = Face::from(&hit.crossing);
+        let look = self.scene.look(&face);
+        let slope = look.bump - face.normal.dot(look.bump) * face.normal;
+        let normal = (face.normal - slope).normalize_or(face.normal);
+        let view = self.camera.axes.map(|axis| axis.dot(normal) as f32);
+        let (diffuse, white) = style::surface_light(view, self.to_eye(place));
+        let tint = self.tints.get(hit.crossing.solid);
+        let factor = tint.map_or([1.0; 3], |tint| tint.colour);
+        let colour = look.color.clamp(DVec3::ZERO, DVec3::ONE).to_array();
+        let light = [0, 1, 2].map(|k| colour[k] as f32 * factor[k] * diffuse + white);
+        SolidSample {
+            depth: hit.depth,
+            light: style::emphasised(light, tint.map_or(0.0, |tint| tint.emphasis)),
+        }
+    }
+
+    /// The unit vector to the eye from what is seen at a place of the picture, in view space.
+    fn to_eye(&self, place: [f64; 2]) -> [f32; 3] {
+        if self.camera.parallel.is_some() {
+            return [0.0, 0.0, 1.0];
+        }
+        let [x, y] = across(self.camera, place).map(|x| x as f32);
+        Vec3::new(-x, -y, 1.0).normalize().to_array()
+    }
+}
+
+/// Casts rays, and counts them in the end.
+struct RayCounter<'p, 'a> {
+    painter: &'p SolidPainter<'a>,
+    caster: Caster<'a>,
+    rays: Vec<Ray>,
+    count: u64,
+}
+
+impl<'p, 'a> RayCounter<'p, 'a> {
+    fn new(painter: &'p SolidPainter<'a>) -> Self {
+        Self {
+            painter,
+            caster: painter.world.caster(),
+            rays: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// Casts the rays through some places of the picture, which are read together.
+    fn cast(&mut self, places: &[[f64; 2]], mut found: impl FnMut(usize, Option<SolidHit>)) {
+        let camera = self.painter.camera;
+        self.rays.clear();
+        self.rays
+            .extend(places.iter().map(|&place| ray(camera, place)));
+        self.caster.begin_bundle(&self.rays);
+        self.count += places.len() as u64;
+        for k in 0..places.len() {
+            let crossing = self.caster.first_of_bundle(k);
+            let hit = crossing.and_then(|crossing| {
+                let depth = depth(camera, crossing.t);
+                (depth > 0.0).then_some(SolidHit { crossing, depth })
+            });
+            found(k, hit);
+        }
+    }
+}
+
+impl Drop for RayCounter<'_, '_> {
+    fn drop(&mut self) {
+        self.painter.counters.count_rays(self.count);
+    }
+}
+
+/// Where a ray through a place of the picture is at distance 1 along the view direction: right and up, in drawing units.
+fn across(camera: &Camera, [x, y]: [f64; 2]) -> [f64; 2] {
+    let [width, height] = camera.size.map(f64::from);
+    let [tx, ty] = camera.half_tangents();
+    [(2.0 * x / width - 1.0) * tx, (1.0 - 2.0 * y / height) * ty]
+}
+
+/// The ray through a place of the picture, in the scene's units. Its t is the distance along the view direction in drawing
+/// units: from the eye, or from the nearest plane that an orthographic camera draws.
+fn ray(camera: &Camera, place: [f64; 2]) -> Ray {
+    let [right, up, back] = camera.axes;
+    let [x, y] = across(camera, place);
+    let aside = x * right + y * up;
+    let (origin, direction) = match camera.parallel {
+        None => (camera.eye, aside - back),
+        Some(parallel) => {
+            let ahead = parallel.distance - parallel.reach;
+            (camera.eye + parallel.distance * aside - ahead * back, -back)
+        }
+    };
+    let placement = &camera.placement;
+    Ray {
+        origin: DVec3::from(placement.centre) + placement.radius * origin,
+        direction: placement.radius * direction,
+        leaving: None,
+    }
+}
+
+/// The depth in clip space of a place on a ray. What lies before the near plane is drawn in it.
+fn depth(camera: &Camera, t: f64) -> f32 {
+    let depth = match camera.parallel {
+        None => camera.near / t,
+        Some(parallel) => 1.0 - 0.5 * t / parallel.reach,
+    };
+    depth.min(1.0) as f32
+}
+
+/// True if something ends between two neighbours.
+fn is_edge(a: Option<&SolidHit>, b: Option<&SolidHit>) -> bool {
+    let (a, b) = match (a, b) {
+        (Some(a), Some(b)) => (&a.crossing, &b.crossing),
+        (None, None) => return false,
+        _ => return true,
+    };
+    if (a.solid, a.surface) != (b.solid, b.surface) {
+        return true;
+    }
+    let way = (b.position - a.position).normalize_or_zero();
+    way.dot(a.normal).abs().max(way.dot(b.normal).abs()) > BEND
+}
+
+/// The part of the picture in which what lies in a box is seen; `None` for an empty box, all for an endless one.
+fn seen_box(camera: &Camera, bounds: Option<BoundingBox>) -> Option<[f64; 4]> {
+    let all = [0.0, 0.0, f64::INFINITY, f64::INFINITY];
+    let Some(bounds) = bounds else {
+        return Some(all);
+    };
+    if bounds.is_empty() {
+        return None;
+    }
+    let mut seen = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    for corner in 0..8 {
+        let side = |k: usize| match corner >> k & 1 {
+            0 => bounds.lower[k],
+            _ => bounds.upper[k],
+        };
+        let place = camera
+            .placement
+            .local(WorldPoint([side(0), side(1), side(2)]));
+        let ahead = camera.axes[2].dot(camera.eye - DVec3::from(place.0));
+        let pixel = camera.pixel_of(place);
+        let (Some(at), true) = (pixel, ahead > 1e-6 || camera.parallel.is_some()) else {
+            return Some(all);
+        };
+        for k in 0..2 {
+            // A pixel more: rays at edges go beside the middles of pixels.
+            seen[k] = seen[k].min(at.0[k] - 1.0);
+            seen[k + 2] = seen[k + 2].max(at.0[k] + 1.0);
+        }
+    }
+    // Near the eye's plane, places of the picture may be no numbers.
+    if seen.iter().any(|x| x.is_nan()) {
+        return Some(all);
+    }
+    Some(seen)
+}
