@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use expr::ops::{CONSTANTS, Unary};
+use syntax::geotrace::attributes::AttributeWord;
 use syntax::geotrace::declarations::{DeclarationKeyword, TABLE};
+use syntax::geotrace::token::MapWord;
 use testing::binary::geotrace;
 use testing::draw::scene;
 use testing::examples::repository;
@@ -280,7 +282,12 @@ fn every_list_of_words_is_that_of_the_language() {
     // These are no operations on a number: the identity takes vectors too, the others only vectors.
     let functions = Unary::ALL.into_iter().filter_map(Unary::builtin);
     let functions: BTreeSet<&str> = functions.chain(["id", "min", "max"]).collect();
-    let keywords: BTreeSet<&str> = TABLE.iter().map(|row| row.text).collect();
+    // A soft keyword is a name elsewhere: the files for colours have patterns for the places where it stands.
+    let (soft, keywords): (Vec<_>, Vec<_>) = TABLE.iter().partition(|row| row.keyword.is_soft());
+    let [soft, keywords] =
+        [soft, keywords].map(|rows| rows.iter().map(|row| row.text).collect::<BTreeSet<_>>());
+    let attributes: BTreeSet<&str> = AttributeWord::ALL.map(AttributeWord::text).into();
+    let maps: BTreeSet<&str> = MapWord::ALL.map(MapWord::text).into();
     let vim = "editors/neovim/syntax/geotrace.vim";
     let vscode = "editors/vscode/syntaxes/geotrace.tmLanguage.json";
     let tree_sitter = "editors/tree-sitter/queries/highlights.scm";
@@ -291,6 +298,14 @@ fn every_list_of_words_is_that_of_the_language() {
         (vim, "geotraceFunction ", "\n", &functions),
         (vim, "geotraceConstant ", "\n", &constants),
         (vim, "geotraceKeyword ", "\n", &keywords),
+        (vim, r"geotraceKeyword /\v%(^|;)\s*\zs%(", ")", &soft),
+        (
+            vim,
+            r"geotraceAttribute /\v%(^|,)\s*\zs%(",
+            ")",
+            &attributes,
+        ),
+        (vim, r"geotraceFunction /\v\@\s*\zs%(", ")", &maps),
         (
             vscode,
             r#"support.function.geotrace",
@@ -313,7 +328,18 @@ fn every_list_of_words_is_that_of_the_language() {
         ),
         (tree_sitter, "any-of? @function.builtin", ")", &functions),
         (tree_sitter, "any-of? @constant.builtin", ")", &constants),
+        (
+            vscode,
+            r#""map": {
+      "comment": "Behind the @ of a set.",
+      "match": "(?<=@)\\s*("#,
+            ")",
+            &maps,
+        ),
+        (vscode, r"(?:^|(?<=,))\\s*(", ")", &attributes),
         (tree_sitter, "[", "]", &keywords),
+        (tree_sitter, "@keyword\n[", "]", &soft),
+        (tree_sitter, "\"background\"] @keyword\n[", "]", &maps),
     ] {
         let text = read(path);
         assert_eq!(

@@ -163,6 +163,30 @@ async fn every_feature_answers() {
 }
 
 #[tokio::test]
+async fn colours_of_a_program_are_picked() {
+    for place in PLACES {
+        let mut editor = Editor::start(place, "colours");
+        let answer = editor.initialize(capabilities(&["utf-16"])).await;
+        assert_eq!(answer["capabilities"]["colorProvider"], true);
+        let program = "# 𝛼\npoint p = (0,0,0), color : (1, 0.5, 0);";
+        editor.open(URI, program).await;
+        let params = json!({ "textDocument": document() });
+        let colors = editor.ask("textDocument/documentColor", params).await;
+        let color = json!({ "red": 1.0, "green": 0.5, "blue": 0.0, "alpha": 1.0 });
+        let place = range([1, 27], [1, 38]);
+        assert_eq!(colors, json!([{ "range": place, "color": color }]));
+        let color = json!({ "red": 0.25, "green": 0.25, "blue": 0.25, "alpha": 1.0 });
+        let params = json!({ "textDocument": document(), "range": place, "color": color });
+        let texts = editor.ask("textDocument/colorPresentation", params).await;
+        let edit = |text: &str| json!({ "range": place, "newText": text });
+        let wanted = ["(0.25, 0.25, 0.25)", "0.25"];
+        let wanted = wanted.map(|text| json!({ "label": text, "textEdit": edit(text) }));
+        assert_eq!(texts, json!(wanted));
+        assert_eq!(editor.quit().await, 0, "{place:?}");
+    }
+}
+
+#[tokio::test]
 async fn positions_are_in_the_encoding_that_was_agreed() {
     // The text is a comment up to a new line that an edit puts behind the letter 𝛼 and its accent é.
     let text = "# 𝛼é define a = sinn 1;";

@@ -27,6 +27,11 @@ pub enum CompletionKind {
     Curve,
     Constant,
     Parameter,
+    Solid,
+    /// The word of an attribute.
+    Attribute,
+    /// A word that an attribute takes.
+    Word,
 }
 
 /// The completions at a place.

@@ -4,16 +4,19 @@
 //! scene::document ──▶ GeotraceProgram ──snapshot──▶ GeotraceAnalysis ─┬─▶ semantic            colours by meaning
 //!                                                                     ├─▶ hover, signature, completion, describe
 //!                                                                     ├─▶ navigation          definition, occurrences
-//!                                                                     ├─▶ rename, format, edit_param     edits
-//!                                                                     └─▶ outline, hints, lens, preview_values
+//!                                                                     ├─▶ rename, format, edit_param, edit_camera   edits
+//!                                                                     └─▶ outline, hints, lens, color, preview_values
 //! ```
 //!
 //! Rename and format read their results again and refuse what would change a meaning.
 
 pub mod analysis;
 mod application;
+pub mod color;
 pub mod completion;
+mod completion_place;
 pub mod describe;
+pub mod edit_camera;
 pub mod edit_param;
 pub mod format;
 mod geometry;
@@ -30,6 +33,7 @@ pub mod preview_values;
 pub mod rename;
 pub mod semantic;
 pub mod signature;
+mod solid;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -43,9 +47,11 @@ use syntax::span::Span;
 pub use analysis::{GeotraceAnalysis, Lexeme, Target};
 pub use item::Item;
 
+use crate::color::StatedColor;
 use crate::completion::Completions;
 use crate::description::Description;
 use crate::edit::Edit;
+use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
 use crate::highlight::Highlight;
 use crate::hint::Hint;
@@ -269,5 +275,22 @@ impl Analysis for GeotraceAnalysis {
 
     fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
         edit_param::edit_param(self, param, values)
+    }
+
+    fn edit_camera(
+        &self,
+        name: &str,
+        direction: [f64; 3],
+        position: [f64; 3],
+    ) -> Result<Edit, EditCameraError> {
+        edit_camera::edit_camera(self, name, direction, position)
+    }
+
+    fn colors(&self) -> Vec<StatedColor> {
+        color::colors(self)
+    }
+
+    fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
+        color::color_texts(rgb)
     }
 }

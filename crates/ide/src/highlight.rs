@@ -26,6 +26,8 @@ pub(crate) fn from_tokens(tokens: &[SemanticToken]) -> Vec<Highlight> {
             TokenType::Number => HighlightKind::Number,
             TokenType::Operator => HighlightKind::Operator,
             TokenType::Comment => HighlightKind::Comment,
+            TokenType::Property => HighlightKind::Keyword,
+            TokenType::EnumMember => HighlightKind::Constant,
         },
     });
     highlights.collect()

@@ -22,9 +22,11 @@ pub use syntax::document::EditError;
 pub const LONGEST_PROGRAM: u64 = 64 << 20;
 use syntax::span::Span;
 
+use crate::color::StatedColor;
 use crate::completion::Completions;
 use crate::description::Description;
 use crate::edit::Edit;
+use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
 use crate::fix::{self, Fix};
 use crate::highlight::{self, Highlight};
@@ -310,6 +312,17 @@ pub trait Analysis: Debug + Send + Sync {
         Vec::new()
     }
 
+    /// Returns the constant colours, in the order of the text.
+    fn colors(&self) -> Vec<StatedColor> {
+        Vec::new()
+    }
+
+    /// Returns the texts that state a colour (red, green and blue, sRGB, 0…1) in place of the one in a range, the plainest
+    /// first.
+    fn color_texts(&self, range: Span, rgb: [f64; 3]) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Returns the edit after which a param starts with the given values, one for each of its components.
     ///
     /// # Errors
@@ -317,6 +330,20 @@ pub trait Analysis: Debug + Send + Sync {
     fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
         let name = param.to_owned();
         Err(EditParamError::NoParam { name })
+    }
+
+    /// Returns the edit after which the camera of a name looks along a direction from a position. A camera that is not
+    /// declared is added.
+    ///
+    /// # Errors
+    /// [`EditCameraError`] with the reason.
+    fn edit_camera(
+        &self,
+        name: &str,
+        direction: [f64; 3],
+        position: [f64; 3],
+    ) -> Result<Edit, EditCameraError> {
+        Err(EditCameraError::NoCameras)
     }
 }
 

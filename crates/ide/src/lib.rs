@@ -5,16 +5,18 @@
 //! language      the interface of a language: Language, Program, Analysis
 //! geotrace      the Geotrace language behind it
 //! text          a text by its lines
-//! completion, description, edit, fix, hint, lens, occurrence, outline, rename, semantic, signature, …
+//! color, completion, description, edit, fix, hint, lens, occurrence, outline, rename, semantic, signature, …
 //!               what the features return
 //! ```
 //!
 //! The crate names no type of the language server protocol: lines, columns and names of the protocol are the server's
 //! business.
 
+pub mod color;
 pub mod completion;
 pub mod description;
 pub mod edit;
+pub mod edit_camera;
 pub mod edit_param;
 pub mod fix;
 pub mod geotrace;

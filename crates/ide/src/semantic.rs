@@ -13,11 +13,15 @@ pub enum TokenType {
     Number,
     Operator,
     Comment,
+    /// The word of an attribute.
+    Property,
+    /// A word that is the value of an attribute.
+    EnumMember,
 }
 
 impl TokenType {
     /// All, in the order of the legend.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Keyword,
         Self::Function,
         Self::Variable,
@@ -25,6 +29,8 @@ impl TokenType {
         Self::Number,
         Self::Operator,
         Self::Comment,
+        Self::Property,
+        Self::EnumMember,
     ];
 
     /// Its name in the legend.
@@ -37,6 +43,8 @@ impl TokenType {
             Self::Number => "number",
             Self::Operator => "operator",
             Self::Comment => "comment",
+            Self::Property => "property",
+            Self::EnumMember => "enumMember",
         }
     }
 }
@@ -47,13 +55,14 @@ pub struct Modifiers(pub u32);
 
 impl Modifiers {
     /// The names, in the order of the legend: two standard ones, then the language's own.
-    pub const NAMES: [&'static str; 6] = [
+    pub const NAMES: [&'static str; 7] = [
         "declaration",
         "defaultLibrary",
         "curve",
         "surface",
         "grid",
         "param",
+        "solid",
     ];
     /// The name is introduced here.
     pub const DECLARATION: Self = Self(1);
@@ -67,6 +76,8 @@ impl Modifiers {
     pub const GRID: Self = Self(1 << 4);
     /// A param.
     pub const PARAM: Self = Self(1 << 5);
+    /// A solid.
+    pub const SOLID: Self = Self(1 << 6);
 
     pub(crate) fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)

@@ -3,8 +3,10 @@
 use ide::edit::apply;
 use ide::fix;
 use ide::geotrace::completion::completions;
+use ide::geotrace::edit_camera::edit_camera;
 use ide::geotrace::{
-    GeotraceAnalysis, format, hints, hover, lens, navigation, outline, rename, semantic, signature,
+    GeotraceAnalysis, color, format, hints, hover, lens, navigation, outline, rename, semantic,
+    signature,
 };
 use syntax::span::Span;
 
@@ -116,6 +118,16 @@ fn every_feature_answers_at_every_place_of_any_text() {
         ") ] } ( [ {",
         "vector v = (1,0,0) @ @ p",
         "param p : [0,1], [",
+        "solid",
+        "solid s = ",
+        "solid s(x,y) = x, x : [0,",
+        "solid s(x,y,z) = x, mirror : ; solid t = (s | s @ scale",
+        "solid t = t @ rotate (0,0,1) @ @ & | \\ ) } ]",
+        "function f(x,y,z) = x; solid s = f & f @ f(1, 2, 3) @ f \\ (f), color : (x, y",
+        "light l = @ ; light m = , power; light n = (0,0,1) @ (0,0,0), power : power",
+        "camera c = (1,0,0) @ (0,0,0), bokeh : , bokeh : st, fov",
+        "background b(x) = ; background = (1,0,0); background c = (0,0,0), turn : [0,1]",
+        "point light = (0,0,0), , color : (1, 0.5, 0), color",
         long.as_str(),
     ] {
         let analysis = GeotraceAnalysis::new(text);
@@ -124,6 +136,11 @@ fn every_feature_answers_at_every_place_of_any_text() {
         outline::outline(&analysis);
         outline::folds(&analysis);
         lens::lenses(&analysis);
+        for stated in color::colors(&analysis) {
+            assert!(!stated.span.text(text).is_empty());
+        }
+        let written = edit_camera(&analysis, "eye", [0.0, 1.0, 0.0], [0.0; 3]);
+        assert_eq!(written.expect("a free name").span, Span::new(end, end));
         fix::fixes(analysis.diagnostics(), whole);
         let laid_out = apply(text, &format::format(&analysis, None));
         let again = GeotraceAnalysis::new(laid_out.as_str());

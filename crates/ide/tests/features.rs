@@ -178,7 +178,7 @@ fn completion_offers_what_fits_at_the_place() {
     let (range, list) = labels("define radius = 1;\nfunction f(x) = 2ra|");
     assert_eq!(range, "ra");
     assert_eq!(list, ["radius"]);
-    let (_, list) = labels("define radius = 1;\nfunction f(x) = 2|");
+    let (_, list) = labels("define radius = 1;\nfunction f(x) = 2 |");
     for name in ["radius", "x", "sin", "pi"] {
         assert!(list.contains(&name.to_owned()), "{name} in {list:?}");
     }
@@ -197,7 +197,9 @@ fn completion_offers_what_fits_at_the_place() {
     assert_eq!(list, ["a", "b"]);
 
     let (_, list) = labels("surface s(u,v) = (u,v,0), u : [0,1], |");
-    assert_eq!(list, ["u", "v"]);
+    assert_eq!(list[..2], ["v", "color"]);
+    let (_, list) = labels("surface s(u,v) = (u,v,0), |v : [0,1]");
+    assert_eq!(list[..3], ["u", "v", "color"]);
 
     let (_, list) = labels("# a comm|ent");
     assert!(list.is_empty());

@@ -158,6 +158,17 @@ pub enum Event {
         /// One finite value per component.
         value: Vec<f64>,
     },
+    /// The user wants the view in the text as a camera, as one step that can be undone.
+    WriteCamera {
+        /// The text's version.
+        version: i32,
+        /// The name of the camera; a new one, if it is not declared.
+        name: String,
+        /// The direction in which it looks; finite, and not zero.
+        direction: [f64; 3],
+        /// Its place; finite.
+        position: [f64; 3],
+    },
     /// The params' values now, by name.
     Values {
         /// The text's version.

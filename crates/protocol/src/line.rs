@@ -266,6 +266,12 @@ mod tests {
                 param: "U".to_owned(),
                 value: vec![0.1, -1e-300],
             },
+            Event::WriteCamera {
+                version: 2,
+                name: "eye".to_owned(),
+                direction: [0.0, 4.0, -1.0],
+                position: [0.1, -4.0, 1e-300],
+            },
             Event::Values {
                 version: 2,
                 values: [("U".to_owned(), vec![0.1 + 0.2])].into(),

@@ -146,6 +146,8 @@ impl LanguageServer for Backend {
         places::rename(lsp::RenameParams) -> Result<Option<lsp::WorkspaceEdit>>;
         places::selection_range(lsp::SelectionRangeParams) -> Result<Option<Vec<lsp::SelectionRange>>>;
         ranges::code_action(lsp::CodeActionParams) -> Result<Option<lsp::CodeActionResponse>>;
+        ranges::document_color(lsp::DocumentColorParams) -> Result<Vec<lsp::ColorInformation>>;
+        ranges::color_presentation(lsp::ColorPresentationParams) -> Result<Vec<lsp::ColorPresentation>>;
         ranges::range_formatting(lsp::DocumentRangeFormattingParams) -> Result<Option<Vec<lsp::TextEdit>>>;
         places::on_type_formatting(lsp::DocumentOnTypeFormattingParams) -> Result<Option<Vec<lsp::TextEdit>>>;
         workspace::execute_command(lsp::ExecuteCommandParams) -> Result<Option<lsp::LSPAny>>;

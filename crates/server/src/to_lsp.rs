@@ -1,5 +1,6 @@
 //! From plain data to the protocol's types.
 
+use ide::color::StatedColor;
 use ide::completion::{Completion, CompletionKind, Completions};
 use ide::edit::Edit;
 use ide::fix::Fix;
@@ -87,6 +88,7 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
             prepare_provider: Some(true),
             work_done_progress_options: no_progress(),
         })),
+        color_provider: Some(lsp::ColorProviderCapability::Simple(true)),
         folding_range_provider: Some(lsp::FoldingRangeProviderCapability::Simple(true)),
         selection_range_provider: Some(lsp::SelectionRangeProviderCapability::Simple(true)),
         execute_command_provider: Some(lsp::ExecuteCommandOptions {
@@ -203,7 +205,11 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
     let kind = match completion.kind {
         CompletionKind::Keyword => lsp::CompletionItemKind::KEYWORD,
         CompletionKind::Function => lsp::CompletionItemKind::FUNCTION,
-        CompletionKind::Surface | CompletionKind::Curve => lsp::CompletionItemKind::CLASS,
+        CompletionKind::Surface | CompletionKind::Curve | CompletionKind::Solid => {
+            lsp::CompletionItemKind::CLASS
+        }
+        CompletionKind::Attribute => lsp::CompletionItemKind::PROPERTY,
+        CompletionKind::Word => lsp::CompletionItemKind::ENUM_MEMBER,
         CompletionKind::Constant => lsp::CompletionItemKind::CONSTANT,
         CompletionKind::Parameter => lsp::CompletionItemKind::VARIABLE,
     };
@@ -376,6 +382,34 @@ pub(crate) fn fold(snapshot: &Snapshot, fold: &Fold) -> lsp::FoldingRange {
         end_line: end.line,
         kind: fold.comment.then_some(lsp::FoldingRangeKind::Comment),
         ..lsp::FoldingRange::default()
+    }
+}
+
+pub(crate) fn color(snapshot: &Snapshot, stated: &StatedColor) -> lsp::ColorInformation {
+    let [red, green, blue] = stated.rgb.map(|channel| channel as f32);
+    lsp::ColorInformation {
+        range: range(snapshot, stated.span),
+        color: lsp::Color {
+            red,
+            green,
+            blue,
+            alpha: 1.0,
+        },
+    }
+}
+
+pub(crate) fn color_presentation(
+    snapshot: &Snapshot,
+    replaced: Span,
+    text: String,
+) -> lsp::ColorPresentation {
+    lsp::ColorPresentation {
+        text_edit: Some(lsp::TextEdit {
+            range: range(snapshot, replaced),
+            new_text: text.clone(),
+        }),
+        label: text,
+        additional_text_edits: None,
     }
 }
 

@@ -187,6 +187,32 @@ test("completion by omnifunc offers what matches, and replaces what is written",
   equal(vim.api.nvim_buf_get_lines(0, 1, 2, false)[1], "define a = tor(1, cos")
 end)
 
+test("solids are coloured by meaning, completed and described", function()
+  local buffer = open("solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (1, 0.5, 0);\n"
+    .. "solid die = ball @ scale 2, io;\ncamera eye = (0,1,0) @ (0,-4,0), bokeh : star;")
+  local function shown(line, column)
+    local tokens = vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}
+    return tokens[1] and tokens[1].type
+  end
+  eventually("tokens", function()
+    return shown(0, 0)
+  end)
+  equal({ shown(0, 0), shown(0, 6), shown(0, 42), shown(1, 19), shown(2, 33), shown(2, 41) },
+    { "keyword", "function", "property", "function", "property", "enumMember" })
+  local function labels(line, column)
+    local items = request("textDocument/completion", at(line, column))
+    return vim.tbl_map(function(item)
+      return item.label
+    end, items.items or items)
+  end
+  equal(labels(1, 30)[1], "ior")
+  assert(vim.tbl_contains(labels(1, 12), "ball"), vim.inspect(labels(1, 12)))
+  local hover = request("textDocument/hover", at(2, 34))
+  assert(hover.contents.value:find("hexagon", 1, true), hover.contents.value)
+  local colors = request("textDocument/documentColor", { textDocument = at(0, 0).textDocument })
+  equal({ #colors, colors[1].color.green, colors[1].range.start.character }, { 1, 0.5, 49 })
+end)
+
 test("a missing semicolon at the end of the file is fixed from its line", function()
   open("define a = 1;\ndefine b = 2\n\n")
   local found = eventually("a diagnostic", function()

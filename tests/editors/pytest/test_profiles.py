@@ -251,3 +251,26 @@ async def test_formatting_moves_blanks_alone(client):
     laid_out = splice(client, text, edits)
     assert "".join(laid_out.split()) == "".join(text.split())
     assert "define b = tau + sinn 2;" in laid_out and "x y + tau;" in laid_out
+
+
+async def test_colours_stand_where_the_client_counts(client):
+    text = "# 𝛼é\n" + "point p = (0,0,0), color : (1, 0.5, 0);\n"
+    open_document(client, text)
+    params = types.DocumentColorParams(document())
+    [found] = await client.text_document_document_color_async(params)
+    assert found.range == span(client, "(1, 0.5, 0)", text)
+    assert (found.color.red, found.color.green, found.color.blue) == (1.0, 0.5, 0.0)
+    params = types.ColorPresentationParams(document(), found.color, found.range)
+    [same] = await client.text_document_color_presentation_async(params)
+    assert splice(client, text, [same.text_edit]) == text
+
+
+async def test_attributes_are_completed_where_the_client_counts(client):
+    text = "light l = @ (0,0,1), po;  # 𝛼é\n"
+    open_document(client, text)
+    at = place(client, "po", text, behind=True)
+    answer = await client.text_document_completion_async(types.CompletionParams(document(), at))
+    items = answer if isinstance(answer, list) else answer.items
+    [power] = [item for item in items if item.label == "power"]
+    assert power.kind == types.CompletionItemKind.Property
+    assert power.text_edit.range == span(client, "po", text)

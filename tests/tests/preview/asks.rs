@@ -148,3 +148,34 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
     message(&mut editor, "takes no edits").await;
     assert_eq!(editor.quit().await, 0);
 }
+
+#[tokio::test]
+async fn a_view_that_is_written_becomes_one_edit_of_a_camera() {
+    let windows = Windows::new(FAKE, false).await;
+    let mut editor = started(Place::Here, "preview-camera", &windows).await;
+    let program = "camera eye = (0,1,0) @ (0,-4,1), roll : 0.1;\n";
+    let mut window = previewed(&mut editor, &windows, URI, program).await;
+    let write = |name: &str, direction: Value| {
+        json!({
+            "type": "writeCamera",
+            "version": 1,
+            "name": name,
+            "direction": direction,
+            "position": [0.5, -3.0, 1.0 / 3.0],
+        })
+    };
+    window.say(write("eye", json!([0, 1, 0]))).await;
+    let asked = editor.asked("workspace/applyEdit").await;
+    assert_eq!(asked["label"], "Write camera");
+    let edit = &asked["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!(edit["newText"], "(0, 1, 0) @ (0.5, -3, 0.3333)");
+    let start = json!({ "line": 0, "character": 13 });
+    assert_eq!(edit["range"]["start"], start);
+    assert_eq!(edit["range"]["end"]["character"], 31);
+    // What no camera can be is told.
+    window.say(write("eye", json!([0, 0, 0]))).await;
+    message(&mut editor, "not zero").await;
+    window.say(write("pi", json!([0, 1, 0]))).await;
+    message(&mut editor, "`pi` is not free").await;
+    assert_eq!(editor.quit().await, 0);
+}

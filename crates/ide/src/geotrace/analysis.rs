@@ -250,6 +250,17 @@ impl GeotraceAnalysis {
         (offset <= item.span.end).then_some(item)
     }
 
+    /// The last declaration before a place, where it has not ended with a `;`.
+    pub(crate) fn unfinished_item_before(&self, offset: u32) -> Option<Item<'_>> {
+        // One that starts at the place does not stand before it.
+        let begun = self.document.declarations_begun(offset.checked_sub(1)?) as usize;
+        let item = self.item(begun.checked_sub(1)?)?;
+        let end = item.span.end;
+        // A `;` is a chunk's end: far declarations are closed, and nothing long is looked at.
+        let rest = self.slice(Span::new(end.saturating_sub(1), offset.max(end)));
+        (!rest.contains(';')).then_some(item)
+    }
+
     /// The number of the declaration of a symbol; none for a builtin.
     pub fn item_of(&self, symbol: SymbolId) -> Option<usize> {
         self.document.declaration_of(symbol).map(|it| it as usize)
@@ -316,8 +327,8 @@ impl GeotraceAnalysis {
             Target::Symbol(id) => self.symbol(id).map_or("", |symbol| &symbol.name),
             Target::Parameter { item, position } => {
                 let item = self.item(item);
-                let named = item.and_then(|item| item.parameters().nth(position));
-                named.map_or("", |(name, _)| name)
+                let named = item.and_then(|item| item.variables().nth(position));
+                named.unwrap_or("")
             }
         }
     }

@@ -1,19 +1,23 @@
-//! Applications in a text: the value of `s(1, 2)` where it stands, and for a surface or a metric the curvature there.
+//! Values in a text: that of `s(1, 2)` where it stands, for a surface or a metric with the curvature there, for a solid with
+//! the gradient; that of an attribute.
 //!
-//! In: the token of a function's name. Out: sentences; none where an argument is a parameter of the body around it, or where
+//! In: the token of a function's name, or the range of an expression. Out: sentences; none where an argument is a parameter of the body around it, or where
 //! a declaration that it needs has an error.
 
 use std::collections::BTreeSet;
 
 use geodesic::metric::{Metric, gaussian_curvature};
 use geometry::Manifold;
+use scene::geotrace::Compilation;
 use scene::{Outcome, ParamValues, Value};
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use super::analysis::GeotraceAnalysis;
 use super::hints::{short, shown};
+use super::outline::parameters_of;
 
 /// The most tokens that an application has.
 const LONGEST: usize = 200;
@@ -95,42 +99,99 @@ impl Application {
     }
 
     fn sentences(&self, analysis: &GeotraceAnalysis) -> Option<Vec<String>> {
-        let needed = declarations(analysis, &self.symbols)?;
-        let moves =
-            |id: &SymbolId| analysis.item_of(*id).is_some() && analysis.depends_on_settings(*id);
-        let start = match self.symbols.iter().any(moves) {
-            true => ", with every param at its start",
-            false => "",
-        };
-        let compilation = scene::geotrace::compile(&needed);
-        let scene = compilation.scene.as_ref()?;
-        let params = ParamValues::initial(scene);
-        let value = |text: &str| match compilation.evaluate(text, &params).ok()?.outcome {
-            Outcome::Single(value) => Some(value),
-            Outcome::Instances(_) => None,
-        };
-        let result = shown(&value(&self.text)?);
+        let needed = Needed::compile(analysis, &self.symbols)?;
+        let result = shown(&needed.value(&self.text)?);
+        let start = needed.start();
         let written: Vec<&str> = self.text.split_whitespace().collect();
         let mut sentences = vec![format!("`{}` = {result}{start}", written.join(" "))];
-        let Some(Value::Vector(arguments)) = value(&self.arguments).filter(|_| !self.is_derived)
-        else {
-            return Some(sentences);
-        };
-        let [Some(u), Some(v)] = arguments[..] else {
-            return Some(sentences);
-        };
-        if let Some((id, object)) = scene.object(&self.name)
-            && object.shape.manifold().is_some()
-            && let Ok(manifold) = Manifold::new(scene, id, &params.first_instance(scene, object))
-        {
-            let jet = manifold.surface().jet([u, v].into());
-            let Metric { e, f, g, .. } = Metric::of(&jet);
-            let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(short);
-            sentences.push(format!(
-                "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
-            ));
+        if !self.is_derived {
+            sentences.extend(self.gradient(analysis, &needed));
+            sentences.extend(self.curvature(&needed));
         }
         Some(sentences)
+    }
+
+    /// The gradient of a solid's function at the arguments.
+    fn gradient(&self, analysis: &GeotraceAnalysis, needed: &Needed) -> Option<String> {
+        let symbol = analysis.symbol(*self.symbols.first()?)?;
+        if symbol.keyword != Some(DeclarationKeyword::Solid) {
+            return None;
+        }
+        let partial = |name| format!("{}_{name}{}", self.name, self.arguments);
+        let partials: Vec<String> = parameters_of(symbol).map(partial).collect();
+        let gradient = needed.value(&format!("({})", partials.join(", ")))?;
+        Some(format!("there the gradient is {}", shown(&gradient)))
+    }
+
+    /// The curvature of a surface or a metric at the arguments.
+    fn curvature(&self, needed: &Needed) -> Option<String> {
+        let Value::Vector(arguments) = needed.value(&self.arguments)? else {
+            return None;
+        };
+        let [Some(u), Some(v)] = arguments[..] else {
+            return None;
+        };
+        let scene = needed.compilation.scene.as_ref()?;
+        let (id, object) = scene.object(&self.name)?;
+        object.shape.manifold()?;
+        let uniforms = needed.params.first_instance(scene, object);
+        let manifold = Manifold::new(scene, id, &uniforms).ok()?;
+        let jet = manifold.surface().jet([u, v].into());
+        let Metric { e, f, g, .. } = Metric::of(&jet);
+        let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(short);
+        Some(format!(
+            "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
+        ))
+    }
+}
+
+/// The value of an expression that reads no parameter: `= 0.5`.
+pub(crate) fn value(analysis: &GeotraceAnalysis, span: Span) -> Option<String> {
+    let mut tokens = analysis.tokens(analysis.tokens_in(span)).take(LONGEST);
+    let reads = |kind| matches!(kind, TokenKind::Variable(_) | TokenKind::Undefined);
+    if tokens.any(|token| reads(token.kind)) {
+        return None;
+    }
+    let needed = Needed::compile(analysis, &analysis.symbols_in(span))?;
+    let result = needed.value(&analysis.slice(span))?;
+    Some(format!("= {}{}", shown(&result), needed.start()))
+}
+
+/// The declarations that an expression needs, compiled.
+struct Needed {
+    compilation: Compilation,
+    params: ParamValues,
+    /// True if a param or a grid moves one of them.
+    is_moved: bool,
+}
+
+impl Needed {
+    fn compile(analysis: &GeotraceAnalysis, symbols: &[SymbolId]) -> Option<Self> {
+        let compilation = scene::geotrace::compile(&declarations(analysis, symbols)?);
+        let params = ParamValues::initial(compilation.scene.as_ref()?);
+        let moves =
+            |id: &SymbolId| analysis.item_of(*id).is_some() && analysis.depends_on_settings(*id);
+        Some(Self {
+            params,
+            compilation,
+            is_moved: symbols.iter().any(moves),
+        })
+    }
+
+    /// The end of a sentence with a value.
+    fn start(&self) -> &'static str {
+        match self.is_moved {
+            true => ", with every param at its start",
+            false => "",
+        }
+    }
+
+    fn value(&self, expression: &str) -> Option<Value> {
+        let evaluation = self.compilation.evaluate(expression, &self.params);
+        match evaluation.ok()?.outcome {
+            Outcome::Single(value) => Some(value),
+            Outcome::Instances(_) => None,
+        }
     }
 }
 

@@ -1,15 +1,17 @@
 //! Completion at a place of a program.
 
-use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, Syntax, TABLE};
+use syntax::geotrace::attributes::{self, AttributeRow, AttributeType};
+use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, TABLE};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
-use syntax::geotrace::token::TokenKind;
+use syntax::geotrace::token::{MapWord, TokenKind};
 use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
+use super::completion_place::{CompletionPlace, Expected};
 use super::describe;
 use super::item::Item;
 use super::names_in_scope::NamesInScope;
-use super::outline::parameters;
+use super::outline::{parameters, parameters_of};
 use crate::completion::{Completion, CompletionKind, Completions};
 use crate::description::Description;
 
@@ -27,18 +29,32 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     let list = match place.wanted {
         Expected::Nothing => Vec::new(),
         Expected::Declaration => TABLE.iter().map(|row| declaration(row, snippets)).collect(),
-        Expected::Parameter(item) => own_parameters(analysis, item),
+        Expected::Item(item) => items(analysis, item, offset, snippets),
+        Expected::Word(row) => words(row),
         Expected::ParameterOf(item) => own_parameters(analysis, item),
         Expected::Surface => {
             is_complete = names.are_few();
-            let all = names.list(analysis).into_iter();
             let is_surface = |symbol: &&Symbol| {
                 matches!(
                     symbol.keyword.map(DeclarationKeyword::category),
                     Some(Category::Surface | Category::Metric)
                 )
             };
+            let all = names.list(analysis).into_iter();
             all.filter(is_surface).map(of_symbol).collect()
+        }
+        Expected::Atom => {
+            is_complete = names.are_few();
+            let all = names.list(analysis).into_iter();
+            all.filter(|symbol| is_atom(symbol))
+                .map(of_symbol)
+                .collect()
+        }
+        Expected::Place => {
+            is_complete = names.are_few();
+            let mut list: Vec<Completion> = MapWord::ALL.into_iter().map(map).collect();
+            list.extend(names.list(analysis).into_iter().map(of_symbol));
+            list
         }
         Expected::Operand(item) => {
             let mut list = item
@@ -75,172 +91,134 @@ fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
 
 /// The details of a completion, resolved when it is selected in the list.
 pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option<Description> {
-    if let Some(keyword) = DeclarationKeyword::from_text(label) {
-        return Some(describe::keyword(keyword));
-    }
-    let id = NamesInScope::at(analysis, offset).named(label)?;
-    describe::of_symbol(analysis, id)
-}
-
-/// The kind of text that fits at a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Expected {
-    Nothing,
-    Declaration,
-    /// One of the declaration's own parameters: an interval's tag.
-    Parameter(usize),
-    /// A parameter of the function that this item declares: behind `f_`.
-    ParameterOf(usize),
-    /// A surface or a metric: behind the colon of a geodesic.
-    Surface,
-    /// Any operand, in the body of this item.
-    Operand(Option<usize>),
-}
-
-struct CompletionPlace {
-    wanted: Expected,
-    range: Span,
-}
-
-impl CompletionPlace {
-    fn of(analysis: &GeotraceAnalysis, offset: u32) -> Self {
-        let start = word_start(analysis, offset);
-        let range = Span::new(start, offset);
-        let next = analysis.document().tokens_begun(start) as usize;
-        let last = next.checked_sub(1).and_then(|k| analysis.token(k));
-        if last.is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end) {
-            return Self {
-                wanted: Expected::Nothing,
-                range,
-            };
-        }
-        let before = (0..next)
-            .rev()
-            .filter_map(|k| Some((k, analysis.token(k)?)));
-        let mut before = before.filter(|(_, token)| token.kind != TokenKind::Comment);
-        // A declaration that starts here is not yet the one that is being written.
-        let item = analysis
-            .item_at(start)
-            .filter(|item| item.span.start < start);
-        let item = item.or_else(|| open_item(analysis, start));
-        let number = item.map(|item| item.index);
-        let wanted = match before.next() {
-            None => Expected::Declaration,
-            Some((at, token)) => match token.kind {
-                TokenKind::Semicolon => Expected::Declaration,
-                TokenKind::Declare(_) => Expected::Nothing,
-                TokenKind::Underscore => match function_before(analysis, at) {
-                    Some(item) => Expected::ParameterOf(item),
-                    None => Expected::Nothing,
-                },
-                TokenKind::Number(_) if range.start == range.end && token.span.end == start => {
-                    Expected::Operand(number)
-                }
-                TokenKind::Colon => {
-                    let geodesic =
-                        item.is_some_and(|it| it.keyword.row().syntax == Syntax::InSurface);
-                    let behind = at.checked_sub(1).and_then(|k| analysis.token(k));
-                    let behind_list = behind.is_none_or(|t| {
-                        let last = t.text.bytes().next_back();
-                        !last.is_some_and(|byte| byte.is_ascii_alphanumeric())
-                    });
-                    if geodesic && behind_list {
-                        Expected::Surface
-                    } else {
-                        Expected::Nothing
-                    }
-                }
-                TokenKind::Comma if item.is_some_and(|item| expects_tag(analysis, &item, at)) => {
-                    number.map_or(Expected::Nothing, Expected::Parameter)
-                }
-                _ => Expected::Operand(number),
-            },
-        };
-        Self { wanted, range }
-    }
-}
-
-/// Returns the start of the part of a word that is being written before a place: the first seam of the word from which
-/// a name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
-fn word_start(analysis: &GeotraceAnalysis, offset: u32) -> u32 {
-    let mut start = analysis.document().word_start(offset);
-    // Digits before the first letter are a number.
-    let word = analysis.slice(Span::new(start, offset));
-    let digits = word.bytes().take_while(u8::is_ascii_digit).count();
-    let (word, from) = (&word[digits..], start + digits as u32);
-    start = from;
-    let tokens = analysis.tokens(analysis.tokens_in(Span::new(start, offset)));
-    let seams = tokens.map(|t| t.span.start).filter(|&at| at >= start);
-    let item = analysis.item_at(offset);
-    let visible = NamesInScope::at(analysis, offset);
-    let goes_on = |at: &u32| {
-        let written = &word[(*at - from) as usize..];
-        let mut parameters = item.iter().flat_map(|item| item.parameters());
-        visible.begins(written) || parameters.any(|(name, _)| name.starts_with(written))
+    let keyword = DeclarationKeyword::from_text(label);
+    let symbol = || {
+        let id = NamesInScope::at(analysis, offset).named(label)?;
+        describe::of_symbol(analysis, id)
     };
-    let mut last = start;
-    for at in seams {
-        if goes_on(&at) {
-            return at;
+    match CompletionPlace::of(analysis, offset).wanted {
+        Expected::Declaration => keyword.map(describe::keyword),
+        Expected::Item(item) => {
+            let item = analysis.item(item)?;
+            let mut rows = attributes::of(item.keyword);
+            let row = rows.find(|row| row.text == label)?;
+            Some(describe::attribute(row))
         }
-        last = at;
+        Expected::Word(row) => Some(describe::attribute(row)),
+        Expected::Place => match MapWord::from_text(label) {
+            Some(map) => Some(describe::map(map)),
+            None => symbol(),
+        },
+        _ => symbol().or_else(|| keyword.map(describe::keyword)),
     }
-    last
 }
 
-/// The last declaration before a place, where it has not ended with a `;`.
-fn open_item(analysis: &GeotraceAnalysis, offset: u32) -> Option<Item<'_>> {
-    // One that starts at the place does not stand before it.
-    let begun = analysis
-        .document()
-        .declarations_begun(offset.checked_sub(1)?) as usize;
-    let item = analysis.item(begun.checked_sub(1)?)?;
-    let end = item.span.end;
-    // A `;` is a chunk's end: far declarations are closed, and nothing long is looked at.
-    let rest = analysis.slice(Span::new(end.saturating_sub(1), offset.max(end)));
-    (!rest.contains(';')).then_some(item)
+/// What may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not those that it
+/// states elsewhere.
+fn items(
+    analysis: &GeotraceAnalysis,
+    number: usize,
+    offset: u32,
+    snippets: bool,
+) -> Vec<Completion> {
+    let Some(item) = analysis.item(number) else {
+        return Vec::new();
+    };
+    let stated = stated(analysis, &item, offset);
+    let is_free = |word: &str| stated.iter().all(|other| other != word);
+    let mut list: Vec<Completion> = Vec::new();
+    if item.keyword.has_domain() || item.keyword == DeclarationKeyword::Solid {
+        let names = item.variables().filter(|name| is_free(name));
+        list.extend(names.map(|name| parameter(name, &item)));
+    }
+    let rows = attributes::of(item.keyword).filter(|row| is_free(row.text));
+    // A parameter takes the word.
+    let rows = rows.filter(|row| item.variables().all(|name| name != row.text));
+    list.extend(rows.map(|row| attribute(row, snippets)));
+    list
 }
 
-/// The item of the function before an underscore.
-fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usize> {
-    for token in analysis.tokens_before(underscore) {
-        match token.kind {
-            TokenKind::Function(id) => return analysis.item_of(id),
-            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
-            _ => return None,
+/// The words in front of a `:` of a declaration, without the one at an offset.
+fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<String> {
+    let body = Span::new(item.name_span.end, item.span.end);
+    let tokens: Vec<_> = analysis.tokens(analysis.tokens_in(body)).collect();
+    let pairs = tokens.windows(2);
+    let named = pairs.filter(|pair| pair[1].kind == TokenKind::Colon);
+    let others = named.filter(|pair| !(pair[0].span.start..=pair[0].span.end).contains(&offset));
+    others.map(|pair| pair[0].text.to_owned()).collect()
+}
+
+/// The words that an attribute takes.
+fn words(row: &AttributeRow) -> Vec<Completion> {
+    let AttributeType::Choice(words) = row.value else {
+        return Vec::new();
+    };
+    let words = words.iter().map(|word| Completion {
+        label: (*word).to_owned(),
+        kind: CompletionKind::Word,
+        detail: match *word == row.default {
+            true => format!("{}, unless stated", row.text),
+            false => row.text.to_owned(),
+        },
+        insert: (*word).to_owned(),
+        snippet: false,
+    });
+    words.collect()
+}
+
+fn attribute(row: &AttributeRow, snippets: bool) -> Completion {
+    let value = row.example.split_once(" : ").map_or("", |(_, value)| value);
+    Completion {
+        label: row.text.to_owned(),
+        kind: CompletionKind::Attribute,
+        detail: describe::range_and_default(row),
+        insert: match snippets {
+            true => format!("{} : ${{1:{value}}}", row.text),
+            false => format!("{} : ", row.text),
+        },
+        snippet: snippets,
+    }
+}
+
+fn map(map: MapWord) -> Completion {
+    Completion {
+        label: map.text().to_owned(),
+        kind: CompletionKind::Function,
+        detail: match map {
+            MapWord::Scale => "by a number, or by (a, b, c) along the axes",
+            MapWord::Rotate => "about a vector, by its length in radians",
         }
+        .to_owned(),
+        insert: format!("{} ", map.text()),
+        snippet: false,
     }
-    None
 }
 
-/// Returns true if behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
-fn expects_tag(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool {
-    let first = analysis.document().tokens_begun(item.span.start) as usize;
-    let depth: i32 = analysis
-        .tokens(first..comma)
-        .map(|token| match token.kind {
-            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
-            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => -1,
-            _ => 0,
-        })
-        .sum();
-    item.keyword.has_domain() && depth == 0
+/// Returns true if a name may stand in a set: a solid, or a function of two or three numbers.
+fn is_atom(symbol: &Symbol) -> bool {
+    match symbol.keyword {
+        Some(DeclarationKeyword::Solid) => true,
+        Some(DeclarationKeyword::Function) => matches!(symbol.parameters.len(), 2 | 3),
+        _ => false,
+    }
 }
 
 fn own_parameters(analysis: &GeotraceAnalysis, item: usize) -> Vec<Completion> {
     let Some(item) = analysis.item(item) else {
         return Vec::new();
     };
-    let parameters = item.parameters();
-    parameters
-        .map(|(name, _)| Completion {
-            label: name.to_owned(),
-            kind: CompletionKind::Parameter,
-            detail: format!("parameter of {}", item.name),
-            insert: name.to_owned(),
-            snippet: false,
-        })
-        .collect()
+    let names = item.variables();
+    names.map(|name| parameter(name, &item)).collect()
+}
+
+fn parameter(name: &str, owner: &Item<'_>) -> Completion {
+    Completion {
+        label: name.to_owned(),
+        kind: CompletionKind::Parameter,
+        detail: format!("parameter of {}", owner.name),
+        insert: name.to_owned(),
+        snippet: false,
+    }
 }
 
 /// The names that can be written as operands.
@@ -277,15 +255,19 @@ fn of_symbol(symbol: &Symbol) -> Completion {
     ) {
         (Some(Category::Surface | Category::Metric), _) => CompletionKind::Surface,
         (Some(Category::Curve), _) => CompletionKind::Curve,
+        (Some(Category::Solid), _) => CompletionKind::Solid,
         (_, SymbolKind::Function) => CompletionKind::Function,
         (_, SymbolKind::Constant) => CompletionKind::Constant,
     };
     let word = symbol.keyword.map_or("builtin", DeclarationKeyword::text);
-    let names = symbol.parameters.iter().map(|p| p.name.as_str());
     Completion {
         label: symbol.name.to_string(),
         kind,
-        detail: format!("{word} {}{}", symbol.name, parameters(names)),
+        detail: format!(
+            "{word} {}{}",
+            symbol.name,
+            parameters(parameters_of(symbol))
+        ),
         insert: symbol.name.to_string(),
         snippet: false,
     }

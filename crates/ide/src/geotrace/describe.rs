@@ -1,19 +1,24 @@
 //! Descriptions of names: signature, value, geometry.
 
+use expr::NodeId;
 use expr::ops::{self, Binary};
-use scene::ParamValues;
+use scene::{ParamValues, Shape, Value};
+use syntax::geotrace::attributes::{AttributeRange, AttributeRow, AttributeType};
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
+use syntax::geotrace::token::{MapWord, TokenKind};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use super::NAME;
 use super::analysis::{GeotraceAnalysis, Target};
+use super::application;
 use super::edit_param;
 use super::geometry;
 use super::hints::{constant, shown};
 use super::item::Item;
 use super::outline::parameters;
+use super::solid;
 use crate::description::Description;
 
 /// A description in this language.
@@ -34,6 +39,60 @@ pub(crate) fn keyword(keyword: DeclarationKeyword) -> Description {
     description(row.example, [row.purpose.to_owned()])
 }
 
+/// Describes a map of a set.
+pub(crate) fn map(map: MapWord) -> Description {
+    let (example, purpose) = match map {
+        MapWord::Scale => (
+            "solid small = ball @ scale 0.5;",
+            "scales a set about the origin: by a number, or by (a, b, c) along the axes",
+        ),
+        MapWord::Rotate => (
+            "solid turned = ball @ rotate (0, 0, pi/4);",
+            "turns a set about a vector through the origin, by its length in radians, counterclockwise from its tip",
+        ),
+    };
+    description(example, [purpose.to_owned()])
+}
+
+/// Describes an attribute.
+pub(crate) fn attribute(row: &AttributeRow) -> Description {
+    description(
+        row.example,
+        [row.purpose.to_owned(), range_and_default(row)],
+    )
+}
+
+/// The values that an attribute may have, and the one that it has unless it is stated.
+pub(crate) fn range_and_default(row: &AttributeRow) -> String {
+    let range = |range: AttributeRange| range.text().unwrap_or("any number");
+    let values = match row.value {
+        AttributeType::Number(numbers) => range(numbers).to_owned(),
+        AttributeType::Color(numbers) => format!("{}, or three of them", range(numbers)),
+        AttributeType::Pair => "two numbers".to_owned(),
+        AttributeType::Choice(words) => words.join(" "),
+        AttributeType::Name => "a word".to_owned(),
+    };
+    format!("{values}; default: {}", row.default)
+}
+
+/// Describes the attribute whose word, or word as a value, is a token; with its value where that is an expression.
+pub(crate) fn stated_attribute(analysis: &GeotraceAnalysis, token: usize) -> Option<Description> {
+    let place = analysis.token(token)?.span;
+    let item = analysis.item_at(place.start)?;
+    let mut words = analysis.tokens_before(token + 1);
+    let word = words.find_map(|before| match before.kind {
+        TokenKind::Attribute(word) => Some(word),
+        _ => None,
+    })?;
+    let row = word.row(item.keyword).or_else(|| word.rows().next())?;
+    let mut description = attribute(row);
+    let value = item.attributes().find(|(_, word, _)| *word == place);
+    let value = value.filter(|(word, ..)| !word.is_key());
+    let value = value.and_then(|(_, _, value)| application::value(analysis, value));
+    description.text.extend(value);
+    Some(description)
+}
+
 /// Describes a target.
 pub fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Description> {
     match target {
@@ -43,7 +102,7 @@ pub fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Descripti
         },
         Target::Parameter { item, position } => {
             let item = analysis.item(item)?;
-            let (parameter, _) = item.parameters().nth(position)?;
+            let parameter = item.variables().nth(position)?;
             let owner = format!("{}{}", item.name, signature(&item));
             let mut text = vec![format!(
                 "a parameter of the {} `{owner}`",
@@ -98,8 +157,10 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
                 "the values {intervals}: what depends on it is drawn once for each"
             ));
         }
-        Category::Constant | Category::Stage => text.extend(value(analysis, item)),
-        Category::Function | Category::Solid => {}
+        Category::Constant => text.extend(value(analysis, item)),
+        Category::Function => {}
+        Category::Solid => text.extend(solid::describe(analysis, item)),
+        Category::Stage => text.extend(stage(analysis, item)),
         Category::Curve | Category::Surface | Category::Metric => {
             let lines = item.parameters().filter_map(|(name, _)| {
                 let interval = interval_of(analysis, item, name)?;
@@ -142,6 +203,45 @@ fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
         instances.len(),
         shown(&first.value)
     ))
+}
+
+/// Describes a light, a camera or a background.
+fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
+    let excerpt = analysis.excerpt([item.index]);
+    let scene = excerpt.scene();
+    let object = scene.stage.iter().find(|object| object.name == item.name)?;
+    let uniforms = ParamValues::initial(scene).first_instance(scene, object);
+    let vector = |nodes: [NodeId; 3]| {
+        let numbers = solid::values(scene, nodes, &uniforms)?;
+        Some(shown(&Value::Vector(numbers.map(Some).to_vec())))
+    };
+    let told = match &object.shape {
+        Shape::Light(light) => {
+            let place = light.position.map(vector);
+            match (light.direction.map(vector), place) {
+                (None, Some(place)) => format!("shines to all sides from {}", place?),
+                (Some(direction), None) => format!("shines along {} everywhere", direction?),
+                (Some(direction), Some(place)) => {
+                    format!("shines along {} from {}", direction?, place?)
+                }
+                (None, None) => return None,
+            }
+        }
+        Shape::Camera(camera) => format!(
+            "looks along {} from {}",
+            vector(camera.direction)?,
+            vector(camera.position)?
+        ),
+        Shape::Background(background) if item.parameters().len() == 0 => {
+            format!("the colour {}", vector(background.color)?)
+        }
+        Shape::Background(_) => "a colour for each unit direction".to_owned(),
+        _ => return None,
+    };
+    Some(match object.params.is_empty() {
+        true => told,
+        false => format!("{told}, with every param at its start"),
+    })
 }
 
 /// The comment right above a declaration, or behind it on its line.

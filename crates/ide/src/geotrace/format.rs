@@ -1,7 +1,7 @@
 //! The canonical layout: how a text is written, never what it means.
 //!
-//! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@` and
-//! between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within a
+//! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@`, the
+//! operators of sets and between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within a
 //! declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
 //! otherwise, the text stays as it is.
 
@@ -190,7 +190,17 @@ impl Layout {
     }
 
     fn is_spaced(&self, before: TokenKind, token: TokenKind) -> bool {
-        let relation = |kind| matches!(kind, TokenKind::Equals | TokenKind::Colon | TokenKind::At);
+        let relation = |kind| {
+            matches!(
+                kind,
+                TokenKind::Equals
+                    | TokenKind::Colon
+                    | TokenKind::At
+                    | TokenKind::Bar
+                    | TokenKind::Ampersand
+                    | TokenKind::Backslash
+            )
+        };
         let sum = |kind| matches!(kind, TokenKind::Plus | TokenKind::Minus);
         relation(before)
             || relation(token)

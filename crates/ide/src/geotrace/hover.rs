@@ -12,8 +12,14 @@ use crate::description::Description;
 pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Description)> {
     let k = analysis.token_at(offset)?;
     let token = analysis.token(k)?;
-    if let TokenKind::Declare(keyword) = token.kind {
-        return Some((token.span, describe::keyword(keyword)));
+    let word = match token.kind {
+        TokenKind::Declare(keyword) => Some(describe::keyword(keyword)),
+        TokenKind::Map(map) => Some(describe::map(map)),
+        TokenKind::Attribute(_) | TokenKind::Word => Some(describe::stated_attribute(analysis, k)?),
+        _ => None,
+    };
+    if let Some(description) = word {
+        return Some((token.span, description));
     }
     let mut description = describe::describe(analysis, analysis.target(k)?)?;
     let mut text = application::describe(analysis, k);

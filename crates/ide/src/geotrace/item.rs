@@ -1,6 +1,8 @@
 //! A declaration as it stands in the text.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::actions::StatedAttribute;
+use syntax::geotrace::attributes::AttributeWord;
+use syntax::geotrace::declarations::{COORDINATES, DeclarationKeyword};
 use syntax::geotrace::document::{Parameters, ParseEvent, ParseEvents, ReadDeclaration};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
@@ -54,6 +56,38 @@ impl<'r> Item<'r> {
         let start = self.start;
         self.parameters
             .map(move |(name, span)| (name, span.moved(start)))
+    }
+
+    /// The names that its expressions may use beside those in scope: its parameters, or the coordinates of a solid that lists
+    /// none.
+    pub fn variables(&self) -> impl Iterator<Item = &'r str> + use<'r> {
+        let implied: &[&str] = match self.is_set() {
+            true => &COORDINATES,
+            false => &[],
+        };
+        let stated = self.parameters.map(|(name, _)| name);
+        stated.chain(implied.iter().copied())
+    }
+
+    /// Returns true if it is a solid that is given by a set of others.
+    pub fn is_set(&self) -> bool {
+        self.keyword == DeclarationKeyword::Solid && self.parameters.len() == 0
+    }
+
+    /// The attributes that it states, each with the ranges of its word and of its value.
+    pub fn attributes(&self) -> impl Iterator<Item = (AttributeWord, Span, Span)> + use<'r> {
+        let start = self.start;
+        self.events.filter_map(move |event| match event {
+            ParseEvent::Attribute(
+                StatedAttribute {
+                    word,
+                    word_span,
+                    value_span,
+                },
+                _,
+            ) => Some((word, word_span.moved(start), value_span.moved(start))),
+            _ => None,
+        })
     }
 
     /// Returns true if a parameter stands at a place.

@@ -24,6 +24,7 @@ impl<'r> NamesInScope<'r> {
     /// The names that may be used at an offset.
     pub(crate) fn at(analysis: &'r GeotraceAnalysis, offset: u32) -> Self {
         let item = analysis.item_at(offset);
+        let item = item.or_else(|| analysis.unfinished_item_before(offset));
         let begun = analysis.document().declarations_begun(offset) as usize;
         match item {
             Some(item) => Self {

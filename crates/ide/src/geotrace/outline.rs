@@ -1,6 +1,7 @@
 //! The shape of a text: what it declares, what folds, what grows around a cursor.
 
-use syntax::geotrace::declarations::Category;
+use syntax::geotrace::declarations::{COORDINATES, Category, DeclarationKeyword};
+use syntax::geotrace::symbols::Symbol;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
@@ -34,6 +35,16 @@ fn kind(category: Category) -> OutlineKind {
         | Category::Solid
         | Category::Stage => OutlineKind::Object,
     }
+}
+
+/// The parameters of a symbol; of a solid that lists none, the coordinates.
+pub(crate) fn parameters_of(symbol: &Symbol) -> impl Iterator<Item = &str> {
+    let implied: &[&str] = match symbol.keyword {
+        Some(DeclarationKeyword::Solid) if symbol.parameters.is_empty() => &COORDINATES,
+        _ => &[],
+    };
+    let stated = symbol.parameters.iter().map(|own| own.name.as_str());
+    stated.chain(implied.iter().copied())
 }
 
 /// `(u, v)`, or nothing.

@@ -36,6 +36,14 @@ const EXPRESSIONS: &[OverviewRow] = &[
         "c'(1)   s_u(1, 2)",
         "derivatives: of a function of one parameter, and by a parameter",
     ),
+    row(
+        "a | b   a \\ b   a & b   a @ v   a @ scale 2   a @ rotate v",
+        "sets of solids, in `solid s = …;`",
+    ),
+    row(
+        "color : (1, 0.5, 0)   mirror : 0.3   glass : 0.9",
+        "attributes, behind a `,` of a declaration",
+    ),
     row("# up to the end of the line", "a comment"),
 ];
 
@@ -60,20 +68,29 @@ surface s(u, v) = (u, v, u v), u : [0, 2], v : [0, 2];
 point v = (1, 0, 0); point w = (0, 1, 0);
 ";
 
+    /// The declarations that the examples of sets use.
+    const SETS: &str = "solid a(x, y, z) = x; solid b(x, y, z) = y; point v = (1, 0, 0);
+";
+
     #[test]
     fn what_the_page_says_compiles() {
-        let sound = |expression: &str| {
-            let program = format!("{BEFORE}define test = {expression};");
+        let compiles = |program: String| {
             let compiled = scene::geotrace::compile(&program);
             let diagnostics = compiled.diagnostics;
-            assert!(compiled.scene.is_some(), "{expression}: {diagnostics:?}");
+            assert!(compiled.scene.is_some(), "{program}: {diagnostics:?}");
         };
+        let sound = |expression: &str| compiles(format!("{BEFORE}define test = {expression};"));
         for row in EXPRESSIONS.iter().filter(|row| !row.code.starts_with('#')) {
+            let parts = row.code.split("   ");
             if row.text.contains("functions") {
                 let names = row.code.split(' ');
                 names.for_each(|name| sound(&format!("{name}(a/2)")));
+            } else if row.text.contains("sets") {
+                parts.for_each(|set| compiles(format!("{SETS}solid test = {set};")));
+            } else if row.text.contains("attributes") {
+                parts.for_each(|item| compiles(format!("{SETS}solid test = a, {item};")));
             } else {
-                row.code.split("   ").for_each(&sound);
+                parts.for_each(&sound);
             }
         }
         assert!(overview().len() > EXPRESSIONS.len() + 5);

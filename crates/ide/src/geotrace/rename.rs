@@ -30,9 +30,12 @@ pub fn prepare(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, String
 fn target(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, Target), RenameError> {
     let token = analysis.token_at(offset).ok_or(RenameError::NoName)?;
     let target = analysis.target(token).ok_or(RenameError::NoName)?;
-    if let Target::Symbol(id) = target
-        && analysis.item_of(id).is_none()
-    {
+    let is_builtin = match target {
+        Target::Symbol(id) => analysis.item_of(id).is_none(),
+        // The coordinates of a set are nowhere introduced.
+        Target::Parameter { item, .. } => analysis.item(item).is_none_or(|item| item.is_set()),
+    };
+    if is_builtin {
         return Err(RenameError::Builtin(analysis.name(target).to_owned()));
     }
     let token = analysis.token(token).ok_or(RenameError::NoName)?;
@@ -77,15 +80,25 @@ pub fn rename(
     }
 }
 
+/// Returns true if a word can be a name.
+pub(crate) fn is_name(word: &str) -> bool {
+    let mut letters = word.bytes();
+    letters.next().is_some_and(|b| b.is_ascii_alphabetic())
+        && letters.all(|b| b.is_ascii_alphanumeric())
+        && word.len() <= 255
+}
+
+/// Returns true if a word is a keyword wherever it stands.
+pub(crate) fn is_reserved(word: &str) -> bool {
+    DeclarationKeyword::from_text(word).is_some_and(|keyword| !keyword.is_soft())
+}
+
 /// Returns true if the name is one, and free.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
-    let mut letters = name.bytes();
-    let well_formed = letters.next().is_some_and(|b| b.is_ascii_alphabetic())
-        && letters.all(|b| b.is_ascii_alphanumeric());
-    if !well_formed || name.len() > 255 {
+    if !is_name(name) {
         return Err(RenameError::NotAName(name.to_owned()));
     }
-    if DeclarationKeyword::from_text(name).is_some() {
+    if is_reserved(name) {
         return Err(RenameError::Keyword(name.to_owned()));
     }
     let taken = |line| {

@@ -45,7 +45,13 @@ fn token(
         | TokenKind::Slash
         | TokenKind::Caret
         | TokenKind::Underscore
-        | TokenKind::Prime => plain(TokenType::Operator),
+        | TokenKind::Prime
+        | TokenKind::Bar
+        | TokenKind::Ampersand
+        | TokenKind::Backslash => plain(TokenType::Operator),
+        TokenKind::Attribute(_) => plain(TokenType::Property),
+        TokenKind::Word => plain(TokenType::EnumMember),
+        TokenKind::Map(_) => (TokenType::Function, Modifiers::DEFAULT_LIBRARY),
         TokenKind::Constant(_)
         | TokenKind::Function(_)
         | TokenKind::Variable(_)
@@ -86,8 +92,7 @@ fn category_modifier(category: Option<Category>) -> Modifiers {
         Some(Category::Surface | Category::Metric) => Modifiers::SURFACE,
         Some(Category::Grid) => Modifiers::GRID,
         Some(Category::Slider) => Modifiers::PARAM,
-        Some(Category::Constant | Category::Function | Category::Solid | Category::Stage) => {
-            Modifiers::default()
-        }
+        Some(Category::Solid) => Modifiers::SOLID,
+        Some(Category::Constant | Category::Function | Category::Stage) => Modifiers::default(),
     }
 }

@@ -3,7 +3,7 @@
 use syntax::geotrace::token::TokenKind;
 
 use super::analysis::GeotraceAnalysis;
-use super::outline::parameters;
+use super::outline::{parameters, parameters_of};
 use crate::signature::Signature;
 
 /// The innermost function with a bracket around a place.
@@ -47,7 +47,7 @@ fn of_function_before(
             TokenKind::Function(id) => {
                 let symbol = analysis.symbol(id)?;
                 let names: Vec<&str> = match symbol.keyword {
-                    Some(_) => symbol.parameters.iter().map(|p| p.name.as_str()).collect(),
+                    Some(_) => parameters_of(symbol).collect(),
                     None => vec!["x"],
                 };
                 let label = format!("{}{}", symbol.name, parameters(names.iter().copied()));

@@ -47,6 +47,39 @@ pub(super) async fn folding_range(
         .await
 }
 
+pub(super) async fn document_color(
+    server: &Backend,
+    params: lsp::DocumentColorParams,
+) -> Result<Vec<lsp::ColorInformation>> {
+    server
+        .ask(&params.text_document.uri, |snapshot| {
+            let stated = snapshot.analysis().colors();
+            let stated = stated.iter().map(|color| to_lsp::color(snapshot, color));
+            stated.collect()
+        })
+        .await
+}
+
+pub(super) async fn color_presentation(
+    server: &Backend,
+    params: lsp::ColorPresentationParams,
+) -> Result<Vec<lsp::ColorPresentation>> {
+    server
+        .ask(&params.text_document.uri, move |snapshot| {
+            let range = span(snapshot, params.range);
+            let lsp::Color {
+                red, green, blue, ..
+            } = params.color;
+            let texts = snapshot
+                .analysis()
+                .color_texts(range, [red, green, blue].map(f64::from));
+            let texts = texts.into_iter();
+            let texts = texts.map(|text| to_lsp::color_presentation(snapshot, range, text));
+            texts.collect()
+        })
+        .await
+}
+
 pub(super) async fn semantic_tokens_full(
     server: &Backend,
     params: lsp::SemanticTokensParams,

@@ -359,6 +359,18 @@ impl PreviewWindow {
             Event::Write { param, value, .. } => {
                 let _ = requests.try_send(WindowRequest::Write { param, value });
             }
+            Event::WriteCamera {
+                name,
+                direction,
+                position,
+                ..
+            } => {
+                let _ = requests.try_send(WindowRequest::WriteCamera {
+                    name,
+                    direction,
+                    position,
+                });
+            }
             Event::Values { values, .. } => {
                 let mut session = lock(&self.session);
                 let shown = session.settings.values && session.editor.refreshes_hints;

@@ -187,6 +187,34 @@ exports["renaming writes words apart where they would be read otherwise"] = asyn
     );
 };
 
+exports["solids are coloured, completed and described, and colours are picked"] = async () => {
+    const text = [
+        "solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (1, 0.5, 0);",
+        "solid die = ball @ scale 2, ;",
+        "camera eye = (0,1,0) @ (0,-4,0), bokeh : ;",
+    ];
+    const document = await open(text.join("\n"));
+    const at = (line, needle) => new vscode.Position(line, text[line].indexOf(needle) + needle.length);
+    const labels = async (place) => {
+        const list = await ask("vscode.executeCompletionItemProvider", document.uri, place);
+        return list.items.map((item) => item.label);
+    };
+    const attributes = await labels(at(1, "2, "));
+    for (const wanted of ["mirror", "glass", "ior"]) {
+        assert.ok(attributes.includes(wanted), `${wanted} in ${attributes.join()}`);
+    }
+    assert.ok((await labels(at(2, "bokeh : "))).includes("star"));
+    assert.ok((await labels(at(1, "@ "))).includes("scale"));
+    const [hover] = await ask("vscode.executeHoverProvider", document.uri, at(0, "solid b"));
+    assert.match(hover.contents.map((content) => content.value).join(), /quadric/);
+    const [color] = await ask("vscode.executeDocumentColorProvider", document.uri);
+    assert.deepStrictEqual([color.color.red, color.color.green, color.color.blue], [1, 0.5, 0]);
+    const place = { uri: document.uri, range: color.range };
+    const [first] = await ask("vscode.executeColorPresentationProvider", new vscode.Color(0, 0.25, 1, 1), place);
+    await edit(document, first.textEdit.range, first.textEdit.newText);
+    assert.match(document.lineAt(0).text, /color : \(0, 0\.25, 1\);$/);
+};
+
 exports["formatting lays the text out"] = async () => {
     const document = await open("define   a=1 ;define b = a+1;");
     const edits = await ask("vscode.executeFormatDocumentProvider", document.uri, { tabSize: 4, insertSpaces: true });

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use ide::Analysis;
+use ide::edit::Edit;
 use syntax::span::Span;
 use tokio::sync::mpsc::Receiver;
 use tokio::time::timeout;
@@ -22,6 +24,12 @@ pub(super) enum WindowRequest {
     Open { version: i32, range: [u32; 2] },
     /// A param's value is to be written into the text.
     Write { param: String, value: Vec<f64> },
+    /// A camera is to be written into the text.
+    WriteCamera {
+        name: String,
+        direction: [f64; 3],
+        position: [f64; 3],
+    },
 }
 
 /// Asks the editor what a window requests, one thing after the other.
@@ -32,7 +40,12 @@ pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<W
                 WindowRequest::Open { version, range } => {
                     window.show_declaration(version, range).await
                 }
-                WindowRequest::Write { param, value } => window.write_value(&param, &value).await,
+                WindowRequest::Write { param, value } => window.write_value(param, value).await,
+                WindowRequest::WriteCamera {
+                    name,
+                    direction,
+                    position,
+                } => window.write_camera(name, direction, position).await,
             }
         };
         // An editor that asks its user first may take its time, but other requests do not wait for ever.
@@ -82,17 +95,46 @@ impl PreviewWindow {
         }
     }
 
-    async fn write_value(&self, param: &str, value: &[f64]) {
-        if let Err(reason) = self.try_to_write(param, value).await {
+    async fn write_value(&self, param: String, value: Vec<f64>) {
+        let label = format!("Set {param}");
+        let subject = format!("The value of `{param}`");
+        let make = move |analysis: &dyn Analysis| {
+            let edit = analysis.edit_param(&param, &value);
+            edit.map_err(|refusal| refusal.to_string())
+        };
+        self.write(label, subject, make).await;
+    }
+
+    async fn write_camera(&self, camera: String, direction: [f64; 3], position: [f64; 3]) {
+        let subject = format!("The camera `{camera}`");
+        let make = move |analysis: &dyn Analysis| {
+            let edit = analysis.edit_camera(&camera, direction, position);
+            edit.map_err(|refusal| refusal.to_string())
+        };
+        self.write("Write camera".to_owned(), subject, make).await;
+    }
+
+    /// Has the editor make an edit, and tells the user where it was not made. `subject` begins that sentence.
+    async fn write(
+        &self,
+        label: String,
+        subject: String,
+        make: impl Fn(&dyn Analysis) -> Result<Edit, String> + Clone + Send + 'static,
+    ) {
+        if let Err(reason) = self.try_to_write(label, make).await {
             let message = format!(
-                "The value of `{param}` was not written into {}: {reason}",
+                "{subject} was not written into {}: {reason}",
                 name(&self.uri)
             );
             self.tell(lsp::MessageType::WARNING, message).await;
         }
     }
 
-    async fn try_to_write(&self, param: &str, value: &[f64]) -> Result<(), String> {
+    async fn try_to_write(
+        &self,
+        label: String,
+        make: impl Fn(&dyn Analysis) -> Result<Edit, String> + Clone + Send + 'static,
+    ) -> Result<(), String> {
         let editor = lock(&self.session).editor;
         if !editor.applies_edits {
             return Err("this editor takes no edits from its language server".to_owned());
@@ -104,12 +146,10 @@ impl PreviewWindow {
                 return Err("it is not open any more".to_owned());
             };
             let edit = {
-                let (snapshot, param, value) =
-                    (snapshot.clone(), param.to_owned(), value.to_owned());
-                let write = move || snapshot.analysis().edit_param(&param, &value);
+                let (snapshot, make) = (snapshot.clone(), make.clone());
+                let write = move || make(snapshot.analysis());
                 let made = tokio::task::spawn_blocking(write).await;
-                let made = made.map_err(|_| "a fault of the server".to_owned())?;
-                made.map_err(|refusal| refusal.to_string())?
+                made.map_err(|_| "a fault of the server".to_owned())??
             };
             if snapshot.text().slice(edit.span).as_ref() == Some(&edit.text) {
                 return Ok(());
@@ -117,7 +157,7 @@ impl PreviewWindow {
             let edit =
                 to_lsp::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
             let params = lsp::ApplyWorkspaceEditParams {
-                label: Some(format!("Set {param}")),
+                label: Some(label.clone()),
                 edit,
             };
             let asked = self

@@ -1,0 +1,142 @@
+//! Colours that are stated as numbers: behind `color :`, and of a background.
+//!
+//! A colour that names anything is no constant of its own, and one outside 0…1 (of a light) has no place in a picker.
+
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::{GeotraceAnalysis, Lexeme};
+use crate::color::StatedColor;
+
+/// The most tokens of a colour: three numbers, two commas, two brackets.
+const LONGEST: usize = 7;
+
+/// The constant colours, in the order of the text.
+pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
+    let all = analysis.tokens(0..analysis.token_count());
+    let mut tokens = all
+        .filter(|token| token.kind != TokenKind::Comment)
+        .peekable();
+    let mut found = Vec::new();
+    let mut value: Vec<Lexeme<'_>> = Vec::with_capacity(LONGEST + 1);
+    let mut opening = Opening::default();
+    while let Some(token) = tokens.next() {
+        if !opening.pass(&token) {
+            continue;
+        }
+        value.clear();
+        let mut depth = 0;
+        let mut is_part = |kind| {
+            depth += i32::from(opens(kind)) - i32::from(closes(kind));
+            depth > 0 || closes(kind) || matches!(kind, TokenKind::Number(_))
+        };
+        while value.len() <= LONGEST
+            && let Some(next) = tokens.next_if(|next| is_part(next.kind))
+        {
+            value.push(next);
+        }
+        let ends = tokens
+            .peek()
+            .is_some_and(|next| matches!(next.kind, TokenKind::Comma | TokenKind::Semicolon));
+        if ends && let Some(rgb) = color(&value) {
+            let span = value.iter().map(|token| token.span).reduce(Span::to);
+            found.extend(span.map(|span| StatedColor { span, rgb }));
+        }
+    }
+    found
+}
+
+/// The texts that state a colour: three numbers; where they are equal, one too.
+pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
+    let [red, green, blue] = rgb.map(channel);
+    let mut texts = vec![format!("({red}, {green}, {blue})")];
+    if red == green && green == blue {
+        texts.push(red);
+    }
+    texts
+}
+
+/// A number of a colour, to a thousandth.
+fn channel(x: f64) -> String {
+    // A NaN is none of the two.
+    let text = format!("{:.3}", x.max(0.0).min(1.0));
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The tokens in front of a colour.
+#[derive(Default)]
+struct Opening<'r> {
+    /// The last three tokens, the latest last.
+    last: [Option<Lexeme<'r>>; 3],
+}
+
+impl<'r> Opening<'r> {
+    /// Takes the next token; returns true if a colour is expected behind it.
+    fn pass(&mut self, token: &Lexeme<'r>) -> bool {
+        let [_, first, second] = self.last;
+        self.last = [first, second, Some(*token)];
+        let (Some(first), Some(second)) = (first, second) else {
+            return false;
+        };
+        match token.kind {
+            TokenKind::Colon => {
+                // A parameter may be called so.
+                first.kind == TokenKind::Comma
+                    && second.text == "color"
+                    && !matches!(second.kind, TokenKind::Variable(_))
+            }
+            TokenKind::Equals => first.kind == TokenKind::Declare(DeclarationKeyword::Background),
+            _ => false,
+        }
+    }
+}
+
+fn opens(kind: TokenKind) -> bool {
+    matches!(
+        kind,
+        TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen
+    )
+}
+
+fn closes(kind: TokenKind) -> bool {
+    matches!(
+        kind,
+        TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose
+    )
+}
+
+/// The colour that some tokens state: `0.5`, `(1, 0.5, 0)`.
+fn color(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
+    let number = |token: &Lexeme<'_>| match token.kind {
+        TokenKind::Number(x) => Some(x),
+        _ => None,
+    };
+    let rgb = match value {
+        [grey] => [number(grey)?; 3],
+        [open, red, first, green, second, blue, close]
+            if opens(open.kind)
+                && closes(close.kind)
+                && [first.kind, second.kind] == [TokenKind::Comma; 2] =>
+        {
+            [number(red)?, number(green)?, number(blue)?]
+        }
+        _ => return None,
+    };
+    rgb.iter().all(|x| (0.0..=1.0).contains(x)).then_some(rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::color_texts;
+
+    #[test]
+    fn a_colour_is_written_to_a_thousandth() {
+        assert_eq!(color_texts([0.2, 1.0, 0.0]), ["(0.2, 1, 0)"]);
+        assert_eq!(
+            color_texts([1.0 / 3.0; 3]),
+            ["(0.333, 0.333, 0.333)", "0.333"]
+        );
+        assert_eq!(color_texts([f64::NAN, 2.0, -1.0]), ["(0, 1, 0)"]);
+    }
+}

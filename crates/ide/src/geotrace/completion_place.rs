@@ -1,0 +1,268 @@
+//! The place of a completion: what is expected there, and the part of a word that is already written.
+//!
+//! Behind a `,` of a declaration, in a set and behind an attribute's `:` a word is read whole; in an expression it is split
+//! into names, and its last part is being written.
+
+use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
+use syntax::geotrace::declarations::Syntax;
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::{GeotraceAnalysis, Lexeme};
+use super::item::Item;
+use super::names_in_scope::NamesInScope;
+
+/// The kind of text that fits at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Expected {
+    Nothing,
+    Declaration,
+    /// A parameter or an attribute of this item: behind a `,` of it.
+    Item(usize),
+    /// A word that this attribute takes.
+    Word(&'static AttributeRow),
+    /// A parameter of the function that this item declares: behind `f_`.
+    ParameterOf(usize),
+    /// A surface or a metric: behind the colon of a geodesic.
+    Surface,
+    /// A solid or a function that stands for one: in a set.
+    Atom,
+    /// A map, or an operand: behind the `@` of a set.
+    Place,
+    /// Any operand, in the body of this item.
+    Operand(Option<usize>),
+}
+
+/// A place of a text where something can be completed.
+pub(super) struct CompletionPlace {
+    pub(super) wanted: Expected,
+    /// What is written already.
+    pub(super) range: Span,
+}
+
+impl CompletionPlace {
+    pub(super) fn of(analysis: &GeotraceAnalysis, offset: u32) -> Self {
+        let whole = analysis.document().word_start(offset);
+        let of_whole = Self::from(analysis, whole, offset);
+        match of_whole.wanted {
+            Expected::Operand(_) | Expected::ParameterOf(_) | Expected::Nothing => {
+                Self::from(analysis, part_start(analysis, whole, offset), offset)
+            }
+            _ => of_whole,
+        }
+    }
+
+    /// The place whose word starts at an offset.
+    fn from(analysis: &GeotraceAnalysis, start: u32, offset: u32) -> Self {
+        let range = Span::new(start, offset);
+        let next = analysis.document().tokens_begun(start) as usize;
+        let last = next.checked_sub(1).and_then(|k| analysis.token(k));
+        if last.is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end) {
+            return Self {
+                wanted: Expected::Nothing,
+                range,
+            };
+        }
+        let before = (0..next)
+            .rev()
+            .filter_map(|k| Some((k, analysis.token(k)?)));
+        let mut before = before.filter(|(_, token)| token.kind != TokenKind::Comment);
+        // A declaration that starts here is not yet the one that is being written.
+        let item = analysis
+            .item_at(start)
+            .filter(|item| item.span.start < start);
+        let item = item.or_else(|| analysis.unfinished_item_before(start));
+        let wanted = match (before.next(), item) {
+            (None, _) => Expected::Declaration,
+            (Some((at, token)), item) => behind(analysis, item.as_ref(), at, token, range),
+        };
+        Self { wanted, range }
+    }
+}
+
+/// What is expected behind a token of an item.
+fn behind(
+    analysis: &GeotraceAnalysis,
+    item: Option<&Item<'_>>,
+    at: usize,
+    token: Lexeme<'_>,
+    range: Span,
+) -> Expected {
+    let number = item.map(|item| item.index);
+    match token.kind {
+        TokenKind::Semicolon => return Expected::Declaration,
+        TokenKind::Declare(_) => return Expected::Nothing,
+        _ => {}
+    }
+    if let Some(expected) = item.and_then(|item| in_set(analysis, item, at)) {
+        return expected;
+    }
+    match token.kind {
+        TokenKind::Underscore => match function_before(analysis, at) {
+            Some(item) => Expected::ParameterOf(item),
+            None => Expected::Nothing,
+        },
+        TokenKind::Number(_) if range.start == range.end && token.span.end == range.start => {
+            Expected::Operand(number)
+        }
+        TokenKind::Colon => item.map_or(Expected::Nothing, |item| behind_colon(analysis, item, at)),
+        TokenKind::Comma => match item {
+            Some(item) if ends_body(analysis, item, at) => match takes_items(item) {
+                true => Expected::Item(item.index),
+                false => Expected::Nothing,
+            },
+            _ => Expected::Operand(number),
+        },
+        _ => Expected::Operand(number),
+    }
+}
+
+/// What is expected behind the colon of an item: the surface of a geodesic, or the value of an attribute.
+fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> Expected {
+    let before = colon.checked_sub(1).and_then(|k| analysis.token(k));
+    let Some(word) = before.filter(is_word) else {
+        return match item.keyword.row().syntax {
+            Syntax::InSurface => Expected::Surface,
+            _ => Expected::Nothing,
+        };
+    };
+    // Behind a parameter comes its interval.
+    let stated = AttributeWord::from_text(word.text);
+    let stated = stated.filter(|_| item.variables().all(|name| name != word.text));
+    match stated.and_then(|stated| stated.row(item.keyword)) {
+        Some(row) => match row.value {
+            AttributeType::Choice(_) => Expected::Word(row),
+            AttributeType::Name => Expected::Nothing,
+            _ => Expected::Operand(Some(item.index)),
+        },
+        None => Expected::Nothing,
+    }
+}
+
+fn is_word(token: &Lexeme<'_>) -> bool {
+    let last = token.text.bytes().next_back();
+    last.is_some_and(|byte| byte.is_ascii_alphanumeric())
+}
+
+/// Returns true if a declaration has intervals or attributes behind its body.
+fn takes_items(item: &Item<'_>) -> bool {
+    item.keyword.has_domain() || attributes::of(item.keyword).next().is_some()
+}
+
+/// Returns true if a comma stands outside all brackets of an item.
+fn ends_body(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool {
+    let first = analysis.document().tokens_begun(item.span.start) as usize;
+    let depth: i32 = analysis.tokens(first..comma).map(depth).sum();
+    depth == 0
+}
+
+/// The brackets that a token opens.
+fn depth(token: Lexeme<'_>) -> i32 {
+    match token.kind {
+        TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
+        TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => -1,
+        _ => 0,
+    }
+}
+
+/// What is expected behind a token within the set of a solid; `None` outside of sets.
+pub(super) fn in_set(
+    analysis: &GeotraceAnalysis,
+    item: &Item<'_>,
+    last: usize,
+) -> Option<Expected> {
+    if !item.is_set() {
+        return None;
+    }
+    let first = analysis.document().tokens_ended(item.name_span.end) as usize;
+    let tokens = analysis.tokens(first..last + 1);
+    let mut tokens = tokens.filter(|token| token.kind != TokenKind::Comment);
+    if tokens.next()?.kind != TokenKind::Equals {
+        return None;
+    }
+    // The brackets of sets that are open; within a place, those of expressions.
+    let (mut sets, mut brackets) = (0, 0);
+    let mut state = SetState::Atom;
+    for token in tokens {
+        let change = depth(token);
+        state = match (state, token.kind) {
+            (SetState::Place | SetState::Expression, _) if brackets > 0 || change > 0 => {
+                brackets += change;
+                SetState::Expression
+            }
+            (_, TokenKind::Bar | TokenKind::Ampersand | TokenKind::Backslash) => SetState::Atom,
+            (_, TokenKind::At) => SetState::Place,
+            (_, TokenKind::Comma) if sets <= 0 => return None,
+            (SetState::Atom, _) if change > 0 => {
+                sets += 1;
+                SetState::Atom
+            }
+            (_, _) if change < 0 => {
+                sets -= 1;
+                SetState::Set
+            }
+            (SetState::Place | SetState::Expression, _) => SetState::Expression,
+            _ => SetState::Set,
+        };
+    }
+    Some(match state {
+        SetState::Atom => Expected::Atom,
+        SetState::Place => Expected::Place,
+        // Places read no coordinates.
+        SetState::Expression => Expected::Operand(None),
+        SetState::Set => Expected::Nothing,
+    })
+}
+
+/// A place in a set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum SetState {
+    /// An atom is expected.
+    Atom,
+    /// Behind an atom, or a set in brackets.
+    Set,
+    /// Right behind an `@`.
+    Place,
+    /// Within the expression behind an `@`.
+    Expression,
+}
+
+/// Returns the start of the part of a word, from `whole` on, that is being written before a place: the first seam of the
+/// word from which a name goes on as it is written, else the last one. Of `2pive` that is `ve` where `vel` is defined.
+fn part_start(analysis: &GeotraceAnalysis, whole: u32, offset: u32) -> u32 {
+    let mut start = whole;
+    // Digits before the first letter are a number.
+    let word = analysis.slice(Span::new(start, offset));
+    let digits = word.bytes().take_while(u8::is_ascii_digit).count();
+    let (word, from) = (&word[digits..], start + digits as u32);
+    start = from;
+    let tokens = analysis.tokens(analysis.tokens_in(Span::new(start, offset)));
+    let seams = tokens.map(|t| t.span.start).filter(|&at| at >= start);
+    let item = analysis.item_at(offset);
+    let visible = NamesInScope::at(analysis, offset);
+    let goes_on = |at: &u32| {
+        let written = &word[(*at - from) as usize..];
+        let mut variables = item.iter().flat_map(|item| item.variables());
+        visible.begins(written) || variables.any(|name| name.starts_with(written))
+    };
+    let mut last = start;
+    for at in seams {
+        if goes_on(&at) {
+            return at;
+        }
+        last = at;
+    }
+    last
+}
+
+/// The item of the function before an underscore.
+fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usize> {
+    for token in analysis.tokens_before(underscore) {
+        match token.kind {
+            TokenKind::Function(id) => return analysis.item_of(id),
+            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
+            _ => return None,
+        }
+    }
+    None
+}

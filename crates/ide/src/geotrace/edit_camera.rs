@@ -1,0 +1,111 @@
+//! A view that a person has found by hand, written into the text as a camera.
+//!
+//! Input: a direction and a position, as the 3D view has them. Output: the edit after which `camera eye = … @ …;` says
+//! them. Attributes stay as they are.
+
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::GeotraceAnalysis;
+use super::item::Item;
+use super::rename::{is_name, is_reserved};
+use crate::edit::Edit;
+use crate::edit_camera::EditCameraError;
+
+/// The digits behind the length of the direction that are written: less than a pixel at any size of a picture.
+const DIGITS: i32 = 4;
+
+/// The edit after which the camera `name` looks along `direction` from `position`. One that is not declared is added at the
+/// end.
+///
+/// # Errors
+/// If the name is that of something else, the numbers say no place, or a comment would be lost.
+pub fn edit_camera(
+    analysis: &GeotraceAnalysis,
+    name: &str,
+    direction: [f64; 3],
+    position: [f64; 3],
+) -> Result<Edit, EditCameraError> {
+    let length = direction[0].hypot(direction[1]).hypot(direction[2]);
+    let is_place = length > 0.0 && length.is_finite() && position.iter().all(|x| x.is_finite());
+    if !is_place {
+        return Err(EditCameraError::NotAPlace);
+    }
+    let [direction, position] = [direction, position].map(|vector| written(vector, length));
+    let view = format!("{direction} @ {position}");
+    match analysis.declared(name) {
+        Some(item) if item.keyword == DeclarationKeyword::Camera => replace(analysis, &item, view),
+        None if is_free(analysis, name) => Ok(append(analysis, name, &view)),
+        _ => Err(EditCameraError::NotACamera {
+            name: name.to_owned(),
+        }),
+    }
+}
+
+/// The edit of a camera that is declared.
+fn replace(
+    analysis: &GeotraceAnalysis,
+    item: &Item<'_>,
+    view: String,
+) -> Result<Edit, EditCameraError> {
+    let name = item.name.to_owned();
+    let behind = Span::new(item.name_span.end, item.span.end);
+    let mut tokens = analysis.tokens(analysis.tokens_in(behind));
+    let opening = tokens.find(|token| token.kind != TokenKind::Comment);
+    let mut depth = 0;
+    let value = tokens.take_while(|token| {
+        match token.kind {
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => depth += 1,
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => depth -= 1,
+            _ => {}
+        }
+        depth > 0 || !matches!(token.kind, TokenKind::Comma | TokenKind::Semicolon)
+    });
+    let value: Vec<_> = value.collect();
+    if opening.is_none_or(|token| token.kind != TokenKind::Equals) || item.faulty {
+        return Err(EditCameraError::Faulty { name });
+    }
+    if value.iter().any(|token| token.kind == TokenKind::Comment) {
+        return Err(EditCameraError::Comment { name });
+    }
+    let span = value.iter().map(|token| token.span).reduce(Span::to);
+    span.map(|span| Edit::replace(span, view))
+        .ok_or(EditCameraError::Faulty { name })
+}
+
+/// Returns true if a camera can have a name that no declaration has.
+fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
+    is_name(name) && !is_reserved(name) && analysis.document().named(name).is_none()
+}
+
+/// A new camera behind the last line.
+fn append(analysis: &GeotraceAnalysis, name: &str, view: &str) -> Edit {
+    let end = analysis.len();
+    let last = analysis.slice(Span::new(end.saturating_sub(1), end));
+    let gap = match last.as_str() {
+        "" | "\n" => "",
+        _ => "\n",
+    };
+    Edit::insert(end, format!("{gap}camera {name} = {view};\n"))
+}
+
+/// A vector, to a fraction of a length.
+fn written(vector: [f64; 3], length: f64) -> String {
+    let digits = (DIGITS - length.log10().floor() as i32).clamp(0, 20) as usize;
+    let numbers = vector.map(|x| {
+        if x.abs() >= 1e12 || length < 1e-12 {
+            return format!("{x:e}");
+        }
+        let text = format!("{x:.digits$}");
+        let text = match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.'),
+            false => &text,
+        };
+        match text {
+            "-0" => "0".to_owned(),
+            text => text.to_owned(),
+        }
+    });
+    format!("({})", numbers.join(", "))
+}

@@ -1,0 +1,153 @@
+//! Solids, for a reader: what they are part of, their box, the kinds of surface that bound them.
+
+use std::fmt::Write as _;
+
+use expr::tape::{Registers, Tape};
+use expr::{Input, NodeId};
+use geometry::solids::{RayScene, RaySceneOptions};
+use glam::DVec3;
+use scene::{ParamValues, Scene};
+
+use super::analysis::{GeotraceAnalysis, Target};
+use super::completion_place::{Expected, in_set};
+use super::hints::short;
+use super::item::Item;
+
+/// The most kinds of leaf that are told.
+const MOST_LEAVES: usize = 12;
+
+/// Sentences about the solid that an item declares, with every param at its start.
+pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
+    let mut text = Vec::new();
+    text.extend(whole(analysis, item));
+    let excerpt = analysis.excerpt([item.index]);
+    let scene = excerpt.scene();
+    let all = scene.objects.iter().chain(&scene.parts);
+    let Some(object) = { all }.find(|object| object.name == item.name) else {
+        return text;
+    };
+    let options = RaySceneOptions {
+        shown: &|_| true,
+        color: &|_| DVec3::ONE,
+        thickness: None,
+    };
+    let rays = RayScene::of_solid(scene, &ParamValues::initial(scene), &options, object);
+    if rays.world().solid_count() == 0 {
+        return text;
+    }
+    text.push(extent(&rays, object.params.is_empty()));
+    text.extend(leaves(&rays));
+    text
+}
+
+/// The solids whose sets name this one, which is not drawn itself then.
+fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
+    let mut names: Vec<&str> = Vec::new();
+    for token in analysis.occurrences(Target::Symbol(item.symbol?)) {
+        let Some(before) = token.checked_sub(1) else {
+            continue;
+        };
+        let place = analysis.token(token)?.span.start;
+        if let Some(set) = analysis.item_at(place)
+            && in_set(analysis, &set, before) == Some(Expected::Atom)
+            && !names.contains(&set.name)
+        {
+            names.push(set.name);
+        }
+    }
+    match names[..] {
+        [] => None,
+        [one] => Some(format!("a part of `{one}`, not drawn itself")),
+        [one, other] => Some(format!("a part of `{one}` and `{other}`, not drawn itself")),
+        [one, ..] => {
+            let others = names.len() - 1;
+            Some(format!(
+                "a part of `{one}` and {others} others, not drawn itself"
+            ))
+        }
+    }
+}
+
+/// The box of a solid.
+fn extent(rays: &RayScene, is_fixed: bool) -> String {
+    let start = match is_fixed {
+        true => "",
+        false => ", with every param at its start",
+    };
+    let Some(bounds) = rays.bounds() else {
+        return format!("endless{start}");
+    };
+    let lengths = (bounds.upper - bounds.lower).to_array().into_iter();
+    let longest = lengths.filter(|x| x.is_finite()).fold(0.0, f64::max);
+    // A hundredth of the box, or less: no more of it is known.
+    let step = 10_f64.powf(longest.log10().floor() - 2.0);
+    let sides = ["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| {
+        let [low, high] = [bounds.lower[axis], bounds.upper[axis]];
+        let low = end((low / step).floor() * step);
+        let high = end((high / step).ceil() * step);
+        format!("`{name} : [{low}, {high}]`")
+    });
+    let sides: Vec<String> = sides.collect();
+    format!("within {}{start}", sides.join(", "))
+}
+
+/// An end of a box.
+fn end(x: f64) -> String {
+    match x {
+        f64::INFINITY => "∞".to_owned(),
+        f64::NEG_INFINITY => "-∞".to_owned(),
+        x => short(x),
+    }
+}
+
+/// The leaves by their names, each with its class.
+fn leaves(rays: &RayScene) -> Option<String> {
+    let mut found: Vec<(String, &str, u64)> = Vec::new();
+    for (name, degree) in rays.leaves() {
+        let class = class(degree);
+        let known = found
+            .iter_mut()
+            .find(|(other, kind, _)| other == name && *kind == class);
+        match known {
+            Some((.., count)) => *count += 1,
+            None => found.push((name.to_owned(), class, 1)),
+        }
+    }
+    let mut told = String::from("leaves: ");
+    for (k, (name, class, count)) in found.iter().take(MOST_LEAVES).enumerate() {
+        let gap = if k > 0 { ", " } else { "" };
+        let times = match count {
+            1 => String::new(),
+            count => format!("{count} × "),
+        };
+        // Text takes all that is written.
+        let _ = write!(told, "{gap}{times}`{name}` ({class})");
+    }
+    if found.len() > MOST_LEAVES {
+        told.push_str(", …");
+    }
+    (!found.is_empty()).then_some(told)
+}
+
+/// The class of a leaf by the degree of its polynomials.
+fn class(degree: Option<usize>) -> &'static str {
+    match degree {
+        Some(0 | 1) => "plane",
+        Some(2) => "quadric",
+        Some(_) => "quartic",
+        None => "general",
+    }
+}
+
+/// The values of nodes that read no variable; `None` if one does, or is undefined.
+pub(crate) fn values(scene: &Scene, nodes: [NodeId; 3], uniforms: &[f64]) -> Option<[f64; 3]> {
+    let tape = Tape::new(&scene.graph, &nodes);
+    let inputs = tape.inputs().iter().map(|input| match input {
+        Input::Uniform(number) => uniforms.get(*number as usize).copied(),
+        Input::Variable(_) => None,
+    });
+    let inputs: Vec<f64> = inputs.collect::<Option<_>>()?;
+    let mut numbers = [0.0; 3];
+    tape.eval(&mut Registers::default(), &inputs, &mut numbers);
+    numbers.iter().all(|x| x.is_finite()).then_some(numbers)
+}
