@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use expr::ops::{CONSTANTS, Unary};
-use syntax::geotrace::attributes::AttributeWord;
+use syntax::geotrace::attributes::{self, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{DeclarationKeyword, TABLE};
 use syntax::geotrace::token::MapWord;
 use testing::binary::geotrace;
@@ -295,6 +295,7 @@ fn every_list_of_words_is_that_of_the_language() {
         ("README.md", "functions are `", "`", &functions),
         ("docs/language.md", "functions are `", "`", &functions),
         ("docs/language.md", "longer word:\n", ".\n", &keywords),
+        ("docs/language.md", "declaration begins:\n", ".\n", &soft),
         (vim, "geotraceFunction ", "\n", &functions),
         (vim, "geotraceConstant ", "\n", &constants),
         (vim, "geotraceKeyword ", "\n", &keywords),
@@ -348,6 +349,46 @@ fn every_list_of_words_is_that_of_the_language() {
             "{path}: {start}"
         );
     }
+}
+
+#[test]
+fn the_page_of_the_language_has_every_attribute_with_its_declarations_its_range_and_its_default() {
+    let mut lines = vec!["| attribute | on | value | default | what it is |".to_owned()];
+    lines.push("| --- | --- | --- | --- | --- |".to_owned());
+    for row in &attributes::TABLE {
+        let on: Vec<&str> = row.on.iter().map(|keyword| keyword.text()).collect();
+        let value = match row.value {
+            AttributeType::Number(range) => range.text().unwrap_or("a number").to_owned(),
+            AttributeType::Color(range) => {
+                let range = range.text().unwrap_or("a number");
+                format!("{range}, or three")
+            }
+            AttributeType::Pair => "two numbers".to_owned(),
+            AttributeType::Choice(words) => format!("`{}`", words.join("` `")),
+            AttributeType::Name => "a word".to_owned(),
+        };
+        lines.push(format!(
+            "| `{}` | {} | {value} | {} | {}, as in `{}` |",
+            row.text,
+            on.join(", "),
+            row.default,
+            row.purpose,
+            row.example
+        ));
+    }
+    let table = lines.join("\n");
+    let path = repository().join("docs/language.md");
+    let page = read("docs/language.md");
+    if std::env::var_os("UPDATE").is_some() {
+        let (before, rest) = page.split_once("| attribute |").expect("the table");
+        let (_, after) = rest.split_once("\n\n").expect("the end of the table");
+        std::fs::write(path, format!("{before}{table}\n\n{after}")).expect("the page is writable");
+        return;
+    }
+    assert!(
+        page.contains(&table),
+        "docs/language.md is old; UPDATE=1 writes it anew"
+    );
 }
 
 #[test]
@@ -415,7 +456,8 @@ fn every_declaration_of_the_readmes_table_compiles() {
             program.push('\n');
         }
     }
-    let count = DeclarationKeyword::ALL.len();
+    // A solid is declared by a function or as a set.
+    let count = DeclarationKeyword::ALL.len() + 1;
     assert_eq!(program.lines().count(), count, "{program}");
     scene(&program);
 }

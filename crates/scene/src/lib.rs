@@ -15,6 +15,7 @@
 mod evaluation;
 mod geodesic_value;
 pub mod geotrace;
+mod ids;
 mod initial_conditions;
 mod initial_conditions_evaluator;
 pub mod limits;

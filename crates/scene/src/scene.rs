@@ -4,6 +4,7 @@ use expr::{Graph, NodeId};
 use syntax::span::Span;
 
 use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue};
+pub use crate::ids::{GridId, ObjectId, ParamId};
 pub use crate::range::{Range, Sampling};
 use crate::solid::{Attribute, Background, Camera, Light, Solid, SolidLeaf};
 
@@ -109,16 +110,6 @@ impl Scene {
         self.numbered().find(|(_, object)| object.name == name)
     }
 }
-
-/// A position in [`Scene::params`].
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub struct ParamId(pub u32);
-/// A position in [`Scene::grids`].
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub struct GridId(pub u32);
-/// A position in [`Scene::objects`].
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub struct ObjectId(pub u32);
 
 /// A slider, or one per component.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
+use crate::ids::GridId;
 use crate::range::Sampling;
-use crate::scene::GridId;
 
 /// A set of points: leaves, joined by set operations.
 #[derive(Clone, Debug, Default)]

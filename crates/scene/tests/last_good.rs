@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 
 use programs::{Check, describe, edit_count, storms};
 use scene::geotrace::{Document, builtin_count, compile};
-use scene::{ProgramScene, Scene};
+use scene::{Attribute, Object, ProgramScene, Scene, Shape};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::ChunkId;
 use syntax::geotrace::actions::Operator;
@@ -101,7 +101,8 @@ impl Reference {
             if token.kind == TokenKind::Comment {
                 continue;
             }
-            let is_word = |c: char| c.is_ascii_alphanumeric();
+            // A number may begin with a point.
+            let is_word = |c: char| c.is_ascii_alphanumeric() || c == '.';
             if written.ends_with(is_word) && word.starts_with(is_word) {
                 written.push(' ');
             }
@@ -244,8 +245,9 @@ impl Reference {
             }
             codes.push(code);
         }
-        let objects = scene.objects.iter().map(|object| object.name.clone());
-        objects.filter(|name| stale.contains(name)).collect()
+        let shown = scene.objects.iter().chain(&scene.stage);
+        let names = shown.map(|object| object.name.clone());
+        names.filter(|name| stale.contains(name)).collect()
     }
 }
 
@@ -272,7 +274,7 @@ impl Check for Reference {
         assert_eq!(document.diagnostics(), whole.diagnostics);
         let shown = document.scene_with_last_good();
         let scene = shown.scene.as_ref().expect("something can be shown");
-        for object in &scene.objects {
+        for object in scene.objects.iter().chain(&scene.stage) {
             let place = object.name_span.text(text);
             assert!(place == object.name || shown.stale.contains(&object.name));
         }
@@ -293,8 +295,13 @@ impl Check for Reference {
         let (wanted, good) = self.show(document, &whole.diagnostics);
         self.good.extend(good);
         let mut scene = Scene::clone(scene);
-        for object in &mut scene.objects {
+        for object in objects_mut(&mut scene) {
             object.name = self.codes.code(&object.name);
+            if let Shape::Solid(solid) = &mut object.shape {
+                for leaf in &mut solid.leaves {
+                    leaf.name = self.codes.code(&leaf.name);
+                }
+            }
         }
         for param in &mut scene.params {
             param.name = self.codes.code(&param.name);
@@ -306,21 +313,36 @@ impl Check for Reference {
         forget_places(&mut scene);
         forget_places(&mut wanted_scene);
         assert_eq!(describe(&scene), describe(&wanted_scene));
-        let stale: Vec<String> = shown
-            .stale
-            .iter()
-            .map(|name| self.codes.code(name))
-            .collect();
-        assert_eq!(stale, wanted.stale);
+        let codes = &mut self.codes;
+        let stale: HashSet<String> = shown.stale.iter().map(|name| codes.code(name)).collect();
+        assert_eq!(stale.len(), shown.stale.len());
+        assert_eq!(stale, wanted.stale.into_iter().collect());
         assert_eq!(shown.incomplete, wanted.incomplete);
     }
 }
 
+fn objects_mut(scene: &mut Scene) -> impl Iterator<Item = &mut Object> {
+    let staged = scene.parts.iter_mut().chain(&mut scene.stage);
+    scene.objects.iter_mut().chain(staged)
+}
+
 fn forget_places(scene: &mut Scene) {
-    let objects = scene.objects.iter_mut().map(|it| &mut it.name_span);
+    for object in objects_mut(scene) {
+        let mut attributes: Vec<&mut Attribute> = object.attributes.iter_mut().collect();
+        if let Shape::Solid(solid) = &mut object.shape {
+            for leaf in &mut solid.leaves {
+                leaf.name_span = Span::default();
+                attributes.extend(&mut leaf.attributes);
+            }
+        }
+        attributes
+            .into_iter()
+            .for_each(|it| it.span = Span::default());
+        object.name_span = Span::default();
+    }
     let params = scene.params.iter_mut().map(|it| &mut it.name_span);
     let grids = scene.grids.iter_mut().map(|it| &mut it.name_span);
-    let all = objects.chain(params).chain(grids);
+    let all = params.chain(grids);
     all.for_each(|span| *span = Span::default());
 }
 

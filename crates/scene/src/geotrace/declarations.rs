@@ -83,7 +83,7 @@ pub(crate) struct Drawn {
     pub(crate) leaves: u64,
     /// The solids that a set names.
     pub(crate) named: Vec<SymbolId>,
-    /// What a solid reads, the grids at which it closes among it.
+    /// The dependencies of a solid with the grids at which it closes.
     pub(crate) closed: Dependencies,
 }
 

@@ -9,7 +9,7 @@ use expr::value::{self, DimensionError, Value};
 use syntax::geotrace::actions::Operator;
 use syntax::symbol::SymbolId;
 
-use crate::geotrace::sets::Placement;
+use crate::geotrace::sets::SetMotion;
 use crate::solid::SolidStep;
 
 /// One derivative of a function.
@@ -42,7 +42,7 @@ pub(crate) enum Operation {
     /// Joins two sets.
     Join(SolidStep),
     /// Places the set below a value by the value.
-    Place(Placement),
+    Place(SetMotion),
     /// Takes the image of the set below a function under the function.
     Image,
 }
@@ -91,9 +91,9 @@ pub(crate) fn operation(operator: Operator) -> Operation {
         Operator::Union => Operation::Join(SolidStep::Union),
         Operator::Intersection => Operation::Join(SolidStep::Intersection),
         Operator::Difference => Operation::Join(SolidStep::Difference),
-        Operator::Move => Operation::Place(Placement::Move),
-        Operator::Scale => Operation::Place(Placement::Scale),
-        Operator::Rotate => Operation::Place(Placement::Rotate),
+        Operator::Move => Operation::Place(SetMotion::Move),
+        Operator::Scale => Operation::Place(SetMotion::Scale),
+        Operator::Rotate => Operation::Place(SetMotion::Rotate),
         Operator::Image => Operation::Image,
     }
 }

@@ -240,7 +240,7 @@ impl Lowerer {
         &mut self,
         set: StackItem,
         by: StackItem,
-        placement: Placement,
+        placement: SetMotion,
         span: Span,
     ) -> Result<StackItem, (SemanticError, Span)> {
         let value = self.value(by)?;
@@ -250,17 +250,17 @@ impl Lowerer {
         let in_space = <[NodeId; 3]>::try_from(value.components()).ok();
         let graph = &mut self.graph;
         let map = match (placement, in_space, &value) {
-            (Placement::Move, Some(by), _) => AffineNodes::translation(graph, by),
-            (Placement::Rotate, Some(by), _) => AffineNodes::rotation(graph, by),
-            (Placement::Scale, Some(by), _) => AffineNodes::scaling(graph, by),
-            (Placement::Scale, None, Value::Number(by)) => AffineNodes::scaling(graph, [*by; 3]),
+            (SetMotion::Move, Some(by), _) => AffineNodes::translation(graph, by),
+            (SetMotion::Rotate, Some(by), _) => AffineNodes::rotation(graph, by),
+            (SetMotion::Scale, Some(by), _) => AffineNodes::scaling(graph, by),
+            (SetMotion::Scale, None, Value::Number(by)) => AffineNodes::scaling(graph, [*by; 3]),
             _ => {
                 let what = match placement {
-                    Placement::Move => "a solid is moved by a vector of dimension 3",
-                    Placement::Scale => {
+                    SetMotion::Move => "a solid is moved by a vector of dimension 3",
+                    SetMotion::Scale => {
                         "a solid is scaled by a number or by one along each of x, y and z"
                     }
-                    Placement::Rotate => {
+                    SetMotion::Rotate => {
                         "a solid is turned about a vector of dimension 3, by its length"
                     }
                 };
@@ -402,7 +402,7 @@ impl Lowerer {
 
 /// The way in which a value places a set.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum Placement {
+pub(crate) enum SetMotion {
     Move,
     Scale,
     Rotate,

@@ -108,13 +108,6 @@ impl Declarations {
         }
         let color = self.color(body, &lowered);
         let (attributes, stated) = self.stated(declaration.keyword, count);
-        if !self.is_checker && self.has_background {
-            let message = format!("`{}` is a second background", declaration.name);
-            let error = SemanticError::new(error::SECOND_BACKGROUND, message)
-                .with_hint("a program has one background: remove one of them");
-            self.found.push(error.at(declaration.name_span));
-            is_sound = false;
-        }
         let color = color.filter(|_| is_sound)?;
         let all = self
             .lowerer
@@ -122,6 +115,13 @@ impl Declarations {
             .union(lowered.dependencies, stated);
         let shape = Shape::Background(Background { color });
         let drawn = self.object(declaration, shape, all, attributes);
+        if !self.is_checker && self.has_background && drawn.is_some() {
+            let message = format!("`{}` is a second background", declaration.name);
+            let error = SemanticError::new(error::SECOND_BACKGROUND, message)
+                .with_hint("a program has one background: remove one of them");
+            self.found.push(error.at(declaration.name_span));
+            return None;
+        }
         let meaning = match count {
             0 => constant(lowered.value?, lowered.dependencies),
             _ => self.keep(declaration, body),

@@ -4,25 +4,43 @@
 use std::fmt::Write as _;
 
 use scene::geotrace::Document;
+use scene::{AttributeValue, Object, Scene};
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
+/// Every object of a scene, drawn or not.
+pub(crate) fn all_objects(scene: &Scene) -> impl Iterator<Item = &Object> {
+    let staged = scene.parts.iter().chain(&scene.stage);
+    scene.objects.iter().chain(staged)
+}
+
 /// What can be told of a scene, in full.
-pub(crate) fn describe(scene: &scene::Scene) -> String {
+pub(crate) fn describe(scene: &Scene) -> String {
     let mut text = format!(
-        "{:?}\n{:?}\n{:?}\n{:?}\n{}\n",
-        scene.params, scene.grids, scene.objects, scene.geodesic_values, scene.uniform_count
+        "{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{}\n",
+        scene.params,
+        scene.grids,
+        scene.objects,
+        scene.parts,
+        scene.stage,
+        scene.geodesic_values,
+        scene.uniform_count
     );
     // A geodesic's name is that of its object.
-    let followed = scene.objects.iter().flat_map(|it| it.shape.followed());
+    let followed = all_objects(scene).flat_map(|it| it.shape.followed());
     for value in scene.geodesic_values.iter().chain(followed) {
         text = text.replace(&format!("geodesic: {:?}", value.geodesic), "geodesic");
     }
     let mut roots = Vec::new();
-    for object in &scene.objects {
+    for object in all_objects(scene) {
         roots.extend(object.shape.roots());
         let followed = object.shape.followed().iter();
         roots.extend(followed.flat_map(|value| value.nodes()));
+        for attribute in &object.attributes {
+            if let AttributeValue::Numbers(nodes) = &attribute.value {
+                roots.extend(nodes);
+            }
+        }
     }
     let values = scene.geodesic_values.iter();
     roots.extend(values.flat_map(|value| value.nodes()));
@@ -59,6 +77,9 @@ enum Kind {
     Curve,
     Patch,
     Geodesic,
+    Solid,
+    Map,
+    Stage,
 }
 
 /// The names of each kind: few, so that what is removed comes back, and some split others.
@@ -70,6 +91,10 @@ const NAMES: &[(Kind, &[&str])] = &[
     (Kind::Curve, &["c", "ca"]),
     (Kind::Patch, &["s", "m", "sa"]),
     (Kind::Geodesic, &["y", "ya"]),
+    (Kind::Solid, &["o", "oa", "n", "so"]),
+    (Kind::Solid, &["o", "n"]),
+    (Kind::Map, &["d", "scale"]),
+    (Kind::Stage, &["i", "light", "j", "ja"]),
 ];
 
 /// A declaration of a program that is edited.
@@ -109,7 +134,11 @@ impl Writer<'_, '_> {
         if self.random.below(30) == 0 {
             return format!("({}({digits}))_1", self.name(Kind::Geodesic, "(1, 2)"));
         }
-        match self.random.below(8) {
+        match self.random.below(9) {
+            8 if self.random.below(3) == 0 => {
+                let solid = self.name(Kind::Solid, "id");
+                format!("{solid}(1, {digits}, 2)").replace("id(1, ", "sqrt*(1, ")
+            }
             0 | 1 => digits,
             2..=4 => self.name(Kind::Number, &digits),
             5 => format!("{} {digits}", self.name(Kind::One, "sin")),
@@ -118,11 +147,39 @@ impl Writer<'_, '_> {
         }
     }
 
+    /// A set of points, or a function that may be one.
+    fn atom(&mut self) -> String {
+        let kind = match self.random.below(4) {
+            0 => Kind::Two,
+            _ => Kind::Solid,
+        };
+        match self.name(kind, "g").as_str() {
+            "g" => self.name(Kind::Solid, "g"),
+            name => name.to_owned(),
+        }
+    }
+
+    /// The attributes of what is drawn, if it states any.
+    fn attributes(&mut self) -> String {
+        let x = self.number();
+        match self.random.below(5) {
+            0 => format!(", color : (0.5, {x}, 0.1)"),
+            1 => format!(", mirror : 0.1 + 0 {x}"),
+            _ => String::new(),
+        }
+    }
+
     fn line(&mut self, kind: Kind, name: &'static str) -> Line {
         let (x, y) = (self.number(), self.number());
         let digit = 2 + self.random.below(6);
         let least = self.random.pick(&["-1", "0", "1"]);
-        let text = match (kind, self.random.below(7)) {
+        // A set needs something to name.
+        let has_solid = self.above.iter().any(|line| line.kind == Kind::Solid);
+        let form = match self.random.below(7) {
+            form if kind == Kind::Solid && form > 2 && !has_solid => form % 3,
+            form => form,
+        };
+        let text = match (kind, form) {
             (Kind::Number, 0) => match self.random.below(3) {
                 0 => format!("param {name} = {x} : [{least}, {digit}];"),
                 _ => format!("param {name} : [{least}, {digit}];"),
@@ -151,7 +208,53 @@ impl Writer<'_, '_> {
                     self.name(Kind::Curve, "(0, 1, 2) sin")
                 )
             }
-            (Kind::Space, _) => format!("point {name} = ({x}, {y}, {digit});"),
+            (Kind::Space, _) => format!("point {name} = ({x}, {y}, {digit}){};", self.attributes()),
+            (Kind::Solid, 0) => format!(
+                "solid {name}(x, y, z) = {x} x + y z - {y}{};",
+                self.attributes()
+            ),
+            (Kind::Solid, 1) => {
+                format!("solid {name}(x, y, z) = x^2 + y^2 - {x}, z : [0, {digit}], bump : {y} x;")
+            }
+            (Kind::Solid, 2) => format!("solid {name}(x, y) = x y - {x}, color : 0 {y} + y;"),
+            (Kind::Solid, 3) => format!(
+                "solid {name} = {} | {} @ ({x}, 0, {y}){};",
+                self.atom(),
+                self.atom(),
+                self.attributes()
+            ),
+            (Kind::Solid, 4) => format!(
+                "solid {name} = {} \\ {} @ scale {digit}, bump : x + {x};",
+                self.atom(),
+                self.atom()
+            ),
+            (Kind::Solid, 5) => format!(
+                "solid {name} = ({} & {}) @ rotate (0, {x}, {y}), x : [-1, {digit}];",
+                self.atom(),
+                self.atom()
+            ),
+            (Kind::Solid, _) => format!(
+                "solid {name} = {} @ {};",
+                self.atom(),
+                self.name(Kind::Map, "rotate (1, 0, 0)")
+            ),
+            (Kind::Map, _) => {
+                format!("function {name}(x, y, z) = (x + {x} z, y, {digit} z + {y});")
+            }
+            (Kind::Stage, 0) => format!(
+                "light {name} = @ {}, power : {digit};",
+                self.name(Kind::Space, "(0, 1, 2)")
+            ),
+            (Kind::Stage, 1) => format!("light {name} = (1, {x}, {y}), ambient : 0.1;"),
+            (Kind::Stage, 2) => format!("light {name} = (1, {x}, 2) @ (0, 0, {y});"),
+            (Kind::Stage, 3 | 4) => {
+                format!("camera {name} = (1, {x}, 2) @ ({y}, 0, 0), fov : 1, bokeh : star;")
+            }
+            (Kind::Stage, 5) if self.random.below(3) == 0 => {
+                format!("background {name}(x, y, z) = (x, y {x}, z);")
+            }
+            (Kind::Stage, 6) if self.random.below(3) == 0 => format!("background {name} = {x};"),
+            (Kind::Stage, _) => format!("light {name} = (1, {x}, {y}), color : (1, 0 {x}, 2);"),
             (Kind::One, 0) => format!(
                 "function {name}(x) = {}' x + {y};",
                 self.name(Kind::One, "cos")
@@ -201,7 +304,11 @@ impl Writer<'_, '_> {
         for _ in 0..12 {
             let (some, names) = NAMES[self.random.below(NAMES.len())];
             (kind, name) = (some, names[self.random.below(names.len())]);
-            if all.iter().all(|line| line.name != name) {
+            // A geodesic needs something to lie on.
+            let is_lost = kind == Kind::Geodesic
+                && self.above.iter().all(|line| line.kind != Kind::Patch)
+                && self.random.below(8) > 0;
+            if !is_lost && all.iter().all(|line| line.name != name) {
                 break;
             }
         }
@@ -281,8 +388,36 @@ fn difference(old: &str, new: &str) -> (Span, String) {
 }
 
 const PIECES: &[&str] = &[
-    ";", "#", "\n", " ", "(", ")", ",", "1", "9", "a", "b", "f", "g", "x", "'", "_u", "+ a", "- 1",
-    "define ", "param ", "# 𝔘\n", "e", "k", "",
+    ";",
+    "#",
+    "\n",
+    " ",
+    "(",
+    ")",
+    ",",
+    "1",
+    "9",
+    "a",
+    "b",
+    "f",
+    "g",
+    "x",
+    "'",
+    "_u",
+    "+ a",
+    "- 1",
+    "define ",
+    "param ",
+    "# 𝔘\n",
+    "e",
+    "k",
+    "",
+    "|",
+    "&",
+    "@",
+    "solid ",
+    "light ",
+    ", color : 1",
 ];
 
 /// How many random edits are made: `GEOTRACE_EDITS`, or a hundred thousand.

@@ -262,9 +262,7 @@ impl NameScope for ScopeView<'_, Geotrace> {
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
             TokenKind::Undefined => length = 0,
-            // A keyword whatever the names above are.
-            TokenKind::Declare(keyword) if !keyword.is_soft() => return,
-            TokenKind::Declare(_) => length = 0,
+            TokenKind::Declare(_) => return,
             // A parameter that a longer name takes the letters of is reported where the parameter is declared.
             _ => {}
         }

@@ -225,6 +225,9 @@ impl<'s> Recovery<'_, 's> {
             }
         }
         let scene = self.assembler.declarations.scene();
+        let parts: HashSet<&str> = scene.parts.iter().map(|part| &*part.name).collect();
+        let is_shown = |name: &String| !parts.contains(&**name);
+        self.shown.program.stale.retain(is_shown);
         self.shown.program.scene = Some(Arc::new(scene));
         Ok(self.shown)
     }

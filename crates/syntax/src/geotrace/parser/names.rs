@@ -57,9 +57,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 }
                 // A `;` is missing, if no name begins the word.
                 let (length, kind) = expression_word(parsed, state, word);
-                parsed.record_prefix_lookup(word.rest, word.start, length, kind);
                 if kind == TokenKind::Undefined {
+                    parsed.record_prefix_lookup(word.rest, word.start, length, kind);
                     return (length, TokenKind::Declare(keyword));
+                }
+                if !matches!(mode, Mode::Expression | Mode::Place) {
+                    // Without the name that begins it, it would be a keyword.
+                    parsed.record_name_lookup(&word.rest[..length], word.start, kind);
                 }
             }
             let map = match mode {

@@ -1,0 +1,11 @@
+//! The numbers of what a scene holds.
+
+/// A position in [`Scene::params`](crate::Scene::params).
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ParamId(pub u32);
+/// A position in [`Scene::grids`](crate::Scene::grids).
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct GridId(pub u32);
+/// A position in [`Scene::objects`](crate::Scene::objects).
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ObjectId(pub u32);
