@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use expr::ops::{CONSTANTS, Unary};
 use syntax::geotrace::attributes::{self, AttributeType, AttributeWord};
-use syntax::geotrace::declarations::{DeclarationKeyword, TABLE};
+use syntax::geotrace::declarations::{DeclarationKeyword, DeclarationRow, TABLE};
 use syntax::geotrace::token::MapWord;
 use testing::binary::geotrace;
 use testing::draw::scene;
@@ -283,7 +283,8 @@ fn every_list_of_words_is_that_of_the_language() {
     let functions = Unary::ALL.into_iter().filter_map(Unary::builtin);
     let functions: BTreeSet<&str> = functions.chain(["id", "min", "max"]).collect();
     // A soft keyword is a name elsewhere: the files for colours have patterns for the places where it stands.
-    let (soft, keywords): (Vec<_>, Vec<_>) = TABLE.iter().partition(|row| row.keyword.is_soft());
+    let (soft, keywords): (Vec<&DeclarationRow>, Vec<&DeclarationRow>) =
+        TABLE.iter().partition(|row| row.keyword.is_soft());
     let [soft, keywords] =
         [soft, keywords].map(|rows| rows.iter().map(|row| row.text).collect::<BTreeSet<_>>());
     let attributes: BTreeSet<&str> = AttributeWord::ALL.map(AttributeWord::text).into();
