@@ -8,8 +8,8 @@ use geometry::solids::{
 };
 use glam::DVec3;
 use scene::{
-    AffineNodes, Attribute, AttributeValue, Camera, Grid, GridId, Light, Object, Param, ParamId,
-    ParamValues, Range, Sampling, Scene, Shape, Solid, SolidLeaf, SolidStep,
+    AffineNodes, Attribute, AttributeValue, BoundGrid, Camera, Grid, GridId, Light, Object, Param,
+    ParamId, ParamValues, Range, Sampling, Scene, Shape, Solid, SolidLeaf, SolidStep,
 };
 use syntax::span::Span;
 use tracer::Ray;
@@ -311,10 +311,14 @@ fn instances_within_a_set_are_a_union_and_may_be_cut() {
         writer.leaf("plate", plate, here),
         writer.leaf("hole", hole, place),
     ];
+    let bound = BoundGrid {
+        grid,
+        first_uniform: writer.scene.grids[grid.0 as usize].first_uniform,
+    };
     let steps = [
         SolidStep::Leaf(0),
         SolidStep::Leaf(1),
-        SolidStep::Instances(vec![grid]),
+        SolidStep::Instances(vec![bound]),
         SolidStep::Difference,
     ];
     // The grid is closed: the solid itself has one instance.

@@ -233,8 +233,10 @@ impl<'a> Writer<'a> {
                 SolidStep::Difference => self.words.push(3),
                 SolidStep::Instances(grids) => {
                     self.words.extend([4, grids.len() as u64]);
-                    self.words
-                        .extend(grids.iter().map(|grid| u64::from(grid.0)));
+                    for bound in grids {
+                        let words = [bound.grid.0, bound.first_uniform];
+                        self.words.extend(words.map(u64::from));
+                    }
                 }
             }
         }

@@ -34,5 +34,6 @@ pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
 pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
 pub use solid::{
-    AffineNodes, Attribute, AttributeValue, Background, Camera, Light, Solid, SolidLeaf, SolidStep,
+    AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Light, Solid, SolidLeaf,
+    SolidStep,
 };

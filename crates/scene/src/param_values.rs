@@ -9,6 +9,7 @@ use std::fmt;
 use syntax::spelling::nearest;
 
 use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
+use crate::solid::BoundGrid;
 
 /// A value for each param, and for those grids that have been fixed.
 #[derive(Clone, Debug, PartialEq)]
@@ -194,22 +195,36 @@ impl ParamValues {
     }
 
     /// The number of combinations of the values of those of the grids that are not fixed; saturates.
-    pub fn combination_count(&self, scene: &Scene, grids: &[GridId]) -> u64 {
-        self.combinations(scene, grids)
+    pub fn combination_count(&self, scene: &Scene, grids: &[BoundGrid]) -> u64 {
+        let ids: Vec<GridId> = grids.iter().map(|bound| bound.grid).collect();
+        self.combinations(scene, &ids)
     }
 
     /// The given uniforms with the `index`-th combination of the values of those of the grids that are not fixed, counted
-    /// from 0 and below [`ParamValues::combination_count`], and with the values of geodesics that the object reads there.
+    /// from 0 and below [`ParamValues::combination_count`], in the uniforms that stand for them, and with the values of
+    /// geodesics that the object reads there.
     pub fn with_combination(
         &self,
         scene: &Scene,
         object: &Object,
-        grids: &[GridId],
+        grids: &[BoundGrid],
         index: u64,
         uniforms: &[f64],
     ) -> Vec<f64> {
+        let ids: Vec<GridId> = grids.iter().map(|bound| bound.grid).collect();
+        let mut own = self.uniforms.clone();
+        self.combination(scene, &ids, index, &mut own);
         let mut uniforms = uniforms.to_vec();
-        self.combination(scene, grids, index, &mut uniforms);
+        for bound in grids {
+            if let Some(grid) = scene.grids.get(bound.grid.0 as usize) {
+                let (from, to) = (grid.first_uniform as usize, bound.first_uniform as usize);
+                let count = grid.axes.len();
+                let own = own.get(from..from + count);
+                if let (Some(own), Some(bound)) = (own, uniforms.get_mut(to..to + count)) {
+                    bound.copy_from_slice(own);
+                }
+            }
+        }
         scene.fill(object, &mut uniforms);
         uniforms
     }

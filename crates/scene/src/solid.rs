@@ -27,7 +27,17 @@ pub enum SolidStep {
     /// The points of the first that are not of the second.
     Difference,
     /// The union of the last operand over all values of these grids: the instances of a solid that a set names.
-    Instances(Vec<GridId>),
+    Instances(Vec<BoundGrid>),
+}
+
+/// A grid over whose values a set is a union, and the uniforms that stand for it in the leaves of the set: its own, or others
+/// where a set reads the same grid inside and outside of the union.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct BoundGrid {
+    /// The grid.
+    pub grid: GridId,
+    /// The first of the uniforms, one for each component of the grid.
+    pub first_uniform: u32,
 }
 
 /// The field of a leaf that is nothing but its cuts.

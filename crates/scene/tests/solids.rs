@@ -215,6 +215,38 @@ fn grids_close_at_a_solid() {
 }
 
 #[test]
+fn a_grid_that_is_read_inside_and_outside_of_a_union_has_uniforms_for_both() {
+    let source = "grid k : [0, 2, 3];
+        solid row(x,y,z) = (x - k)^2 + y^2 + z^2 - 0.1, color : (k / 2, 0, 0);
+        solid field = row @ (0, k, 0);
+        solid cube = field @ (0, 0, k), mirror : k / 3;
+        solid again = row;";
+    let scene = scene(source);
+    let bound = |name: &str| -> Vec<u32> {
+        let steps = solid(&scene, name).steps.iter();
+        let bound = steps.filter_map(|step| match step {
+            SolidStep::Instances(grids) => Some(grids[0].first_uniform),
+            _ => None,
+        });
+        bound.collect()
+    };
+    let own = scene.grids[0].first_uniform;
+    assert_eq!(bound("row"), [own]);
+    assert_eq!(bound("again"), [own]);
+    let field = bound("field");
+    assert!(field.len() == 2 && field[0] != own && field[1] == own);
+    let cube = bound("cube");
+    assert!(cube.len() == 3 && cube[2] == own);
+    assert!(cube[0] != cube[1] && cube[0] != own && cube[1] != own);
+    // Every combination is there: 3 times 3 times 3 balls.
+    for [x, y, z] in [[0, 1, 2], [2, 0, 1], [1, 1, 1]] {
+        let at = format!("cube({x}, {y}, {z})");
+        close(&value(source, &at), &[-0.1]);
+    }
+    close(&value(source, "field(2, 1, 0.5)"), &[0.15]);
+}
+
+#[test]
 fn an_attribute_on_a_set_replaces_those_of_its_parts() {
     let scene = scene(
         "solid a(x,y,z) = x, color : x, mirror : 0.5;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use expr::{Input, NodeId};
 use glam::{DAffine3, DVec3};
-use scene::{GridId, Object, ParamValues, Sampling, Scene, Solid, SolidStep};
+use scene::{Object, ParamValues, Sampling, Scene, Solid, SolidStep};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
 
 use super::attributes::AffineTape;
@@ -134,7 +134,6 @@ impl Expansion<'_> {
                     let SolidStep::Instances(grids) = &steps[end] else {
                         continue;
                     };
-                    let grids: &[GridId] = grids;
                     let count = self.params.combination_count(self.scene, grids);
                     if index + 1 < count {
                         work.push(Work::Instances(end, index + 1, uniforms.clone()));

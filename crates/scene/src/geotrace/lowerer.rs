@@ -34,6 +34,11 @@ pub(crate) struct Lowerer {
     pub(crate) geodesics: Geodesics,
     /// True if the variables of the expression that is lowered are those of a curve, along which geodesics are followed.
     pub(crate) is_along_curve: bool,
+    /// The uniforms that stand for a grid inside a union over it that another surrounds, by the first of the grid's own, the
+    /// number of unions around it, and the number of components.
+    pub(crate) bound_uniforms: FxHashMap<(u32, u32, u32), u32>,
+    /// True if the set that is read depends on a grid at which a part of it closes.
+    pub(crate) renames_parts: bool,
     /// The graph has reached its limit, and that has been reported.
     pub(crate) full: bool,
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use expr::ops::Binary;
 use expr::value::Value;
 use expr::{Graph, Input, NodeId};
+use rustc_hash::FxHashMap;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
@@ -17,8 +18,8 @@ use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::lowerer::{Effect, Function, Lowerer, StackItem, too_large};
 use crate::geotrace::symbol::Meaning;
 use crate::limits::MAX_LEAVES;
-use crate::scene::{GridId, Sampling};
-use crate::solid::{AffineNodes, Attribute, Solid, SolidLeaf, SolidStep};
+use crate::scene::Sampling;
+use crate::solid::{AffineNodes, Attribute, BoundGrid, Solid, SolidLeaf, SolidStep};
 
 /// A set that is being read.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +36,11 @@ pub(crate) struct PointSet {
 /// A grid at which a solid closes: it is the union of its instances.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ClosedGrid {
-    pub(crate) grid: GridId,
-    pub(crate) first_uniform: u32,
+    pub(crate) bound: BoundGrid,
+    /// The first of the grid's own uniforms.
+    pub(crate) own: u32,
+    /// The number of unions over the same grid around this one that were told apart from it.
+    pub(crate) level: u32,
     pub(crate) axes: Vec<Sampling>,
 }
 
@@ -147,6 +151,10 @@ impl Lowerer {
                 let solid = Arc::clone(solid);
                 *dependencies = self.dependencies.union(*dependencies, solid.dependencies);
                 let mut set = solid.set.clone();
+                if self.renames_parts {
+                    let renamed = self.renamed(&mut set, symbol);
+                    renamed.map_err(|error| (error, span))?;
+                }
                 set.named = vec![symbol];
                 return Ok(Effect::Push(StackItem::Set(Box::new(set))));
             }
@@ -179,6 +187,88 @@ impl Lowerer {
             attributes: Vec::new(),
         };
         Ok(Effect::Push(StackItem::Set(Box::new(PointSet::leaf(leaf)))))
+    }
+
+    /// Gives a part other uniforms for the grids at which it closes, where those are the grids' own: what places it, or states
+    /// attributes on it, reads the same grids.
+    fn renamed(&mut self, set: &mut PointSet, symbol: SymbolId) -> Result<(), SemanticError> {
+        let outermost = set.closed.iter().filter(|closed| closed.level == 0);
+        let outermost: Vec<u32> = outermost.map(|closed| closed.own).collect();
+        let mut renamed: FxHashMap<u32, u32> = FxHashMap::default();
+        for closed in &mut set.closed {
+            if !outermost.contains(&closed.own) {
+                continue;
+            }
+            let count = closed.axes.len() as u32;
+            closed.level += 1;
+            let key = (closed.own, closed.level, count);
+            let first = match self.bound_uniforms.get(&key) {
+                Some(&first) => first,
+                None => {
+                    let own = self.graph.input(Input::Uniform(closed.own));
+                    let sets = &mut self.dependencies;
+                    let dependencies = sets.of_inputs(&self.graph.inputs(&[own]));
+                    let first = sets.add_uniforms(dependencies, count);
+                    self.bound_uniforms.insert(key, first);
+                    first
+                }
+            };
+            let before = closed.bound.first_uniform;
+            renamed.extend((before..before + count).zip(first..));
+            closed.bound.first_uniform = first;
+        }
+        if renamed.is_empty() {
+            return Ok(());
+        }
+        for step in &mut set.solid.steps {
+            let SolidStep::Instances(grids) = step else {
+                continue;
+            };
+            for bound in grids {
+                let first = bound.first_uniform;
+                bound.first_uniform = renamed.get(&first).copied().unwrap_or(first);
+            }
+        }
+        let leaves = set.solid.leaves.iter_mut();
+        let mut places: Vec<&mut NodeId> = leaves.flat_map(SolidLeaf::nodes_mut).collect();
+        let nodes: Vec<NodeId> = places.iter().map(|place| **place).collect();
+        if self.reads_through_geodesic(&nodes, &renamed) {
+            let name = self.symbols.name(symbol);
+            let message = format!(
+                "`{name}` reads a geodesic that depends on a grid, and is placed by the same grid again"
+            );
+            let hint = "declare another grid for the one or the other";
+            return Err(SemanticError::new(error::NO_FORMULA, message).with_hint(hint));
+        }
+        let graph = &mut self.graph;
+        let replace = |input| match input {
+            Input::Uniform(uniform) => renamed.get(&uniform).copied(),
+            Input::Variable(_) => None,
+        };
+        let replacements: FxHashMap<Input, NodeId> = graph
+            .inputs(&nodes)
+            .into_iter()
+            .filter_map(|input| Some((input, graph.input(Input::Uniform(replace(input)?)))))
+            .collect();
+        let found = graph.substitute(&nodes, &|input| replacements.get(&input).copied());
+        for (place, node) in places.iter_mut().zip(found.map_err(|_| too_large())?) {
+            **place = node;
+        }
+        Ok(())
+    }
+
+    /// Returns true if some nodes read the value of a geodesic that depends on one of these uniforms.
+    fn reads_through_geodesic(&self, nodes: &[NodeId], uniforms: &FxHashMap<u32, u32>) -> bool {
+        let read = self.geodesics.read(&self.graph, nodes).into_iter();
+        let values = self.geodesics.values();
+        read.filter_map(|index| values.get(index as usize))
+            .any(|value| {
+                let inputs = self.graph.inputs(&value.nodes());
+                inputs.iter().any(|input| match input {
+                    Input::Uniform(uniform) => uniforms.contains_key(uniform),
+                    Input::Variable(_) => false,
+                })
+            })
     }
 
     fn not_a_solid(&self, symbol: SymbolId, parameters: Option<usize>) -> SemanticError {
@@ -371,7 +461,7 @@ impl Lowerer {
                     let node = stack.pop().flatten();
                     let closed = solid.set.closed.iter();
                     let closed: Vec<&ClosedGrid> =
-                        closed.filter(|it| grids.contains(&it.grid)).collect();
+                        closed.filter(|it| grids.contains(&it.bound)).collect();
                     match node {
                         Some(node) => Some(least(graph, node, &closed)?),
                         None => None,
@@ -430,7 +520,7 @@ const MOST_INSTANCES: u64 = 4_096;
 fn least(graph: &mut Graph, node: NodeId, grids: &[&ClosedGrid]) -> Result<NodeId, SemanticError> {
     let axes = grids
         .iter()
-        .flat_map(|grid| (grid.first_uniform..).zip(&grid.axes));
+        .flat_map(|grid| (grid.bound.first_uniform..).zip(&grid.axes));
     let axes: Vec<(u32, &Sampling)> = axes.collect();
     let count = axes.iter().fold(1, |product: u64, (_, axis)| {
         product.saturating_mul(u64::from(axis.count))

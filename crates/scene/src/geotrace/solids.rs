@@ -17,7 +17,7 @@ use crate::geotrace::sets::{ClosedGrid, DeclaredSolid, PointSet, too_many_leaves
 use crate::geotrace::symbol::Meaning;
 use crate::limits::{DEFAULT_SAMPLES, MAX_LEAVES};
 use crate::scene::{Sampling, Shape};
-use crate::solid::{AffineNodes, EVERYWHERE, SolidLeaf, SolidStep};
+use crate::solid::{AffineNodes, BoundGrid, EVERYWHERE, SolidLeaf, SolidStep};
 
 /// The intervals of x, y and z.
 type Cuts = [Option<Sampling>; 3];
@@ -43,8 +43,16 @@ impl Declarations {
         let before = self.found.len();
         let (attributes, stated) = self.stated(declaration.keyword, variables);
         let is_sound = self.found.len() == before;
-        let (mut set, cuts) = (set.take()?, cuts?);
         let dependencies = self.lowerer.dependencies.union(own, stated);
+        if let Some(first) = &set
+            && self.closes_inside(first, dependencies)
+        {
+            // Now that it is known to read a grid at which a part closes, the part gets uniforms of its own.
+            self.lowerer.renames_parts = true;
+            set = self.lowerer.lower_set(body, &mut self.found).0;
+            self.lowerer.renames_parts = false;
+        }
+        let (mut set, cuts) = (set?, cuts?);
         let mut uncut = None;
         if !is_set {
             for leaf in &mut set.solid.leaves {
@@ -203,9 +211,27 @@ impl Declarations {
     ) -> crate::solid::Solid {
         let (_, grids) = self.sources_of(dependencies);
         if !grids.is_empty() {
-            solid.steps.push(SolidStep::Instances(grids));
+            let bound = grids.into_iter().filter_map(|grid| {
+                let first_uniform = self.scene.grids.get(grid.0 as usize)?.first_uniform;
+                Some(BoundGrid {
+                    grid,
+                    first_uniform,
+                })
+            });
+            solid.steps.push(SolidStep::Instances(bound.collect()));
         }
         solid
+    }
+
+    /// Returns true if a part of a set closes at a grid that the set itself reads, in the grid's own uniforms.
+    fn closes_inside(&self, set: &PointSet, dependencies: Dependencies) -> bool {
+        let (_, grids) = self.sources_of(dependencies);
+        let mut closed = set.closed.iter().filter(|closed| closed.level == 0);
+        let firsts: Vec<u32> = grids
+            .iter()
+            .filter_map(|id| Some(self.scene.grids.get(id.0 as usize)?.first_uniform))
+            .collect();
+        closed.any(|closed| firsts.contains(&closed.own))
     }
 
     /// Notes the grids at which a set closes; returns the number of its instances.
@@ -220,8 +246,12 @@ impl Declarations {
                 instances = instances.saturating_mul(u64::from(axis.count));
             }
             let closed = ClosedGrid {
-                grid: id,
-                first_uniform: grid.first_uniform,
+                bound: BoundGrid {
+                    grid: id,
+                    first_uniform: grid.first_uniform,
+                },
+                own: grid.first_uniform,
+                level: 0,
                 axes: grid.axes.clone(),
             };
             if !set.closed.contains(&closed) {
