@@ -441,8 +441,10 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
             &[
                 "SpaceOptions",
                 "GeodesicOptions",
+                "TracedOptions",
                 "SpaceView",
                 "GeodesicView",
+                "TracedView",
             ],
         ),
         quoting(files, &["3d"]),
@@ -474,7 +476,7 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
         Limit {
             what: "files that name a view",
             files: views,
-            most: 10,
+            most: 11,
         },
         Limit {
             what: "files that name a variant of a shape",

@@ -29,6 +29,8 @@ pub struct Camera {
     pub size: [u32; 2],
     /// The projection of an orthographic camera; `None` for a perspective one.
     pub parallel: Option<Parallel>,
+    /// The vertical field of view in radians; [`style::FIELD_OF_VIEW`] along the shorter side if not given.
+    pub opening: Option<f64>,
 }
 
 /// The projection of an orthographic camera.
@@ -77,6 +79,7 @@ impl Camera {
                 distance: 1.0,
                 reach: 1.0,
             }),
+            opening: None,
         };
         let target_or_centre = target.map_or(DVec3::ZERO, local);
         let back = match eye {
@@ -212,9 +215,13 @@ impl Camera {
 
     /// The tangents of half the field of view, across and up.
     pub fn half_tangents(&self) -> [f64; 2] {
-        let tangent = (0.5 * style::FIELD_OF_VIEW).tan();
-        let shorter = f64::from(self.size[0].min(self.size[1]));
-        self.size.map(|side| tangent * f64::from(side) / shorter)
+        let (opening, side) = match self.opening {
+            Some(opening) => (opening, self.size[1]),
+            None => (style::FIELD_OF_VIEW, self.size[0].min(self.size[1])),
+        };
+        let tangent = (0.5 * opening).tan();
+        self.size
+            .map(|other| tangent * f64::from(other) / f64::from(side))
     }
 
     /// Pixels of one drawing unit at the distance 1 along the view direction; at the distance w it has 1/w of them.

@@ -8,7 +8,7 @@ use geometry::solids::{RayScene, RaySceneOptions};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::ObjectId;
-use tracer::camera::LensCamera;
+use tracer::camera::{LensCamera, LensProjection};
 
 use crate::bounds::{Bounds, ObjectCloud};
 use crate::camera::Camera;
@@ -17,13 +17,15 @@ use crate::error::RenderError;
 use crate::overlay::AxesBox;
 use crate::point::WorldPoint;
 use crate::request::PictureRequest;
-use crate::request::part::SpaceOptions;
 use crate::viewpoint::Viewpoint;
 
 /// The bounds are kept while the scene stays in a ball of so many of their radii …
 const OUTGROWN: f64 = 1.6;
 /// … and its own radius is at least such a share of theirs.
 const SHRUNK: f64 = 0.3;
+
+/// The target of a declared camera is not nearer than this, in radii of the scene, unless its direction says so.
+const NEAREST_TARGET: f64 = 0.1;
 
 /// The bounds that pictures are drawn in, and the coarse points that they come from.
 #[derive(Debug, Default)]
@@ -195,9 +197,12 @@ fn with_room_for_axes(
     viewpoint: &Viewpoint,
     request: &PictureRequest,
 ) -> Result<Camera, RenderError> {
-    let declared = declared_viewpoint(bounds, viewpoint, request);
+    let lens = declared_lens(request);
+    let declared = lens.and_then(|lens| declared_viewpoint(bounds, viewpoint, &lens));
     let viewpoint = declared.as_ref().unwrap_or(viewpoint);
-    let camera = Camera::new(bounds, viewpoint, request.size)?;
+    let mut camera = Camera::new(bounds, viewpoint, request.size)?;
+    let straight = lens.filter(|lens| lens.projection == LensProjection::Pinhole);
+    camera.opening = straight.map(|lens| lens.fov);
     let corners = corners.filter(|_| request.overlays.axes);
     Ok(match corners {
         Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
@@ -207,24 +212,19 @@ fn with_room_for_axes(
     })
 }
 
-/// The declared camera that the options of a view in space name, else the first one.
-pub(crate) fn declared_camera(rays: &RayScene, options: &SpaceOptions) -> Option<LensCamera> {
+/// The declared camera of a name, or the first one.
+pub(crate) fn declared_camera(rays: &RayScene, name: Option<&str>) -> Option<LensCamera> {
     let mut cameras = rays.cameras().iter();
-    let found = match &options.declared {
-        Some(name) => cameras.find(|camera| camera.name == *name),
+    let found = match name {
+        Some(name) => cameras.find(|camera| camera.name == name),
         None => cameras.next(),
     };
     found.map(|camera| camera.lens)
 }
 
-/// The place of the camera that the scene declares, for a viewpoint that has none. Its target lies before it as deep as the
-/// middle of the scene.
-fn declared_viewpoint(
-    bounds: &Bounds,
-    viewpoint: &Viewpoint,
-    request: &PictureRequest,
-) -> Option<Viewpoint> {
-    if viewpoint.eye.is_some() || viewpoint.target.is_some() || request.scene.stage.is_empty() {
+/// The camera that the scene of a request declares, as the request names it.
+fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
+    if request.scene.stage.is_empty() {
         return None;
     }
     let options = RaySceneOptions {
@@ -233,10 +233,22 @@ fn declared_viewpoint(
         thickness: None,
     };
     let rays = RayScene::new(&request.scene, &request.params, &options);
-    let lens = declared_camera(&rays, request.view.space()?)?;
+    declared_camera(&rays, request.view.space()?.declared.as_deref())
+}
+
+/// The place of a declared camera, for a viewpoint that has none. Its target lies before it as deep as the middle of the
+/// scene.
+fn declared_viewpoint(
+    bounds: &Bounds,
+    viewpoint: &Viewpoint,
+    lens: &LensCamera,
+) -> Option<Viewpoint> {
+    if viewpoint.eye.is_some() || viewpoint.target.is_some() {
+        return None;
+    }
     let ahead = lens.direction.normalize_or_zero();
     let depth = (DVec3::from(bounds.placement.centre) - lens.position).dot(ahead);
-    let depth = if depth > 0.1 * bounds.placement.radius {
+    let depth = if depth > NEAREST_TARGET * bounds.placement.radius {
         depth
     } else {
         lens.direction.length()

@@ -35,7 +35,7 @@ const BUNDLE: usize = 8;
 /// Neighbours on one surface are at an edge where the way between them leaves its tangent plane by this share.
 const BEND: f64 = 0.6;
 
-/// What is seen of solids at a sample.
+/// The solid that is seen at a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SolidSample {
     /// The depth in clip space, above 0 and at most 1; 0 where no solid is seen.
@@ -44,7 +44,7 @@ pub(crate) struct SolidSample {
     pub(crate) light: [f32; 3],
 }
 
-/// What is seen of solids in a tile.
+/// The solids that are seen in a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct SolidTile {
     /// Row by row, [`TILE`] a row: that of the whole pixel.
@@ -177,7 +177,7 @@ impl<'a> SolidPainter<'a> {
         any.then_some(tile)
     }
 
-    /// What is seen at a place of the picture, in pixels from its top left.
+    /// Finds the solid that is seen at a place of the picture, in pixels from its top left.
     pub(crate) fn hit(&self, place: [f64; 2]) -> Option<SolidHit> {
         let mut found = None;
         RayCounter::new(self).cast(&[place], |_, hit| found = hit);
@@ -255,7 +255,7 @@ impl Drop for RayCounter<'_, '_> {
     }
 }
 
-/// Where a ray through a place of the picture is at distance 1 along the view direction: right and up, in drawing units.
+/// The place of a ray through the picture at distance 1 along the view direction: right and up, in drawing units.
 fn across(camera: &Camera, [x, y]: [f64; 2]) -> [f64; 2] {
     let [width, height] = camera.size.map(f64::from);
     let [tx, ty] = camera.half_tangents();

@@ -96,6 +96,9 @@ fn made(before: WorkCounters, after: WorkCounters) -> WorkCounters {
         looks: after.looks - before.looks,
         ends: after.ends - before.ends,
         distances: after.distances - before.distances,
+        worlds: after.worlds - before.worlds,
+        rays: after.rays - before.rays,
+        traced: after.traced - before.traced,
     }
 }
 

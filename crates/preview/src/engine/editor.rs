@@ -198,6 +198,28 @@ impl Editor {
         Ok(changed)
     }
 
+    /// Writes a camera into the text, that of a name or a new one of that name; whether the text is another one now.
+    ///
+    /// # Errors
+    /// A sentence; the text is as it was.
+    pub(crate) fn write_camera(
+        &mut self,
+        name: &str,
+        direction: [f64; 3],
+        position: [f64; 3],
+    ) -> Result<bool, String> {
+        let analysis = self.language.read(&self.text);
+        let edit = analysis
+            .edit_camera(name, direction, position)
+            .map_err(|refusal| refusal.to_string())?;
+        let text = ide::edit::apply(&self.text, &[edit]);
+        let changed = text != self.text;
+        if changed {
+            self.replace(text);
+        }
+        Ok(changed)
+    }
+
     /// Puts another text in the place of this one, which the field that shows it can undo.
     pub(crate) fn replace(&mut self, text: String) {
         self.replaced.push(std::mem::replace(&mut self.text, text));

@@ -18,6 +18,14 @@ pub struct SpaceCamera {
     /// The user has moved it; otherwise it is put anew where a scene changes.
     #[serde(default)]
     pub moved: bool,
+    /// The tangent of half the field of view along the picture's shorter side.
+    #[serde(default = "usual_tangent")]
+    pub tangent: f64,
+}
+
+/// The tangent of half the field of view where no camera is declared.
+pub(crate) fn usual_tangent() -> f64 {
+    (0.5 * render::style::FIELD_OF_VIEW).tan()
 }
 
 /// The level part of a unit vector up to which it points straight up or down, as in `render::camera`.
@@ -33,6 +41,8 @@ impl SpaceCamera {
             && self.distance() > 0.0
             && self.radius > 0.0
             && self.radius.is_finite()
+            && self.tangent.is_finite()
+            && self.tangent > 0.0
     }
 
     fn distance(&self) -> f64 {
@@ -41,7 +51,7 @@ impl SpaceCamera {
 
     /// The shorter side of what is seen in the plane of its target.
     pub fn side_seen(&self) -> f64 {
-        2.0 * self.distance() * (0.5 * render::style::FIELD_OF_VIEW).tan()
+        2.0 * self.distance() * self.tangent
     }
 
     /// The unit vector that it looks along.

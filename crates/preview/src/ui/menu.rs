@@ -255,6 +255,10 @@ fn view(window: &mut Window, ui: &mut Ui) {
     if tick.on_hover_text(hint).changed() {
         window.toggle_traced();
     }
+    let has_camera = window.model.view.space.is_some() && !window.panes.is_welcome;
+    if entry(ui, has_camera, "Write camera", "") {
+        window.write_camera();
+    }
     let cameras = window.model.declared_cameras();
     let cameras: Vec<String> = cameras.map(|camera| camera.name.clone()).collect();
     if !cameras.is_empty() {

@@ -381,6 +381,15 @@ impl Hand {
         self.settle();
     }
 
+    /// Writes a picture of the window where `GEOTRACE_TEST_PICTURES` says, to be looked at.
+    pub(crate) fn keep(&mut self, name: &str) {
+        if let Some(folder) = std::env::var_os("GEOTRACE_TEST_PICTURES") {
+            let picture = self.harness.render().expect("a driver");
+            let path = Path::new(&folder).join(format!("{name}.png"));
+            picture.save(path).expect("written");
+        }
+    }
+
     /// Turns the wheel over a place.
     pub(crate) fn wheel(&mut self, at: Pos2, points: f32) {
         self.harness.hover_at(at);

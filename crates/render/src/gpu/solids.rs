@@ -64,7 +64,7 @@ impl Solids {
     }
 }
 
-/// What is seen of solids, as the shader reads it.
+/// The samples of solids, as the shader reads them.
 struct Words {
     pixels: Vec<[u32; 2]>,
     splits: Vec<[u32; 2]>,

@@ -12,7 +12,6 @@ use tracer::shade::{Face, FaceLook, Scenery};
 use crate::content::Content;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
-use crate::request::part::SpaceOptions;
 use crate::shared::Shared;
 use crate::style;
 use crate::texture::Texture;
@@ -59,17 +58,17 @@ struct TracedKey {
 }
 
 impl SolidStore {
-    /// The solids that a request of the 3D view shows; `None` if there are none. `contents` are those of the scene's
-    /// objects.
+    /// The solids that a request of the 3D view shows, all but the hidden ones; `None` if there are none. `contents` are
+    /// those of the scene's objects.
     pub(crate) fn get(
         &mut self,
         request: &PictureRequest,
-        options: &SpaceOptions,
+        hidden: &[ObjectId],
         contents: &[Content],
     ) -> Option<Arc<SolidScene>> {
         let objects = request.scene.numbered().zip(contents);
         let shown = objects
-            .filter(|((id, object), _)| object.shape.solid().is_some() && options.shows(*id));
+            .filter(|((id, object), _)| object.shape.solid().is_some() && !hidden.contains(id));
         let shown: Vec<(ObjectId, Content)> = shown
             .map(|((id, _), content)| (id, content.clone()))
             .collect();
@@ -88,17 +87,17 @@ impl SolidStore {
         Some(solids)
     }
 
-    /// All that a request of the traced view shows, in these drawing units.
+    /// All that a request of the traced view shows, all but the hidden ones, in these drawing units.
     pub(crate) fn traced(
         &mut self,
         request: &PictureRequest,
-        options: &SpaceOptions,
+        hidden: &[ObjectId],
         placement: &Placement,
     ) -> Arc<TracedScene> {
         let key = TracedKey {
             scene: request.scene.clone(),
             params: request.params.clone(),
-            hidden: options.hidden.clone(),
+            hidden: hidden.to_vec(),
             colours: request.object_colours(),
             textures: request.textures.clone(),
             flipped: request.flipped.clone(),
@@ -111,7 +110,7 @@ impl SolidStore {
         {
             return scene.clone();
         }
-        let scene = Arc::new(TracedScene::new(request, options, &key));
+        let scene = Arc::new(TracedScene::new(request, &key));
         self.built += 1;
         self.traced = Some((key, scene.clone()));
         scene
@@ -156,7 +155,7 @@ impl SolidScene {
         leaf(&self.rays, scene, face)
     }
 
-    /// What is not as it is declared.
+    /// Sentences about all that is not as it is declared.
     pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
         self.rays
             .notes()
@@ -166,7 +165,7 @@ impl SolidScene {
 }
 
 impl TracedScene {
-    fn new(request: &PictureRequest, options: &SpaceOptions, key: &TracedKey) -> Self {
+    fn new(request: &PictureRequest, key: &TracedKey) -> Self {
         let radius = key.placement.radius;
         let scale = f64::from(request.scale);
         let nominal = |length: &style::Length| f64::from(length.nominal) * radius * scale;
@@ -174,7 +173,7 @@ impl TracedScene {
             &request.scene,
             &request.params,
             &RaySceneOptions {
-                shown: &|id| options.shows(id),
+                shown: &|id| !key.hidden.contains(&id),
                 color: &|id| {
                     key.colours
                         .get(id.0 as usize)
@@ -192,7 +191,7 @@ impl TracedScene {
         let objects = request.scene.numbered();
         let surfaces = objects.filter(|(id, object)| {
             let states = |word| object.attributes.iter().any(|it| it.word == word);
-            object.shape.is_surface() && options.shows(*id) && !states("color")
+            object.shape.is_surface() && !key.hidden.contains(id) && !states("color")
         });
         Self {
             rays,

@@ -204,7 +204,9 @@ impl ViewRenderer for SpaceRenderer {
             overlay,
         } = self.stage(shared, request, options)?;
         let background = options.background_light();
-        let solids = shared.solids.get(request, options, framed.contents());
+        let solids = shared
+            .solids
+            .get(request, &options.hidden, framed.contents());
         let tints = solids
             .as_ref()
             .map(|solids| tints(request, options, solids));
@@ -287,7 +289,9 @@ impl ViewRenderer for SpaceRenderer {
         let camera = framed.camera(&options.camera, request)?;
         let (drawables, _) = drawables(shared, request, options, &framed, &|_| {});
         let picked = software::pick(&camera, &drawables, at);
-        let solids = shared.solids.get(request, options, framed.contents());
+        let solids = shared
+            .solids
+            .get(request, &options.hidden, framed.contents());
         if let Some(solids) = solids
             && let Some(hit) = picked_solid(shared, request, &camera, &solids, picked.as_ref(), at)
         {
@@ -556,7 +560,9 @@ fn labels(
     let numbered = (0..).map(ObjectId).zip(&scene.objects);
     let shown = numbered.filter(|(id, _)| options.shows(*id));
     let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
-    let solids = shared.solids.get(request, options, framed.contents());
+    let solids = shared
+        .solids
+        .get(request, &options.hidden, framed.contents());
     let occlusion = Occlusion::new(camera, clouds).with_solids(solids);
     let objects = (0..).map(ObjectId).zip(&scene.objects);
     let objects = objects.zip(framed.contents());

@@ -52,7 +52,7 @@ pub struct TracedView;
 /// The options of a traced picture beyond those of all pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedOptions {
-    /// What all views in space have. The picture has the lens of the declared camera; without one, it has a lens as the 3D
+    /// The options that all views in space have. The picture has the lens of the declared camera; without one, it has a lens as the 3D
     /// view.
     pub space: SpaceOptions,
     /// The samples of a pixel, 1 to [`MAX_SAMPLES`]; if not given, [`SAMPLES`], or [`LENS_SAMPLES`] through a lens.
@@ -194,7 +194,9 @@ impl ViewRenderer for TracedRenderer {
         let framed = space::framed(shared, request, &options.space);
         let space_camera = framed.camera(&options.space.camera, request)?;
         let placement = &space_camera.placement;
-        let scene = shared.solids.traced(request, &options.space, placement);
+        let scene = shared
+            .solids
+            .traced(request, &options.space.hidden, placement);
         let camera = lens(&scene, options, &space_camera);
         let content = TracedContent {
             scene: scene.clone(),
@@ -253,7 +255,9 @@ impl ViewRenderer for TracedRenderer {
         let framed = space::framed(shared, request, &options.space);
         let space_camera = framed.camera(&options.space.camera, request)?;
         let placement = &space_camera.placement;
-        let scene = shared.solids.traced(request, &options.space, placement);
+        let scene = shared
+            .solids
+            .traced(request, &options.space.hidden, placement);
         let camera = LensCamera {
             aperture: 0.0,
             ..lens(&scene, options, &space_camera)
@@ -292,7 +296,7 @@ fn options(request: &PictureRequest) -> Result<&TracedOptions, RenderError> {
 
 /// The camera of a picture: where the 3D view's stands, with the lens of the declared one.
 fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCamera {
-    let declared = space::declared_camera(scene.rays(), &options.space);
+    let declared = space::declared_camera(scene.rays(), options.space.declared.as_deref());
     let viewpoint = &options.space.camera;
     if let (Some(lens), None) = (declared, viewpoint.eye) {
         return lens;

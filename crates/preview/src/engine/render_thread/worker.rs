@@ -32,6 +32,9 @@ pub(super) struct Worker {
     took: BTreeMap<ViewId, Duration>,
 }
 
+/// The target of a camera is not nearer than this, in radii of the scene.
+const NEAREST_TARGET: f64 = 0.1;
+
 /// The camera that sees everything, and all that it depends on.
 struct Home {
     scene: Shared<Scene>,
@@ -40,6 +43,7 @@ struct Home {
     hidden: Vec<ObjectId>,
     projection: Projection,
     has_axes: bool,
+    declared: Option<String>,
     camera: SpaceCamera,
 }
 
@@ -124,8 +128,15 @@ impl Worker {
     /// Finds the camera that sees everything.
     pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<RenderEvent> {
         let mut request = request.clone();
-        let camera = &mut request.view.space_mut()?.camera;
-        (camera.eye, camera.target) = (None, None);
+        if !request.scene.stage.is_empty() {
+            // A declared camera need not see everything.
+            let mut scene = Scene::clone(&request.scene);
+            scene.stage.clear();
+            request.scene = scene.into();
+        }
+        let space = request.view.space_mut()?;
+        space.declared = None;
+        (space.camera.eye, space.camera.target) = (None, None);
         Some(RenderEvent::Framed(self.home(&request).ok()?))
     }
 
@@ -163,6 +174,7 @@ impl Worker {
     fn home(&mut self, request: &PictureRequest) -> Result<SpaceCamera, RenderError> {
         let space = request.view.space();
         let hidden = space.map_or(Vec::new(), |space| space.hidden.clone());
+        let declared = space.and_then(|space| space.declared.clone());
         let projection = space.map_or(Projection::default(), |space| space.camera.projection);
         if let Some(home) = &self.home
             && home.scene == request.scene
@@ -171,6 +183,7 @@ impl Worker {
             && home.hidden == hidden
             && home.projection == projection
             && home.has_axes == request.overlays.axes
+            && home.declared == declared
         {
             return Ok(home.camera);
         }
@@ -186,11 +199,15 @@ impl Worker {
         );
         let world = |place: DVec3| (centre + radius * place).to_array();
         let ahead = camera.eye.dot(camera.axes[2]);
+        // A declared camera may look away from the middle of the scene.
+        let ahead = if ahead > NEAREST_TARGET { ahead } else { 1.0 };
+        let [across, upward] = camera.half_tangents();
         let camera = SpaceCamera {
             eye: world(camera.eye),
             target: world(camera.eye - camera.axes[2] * ahead),
             radius,
             moved: false,
+            tangent: across.min(upward),
         };
         self.home = Some(Home {
             scene: request.scene.clone(),
@@ -199,6 +216,7 @@ impl Worker {
             hidden,
             projection,
             has_axes: request.overlays.axes,
+            declared,
             camera,
         });
         Ok(camera)

@@ -378,6 +378,7 @@ fn camera() -> SpaceCamera {
         target: [0.0, 0.0, 0.0],
         radius: 2.0,
         moved: false,
+        tangent: 0.3,
     }
 }
 

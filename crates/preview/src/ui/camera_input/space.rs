@@ -66,7 +66,7 @@ impl CameraInput for SpaceInput {
                     window.move_space("wheel", camera, ui);
                 }
                 if let Some(factor) = ui.input(|input| nearing(input, fingers)) {
-                    let towards = in_plane(pointer - response.rect.center(), side);
+                    let towards = in_plane(pointer - response.rect.center(), side, &camera);
                     window.move_space("wheel", camera.neared(factor, towards), ui);
                 }
             }
@@ -194,14 +194,14 @@ fn dragged(camera: SpaceCamera, grip: Grip, by: egui::Vec2, side: f32) -> SpaceC
         // As the thesis has it: the camera looks where the pointer goes.
         Grip::Turn => camera.turned(x * TURN_DRAG, -y * TURN_DRAG),
         Grip::Orbit => camera.orbited(x * ORBIT_DRAG, -y * ORBIT_DRAG),
-        Grip::Pan => camera.panned(in_plane(by, side)),
+        Grip::Pan => camera.panned(in_plane(by, side, &camera)),
     }
 }
 
 /// A way in points in the plane of the target, to the right and up, in shares of the distance.
-fn in_plane(by: egui::Vec2, side: f32) -> DVec2 {
-    let tangent = 2.0 * (0.5 * render::style::FIELD_OF_VIEW).tan();
-    DVec2::new(f64::from(by.x), -f64::from(by.y)) * tangent / f64::from(side.max(1.0))
+fn in_plane(by: egui::Vec2, side: f32, camera: &SpaceCamera) -> DVec2 {
+    let across = 2.0 * camera.tangent;
+    DVec2::new(f64::from(by.x), -f64::from(by.y)) * across / f64::from(side.max(1.0))
 }
 
 /// A ring about the place that Enter means.

@@ -16,6 +16,9 @@ use crate::engine::editor::Jump;
 use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage};
 
+/// The names of a camera that is written into a text without one: the first that is free.
+const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
+
 /// The state of the reports to the server.
 #[derive(Debug, Default)]
 pub(super) struct ServerReports {
@@ -114,6 +117,36 @@ impl Window {
                 Ok(false) => {}
                 Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
             },
+        }
+    }
+
+    /// Writes the camera of the views in space into the text: into the declared camera where they opened,
+    /// else as a new one.
+    pub(crate) fn write_camera(&mut self) {
+        let Some(camera) = self.model.view.space else {
+            return;
+        };
+        let declared = self.model.declared_camera();
+        let is_free = |name: &&str| self.model.place_of(name).is_none();
+        let free = || NEW_CAMERAS.into_iter().find(is_free).unwrap_or_default();
+        let name = declared
+            .map_or_else(free, |camera| &*camera.name)
+            .to_owned();
+        let direction = [0, 1, 2].map(|k| camera.target[k] - camera.eye[k]);
+        match &mut self.text.source {
+            TextSource::Attached { .. } => self.text.say(Event::WriteCamera {
+                version: self.model.version,
+                name,
+                direction,
+                position: camera.eye,
+            }),
+            TextSource::File { editor, .. } => {
+                match editor.write_camera(&name, direction, camera.eye) {
+                    Ok(true) => self.text.compile(),
+                    Ok(false) => {}
+                    Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
+                }
+            }
         }
     }
 

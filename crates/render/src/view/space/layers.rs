@@ -32,7 +32,9 @@ impl SpaceRenderer {
             drawables.into_iter().chain(extras).partition(is_line);
         let background = options.background_light();
         let camera = &stage.camera;
-        let solids = shared.solids.get(request, options, stage.framed.contents());
+        let solids = shared
+            .solids
+            .get(request, &options.hidden, stage.framed.contents());
         let tints = solids
             .as_ref()
             .map(|solids| tints(request, options, solids));
