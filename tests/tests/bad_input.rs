@@ -221,6 +221,51 @@ fn derivatives_that_explode_are_an_error_and_no_hang() {
 }
 
 #[test]
+fn solids_that_multiply_are_an_error_and_no_hang() {
+    let ball = "solid s0(x,y,z) = x^2 + y^2 + z^2 - 1;\n";
+    // Twice the leaves of the one above, in places of their own and in one place.
+    for place in ["({k}, 0, 0)", "scale 1"] {
+        let mut program = ball.to_owned();
+        for k in 1..64 {
+            let place = place.replace("{k}", &k.to_string());
+            let _ = writeln!(program, "solid s{k} = s{} | s{} @ {place};", k - 1, k - 1);
+        }
+        let run = check(program);
+        let found = first(run.expect_status(1));
+        let code = found["code"].as_str();
+        let expected = ["too-many-leaves", "expression-too-large"];
+        assert!(code.is_some_and(|code| expected.contains(&code)), "{found}");
+    }
+    // One leaf more than the one above, ten thousand times.
+    let mut program = ball.to_owned();
+    for k in 1..10_000 {
+        let _ = writeln!(program, "solid s{k} = s{} | s0 @ ({k}, 0, 0);", k - 1);
+    }
+    let run = check(program);
+    assert_eq!(first(run.expect_status(1))["code"], "too-many-leaves");
+    // Grids around grids.
+    let mut program = format!("grid k : [0, 1, 100];\n{ball}");
+    for k in 1..12 {
+        let _ = writeln!(program, "solid s{k} = s{} @ (k, {k}, 0);", k - 1);
+    }
+    let run = check(program);
+    assert_eq!(first(run.expect_status(1))["code"], "too-many-leaves");
+    // As a function, a set is as large as its text.
+    let mut program = ball.to_owned();
+    for k in 1..14 {
+        let _ = writeln!(
+            program,
+            "solid s{k} = s{} & s{} @ rotate ({k}, 1, 2);",
+            k - 1,
+            k - 1
+        );
+    }
+    program.push_str("define a = s13_x_y_z_x_y_z(1, 2, 3);");
+    let run = check(program);
+    assert!(matches!(run.status, Some(0 | 1)), "{:?}", run.status);
+}
+
+#[test]
 fn a_word_as_long_as_a_text_is_formatted_in_memory_that_grows_with_it() {
     let program = format!("define a = {};\n", "pi".repeat(200_000));
     let run = geotrace(["format", "-"])

@@ -136,7 +136,7 @@ impl Writer {
             leaves,
             steps: steps.to_vec(),
         };
-        self.declare(name, Shape::Solid(solid), grids, Vec::new());
+        self.declare(name, Shape::Solid(solid.into()), grids, Vec::new());
     }
 
     fn prepared(&self) -> RayScene {

@@ -1,5 +1,7 @@
 //! The scene as data.
 
+use std::sync::Arc;
+
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
@@ -216,7 +218,7 @@ pub enum Shape {
         parameter: String,
     },
     /// A solid. Its nodes read `Variable(0)`, `Variable(1)` and `Variable(2)`: x, y, z.
-    Solid(Solid),
+    Solid(Arc<Solid>),
     /// A light.
     Light(Light),
     /// A camera.
@@ -440,7 +442,7 @@ impl Shape {
                 ..
             } => direction.iter_mut().chain(start).chain(unit).collect(),
             Self::Solid(solid) => {
-                let leaves = solid.leaves.iter_mut();
+                let leaves = Arc::make_mut(solid).leaves.iter_mut();
                 leaves.flat_map(SolidLeaf::nodes_mut).collect()
             }
             Self::Light(light) => {

@@ -84,6 +84,50 @@ fn only_what_can_notice_an_edit_is_checked_again() {
 }
 
 #[test]
+fn an_edit_of_a_solid_or_of_the_stage_is_noticed_by_those_who_use_it_alone() {
+    let text = "param r : [0, 2]; grid k : [0, 1, 3]; solid a(x, y, z) = x - r, color : x; \
+        solid b = a | a @ (k, 0, 0), y : [0, 1]; light l = @ (0, 0, r), power : 2; \
+        point p = (b(1, 2, 3), 0, 0); solid c = b \\ a; background d = 0.5, turn : 1;";
+    assert_eq!(redone(text, "power : 2", "power : r"), (1, 1));
+    assert_eq!(redone(text, "turn : 1", "turn : 2"), (1, 1));
+    assert_eq!(redone(text, "d = 0.5", "d = 0.6"), (1, 1));
+    // A solid that stays what it is, at another place of the text.
+    assert_eq!(redone(text, "x - r", "x  - (r)"), (1, 1));
+    assert_eq!(redone(text, "a | a", "a  |  (a)"), (1, 1));
+    // A part's attribute is seen by the sets that name it, and by who reads those.
+    assert_eq!(redone(text, "color : x", "color : y"), (1, 4));
+    assert_eq!(redone(text, "y : [0, 1]", "y : [0, 2]"), (1, 3));
+    // A slider's end is seen by nobody, a grid's by the solid that closes at it, and by who reads that.
+    assert_eq!(redone(text, "[0, 2]", "[0, 3]"), (1, 1));
+    assert_eq!(redone(text, "0, 1, 3", "0, 1, 4"), (1, 4));
+}
+
+#[test]
+fn leaves_and_backgrounds_are_limited_for_the_whole_program() {
+    let mut text = String::from("grid k : [0, 1, 900];\ngrid l : [0, 1, 900];\n");
+    for name in ["r", "s"] {
+        let _ = writeln!(text, "solid {name}(x, y, z) = x - k - l;");
+    }
+    text.push_str("background i = 0;\nbackground j = 1;\n");
+    let mut document = Document::new(&text).expect("a small text");
+    for (old, new) in [
+        ("900]", "500]"),
+        ("background j = 1;", ""),
+        ("500]", "2000]"),
+        ("2000]", "10]"),
+        ("i = 0;", "i = 0; background j = 2;"),
+        ("i = 0;", "i = (1, 2);"),
+    ] {
+        check(&document, &text);
+        let start = text.find(old).expect("it is there") as u32;
+        let range = Span::new(start, start + old.len() as u32);
+        document.edit(range, new).expect("an edit");
+        text = text.replacen(old, new, 1);
+    }
+    check(&document, &text);
+}
+
+#[test]
 fn what_is_not_in_use_any_more_does_not_pile_up() {
     let mut text = String::from("function f(x) = x^2;\n");
     for k in 0..40 {

@@ -5,6 +5,7 @@
 mod programs;
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use programs::{Check, describe, edit_count, storms};
 use scene::geotrace::{Document, builtin_count, compile};
@@ -298,7 +299,7 @@ impl Check for Reference {
         for object in objects_mut(&mut scene) {
             object.name = self.codes.code(&object.name);
             if let Shape::Solid(solid) = &mut object.shape {
-                for leaf in &mut solid.leaves {
+                for leaf in &mut Arc::make_mut(solid).leaves {
                     leaf.name = self.codes.code(&leaf.name);
                 }
             }
@@ -330,7 +331,7 @@ fn forget_places(scene: &mut Scene) {
     for object in objects_mut(scene) {
         let mut attributes: Vec<&mut Attribute> = object.attributes.iter_mut().collect();
         if let Shape::Solid(solid) = &mut object.shape {
-            for leaf in &mut solid.leaves {
+            for leaf in &mut Arc::make_mut(solid).leaves {
                 leaf.name_span = Span::default();
                 attributes.extend(&mut leaf.attributes);
             }

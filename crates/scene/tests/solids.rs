@@ -1,5 +1,7 @@
 //! Solids, lights, cameras, backgrounds and attributes: what programs with them mean.
 
+use std::fmt::Write as _;
+
 use scene::geotrace::compile;
 use scene::{
     AttributeValue, Object, Outcome, ParamValues, Scene, Shape, Solid, SolidLeaf, SolidStep, Value,
@@ -356,4 +358,34 @@ fn the_words_of_solids_are_free_names_elsewhere() {
         panic!("no number");
     };
     assert_eq!(scene.graph.value(nodes[0]), Some(0.5));
+}
+
+#[test]
+fn solids_that_double_and_long_chains_of_them_end_in_a_sentence_or_compile() {
+    // Each solid has twice the leaves of the one above.
+    let mut doubling = String::from("solid s0(x,y,z) = x^2 + y^2 + z^2 - 1;\n");
+    for k in 1..40 {
+        let _ = writeln!(
+            doubling,
+            "solid s{k} = s{} | s{} @ ({k}, 0, 0);",
+            k - 1,
+            k - 1
+        );
+    }
+    let found = compile(&doubling).diagnostics;
+    assert!(["too-many-leaves", "expression-too-large"].contains(&found[0].code.0));
+    // A chain is no deeper than one solid.
+    let mut chain = String::from("solid s0(x,y,z) = x;\n");
+    for k in 1..3_000 {
+        let _ = writeln!(chain, "solid s{k} = s{} @ (1, 0, 0);", k - 1);
+    }
+    let _ = writeln!(chain, "define a = s2999(2998, 0, 0);");
+    close(&value(&chain, "a"), &[-1.0]);
+    let nested = |depth: usize| {
+        let (open, shut) = ("(".repeat(depth), ")".repeat(depth));
+        format!("solid a(x,y,z) = x; solid b = {open}a{shut};")
+    };
+    scene(&nested(200));
+    let found = compile(&nested(100_000)).diagnostics;
+    assert_eq!(found[0].code.0, "too-deep");
 }

@@ -24,7 +24,7 @@ use crate::solid::{AffineNodes, Attribute, BoundGrid, Solid, SolidLeaf, SolidSte
 /// A set that is being read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PointSet {
-    pub(crate) solid: Solid,
+    pub(crate) solid: Arc<Solid>,
     /// The solids that it names.
     pub(crate) named: Vec<SymbolId>,
     /// The grids at which parts of it close.
@@ -49,7 +49,7 @@ pub(crate) struct ClosedGrid {
 pub(crate) struct DeclaredSolid {
     pub(crate) set: PointSet,
     /// The set without its own cuts, where it has any that are a leaf.
-    pub(crate) uncut: Option<Solid>,
+    pub(crate) uncut: Option<Arc<Solid>>,
     pub(crate) parameters: Box<[Box<str>]>,
     /// The params that it reads.
     pub(crate) dependencies: Dependencies,
@@ -76,10 +76,10 @@ impl PointSet {
     /// A leaf alone.
     pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
         Self {
-            solid: Solid {
+            solid: Arc::new(Solid {
                 leaves: vec![leaf],
                 steps: vec![SolidStep::Leaf(0)],
-            },
+            }),
             size: 1,
             ..Self::default()
         }
@@ -91,14 +91,16 @@ impl PointSet {
         if self.size > MAX_LEAVES {
             return Err(too_many_leaves(self.size));
         }
-        let first = self.solid.leaves.len() as u32;
-        self.solid.leaves.extend(other.solid.leaves);
-        let steps = other.solid.steps.into_iter().map(|step| match step {
+        let solid = Arc::make_mut(&mut self.solid);
+        let other_solid = Arc::unwrap_or_clone(other.solid);
+        let first = solid.leaves.len() as u32;
+        solid.leaves.extend(other_solid.leaves);
+        let steps = other_solid.steps.into_iter().map(|step| match step {
             SolidStep::Leaf(leaf) => SolidStep::Leaf(first + leaf),
             step => step,
         });
-        self.solid.steps.extend(steps);
-        self.solid.steps.push(step);
+        solid.steps.extend(steps);
+        solid.steps.push(step);
         self.named.extend(other.named);
         for closed in other.closed {
             if !self.closed.contains(&closed) {
@@ -111,7 +113,7 @@ impl PointSet {
     /// The set, placed by a map.
     fn placed(mut self, graph: &mut Graph, by: &AffineNodes) -> Self {
         let identity = AffineNodes::identity(graph);
-        for leaf in &mut self.solid.leaves {
+        for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
             leaf.map = by.after(graph, &leaf.map);
             for attribute in &mut leaf.attributes {
                 let before = attribute.map.unwrap_or(identity);
@@ -123,7 +125,7 @@ impl PointSet {
 
     /// States attributes on the whole set, in the place of those of its parts.
     pub(crate) fn state(&mut self, attributes: &[Attribute]) {
-        for leaf in &mut self.solid.leaves {
+        for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
             let is_replaced =
                 |own: &Attribute| attributes.iter().any(|stated| stated.word == own.word);
             leaf.attributes.retain(|own| !is_replaced(own));
@@ -220,7 +222,8 @@ impl Lowerer {
         if renamed.is_empty() {
             return Ok(());
         }
-        for step in &mut set.solid.steps {
+        let solid = Arc::make_mut(&mut set.solid);
+        for step in &mut solid.steps {
             let SolidStep::Instances(grids) = step else {
                 continue;
             };
@@ -229,7 +232,7 @@ impl Lowerer {
                 bound.first_uniform = renamed.get(&first).copied().unwrap_or(first);
             }
         }
-        let leaves = set.solid.leaves.iter_mut();
+        let leaves = solid.leaves.iter_mut();
         let mut places: Vec<&mut NodeId> = leaves.flat_map(SolidLeaf::nodes_mut).collect();
         let nodes: Vec<NodeId> = places.iter().map(|place| **place).collect();
         if self.reads_through_geodesic(&nodes, &renamed) {

@@ -17,7 +17,7 @@ use crate::geotrace::sets::{ClosedGrid, DeclaredSolid, PointSet, too_many_leaves
 use crate::geotrace::symbol::Meaning;
 use crate::limits::{DEFAULT_SAMPLES, MAX_LEAVES};
 use crate::scene::{Sampling, Shape};
-use crate::solid::{AffineNodes, BoundGrid, EVERYWHERE, SolidLeaf, SolidStep};
+use crate::solid::{AffineNodes, BoundGrid, EVERYWHERE, Solid, SolidLeaf, SolidStep};
 
 /// The intervals of x, y and z.
 type Cuts = [Option<Sampling>; 3];
@@ -55,7 +55,7 @@ impl Declarations {
         let (mut set, cuts) = (set?, cuts?);
         let mut uncut = None;
         if !is_set {
-            for leaf in &mut set.solid.leaves {
+            for leaf in &mut Arc::make_mut(&mut set.solid).leaves {
                 leaf.cuts = cuts;
             }
         } else if cuts.iter().any(Option::is_some) {
@@ -68,11 +68,13 @@ impl Declarations {
                 map: AffineNodes::identity(graph),
                 attributes: Vec::new(),
             };
-            uncut = Some(set.solid.clone());
+            uncut = Some(Arc::clone(&set.solid));
             let cut = set.joined(PointSet::leaf(leaf), SolidStep::Intersection);
             set = self.sound(cut, declaration.name_span)?;
         }
-        set.state(&attributes);
+        if !attributes.is_empty() {
+            set.state(&attributes);
+        }
         let uncut = uncut.map(|solid| self.closed_at(solid, dependencies));
         let named = std::mem::take(&mut set.named);
         set.solid = self.closed_at(set.solid, dependencies);
@@ -89,7 +91,6 @@ impl Declarations {
             return None;
         }
         let params = self.without_grids(dependencies);
-        let solid = set.solid.clone();
         let size = set.size;
         let parameters = match is_set {
             true => COORDINATES.map(Box::from).into(),
@@ -100,6 +101,7 @@ impl Declarations {
                     .collect()
             }
         };
+        let solid = Arc::clone(&set.solid);
         let meaning = Meaning::Solid(Arc::new(DeclaredSolid {
             set,
             uncut,
@@ -109,7 +111,12 @@ impl Declarations {
         if !is_sound {
             return None;
         }
-        let drawn = self.object(declaration, Shape::Solid(solid), params, attributes);
+        // Nobody looks at what a checker draws.
+        let shown = match self.is_checker {
+            true => Arc::default(),
+            false => Arc::clone(&solid),
+        };
+        let drawn = self.object(declaration, Shape::Solid(shown), params, attributes);
         let drawn = drawn.map(|mut drawn| {
             drawn.leaves = size;
             drawn.named = named;
@@ -204,11 +211,7 @@ impl Declarations {
     }
 
     /// A set as the union of its instances.
-    fn closed_at(
-        &self,
-        mut solid: crate::solid::Solid,
-        dependencies: Dependencies,
-    ) -> crate::solid::Solid {
+    fn closed_at(&self, mut solid: Arc<Solid>, dependencies: Dependencies) -> Arc<Solid> {
         let (_, grids) = self.sources_of(dependencies);
         if !grids.is_empty() {
             let bound = grids.into_iter().filter_map(|grid| {
@@ -218,7 +221,8 @@ impl Declarations {
                     first_uniform,
                 })
             });
-            solid.steps.push(SolidStep::Instances(bound.collect()));
+            let closed = SolidStep::Instances(bound.collect());
+            Arc::make_mut(&mut solid).steps.push(closed);
         }
         solid
     }
