@@ -7,10 +7,10 @@ use syntax::span::Span;
 pub struct Lens {
     /// The declaration's name; the lens appears above its line.
     pub span: Span,
-    /// The text of the line: "3D", "inside view".
+    /// The text of the line: "3D", "inside view", "traced".
     pub title: &'static str,
-    /// The name of the view, as the command line and the preview's messages use it: `3d`, `geodesic`.
+    /// The name of the view, as the command line and the preview's messages use it: `3d`, `geodesic`, `traced`.
     pub view: &'static str,
-    /// The object that the view is of; `None` for a view of the whole scene.
+    /// The object that the view is of, or the camera that it is seen from; `None` for a view of the whole scene.
     pub object: Option<String>,
 }

@@ -4,7 +4,7 @@ use ide::completion::CompletionKind;
 use ide::edit::apply;
 use ide::geotrace::completion::{completions, describe};
 use ide::geotrace::{
-    GeotraceAnalysis, color, format, hover, navigation, outline, rename, semantic,
+    GeotraceAnalysis, color, format, hover, lens, navigation, outline, rename, semantic,
 };
 use ide::semantic::{Modifiers, TokenType};
 use syntax::span::Span;
@@ -298,5 +298,21 @@ solid f(x,y,z) = x, color : (1, 0";
             ("0.5", [0.5; 3]),
             ("(0, 0, 1)", [0.0, 0.0, 1.0]),
         ]
+    );
+}
+
+#[test]
+fn lenses_offer_the_traced_view_of_what_is_drawn_and_from_each_camera() {
+    let analysis = GeotraceAnalysis::new(STAGE);
+    let shown: Vec<String> = lens::lenses(&analysis)
+        .iter()
+        .map(|lens| {
+            let of = lens.object.as_deref().unwrap_or("all");
+            format!("{} {} of {of}", lens.span.text(STAGE), lens.view)
+        })
+        .collect();
+    assert_eq!(
+        shown,
+        ["die 3d of all", "die traced of all", "eye traced of eye"]
     );
 }

@@ -1,11 +1,13 @@
-//! The views of each surface.
+//! The views of each surface, solid and camera.
 
-use syntax::geotrace::declarations::Category;
+use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 
 use super::analysis::GeotraceAnalysis;
+use super::solid;
 use crate::lens::Lens;
 
-/// The views of the surfaces and metrics, in the order of the text; a metric has no view in space.
+/// The views of surfaces, metrics, solids and cameras, in the order of the text. A metric has no view in space, and a solid
+/// that is a part of others is not drawn itself.
 pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
     let items = analysis.items().filter(|item| item.symbol.is_some());
     let offered = items.flat_map(|item| {
@@ -17,9 +19,16 @@ pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
         };
         let space = lens("3D", "3d", None);
         let inside = lens("inside view", "geodesic", Some(item.name.to_owned()));
+        let traced = |camera: Option<String>| lens("traced", "traced", camera);
         match item.keyword.category() {
             Category::Surface => vec![space, inside],
             Category::Metric => vec![inside],
+            Category::Solid if solid::whole(analysis, &item).is_none() => {
+                vec![space, traced(None)]
+            }
+            Category::Stage if item.keyword == DeclarationKeyword::Camera => {
+                vec![traced(Some(item.name.to_owned()))]
+            }
             _ => Vec::new(),
         }
     });

@@ -41,7 +41,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
 }
 
 /// The solids whose sets name this one, which is not drawn itself then.
-fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
+pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let mut names: Vec<&str> = Vec::new();
     for token in analysis.occurrences(Target::Symbol(item.symbol?)) {
         let Some(before) = token.checked_sub(1) else {

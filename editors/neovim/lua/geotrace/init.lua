@@ -10,7 +10,7 @@ local function tell_cursor(running, window)
   running:notify("geotrace/cursor", vim.lsp.util.make_position_params(window, running.offset_encoding))
 end
 
--- The preview of the current buffer: {}, {"3d"} or {"inside", NAME}.
+-- The preview of the current buffer: {}, {"3d"}, {"inside", NAME}, {"traced"} or {"traced", CAMERA}.
 function M.preview(words)
   local running = client(0)
   if not running then
@@ -22,8 +22,10 @@ function M.preview(words)
     arguments[2] = { view = "3d" }
   elseif words[1] == "inside" then
     arguments[2] = { view = "geodesic", surface = words[2] }
+  elseif words[1] == "traced" then
+    arguments[2] = { view = "traced", surface = words[2] }
   elseif words[1] then
-    vim.notify("Geotrace: a view is 3d, or inside NAME", vim.log.levels.ERROR)
+    vim.notify("Geotrace: a view is 3d, inside NAME, or traced with the name of a camera or none", vim.log.levels.ERROR)
     return
   end
   -- It may not have moved since the buffer was opened.
@@ -31,15 +33,16 @@ function M.preview(words)
   running:exec_cmd({ title = "Preview", command = "geotrace.preview", arguments = arguments }, { bufnr = 0 })
 end
 
--- The names of the current buffer's surfaces and metrics.
-local function surfaces()
+-- The names that may follow a view: those that one of these words declares in the current buffer.
+local followers = { inside = { "surface", "metric" }, traced = { "camera" } }
+local function declared(keywords)
   local running = client(0)
   local params = { textDocument = vim.lsp.util.make_text_document_params(0) }
   local answer = running and running:request_sync("textDocument/documentSymbol", params, 1000, 0)
   local names = {}
   for _, symbol in ipairs(answer and answer.result or {}) do
     local word = (symbol.detail or ""):match("^%a+")
-    if word == "surface" or word == "metric" then
+    if vim.tbl_contains(keywords, word) then
       table.insert(names, symbol.name)
     end
   end
@@ -50,7 +53,8 @@ end
 function M.complete(lead, line, position)
   local words = vim.split(line:sub(1, position), "%s+", { trimempty = true })
   local before = #words - (lead == "" and 0 or 1)
-  local offered = before == 1 and { "3d", "inside" } or words[2] == "inside" and before == 2 and surfaces() or {}
+  local keywords = before == 2 and followers[words[2]]
+  local offered = before == 1 and { "3d", "inside", "traced" } or keywords and declared(keywords) or {}
   return vim.tbl_filter(function(name)
     return vim.startswith(name, lead)
   end, offered)
