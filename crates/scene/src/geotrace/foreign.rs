@@ -24,6 +24,13 @@ const LENGTH: &str = "write `sqrt*v` for the length of a vector v: `*v` is v·v"
 const INFINITE: &str = "there is no infinite number: an interval has two ends";
 const ROUNDS: &str =
     "no builtin function rounds: all of them are continuous where they are defined";
+const UNION: &str = "the points of either are `a | b`, in a `solid` without parameters";
+const INTERSECTION: &str = "the points of both are `a & b`, in a `solid` without parameters";
+const DIFFERENCE: &str =
+    "the points of a that are not of b are `a \\ b`, in a `solid` without parameters";
+const MOVED: &str = "a solid is moved by a vector: `a @ (1, 0, 0)`";
+const SHAPE: &str =
+    "a solid is where a function is not positive: `solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;`";
 const CONDITION: &str =
     "there are no conditions: `abs`, `min` and `max` are the functions with a kink";
 
@@ -72,6 +79,15 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
             "it is a function before a bracket: write `min(a, b)`",
         )
     },
+    explained("union", UNION),
+    explained("intersection", INTERSECTION),
+    explained("intersect", INTERSECTION),
+    explained("difference", DIFFERENCE),
+    explained("subtract", DIFFERENCE),
+    explained("translate", MOVED),
+    explained("move", MOVED),
+    explained("sphere", SHAPE),
+    explained("box", SHAPE),
     explained("norm", LENGTH),
     explained("length", LENGTH),
     explained(

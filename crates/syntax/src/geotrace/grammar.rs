@@ -78,9 +78,9 @@ pub enum Nonterminal {
     Grid,
     Grids,
     GridsTail,
+    /// Further items, or none.
     Attrs,
     Items,
-    ItemsTail,
     Item,
     /// The number of samples of an interval.
     Count,
@@ -199,11 +199,9 @@ pub const PRODUCTIONS: &[Production] = {
         Grids = N(Grid) N(GridsTail);
         GridsTail = T(Comma) N(Grid) N(GridsTail);
         GridsTail =;
-        Attrs = T(Comma) N(Items);
+        Attrs = T(Comma) N(Item) N(Attrs);
         Attrs =;
-        Items = N(Item) N(ItemsTail);
-        ItemsTail = T(Comma) N(Item) N(ItemsTail);
-        ItemsTail =;
+        Items = N(Item) N(Attrs);
         Item = T(Tag) T(Colon) T(BracketOpen) N(Expr) T(Comma) N(Expr) N(Count) T(BracketClose);
         Item = T(Attr) T(Colon) N(Expr);
         Item = T(Key) T(Colon) T(Word);

@@ -22,6 +22,11 @@ pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword
         "let" | "const" | "var" | "def" | "set" if is_applied => Some(DeclarationKeyword::Function),
         "let" | "const" | "var" | "def" | "set" => Some(DeclarationKeyword::Define),
         "slider" | "parameter" => Some(DeclarationKeyword::Param),
+        "union" | "intersection" | "difference" | "implicit" | "csg" => {
+            Some(DeclarationKeyword::Solid)
+        }
+        "spotlight" | "lamp" => Some(DeclarationKeyword::Light),
+        "sky" => Some(DeclarationKeyword::Background),
         _ => None,
     }
 }

@@ -354,6 +354,19 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 },
             );
         }
+        let map = MapWord::ALL
+            .into_iter()
+            .find(|map| whole.starts_with(map.text()));
+        if let Some(map) = map.filter(|_| self.state.in_set) {
+            let form = match map {
+                MapWord::Scale => "scale 2",
+                MapWord::Rotate => "rotate (0, 0, pi)",
+            };
+            return Some(format!(
+                "a map stands alone behind an `@`: write {}",
+                quote(&format!("@ {form}"))
+            ));
+        }
         if AttributeWord::from_text(whole).is_some()
             && self.following(self.lexer.word().end) == Some(b':')
         {
