@@ -46,6 +46,19 @@ impl BoundingBox {
         }
     }
 
+    /// What both have in common.
+    pub fn common(&self, other: &Self) -> Self {
+        let common = Self {
+            lower: self.lower.max(other.lower),
+            upper: self.upper.min(other.upper),
+        };
+        if common.is_empty() {
+            Self::EMPTY
+        } else {
+            common
+        }
+    }
+
     /// The middle.
     pub fn center(&self) -> DVec3 {
         0.5 * (self.lower + self.upper)

@@ -9,6 +9,8 @@
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
 //!
+//! `contour.rs` makes meshes of solids.
+//!
 //! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
 //! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
 //! are no settings and no tolerances. Everything is in f64 and depends on the world and the ray alone.
@@ -48,6 +50,7 @@ mod bounds;
 mod bvh;
 pub mod camera;
 mod cast;
+mod contour;
 mod field;
 mod leaf;
 pub mod light;
@@ -67,6 +70,7 @@ mod world;
 
 pub use bounds::BoundingBox;
 pub use cast::{Caster, Crossing};
+pub use contour::{SolidMesh, contour};
 pub use line::{Ray, SurfaceId};
 pub use sheet::{Sheet, SheetHit, SheetScratch};
 pub use sheets::Sheets;

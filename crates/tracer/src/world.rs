@@ -67,7 +67,7 @@ pub struct World {
     pub(crate) surfaces: Surfaces,
     pub(crate) piece_count: usize,
     solids: Vec<Vec<TreeStep>>,
-    /// The box of each solid's leaves, `None` where one is endless.
+    /// A box that contains each solid, `None` where none is found.
     bounds: Vec<Option<BoundingBox>>,
 }
 
@@ -186,17 +186,21 @@ impl<'a> WorldBuilder<'a> {
                 &|leaf| drafts[leaf - first].2.region.clone(),
                 &mut |leaf, found| literals[leaf - first] = Some(found),
             );
-            let mut all = Some(BoundingBox::EMPTY);
-            for ((shape, map, compiled), literals) in drafts.into_iter().zip(literals) {
+            let own: Vec<Option<BoundingBox>> = drafts
+                .iter()
+                .map(|(shape, map, _)| self.shapes[*shape].bounds.map(|b| b.transformed(map)))
+                .collect();
+            let (all, clips) = joined(&read, &|leaf| own[leaf - first]);
+            bounds.push(all);
+            let drafts = drafts.into_iter().zip(own).zip(clips).zip(literals);
+            for ((((shape, map, compiled), own), clip), literals) in drafts {
                 // Each leaf is a part of its tree.
                 let Some(LeafLiterals { gate, pieces }) = literals else {
                     return Err(BuildError::Unbalanced(solid));
                 };
-                let own = self.shapes[shape].bounds.map(|b| b.transformed(&map));
-                all = all.zip(own).map(|(all, own)| all.union(&own));
                 let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
                 let fields = compiled.pieces.iter().any(is_field);
-                let bounds = own.or_else(|| fields.then(|| wide(&rest)));
+                let bounds = own.or(clip).or_else(|| fields.then(|| wide(&rest)));
                 boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
                 let count = pieces.len();
@@ -214,7 +218,6 @@ impl<'a> WorldBuilder<'a> {
                 });
                 piece_count += count;
             }
-            bounds.push(all);
             solids.push(read);
         }
         let indices = 0..boxes.len() as u32;
@@ -328,7 +331,7 @@ impl World {
         self.leaves.len()
     }
 
-    /// A box that contains all leaves of the solid; `None` if one of them is endless.
+    /// A box that contains the solid; `None` for an endless one, and where the boxes of its leaves do not bound it.
     pub fn bounds(&self, solid: usize) -> Option<BoundingBox> {
         self.bounds[solid]
     }
@@ -363,6 +366,59 @@ impl World {
             }
         }
         stack.pop().unwrap_or(false)
+    }
+}
+
+/// A box that contains a set, `None` where none is found: that of both operands of a union, of what an intersection's have in
+/// common, of a difference's first. And for each leaf the box outside which it does not matter: what the boxes of all sets
+/// that it is a part of have in common.
+///
+/// Outside the box of such a set the set holds nothing, whatever its endless leaves are taken to hold there: so it is for a
+/// union of such sets, for an intersection with one of them, for a difference from one.
+fn joined(
+    steps: &[TreeStep],
+    leaf: &dyn Fn(usize) -> Option<BoundingBox>,
+) -> (Option<BoundingBox>, Vec<Option<BoundingBox>>) {
+    // For each step the box of the set that ends there, and the steps at which its operands end.
+    let mut sets: Vec<(Option<BoundingBox>, Option<[usize; 2]>)> = Vec::with_capacity(steps.len());
+    let mut stack: Vec<usize> = Vec::new();
+    for (k, step) in steps.iter().enumerate() {
+        let set = match *step {
+            TreeStep::Leaf(place) => (leaf(place), None),
+            _ => {
+                let (Some(second), Some(first)) = (stack.pop(), stack.pop()) else {
+                    break;
+                };
+                let (a, b) = (sets[first].0, sets[second].0);
+                let bounds = match step {
+                    TreeStep::Union => a.zip(b).map(|(a, b)| a.union(&b)),
+                    TreeStep::Intersection => common(a, b),
+                    _ => a,
+                };
+                (bounds, Some([first, second]))
+            }
+        };
+        sets.push(set);
+        stack.push(k);
+    }
+    let mut clips = vec![None; sets.len()];
+    for k in (0..sets.len()).rev() {
+        let clip = common(clips[k], sets[k].0);
+        for operand in sets[k].1.into_iter().flatten() {
+            clips[operand] = clip;
+        }
+    }
+    let leaves = steps.iter().zip(clips);
+    let leaves = leaves.filter(|(step, _)| matches!(step, TreeStep::Leaf(_)));
+    let whole = sets.last().and_then(|set| set.0);
+    (whole, leaves.map(|(_, clip)| clip).collect())
+}
+
+/// What two boxes have in common; `None` stands for everything.
+fn common(a: Option<BoundingBox>, b: Option<BoundingBox>) -> Option<BoundingBox> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.common(&b)),
+        (a, b) => a.or(b),
     }
 }
 

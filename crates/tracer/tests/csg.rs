@@ -201,3 +201,62 @@ fn a_ray_that_leaves_a_surface_meets_the_rest_of_the_solid_and_nothing_else() {
     }
     assert!(left > 1000, "{left}");
 }
+
+#[test]
+fn endless_leaves_matter_only_where_their_sets_reach() {
+    let mut random = Random(19);
+    let variables = variables();
+    let [x, y, z] = &variables;
+    let sheet = (2.0 * x).sin() * (2.0 * y).cos() + (2.0 * y).sin() * (2.0 * z).cos() - 0.1 * z;
+    let endless = [
+        x + 0.2,
+        x.squared() + y.squared() - 0.3,
+        z - 0.3 * (3.0 * x).sin(),
+        sheet.abs() - 0.3,
+    ];
+    let formulas: Vec<_> = endless.into_iter().chain(shapes(&variables)).collect();
+    let graph = formulas[0].graph().clone();
+    let (mut seen, mut clipped) = (0, 0);
+    for tree in 0..30 {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let ids: Vec<_> = formulas
+            .iter()
+            .map(|formula| builder.shape(formula.node(), [None; 3]).unwrap())
+            .collect();
+        // As many endless leaves as others.
+        let ids: Vec<_> = [&ids[..4], &ids[..4], &ids[4..12]].concat();
+        builder.solid(&random.tree(&ids, 10, 1.0)).unwrap();
+        let world = builder.build().unwrap();
+        clipped += usize::from(world.bounds(0).is_some());
+        let mut caster = world.caster();
+        for k in 0..12 {
+            let direction = random.direction();
+            let back = if k % 3 == 0 { 0.0 } else { 6.0 };
+            let ray = Ray {
+                origin: random.vector(1.2) - back * direction,
+                direction,
+                leaving: None,
+            };
+            let crossings = caster.cast(&ray).to_vec();
+            let inside = !caster.solids_at_start().is_empty();
+            seen += crossings.len();
+            let wrong = disagreements(&world, &ray, &crossings, inside, 12.0);
+            assert_eq!(wrong, 0, "tree {tree}, ray {k}: {ray:?}");
+            for crossing in crossings.iter().filter(|crossing| crossing.t < 12.0) {
+                let after = Ray {
+                    origin: crossing.position,
+                    direction,
+                    leaving: Some(crossing.surface),
+                };
+                let onward = caster.cast(&after).first().map(|next| next.t);
+                let next = crossings.iter().find(|next| next.t > crossing.t);
+                let expected = next.map(|next| next.t - crossing.t);
+                if let (Some(found), Some(expected)) = (onward, expected) {
+                    let near = (found - expected).abs() <= 1e-7 * (1.0 + expected);
+                    assert!(near || expected < NEAR, "{found}, not {expected}");
+                }
+            }
+        }
+    }
+    assert!(seen > 300 && clipped > 8, "{seen}, {clipped}");
+}

@@ -53,3 +53,36 @@ fn every_shape_has_its_class_its_box_and_exact_crossings() {
         assert!(worst < most, "shape {k}: {worst:e}");
     }
 }
+
+#[test]
+fn a_solid_is_as_large_as_its_set() {
+    let [x, y, z] = variables();
+    let ball = x.squared() + y.squared() + z.squared() - 1.0;
+    let cylinder = x.squared() + y.squared() - 0.25;
+    let half = &z - 0.5;
+    let graph = x.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let leaves = [ball, cylinder, half].map(|formula| {
+        let id = builder.shape(formula.node(), [None; 3]).unwrap();
+        SetStep::Leaf(id, DAffine3::IDENTITY)
+    });
+    let [ball, cylinder, half] = leaves;
+    let solids = [
+        [ball, cylinder, SetStep::Difference],
+        [half, ball, SetStep::Intersection],
+        [ball, cylinder, SetStep::Union],
+        [cylinder, ball, SetStep::Difference],
+        [cylinder, half, SetStep::Intersection],
+    ];
+    for steps in &solids {
+        builder.solid(steps).unwrap();
+    }
+    let world = builder.build().unwrap();
+    for solid in 0..2 {
+        let bounds = world.bounds(solid).expect("a box");
+        assert!(bounds.lower.min_element() < -0.99 && bounds.upper.max_element() < 1.1);
+    }
+    for solid in 2..5 {
+        assert_eq!(world.bounds(solid), None, "{solid}");
+    }
+}
