@@ -36,7 +36,7 @@ use look::{FacePlace, LookProgram};
 use stage::DeclaredBackground;
 
 pub use bodies::{MAX_BODIES, Thickness};
-pub use expand::MAX_LEAVES;
+pub use expand::{MAX_LEAVES, instance_grids};
 pub use look::Paint;
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 
@@ -386,18 +386,23 @@ impl RayScene {
 impl RayObject {
     fn new(scene: &Scene, params: &ParamValues, id: Option<ObjectId>, object: &Object) -> Self {
         let open = |grid: &GridId| params.fixed_grid(scene, *grid).is_none();
-        let grids = object.grids.iter().filter(|grid| open(grid));
-        let grids = grids.filter_map(|grid| scene.grids.get(grid.0 as usize));
+        let own = object.shape.solid().map_or(&[][..], instance_grids);
+        let own = own.iter().map(|bound| (bound.grid, bound.first_uniform));
+        let read = object.grids.iter().filter_map(|id| {
+            let grid = scene.grids.get(id.0 as usize)?;
+            Some((*id, grid.first_uniform))
+        });
+        let grids = read.chain(own).filter(|(id, _)| open(id));
+        let grids = grids.filter_map(|(id, first)| {
+            let grid = scene.grids.get(id.0 as usize)?;
+            let first = first as usize;
+            Some((grid.name.clone(), first..first + grid.axes.len()))
+        });
         Self {
             id,
             name: object.name.clone(),
             kind: object.shape.kind(),
-            grids: grids
-                .map(|grid| {
-                    let first = grid.first_uniform as usize;
-                    (grid.name.clone(), first..first + grid.axes.len())
-                })
-                .collect(),
+            grids: grids.collect(),
         }
     }
 
@@ -490,11 +495,12 @@ impl<'a> Draft<'a> {
         };
         let mut expanded = ExpandedSolid::default();
         let mut instances: Vec<(usize, u64)> = Vec::new();
-        let count = params.instance_count(scene, object);
+        let own = params.combination_count(scene, instance_grids(solid));
+        let count = params.instance_count(scene, object).saturating_mul(own);
         let (mut singular, mut whose) = (0, 0);
         for instance in 0..count {
-            let uniforms = params.instance(scene, object, instance).into();
-            match expansion.add(&mut expanded, uniforms) {
+            let uniforms = params.instance(scene, object, instance / own);
+            match expansion.add(&mut expanded, &uniforms, instance % own) {
                 Ok(()) => instances.push((expanded.leaves.len(), instance)),
                 Err(Omission::Singular { leaf }) => (singular, whose) = (singular + 1, leaf),
                 Err(Omission::TooManyLeaves) => {

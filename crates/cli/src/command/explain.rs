@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
+use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR, instance_grids};
 use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
@@ -13,7 +14,7 @@ use serde::Serialize;
 
 use crate::argument::Format;
 use crate::failure::Failure;
-use crate::number::{count, grouped};
+use crate::number::{count, grouped, show};
 use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
@@ -44,6 +45,7 @@ struct Explanation {
     grids: Vec<Dial>,
     views: Vec<ViewEntry>,
     intrinsic: Vec<IntrinsicEntry>,
+    solids: Vec<SolidEntry>,
 }
 
 /// A param or a grid, and the number of uniforms that hold its components.
@@ -115,6 +117,23 @@ struct IntrinsicEntry {
     operations: usize,
 }
 
+/// A solid, drawn or a part of others.
+#[derive(Serialize)]
+struct SolidEntry {
+    name: String,
+    drawn: bool,
+    leaves: Vec<LeafEntry>,
+    instances: u64,
+    /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an endless solid.
+    bounds: Option<[[f64; 2]; 3]>,
+}
+
+#[derive(Serialize)]
+struct LeafEntry {
+    name: String,
+    class: &'static str,
+}
+
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
@@ -152,6 +171,51 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
         grids: grids.map(dial).collect(),
         views,
         intrinsic: intrinsic(scene, &param_values),
+        solids: solids(scene, &param_values),
+    }
+}
+
+/// The solids in the order of the text, those that are drawn first.
+fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
+    let options = RaySceneOptions {
+        shown: &|_| true,
+        color: &|_| SOLID_COLOR,
+        thickness: None,
+    };
+    let drawn = scene.objects.iter().map(|object| (object, true));
+    let all = drawn.chain(scene.parts.iter().map(|object| (object, false)));
+    let entries = all.filter_map(|(object, drawn)| {
+        let own = instance_grids(object.shape.solid()?);
+        let rays = RayScene::of_solid(scene, params, &options, object);
+        let bounds = (rays.world().solid_count() > 0).then(|| rays.world().bounds(0));
+        let bounds = bounds.flatten().filter(|bounds| !bounds.is_empty());
+        let leaves = rays.leaves().into_iter();
+        Some(SolidEntry {
+            name: object.name.clone(),
+            drawn,
+            leaves: leaves
+                .map(|(name, degree)| LeafEntry {
+                    name: name.to_owned(),
+                    class: class(degree),
+                })
+                .collect(),
+            instances: params
+                .instance_count(scene, object)
+                .saturating_mul(params.combination_count(scene, own)),
+            bounds: bounds
+                .map(|bounds| [0, 1, 2].map(|axis| [bounds.lower[axis], bounds.upper[axis]])),
+        })
+    });
+    entries.collect()
+}
+
+/// The way in which rays are met with a leaf that polynomials of up to this degree bound.
+fn class(degree: Option<usize>) -> &'static str {
+    match degree {
+        Some(0 | 1) => "plane",
+        Some(2) => "quadric",
+        Some(3 | 4) => "quartic",
+        Some(_) | None => "general",
     }
 }
 
@@ -285,7 +349,40 @@ fn text(document: &Explanation, file: &str) -> String {
             intrinsic_text(&mut text, entry);
         }
     }
+    if !document.solids.is_empty() {
+        let _ = writeln!(text, "\nSolids");
+        for entry in &document.solids {
+            solid_text(&mut text, entry);
+        }
+    }
     text
+}
+
+fn solid_text(text: &mut String, entry: &SolidEntry) {
+    let _ = write!(text, "  {}: ", entry.name);
+    if !entry.drawn {
+        text.push_str("a part of others, not drawn; ");
+    }
+    let leaves = entry.leaves.iter();
+    let leaves = leaves.map(|leaf| format!("{} ({})", leaf.name, leaf.class));
+    let leaves: Vec<String> = leaves.collect();
+    let _ = write!(
+        text,
+        "{}: {}; {}",
+        plural(leaves.len() as u32, "leaf"),
+        leaves.join(", "),
+        count(entry.instances as usize, "instance"),
+    );
+    let _ = match entry.bounds {
+        Some(sides) => writeln!(
+            text,
+            "; in {}",
+            sides
+                .map(|[a, b]| format!("[{}, {}]", show(a), show(b)))
+                .join(" × ")
+        ),
+        None => writeln!(text, "; endless"),
+    };
 }
 
 fn intrinsic_text(text: &mut String, entry: &IntrinsicEntry) {
@@ -380,6 +477,7 @@ fn view_text(text: &mut String, view: &ViewEntry) {
 fn plural(number: u32, noun: &str) -> String {
     match (number, noun) {
         (2.., "resolve pass") => format!("{number} resolve passes"),
+        (2.., "leaf") => format!("{number} leaves"),
         _ => count(number as usize, noun),
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use expr::{Input, NodeId};
 use glam::{DAffine3, DVec3};
-use scene::{Object, ParamValues, Sampling, Scene, Solid, SolidStep};
+use scene::{BoundGrid, Object, ParamValues, Sampling, Scene, Solid, SolidStep};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
 
 use super::attributes::AffineTape;
@@ -69,15 +69,29 @@ pub(super) struct Expansion<'a> {
     pub(super) room: usize,
 }
 
+/// The grids over whose values a solid as a whole is a union.
+pub fn instance_grids(solid: &Solid) -> &[BoundGrid] {
+    match solid.steps.last() {
+        Some(SolidStep::Instances(grids)) => grids,
+        _ => &[],
+    }
+}
+
 impl Expansion<'_> {
-    /// Adds the instance with these uniforms to what has been written out; the union of all is the solid.
+    /// Adds the instance with these uniforms and this combination of the solid's own grids to what has been written out; the
+    /// union of all is the solid.
     pub(super) fn add(
         &mut self,
         into: &mut ExpandedSolid,
-        uniforms: Arc<[f64]>,
+        uniforms: &[f64],
+        index: u64,
     ) -> Result<(), Omission> {
         let (steps, leaves) = (into.steps.len(), into.leaves.len());
-        let added = self.written(into, uniforms);
+        let grids = instance_grids(self.solid);
+        let uniforms =
+            self.params
+                .with_combination(self.scene, self.object, grids, index, uniforms);
+        let added = self.written(into, uniforms.into());
         match added {
             Ok(()) if steps > 0 => into.steps.push(ExpandedStep::Join(SetStep::Union)),
             Ok(()) => {}
@@ -104,7 +118,9 @@ impl Expansion<'_> {
             };
             begins.push(begin);
         }
-        let last = steps.len().checked_sub(1).ok_or(Omission::Unbalanced)?;
+        let own = usize::from(!instance_grids(self.solid).is_empty());
+        let last = steps.len().checked_sub(1 + own);
+        let last = last.ok_or(Omission::Unbalanced)?;
         if begins[last] != 0 {
             return Err(Omission::Unbalanced);
         }
