@@ -113,8 +113,8 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
     }
 }
 
-/// What may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not those that it
-/// states elsewhere.
+/// The items that may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not those
+/// that it states elsewhere.
 fn items(
     analysis: &GeotraceAnalysis,
     number: usize,

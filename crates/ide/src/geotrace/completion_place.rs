@@ -36,7 +36,7 @@ pub(super) enum Expected {
 /// A place of a text where something can be completed.
 pub(super) struct CompletionPlace {
     pub(super) wanted: Expected,
-    /// What is written already.
+    /// The part of the word that is written already.
     pub(super) range: Span,
 }
 
@@ -80,7 +80,7 @@ impl CompletionPlace {
     }
 }
 
-/// What is expected behind a token of an item.
+/// The kind of text that is expected behind a token of an item.
 fn behind(
     analysis: &GeotraceAnalysis,
     item: Option<&Item<'_>>,
@@ -117,7 +117,7 @@ fn behind(
     }
 }
 
-/// What is expected behind the colon of an item: the surface of a geodesic, or the value of an attribute.
+/// The kind of text that is expected behind the colon of an item: the surface of a geodesic, or the value of an attribute.
 fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> Expected {
     let before = colon.checked_sub(1).and_then(|k| analysis.token(k));
     let Some(word) = before.filter(is_word) else {
@@ -165,7 +165,7 @@ fn depth(token: Lexeme<'_>) -> i32 {
     }
 }
 
-/// What is expected behind a token within the set of a solid; `None` outside of sets.
+/// The kind of text that is expected behind a token within the set of a solid; `None` outside of sets.
 pub(super) fn in_set(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,
