@@ -199,7 +199,7 @@ pub(crate) fn view(text: &str, views: &Views) -> Result<ViewId, String> {
     let object = object.map(|name| name.trim().to_owned());
     let named = |view: &&dyn View| {
         let named = view.name().eq_ignore_ascii_case(&kind);
-        named && object.is_none() | view.is_of_object()
+        named && (object.is_none() || view.name_behind().is_some())
     };
     match views.iter().find(named) {
         Some(view) if object.as_deref() != Some("") => Ok(ViewId {
@@ -220,17 +220,17 @@ pub(crate) fn standard_view(text: &str) -> Result<ViewId, String> {
 pub(crate) fn view_help(views: &Views) -> String {
     let names: Vec<String> = view_names(views).collect();
     format!(
-        "{}; without a name, the program's first surface",
+        "{}; without a name, the program's first",
         names.join(", or ")
     )
 }
 
-/// The forms in which views are named: `3d`, `geodesic`, `geodesic:SURFACE`.
+/// The forms in which views are named: `3d`, `traced`, `traced:CAMERA`, `geodesic`, `geodesic:SURFACE`.
 fn view_names(views: &Views) -> impl Iterator<Item = String> + '_ {
     views.iter().flat_map(|view| {
         let name = view.name();
-        let of_object = view.is_of_object().then(|| format!("{name}:SURFACE"));
-        [Some(name.to_owned()), of_object].into_iter().flatten()
+        let with_name = view.name_behind().map(|word| format!("{name}:{word}"));
+        [Some(name.to_owned()), with_name].into_iter().flatten()
     })
 }
 
@@ -415,6 +415,7 @@ mod tests {
         assert_eq!(standard_view("3d"), named("3d", None));
         assert_eq!(standard_view("geodesic"), named("geodesic", None));
         assert_eq!(standard_view("geodesic:s"), named("geodesic", Some("s")));
+        assert_eq!(standard_view("traced:eye"), named("traced", Some("eye")));
         for text in ["", "2d", "geodesic:", "3d:s"] {
             assert!(standard_view(text).is_err(), "{text}");
         }

@@ -9,6 +9,7 @@ use render::geodesic_view::PlacedCamera;
 use render::request::{Overlays, Spacing, Theme};
 use render::texture::Texture;
 use render::view::View;
+use render::view::traced::{BOUNCES, TracedOptions};
 use render::viewpoint::{GeodesicCamera, Pose, Projection};
 use render::{PictureMethod, PictureRequest, ViewId, Views};
 use scene::{GridId, ObjectId};
@@ -54,8 +55,24 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
     } = request;
     let mut options = Vec::new();
     let id = ViewId::from_request(request);
-    options.add("view", id.to_string());
+    let traced = view.get::<TracedOptions>();
+    let camera = traced.and_then(|traced| traced.space.declared.as_ref());
+    options.add(
+        "view",
+        match camera {
+            Some(camera) => format!("{id}:{camera}"),
+            None => id.to_string(),
+        },
+    );
     options.add("size", format!("{width}x{height}"));
+    if let Some(traced) = traced {
+        if let Some(samples) = traced.samples {
+            options.add("samples", samples.to_string());
+        }
+        if traced.bounces != BOUNCES {
+            options.add("bounces", traced.bounces.to_string());
+        }
+    }
     if *theme == Theme::Print {
         options.add("theme", "print".to_owned());
     }

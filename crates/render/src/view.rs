@@ -66,6 +66,11 @@ pub trait View: fmt::Debug + Send + Sync {
         None
     }
 
+    /// The word for a name behind the view's, as `SURFACE` in `geodesic:SURFACE`; `None` for a view that takes none.
+    fn name_behind(&self) -> Option<&'static str> {
+        self.is_of_object().then_some("SURFACE")
+    }
+
     /// The options of a first picture with a name behind the view's: by default that of the object that it is of. `None` if
     /// the scene has nothing of this name that the view takes.
     fn options_of(&self, scene: &Scene, name: &str) -> Option<ViewPart> {

@@ -15,10 +15,11 @@ use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Write a program's surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
+/// Write a program's solids, surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
 ///
 /// Places are in the program's units, as exact as the format allows. Where a surface closes (a sphere's poles, a
-/// torus' seams) its triangles close too; where it is undefined they leave a hole.
+/// torus' seams) its triangles close too; where it is undefined they leave a hole. The mesh of a solid is closed and keeps
+/// sharp edges.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:

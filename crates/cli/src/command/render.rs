@@ -13,6 +13,7 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
+use render::view::traced;
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 
 use super::animation;
@@ -39,6 +40,7 @@ pub(super) const NAME: &str = "render";
     after_help = "Examples:
   geotrace render sphere.gtr -o sphere.png                                in space
   geotrace render torus.gtr -o inside.png --view geodesic --zoom 2        from inside
+  geotrace render die.gtr -o die.png --view traced                        lights, shadows, mirrors and glass
   geotrace render torus.gtr -o k.png --texture s=curvature --legend       coloured by curvature
   geotrace render torus.gtr -o figure.pdf --theme print --labels          for a paper, lines as vectors
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60    an animation
@@ -50,6 +52,7 @@ Examples:
   geotrace render circle.gtr -o circle.png --set r=0.7 --set o=1.5 --eye 0,-3,2 --target 0,0,0
   geotrace render torus.gtr -o inside.png --view geodesic:s --at 0,pi --angle 45 --zoom 2
   geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
+  geotrace render lens.gtr -o lens.png --view traced:eye --samples 256
   geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
   geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
   geotrace render torus.gtr -o k.png --texture s=curvature --legend --background transparent
@@ -72,7 +75,7 @@ pub(super) struct Arguments {
     /// output
     #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
-    /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
+    /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE; without a name, the program's first
     #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::standard_view)]
     view: ViewId,
     /// The picture's size in pixels
@@ -169,6 +172,12 @@ pub(super) struct Arguments {
     /// Parallel lines of sight: equal lengths are equal in the picture
     #[arg(long, help_heading = "3D view")]
     orthographic: bool,
+    /// The samples of a pixel; unless given 16, through a lens 64
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(traced::MAX_SAMPLES)), help_heading = "Traced view")]
+    samples: Option<u32>,
+    /// The reflections and refractions that are followed; unless given 8
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
+    bounces: Option<u32>,
     /// The words of the command line
     #[arg(skip)]
     pub(super) words: Vec<OsString>,

@@ -129,6 +129,10 @@ impl View for TracedView {
         TracedOptions::default().into()
     }
 
+    fn name_behind(&self) -> Option<&'static str> {
+        Some("CAMERA")
+    }
+
     /// The name behind the view's is that of a declared camera.
     fn options_of(&self, scene: &Scene, name: &str) -> Option<ViewPart> {
         let mut options = TracedOptions::default();

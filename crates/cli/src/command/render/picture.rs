@@ -4,9 +4,10 @@ use render::point::WorldPoint;
 use render::request::{Overlays, Spacing, Theme, ViewPart};
 use render::style;
 use render::view::geodesic::GeodesicOptions;
+use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
-use scene::{Object, ObjectId, ParamValues, Scene};
+use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
 use super::images::Images;
@@ -75,11 +76,13 @@ fn view(
     let ViewId { kind, object } = &arguments.view;
     let view = views.get(kind);
     let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
-    let object = match view.is_of_object() {
-        true => Some(program.surface(object.as_deref())?.0),
-        false => None,
+    let mut view = match (object, view.is_of_object()) {
+        (_, true) => view.options(Some(program.surface(object.as_deref())?.0)),
+        (None, false) => view.options(None),
+        (Some(name), false) => view
+            .options_of(program.scene(), name)
+            .ok_or_else(|| no_camera(name, program))?,
     };
-    let mut view = view.options(object);
     let place = |option: &str, triple: &Option<Triple>| match triple {
         Some(triple) => {
             let numbers: [f64; 3] = program.numbers(option, &triple.0, params)?;
@@ -94,6 +97,10 @@ fn view(
     }
     if let Some(options) = view.get_mut::<GeodesicOptions>() {
         options.method = arguments.method.unwrap_or_default();
+    }
+    if let Some(options) = view.get_mut::<TracedOptions>() {
+        options.samples = arguments.samples;
+        options.bounces = arguments.bounces.unwrap_or(options.bounces);
     }
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
@@ -143,6 +150,20 @@ fn geodesic_camera(
             None => None,
         },
     })
+}
+
+fn no_camera(name: &str, program: &LoadedProgram) -> Failure {
+    let stage = program.scene().stage.iter();
+    let cameras = stage.filter(|object| matches!(object.shape, Shape::Camera(_)));
+    let names: Vec<String> = cameras.map(|camera| format!("`{}`", camera.name)).collect();
+    Failure::Usage {
+        message: format!("`{}` declares no camera `{name}`", program.source.name),
+        hint: Some(match &names[..] {
+            [] => "a camera is declared like this: camera eye = (0, 4, -1) @ (0, -4, 1);".into(),
+            [only] => format!("its camera is {only}"),
+            several => format!("its cameras are {}", several.join(", ")),
+        }),
+    }
 }
 
 fn unknown_setting(name: &str, views: &Views, view: &ViewPart) -> Failure {
@@ -203,14 +224,36 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         ("--orthographic", arguments.orthographic),
         ("--show-camera", arguments.show_camera.is_some()),
     ];
+    let traced = [
+        ("--samples", arguments.samples.is_some()),
+        ("--bounces", arguments.bounces.is_some()),
+    ];
+    // Lines and words are not drawn over rays, and rays part at the eye.
+    let drawn = [
+        ("--axes", arguments.axes),
+        ("--labels", arguments.labels),
+        ("--legend", arguments.legend),
+        ("--show-camera", arguments.show_camera.is_some()),
+        ("--orthographic", arguments.orthographic),
+    ];
+    let is_traced = view.get::<TracedOptions>().is_some();
+    let beside = if is_traced {
+        (&drawn[..], "the 3D view: leave out `--view traced`")
+    } else {
+        (&traced[..], "the traced view: add `--view traced`")
+    };
     let geodesic = "the geodesic view: add `--view geodesic`";
     let (idle, other) = match (view.geodesic_camera(), &arguments.show_camera) {
         (Some(_), _) => (space.to_vec(), "the 3D view"),
         (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
         (_, Some(_)) => (inside.to_vec(), geodesic),
     };
-    let given = idle.iter().filter(|(_, given)| *given);
-    given
-        .map(|(option, _)| format!("{option} belongs to {other}"))
-        .collect()
+    let sentences = |options: &[(&str, bool)], other: &str| -> Vec<String> {
+        let given = options.iter().filter(|(_, given)| *given);
+        let sentences = given.map(|(option, _)| format!("{option} belongs to {other}"));
+        sentences.collect()
+    };
+    let mut all = sentences(&idle, other);
+    all.extend(sentences(beside.0, beside.1));
+    all
 }

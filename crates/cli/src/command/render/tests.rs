@@ -7,10 +7,12 @@ use clap::CommandFactory;
 use export::command_line::{command, options};
 use render::geodesic_view::PlacedCamera;
 use render::point::WorldPoint;
+use render::request::part::SpaceOptions;
 use render::request::{Overlays, Spacing, Theme};
 use render::style;
 use render::texture::Texture;
 use render::view::geodesic::GeodesicOptions;
+use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
 use render::{Backend, PictureMethod, PictureRequest, Views};
 use scene::{ObjectId, ParamValues};
@@ -27,11 +29,13 @@ param T : [0, 1], [-1, 1];
 grid k : [0, 2pi, 3];
 curve c(t) = (a cos t, a sin t, T_2 + cos(k)), t : [0, 2pi];
 surface s(u, v) = ((2 + a cos v) cos u, (2 + a cos v) sin u, a sin v), u : [0, 2pi], v : [0, 2pi];
-surface ball(u, v) = (cos v cos u, cos v sin u, sin v + T_1), u : [0, 2pi], v : [-pi/2, pi/2];
+surface globe(u, v) = (cos v cos u, cos v sin u, sin v + T_1), u : [0, 2pi], v : [-pi/2, pi/2];
 metric h(u, v) = (1/v^2, 0, 1/v^2), u : [-3, 3], v : [0.2, 5];
 geodesic g(t) : s = (0, 0) @ (1, 0.5), t : [0, 3];
 point p = (0, 0, a + k);
 vector w = (1, T_1, 0) @ p;
+solid dot(x, y, z) = x^2 + y^2 + z^2 - 0.04;
+camera eye = (0, 4, -1) @ (0, -4, 1);
 ";
 
 /// A program in a folder of its own, whose name a shell would take apart.
@@ -147,7 +151,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
     if random.often() {
         set("k", &[random.between(0.0, 6.0)]);
     }
-    let surface = bench.object(["s", "ball", "h"][random.below(3) as usize]);
+    let surface = bench.object(["s", "globe", "h"][random.below(3) as usize]);
     let size = [16 + random.below(40) as u32, 16 + random.below(40) as u32];
     let mut camera = GeodesicCamera::new(surface);
     if random.often() {
@@ -166,9 +170,19 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         camera = placed.by_angle();
     }
     let is_space = random.often();
-    let mut view = match is_space {
-        true => bench.views().first().options(None),
-        false => GeodesicOptions {
+    let is_traced = is_space && random.below(3) == 0;
+    let mut view = match (is_traced, is_space) {
+        (true, _) => TracedOptions {
+            space: SpaceOptions {
+                declared: random.often().then(|| "eye".to_owned()),
+                ..SpaceOptions::default()
+            },
+            samples: Some(1 + random.below(3) as u32),
+            bounces: random.below(10) as u32,
+        }
+        .into(),
+        (_, true) => bench.views().first().options(None),
+        _ => GeodesicOptions {
             method: [PictureMethod::Auto, PictureMethod::Adaptive][random.below(2) as usize],
             mark_centre: random.often(),
             ..GeodesicOptions::new(surface)
