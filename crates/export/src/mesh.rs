@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! PictureRequest ──weld.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
+//!                  solid.rs: solids as triangles by dual contouring ────┤
 //!                              curves, geodesics, vectors, points ────┘
 //! ```
 //!
@@ -13,6 +14,7 @@
 mod gltf;
 mod obj;
 mod ply;
+mod solid;
 mod stl;
 mod weld;
 
@@ -290,6 +292,14 @@ fn geometry(
     object: &Object,
     placement: &Placement,
 ) -> (Option<Geometry>, Vec<String>) {
+    if object.shape.solid().is_some() {
+        let (mesh, notes) = solid::meshed(scene, params, object);
+        let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
+        return (
+            mesh.map(|mesh| Geometry::Surface(mesh, Texture::plain())),
+            notes,
+        );
+    }
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
     // A geodesic has samples, but no expression for its position.
     let geometry = match (&samples, object.shape.position()) {

@@ -1,0 +1,67 @@
+//! Solids as meshes, by dual contouring.
+
+use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR};
+use scene::{Object, ParamValues, Scene};
+use tracer::contour;
+
+use super::weld::{Mesh, Vertex};
+
+/// The number of cells along the longest side of a solid's box.
+const CELLS: u32 = 128;
+/// A vertex has the normal of a triangle's plane where its own is farther from it than this cosine says: at edges.
+const SMOOTH: f32 = 0.9;
+
+/// Meshes a solid with all its instances. The sentences are for the user.
+pub(super) fn meshed(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+) -> (Option<Mesh>, Vec<String>) {
+    let options = RaySceneOptions {
+        shown: &|_| true,
+        color: &|_| SOLID_COLOR,
+        thickness: None,
+    };
+    let rays = RayScene::of_solid(scene, params, &options, object);
+    let mut notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();
+    if rays.world().solid_count() == 0 {
+        return (None, notes);
+    }
+    let Some(bounds) = rays.world().bounds(0) else {
+        let name = &object.name;
+        notes.push(format!(
+            "`{name}` is endless and has no mesh: intervals cut it, such as `x : [-3, 3]` behind it"
+        ));
+        return (None, notes);
+    };
+    let found = contour(rays.world(), 0, &bounds, CELLS);
+    let mut mesh = Mesh {
+        places: found.positions.iter().map(|at| at.to_array()).collect(),
+        ..Mesh::default()
+    };
+    // Each place has the vertex of its own normal at its index; those of edges follow.
+    let vertex = |(place, normal): (usize, &glam::DVec3)| Vertex {
+        place: place as u32,
+        normal: normal.as_vec3().to_array(),
+        uv: [0.0; 2],
+    };
+    mesh.vertices = found.normals.iter().enumerate().map(vertex).collect();
+    for triangle in &found.triangles {
+        let [a, b, c] = triangle.map(|place| found.positions[place as usize]);
+        let flat = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        let corners = triangle.map(|place| {
+            let own = glam::Vec3::from(mesh.vertices[place as usize].normal);
+            if flat == glam::Vec3::ZERO || own.dot(flat) >= SMOOTH {
+                return place;
+            }
+            mesh.vertices.push(Vertex {
+                place,
+                normal: flat.to_array(),
+                uv: [0.0; 2],
+            });
+            mesh.vertices.len() as u32 - 1
+        });
+        mesh.triangles.push(corners);
+    }
+    (Some(mesh), notes)
+}
