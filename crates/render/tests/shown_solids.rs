@@ -399,3 +399,21 @@ fn a_traced_picture_is_given_up_when_something_newer_waits_unless_it_moves() {
     request.moving = true;
     renderer.draw(&request).expect("a picture");
 }
+
+#[test]
+fn a_stated_colour_wins_over_a_chosen_one_and_is_dim_with_it() {
+    let text = "param a = 1 : [0, 1];
+        curve c(t) = (t, 0, 0), t : [0, 1], color : (a, 0, 0);
+        surface s(u,v) = (u, v, 0), u : [0, 1], v : [0, 1], color : 0.5;
+        point p = (0, 0, 1);";
+    let mut request = request(Builder::of(text).scene, SpaceOptions::default());
+    let point = render::style::POINT_COLOUR;
+    let stated = [[255, 0, 0], [128; 3], point];
+    assert_eq!(request.object_colours(), stated);
+    request.colours = vec![(ObjectId(0), [0, 255, 0]), (ObjectId(1), [102; 3])];
+    let dim = [[255, 0, 0], [51; 3], point];
+    assert_eq!(request.object_colours(), dim);
+    // Nothing is written on it.
+    let texture = request.texture(ObjectId(1));
+    assert!(Arc::ptr_eq(&texture, &render::texture::Texture::plain()));
+}

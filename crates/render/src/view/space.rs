@@ -548,7 +548,7 @@ fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
 
 /// The names of the objects that are drawn, where they are seen, and that of the observer; dim where a surface lies
 /// before them.
-fn labels(
+pub(super) fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &SpaceOptions,

@@ -23,6 +23,7 @@ use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::camera::Camera;
 use crate::error::RenderError;
 use crate::gpu::Pixels;
+use crate::overlay;
 use crate::plan::Plan;
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::{RenderedImage, SOFTWARE};
@@ -231,13 +232,23 @@ impl ViewRenderer for TracedRenderer {
         if is_done {
             shared.pixels.count_traced(u64::from(missing) * pixels);
         }
-        let image = picture(request.size, &sums);
+        let mut image = picture(request.size, &sums);
         self.sums = Some((content, sums));
         if !is_done {
             return Err(RenderError::Interrupted);
         }
+        let mut overlays = Vec::new();
+        // Through a lens that bends or turns the picture, names would be elsewhere.
+        let is_straight = camera.projection == LensProjection::Pinhole && camera.roll == 0.0;
+        if request.overlays.labels && is_straight && space_camera.parallel.is_none() {
+            let labels =
+                space::labels(shared, request, &options.space, &framed, &space_camera, &[]);
+            overlays = overlay::over_space(&mut image, request, None, &labels)?;
+            shared.samples.next();
+        }
         Ok(RenderedImage {
             backend: SOFTWARE.to_owned(),
+            overlays,
             samples: Some([wanted, missing]),
             notes: scene
                 .rays()
