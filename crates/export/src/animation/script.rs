@@ -221,10 +221,10 @@ fn turn(cloud: &mut Vec<[f64; 3]>) {
         [lower.min(place), upper.max(place)]
     });
     let middle = 0.5 * (ends[0] + ends[1]);
-    let standing = cloud.len();
+    let before = cloud.len();
     for step in 1..LOOKS {
         let rotation = DQuat::from_rotation_z(TAU * Course::Loop.share(step, LOOKS));
-        for index in 0..standing {
+        for index in 0..before {
             let place = middle + rotation * (DVec3::from(cloud[index]) - middle);
             cloud.push(place.to_array());
         }
