@@ -476,7 +476,7 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
         Limit {
             what: "files that name a view",
             files: views,
-            most: 11,
+            most: 12,
         },
         Limit {
             what: "files that name a variant of a shape",

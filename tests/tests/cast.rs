@@ -215,7 +215,7 @@ fn people_read_sentences() {
         "--direction",
         "-1,0,0",
     ];
-    let run = geotrace(&words).input(DIE).run();
+    let run = geotrace(words).input(DIE).run();
     run.expect_status(0)
         .expect_text("it meets first the solid `die`, face of `cube`: t = 2.5")
         .expect_text("enters `die` through `cube`")

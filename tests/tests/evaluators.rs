@@ -216,12 +216,21 @@ fn the_samples_that_are_drawn_are_the_values_of_the_tape() {
         let settings = middle(&scene);
         let placement = Bounds::of(&scene, &settings).placement;
         for (index, object) in scene.objects.iter().enumerate() {
-            if matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. }) {
+            let is_sampled = !matches!(
+                object.shape,
+                Shape::Metric { .. } | Shape::Geodesic { .. } | Shape::Solid(_)
+            );
+            if !is_sampled {
                 continue;
             }
             let samples = sample(&scene, &settings, ObjectId(index as u32), &placement);
             let uniforms = settings.first_instance(&scene, object);
-            let tape = Tape::new(&scene.graph, &object.shape.roots());
+            // A position comes first.
+            let roots = match &object.shape {
+                Shape::Vector { direction, origin } => [*origin, *direction].concat(),
+                shape => shape.roots(),
+            };
+            let tape = Tape::new(&scene.graph, &roots);
             let mut registers = Registers::default();
             let mut out = vec![0.0; tape.root_count()];
             let mut at = |variables: &[f64]| {

@@ -113,7 +113,7 @@ struct SheetFace {
     domain: [[f64; 2]; 2],
 }
 
-/// What a face belongs to.
+/// The object of a face, with its instance and its leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceOwner<'a> {
     /// The object.
@@ -131,7 +131,7 @@ pub struct FaceOwner<'a> {
 pub struct RayNote {
     /// The object.
     pub object: String,
-    /// What is not as declared.
+    /// The notes: differences from what is declared.
     pub fault: RayFault,
 }
 
@@ -306,7 +306,7 @@ impl RayScene {
         }
     }
 
-    /// What a face belongs to.
+    /// Returns the object that a face belongs to.
     pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
         match *of {
             FaceObject::Solid { solid, leaf, .. } => {
@@ -356,7 +356,7 @@ impl RayScene {
         all.reduce(|a, b| a.union(&b))
     }
 
-    /// What is not as it is declared, as far as is known: what depends on places is known once rays have met them.
+    /// Returns the notes on differences from what is declared. Those that depend on places are known once rays have met them.
     pub fn notes(&self) -> Vec<RayNote> {
         let mut notes = self.notes.clone();
         let looks = self.looks.iter();

@@ -46,7 +46,7 @@ impl BoundingBox {
         }
     }
 
-    /// What both have in common.
+    /// Returns the intersection of both.
     pub fn common(&self, other: &Self) -> Self {
         let common = Self {
             lower: self.lower.max(other.lower),

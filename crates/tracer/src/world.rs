@@ -414,7 +414,7 @@ fn joined(
     (whole, leaves.map(|(_, clip)| clip).collect())
 }
 
-/// What two boxes have in common; `None` stands for everything.
+/// Returns the intersection of two boxes; `None` stands for everything.
 fn common(a: Option<BoundingBox>, b: Option<BoundingBox>) -> Option<BoundingBox> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.common(&b)),

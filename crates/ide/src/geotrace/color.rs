@@ -59,8 +59,8 @@ pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
 
 /// A number of a colour, to a thousandth.
 fn channel(x: f64) -> String {
-    // A NaN is none of the two.
-    let text = format!("{:.3}", x.max(0.0).min(1.0));
+    let share = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+    let text = format!("{share:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

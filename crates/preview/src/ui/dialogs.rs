@@ -8,7 +8,8 @@ pub(crate) mod record;
 use std::path::Path;
 
 use egui::{Grid, Ui};
-use render::view::{Key, View};
+use render::Views;
+use render::view::Key;
 
 use crate::engine::recording::Recording;
 use crate::ui::gallery;
@@ -144,19 +145,44 @@ const KEYS: [Key; 5] = [
     Key::new("F11, Ctrl+B", "full screen, views alone"),
 ];
 
-/// Returns a row for each key of some views, with its effect in each view.
-fn rows(views: &[&dyn View]) -> Vec<(&'static str, Vec<&'static str>)> {
+/// The keys of views that have the same ones.
+struct KeyColumn {
+    /// The titles of the views.
+    title: String,
+    keys: &'static [Key],
+}
+
+/// Returns the columns of the list: views that have the same keys share one, and those without keys have none.
+fn columns(views: &Views) -> Vec<KeyColumn> {
+    let mut columns: Vec<KeyColumn> = Vec::new();
+    for view in views.iter().filter(|view| !view.keys().is_empty()) {
+        match columns.iter_mut().find(|it| it.keys == view.keys()) {
+            Some(column) => {
+                column.title.push_str(", ");
+                column.title.push_str(view.title());
+            }
+            None => columns.push(KeyColumn {
+                title: view.title().to_owned(),
+                keys: view.keys(),
+            }),
+        }
+    }
+    columns
+}
+
+/// Returns a row for each key, with its effect in each column.
+fn rows(columns: &[KeyColumn]) -> Vec<(&'static str, Vec<&'static str>)> {
     let mut rows: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (column, view) in views.iter().enumerate() {
+    for (index, column) in columns.iter().enumerate() {
         let mut next = 0;
-        for Key { keys, action } in view.keys() {
+        for Key { keys, action } in column.keys {
             let known = rows.iter().position(|(known, _)| known == keys);
             let at = known.unwrap_or_else(|| {
-                // A key that the views before do not have follows the one that it follows here.
-                rows.insert(next, (keys, vec![""; views.len()]));
+                // A key that the columns before do not have follows the one that it follows here.
+                rows.insert(next, (keys, vec![""; columns.len()]));
                 next
             });
-            rows[at].1[column] = action;
+            rows[at].1[index] = action;
             next = at + 1;
         }
     }
@@ -171,17 +197,13 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
         window.dialogs.shortcuts = false;
         return;
     }
-    let views: Vec<&dyn View> = window.views.iter().collect();
-    let views: Vec<_> = views
-        .into_iter()
-        .filter(|view| !view.keys().is_empty())
-        .collect();
+    let columns = columns(&window.views);
     let screen = ui.ctx().content_rect();
     // Its title, its margins, and something of what is behind it.
     let room = screen.size() - egui::vec2(48.0, 80.0);
     // The keys stand in a narrower column than what they do.
-    let width = room.x.min(KEYS_WIDTH + views.len() as f32 * ACTION_WIDTH);
-    let column = (width - KEYS_WIDTH) / views.len().max(1) as f32 - 12.0;
+    let width = room.x.min(KEYS_WIDTH + columns.len() as f32 * ACTION_WIDTH);
+    let column_width = (width - KEYS_WIDTH) / columns.len().max(1) as f32 - 12.0;
     egui::Window::new("Keyboard and mouse")
         .open(&mut window.dialogs.shortcuts)
         .collapsible(false)
@@ -195,23 +217,23 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
             let list = egui::ScrollArea::vertical().max_height(room.y);
             list.auto_shrink([false, true]).show(ui, |ui| {
                 Grid::new("keys")
-                    .num_columns(views.len() + 1)
+                    .num_columns(columns.len() + 1)
                     .striped(true)
                     .spacing([12.0, 2.0])
-                    .max_col_width(column)
-                    .show(ui, |ui| key_rows(&views, ui));
+                    .max_col_width(column_width)
+                    .show(ui, |ui| key_rows(&columns, ui));
                 ui.label("A view that was clicked on, or reached with Tab, has the keys.");
             });
         });
 }
 
-fn key_rows(views: &[&dyn View], ui: &mut Ui) {
+fn key_rows(columns: &[KeyColumn], ui: &mut Ui) {
     ui.strong("");
-    for view in views {
-        ui.strong(view.title());
+    for column in columns {
+        ui.strong(&column.title);
     }
     ui.end_row();
-    for (keys, actions) in rows(views) {
+    for (keys, actions) in rows(columns) {
         ui.strong(keys);
         for action in actions {
             ui.add(egui::Label::new(action).wrap());
@@ -223,13 +245,13 @@ fn key_rows(views: &[&dyn View], ui: &mut Ui) {
 #[cfg(test)]
 mod tests {
     use render::Views;
-    use render::view::View;
 
     #[test]
     fn the_keys_of_all_views_are_listed_once_in_their_order() {
-        let views = Views::standard();
-        let views: Vec<&dyn View> = views.iter().collect();
-        let rows = super::rows(&views);
+        let columns = super::columns(&Views::standard());
+        let titles: Vec<&str> = columns.iter().map(|it| it.title.as_str()).collect();
+        assert_eq!(titles, ["3D view, Traced view", "Geodesic view"]);
+        let rows = super::rows(&columns);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
         assert_eq!(keys.len(), 24);

@@ -20,11 +20,14 @@ use crate::texture::Texture;
 #[derive(Debug, Default)]
 pub(crate) struct SolidStore {
     /// Those of the 3D view, with the contents that they are of.
-    solids: Option<(Vec<(ObjectId, Content)>, Arc<SolidScene>)>,
+    solids: Option<(ShownContents, Arc<SolidScene>)>,
     traced: Option<(TracedKey, Arc<TracedScene>)>,
     /// The number of scenes that were prepared for rays.
     pub(crate) built: u64,
 }
+
+/// The solids that a picture shows, each with what it is of.
+type ShownContents = Vec<(ObjectId, Content)>;
 
 /// The solids of a scene, for the 3D view.
 #[derive(Debug)]
