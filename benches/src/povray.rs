@@ -10,8 +10,9 @@ use glam::DVec3;
 use image::RgbImage;
 use scene::ParamValues;
 use tracer::camera::LensCamera;
+use tracer::encoded;
 use tracer::picture::LightSums;
-use tracer::shade::{Scenery, encoded};
+use tracer::shade::Scenery;
 
 use crate::measure::processor_time;
 
@@ -176,6 +177,7 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
         shown: &|_| true,
         color: &|_| SOLID_COLOR,
         thickness: None,
+        picture_look: Default::default(),
     };
     let mut camera = None;
     let mut picture = RgbImage::new(SIZE[0], SIZE[1]);
@@ -199,9 +201,11 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
             lights: &lights,
             background: &|direction| rays.background(direction, DVec3::ZERO, &|_| None),
             bounces: BOUNCES,
+            picture_look: Default::default(),
+            sides: &[],
         };
         let mut sums = LightSums::new(SIZE);
-        sums.add(&scenery, &eye.lens, compared.samples, 1, &|_| true);
+        sums.add(&scenery, &eye.lens, None, compared.samples, 1, &|_| true);
         for (pixel, light) in picture.pixels_mut().zip(sums.means()) {
             pixel.0 = encoded(light);
         }

@@ -25,6 +25,11 @@ pub mod wanted;
 
 use syntax::diagnostic::Code;
 
+/// Every code that reading a CRT script can give, with what it means.
+pub fn crt_codes() -> impl Iterator<Item = (Code, &'static str)> {
+    syntax::crt::codes::CODES.iter().copied()
+}
+
 /// Every code that compiling a program can give, with what it means.
 pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
     let kernel = syntax::codes::CODES.iter();

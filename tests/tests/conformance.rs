@@ -1,11 +1,16 @@
 //! Runs the language cases: each program's diagnostics and each expression's value are compared with what is
 //! written beside the source. All that differ are reported at once.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use ide::Language;
+use ide::crt::Crt;
+use ide::geotrace::Geotrace;
+use ide::language::Compiled;
 use scene::ParamValues;
-use scene::geotrace::{Compilation, compile};
+use scene::geotrace::compile;
 use syntax::diagnostic::Diagnostic;
 use syntax::line_index::{LineIndex, Position};
 use testing::cases::{Action, Case, Expected, Outcome, Tuple, read};
@@ -41,7 +46,7 @@ fn every_case_gives_what_is_written_beside_it() {
         for case in &cases {
             count += 1;
             let mut report = Report::default();
-            check(case, &mut report);
+            check(language(&file), case, &mut report);
             edits.append(&mut report.edits);
             if !report.text.is_empty() {
                 let _ = write!(
@@ -77,8 +82,17 @@ impl Report {
     }
 }
 
-fn check(case: &Case, report: &mut Report) {
-    let compilation = compile(&case.source);
+/// The language of a file's cases: CRT if its name begins so.
+fn language(file: &Path) -> &'static dyn Language {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match name.starts_with("crt_") {
+        true => &Crt,
+        false => &Geotrace,
+    }
+}
+
+fn check(language: &dyn Language, case: &Case, report: &mut Report) {
+    let compilation = language.compile(&case.source).expect("a small program");
     check_diagnostics(case, &compilation.diagnostics, report);
     if case.steps.is_empty() {
         return;
@@ -201,12 +215,12 @@ fn show(position: Position) -> String {
 }
 
 fn check_value(
-    compilation: &Compilation,
+    compilation: &Compiled,
     settings: &ParamValues,
     text: &str,
     expected: &Result<Outcome, (String, Vec<String>)>,
 ) -> Result<(), String> {
-    let actual = compilation.evaluate(text, settings);
+    let actual = compilation.scope.evaluate(text, settings);
     match (actual, expected) {
         (Ok(evaluation), Ok(expected)) => {
             let actual = outcome(evaluation.outcome);
@@ -248,6 +262,7 @@ fn tuple(value: scene::Value) -> Tuple {
     match value {
         scene::Value::Number(number) => vec![number],
         scene::Value::Vector(numbers) => numbers,
+        scene::Value::Text(text) => panic!("no numbers: {text}"),
     }
 }
 
@@ -309,8 +324,9 @@ fn every_code_has_a_case() {
         // `bad_input.rs`: only `eval` gives it.
         "program-has-errors",
     ];
-    let mut seen = std::collections::BTreeSet::new();
+    let mut all = [BTreeSet::new(), BTreeSet::new()];
     for file in files() {
+        let seen = &mut all[usize::from(language(&file).name() == Crt.name())];
         let text = std::fs::read_to_string(&file).expect("the cases are readable");
         for case in read(&text).unwrap_or_default() {
             seen.extend(case.diagnostics.into_iter().map(|expected| expected.code));
@@ -325,9 +341,13 @@ fn every_code_has_a_case() {
             }
         }
     }
+    let crt_codes = testing::crt_codes().map(|(code, _)| code.0);
+    let crt_missing = crt_codes.filter(|code| !all[1].contains(*code));
     let missing: Vec<&str> = testing::codes()
         .map(|(code, _)| code.0)
-        .filter(|code| !seen.contains(*code) && !ELSEWHERE.contains(code))
+        .filter(|code| !all[0].contains(*code))
+        .chain(crt_missing)
+        .filter(|code| !ELSEWHERE.contains(code))
         .collect();
     assert!(missing.is_empty(), "codes without a case: {missing:?}");
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use expr::ops::{CONSTANTS, Unary};
+use syntax::diagnostic::Code;
 use syntax::geotrace::attributes::{self, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{DeclarationKeyword, DeclarationRow, TABLE};
 use syntax::geotrace::token::MapWord;
@@ -19,17 +20,20 @@ fn read(path: &str) -> String {
 
 /// The table of diagnostics, as it must stand in `docs/diagnostics.md`.
 fn diagnostics() -> String {
-    let codes: BTreeMap<&str, &str> = testing::codes()
-        .map(|(code, text)| (code.0, text))
-        .collect();
     let mut text = String::from(
         "# Diagnostics\n\nWhat `geotrace check` can say, by code. Each has a case in `tests/cases/language/` or in\n\
          `tests/tests/bad_input.rs`. `UPDATE=1 cargo test -p geotrace-tests --test documents` writes this page.\n\n\
          | code | what it means |\n| --- | --- |\n",
     );
-    for (code, explanation) in codes {
-        text.push_str(&format!("| `{code}` | {explanation} |\n"));
-    }
+    let rows = |codes: &mut dyn Iterator<Item = (Code, &'static str)>| -> String {
+        let sorted: BTreeMap<&str, &str> = codes.map(|(code, text)| (code.0, text)).collect();
+        let rows = sorted.into_iter();
+        rows.map(|(code, text)| format!("| `{code}` | {text} |\n"))
+            .collect()
+    };
+    text.push_str(&rows(&mut testing::codes()));
+    text.push_str("\n## In CRT scripts\n\n| code | what it means |\n| --- | --- |\n");
+    text.push_str(&rows(&mut testing::crt_codes()));
     text
 }
 

@@ -35,8 +35,24 @@ const REPEATED: &[(&str, &str)] = &[
         "one for each sub-command, in its module, as clap's examples have it",
     ),
     (
+        "Body",
+        "a nonterminal of one language, statements between braces of the other, and a message's",
+    ),
+    (
         "Interval",
         "a parameter's as it is written, a part of a fan's ray, and the numbers of interval arithmetic",
+    ),
+    (
+        "Item",
+        "a step of a production in the grammar of each language, and a declaration in an editor",
+    ),
+    (
+        "Lexeme",
+        "a token as each language's lexer reads it, and as an editor sees it",
+    ),
+    (
+        "Piece",
+        "a part of a script, of a generated text, and of a path",
     ),
     (
         "Ray",

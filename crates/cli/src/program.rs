@@ -155,6 +155,7 @@ impl LoadedProgram {
                 Outcome::Single(Value::Number(None)) => {
                     Err(wrong("this number is undefined", None))
                 }
+                Outcome::Single(Value::Text(_)) => Err(wrong("this is no number", None)),
                 Outcome::Single(Value::Vector(_)) => {
                     Err(wrong("this is a vector, and a number is needed", None))
                 }

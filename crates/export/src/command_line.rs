@@ -9,7 +9,7 @@ use render::geodesic_view::PlacedCamera;
 use render::request::{Overlays, Spacing, Theme};
 use render::texture::Texture;
 use render::view::View;
-use render::view::traced::{BOUNCES, TracedOptions};
+use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection};
 use render::{PictureMethod, PictureRequest, ViewId, Views};
 use scene::{GridId, ObjectId};
@@ -42,6 +42,9 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         view,
         size: [width, height],
         textures: _,
+        // No option: those that the program names lie beside it, and only an option gives the background another one.
+        images: _,
+        background_image: _,
         flipped: _,
         curved: _,
         theme,
@@ -69,8 +72,14 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         if let Some(samples) = traced.samples {
             options.add("samples", samples.to_string());
         }
-        if traced.bounces != BOUNCES {
-            options.add("bounces", traced.bounces.to_string());
+        if let Some(bounces) = traced.bounces {
+            options.add("bounces", bounces.to_string());
+        }
+        if let Some(look) = traced.look {
+            options.add("look", look.name().to_owned());
+        }
+        if let Some(gamma) = traced.gamma {
+            options.add("gamma", gamma.to_string());
         }
     }
     if *theme == Theme::Print {

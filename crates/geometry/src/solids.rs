@@ -22,12 +22,13 @@ use std::sync::Arc;
 
 use expr::Input;
 use glam::DVec3;
-use scene::{GridId, Object, ObjectId, ParamValues, Scene, Shape};
+use scene::limits::MAX_LEAVES;
+use scene::{Attribute, GridId, Object, ObjectId, ParamValues, Scene, Shape, stated_word};
 use syntax::span::Span;
 use tracer::camera::LensCamera;
 use tracer::light::Light;
-use tracer::shade::{Face, FaceLook, FaceObject, Glass};
-use tracer::{BoundingBox, Sheet, Sheets, World, WorldBuilder};
+use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass};
+use tracer::{BoundingBox, PictureLook, Sheet, Sheets, World, WorldBuilder};
 
 use attributes::{AffineTape, AttributeSet};
 use bodies::{BodyPart, BodyShapes};
@@ -36,8 +37,8 @@ use look::{FacePlace, LookProgram};
 use stage::DeclaredBackground;
 
 pub use bodies::{MAX_BODIES, Thickness};
-pub use expand::{MAX_LEAVES, instance_grids};
-pub use look::Paint;
+pub use expand::instance_grids;
+pub use look::{FaceImage, Paint};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 
 /// The colour of solids that state none, sRGB.
@@ -54,6 +55,8 @@ pub struct RaySceneOptions<'a> {
     pub color: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
     /// The sizes of points, arrows and curves; without it they are left out.
     pub thickness: Option<Thickness>,
+    /// The formulas of the picture.
+    pub picture_look: PictureLook,
 }
 
 /// A scene with numbers in place, for rays.
@@ -61,21 +64,34 @@ pub struct RaySceneOptions<'a> {
 pub struct RayScene {
     world: World,
     sheets: Sheets,
+    content: RayContent,
+}
+
+/// All of a scene for rays but what they meet: what it belongs to, how it looks, and what shines on it.
+#[derive(Debug, Default)]
+struct RayContent {
     glass: Vec<Option<Glass>>,
     objects: Vec<RayObject>,
     /// The object of each solid of the world.
     solids: Vec<usize>,
     leaves: Vec<RayLeaf>,
+    /// The sides of each leaf; none where all leaves are seen from both sides.
+    sides: Vec<FaceSides>,
     /// The names of the leaves of solids.
     names: Vec<(String, Span)>,
     sheet_faces: Vec<SheetFace>,
     looks: Vec<LookProgram>,
+    /// The images that attributes name.
+    images: Vec<String>,
     lights: Vec<Light>,
     cameras: Vec<DeclaredCamera>,
     background: Option<DeclaredBackground>,
     /// The attributes of lights and cameras, with their names.
     staged: Vec<(String, AttributeSet)>,
     notes: Vec<RayNote>,
+    picture_look: PictureLook,
+    /// False where the scene says that only what it declares shines.
+    has_standard_lights: bool,
 }
 
 /// An object that rays may meet.
@@ -229,17 +245,17 @@ impl RayScene {
 
     /// The glass that each solid of the world is of.
     pub fn glass(&self) -> &[Option<Glass>] {
-        &self.glass
+        &self.content.glass
     }
 
     /// The objects that rays may meet.
     pub fn objects(&self) -> &[RayObject] {
-        &self.objects
+        &self.content.objects
     }
 
     /// The object of a solid of the world.
     pub fn object_of_solid(&self, solid: usize) -> &RayObject {
-        &self.objects[self.solids[solid]]
+        &self.content.objects[self.content.solids[solid]]
     }
 
     /// True if a solid of the world is a solid of the scene, and no point, arrow or curve.
@@ -249,26 +265,36 @@ impl RayScene {
 
     /// The lights that the scene declares; without any, those of the 3D view for the camera.
     pub fn lights(&self, camera: &LensCamera, standard: &StandardLights) -> Vec<Light> {
-        if self.lights.is_empty() {
+        if self.content.lights.is_empty() && self.content.has_standard_lights {
             standard.of(camera)
         } else {
-            self.lights.clone()
+            self.content.lights.clone()
         }
     }
 
     /// The cameras that the scene declares, in the order of the text, all instances of each.
     pub fn cameras(&self) -> &[DeclaredCamera] {
-        &self.cameras
+        &self.content.cameras
+    }
+
+    /// The words of the images that attributes of faces name.
+    pub fn images(&self) -> &[String] {
+        &self.content.images
+    }
+
+    /// The word of the image that the declared background states.
+    pub fn background_image(&self) -> Option<&str> {
+        self.content.background.as_ref()?.image.as_deref()
     }
 
     /// True if the scene declares a background.
     pub fn has_background(&self) -> bool {
-        self.background.is_some()
+        self.content.background.is_some()
     }
 
     /// The name of the declared background.
     pub fn background_name(&self) -> Option<&str> {
-        self.background.as_ref().map(|found| &*found.name)
+        self.content.background.as_ref().map(|found| &*found.name)
     }
 
     /// The linear light from a unit direction where nothing else is: that of the declared background or of its `image` at a
@@ -279,18 +305,31 @@ impl RayScene {
         above: DVec3,
         image: &dyn Fn([f64; 2]) -> Option<DVec3>,
     ) -> DVec3 {
-        match &self.background {
+        match &self.content.background {
             Some(background) => background.light(direction, image),
-            None => standard_sky(above, direction),
+            None => self
+                .content
+                .picture_look
+                .light(standard_sky(above, direction)),
         }
+    }
+
+    /// The formulas of the picture.
+    pub fn picture_look(&self) -> PictureLook {
+        self.content.picture_look
+    }
+
+    /// The sides from which the faces of each leaf are seen, as [`tracer::shade::Scenery`] has them.
+    pub fn sides(&self) -> &[FaceSides] {
+        &self.content.sides
     }
 
     /// The look of a face. `paint` gives the images of objects.
     pub fn look(&self, face: &Face, paint: &Paint<'_>) -> FaceLook {
         match face.of {
             FaceObject::Solid { leaf, entering, .. } => {
-                let leaf = &self.leaves[leaf];
-                self.looks[leaf.look as usize].solid(
+                let leaf = &self.content.leaves[leaf];
+                self.content.looks[leaf.look as usize].solid(
                     &leaf.uniforms,
                     &leaf.place,
                     face,
@@ -299,8 +338,8 @@ impl RayScene {
                 )
             }
             FaceObject::Sheet { sheet, uv } => {
-                let sheet = &self.sheet_faces[sheet];
-                let look = &self.looks[sheet.look as usize];
+                let sheet = &self.content.sheet_faces[sheet];
+                let look = &self.content.looks[sheet.look as usize];
                 look.sheet(&sheet.uniforms, sheet.domain, uv, face, paint)
             }
         }
@@ -310,9 +349,9 @@ impl RayScene {
     pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
         match *of {
             FaceObject::Solid { solid, leaf, .. } => {
-                let object = &self.objects[self.solids[solid]];
-                let leaf = &self.leaves[leaf];
-                let name = leaf.name.map(|name| &self.names[name as usize]);
+                let object = &self.content.objects[self.content.solids[solid]];
+                let leaf = &self.content.leaves[leaf];
+                let name = leaf.name.map(|name| &self.content.names[name as usize]);
                 FaceOwner {
                     object,
                     instance: leaf.instance,
@@ -321,8 +360,8 @@ impl RayScene {
                 }
             }
             FaceObject::Sheet { sheet, .. } => {
-                let sheet = &self.sheet_faces[sheet];
-                let object = &self.objects[sheet.object];
+                let sheet = &self.content.sheet_faces[sheet];
+                let object = &self.content.objects[sheet.object];
                 FaceOwner {
                     object,
                     instance: sheet.instance,
@@ -336,13 +375,13 @@ impl RayScene {
     /// The leaves of the scene's solids in the order of the text, instances apart: the name of each, and the highest degree
     /// of the polynomials that bound it, `None` if something else does.
     pub fn leaves(&self) -> Vec<(&str, Option<usize>)> {
-        let mut degrees: Vec<Option<Option<usize>>> = vec![None; self.names.len()];
-        for (k, leaf) in self.leaves.iter().enumerate() {
+        let mut degrees: Vec<Option<Option<usize>>> = vec![None; self.content.names.len()];
+        for (k, leaf) in self.content.leaves.iter().enumerate() {
             if let Some(name) = leaf.name {
                 degrees[name as usize].get_or_insert_with(|| self.world.degree(k));
             }
         }
-        let names = self.names.iter().zip(degrees);
+        let names = self.content.names.iter().zip(degrees);
         names
             .filter_map(|((name, _), degree)| Some((&**name, degree?)))
             .collect()
@@ -358,12 +397,12 @@ impl RayScene {
 
     /// Returns the notes on differences from what is declared. Those that depend on places are known once rays have met them.
     pub fn notes(&self) -> Vec<RayNote> {
-        let mut notes = self.notes.clone();
-        let looks = self.looks.iter();
+        let mut notes = self.content.notes.clone();
+        let looks = self.content.looks.iter();
         let looks = looks.map(|look| (&*look.object, &look.attributes));
-        let staged = self.staged.iter();
+        let staged = self.content.staged.iter();
         let staged = staged.map(|(name, attributes)| (&**name, attributes));
-        let background = self.background.iter();
+        let background = self.content.background.iter();
         let background = background.map(|found| (&*found.name, found.attributes()));
         for (object, attributes) in looks.chain(staged).chain(background) {
             let [undefined, clamped] = attributes.faults();
@@ -423,19 +462,8 @@ struct Draft<'a> {
     shapes: BodyShapes,
     leaf_room: usize,
     body_room: usize,
-    glass: Vec<Option<Glass>>,
-    objects: Vec<RayObject>,
-    solids: Vec<usize>,
-    leaves: Vec<RayLeaf>,
-    names: Vec<(String, Span)>,
     sheets: Vec<Sheet>,
-    sheet_faces: Vec<SheetFace>,
-    looks: Vec<LookProgram>,
-    lights: Vec<Light>,
-    cameras: Vec<DeclaredCamera>,
-    background: Option<DeclaredBackground>,
-    staged: Vec<(String, AttributeSet)>,
-    notes: Vec<RayNote>,
+    content: RayContent,
 }
 
 impl<'a> Draft<'a> {
@@ -446,26 +474,19 @@ impl<'a> Draft<'a> {
             options,
             table: ShapeTable::default(),
             shapes: BodyShapes::default(),
-            leaf_room: MAX_LEAVES,
+            leaf_room: MAX_LEAVES as usize,
             body_room: MAX_BODIES,
-            glass: Vec::new(),
-            objects: Vec::new(),
-            solids: Vec::new(),
-            leaves: Vec::new(),
-            names: Vec::new(),
             sheets: Vec::new(),
-            sheet_faces: Vec::new(),
-            looks: Vec::new(),
-            lights: Vec::new(),
-            cameras: Vec::new(),
-            background: None,
-            staged: Vec::new(),
-            notes: Vec::new(),
+            content: RayContent {
+                picture_look: options.picture_look,
+                has_standard_lights: scene.picture.is_none(),
+                ..RayContent::default()
+            },
         }
     }
 
     fn note(&mut self, object: &Object, fault: RayFault) {
-        self.notes.push(RayNote {
+        self.content.notes.push(RayNote {
             object: object.name.clone(),
             fault,
         });
@@ -473,8 +494,21 @@ impl<'a> Draft<'a> {
 
     fn object(&mut self, id: Option<ObjectId>, object: &Object) -> usize {
         let ray_object = RayObject::new(self.scene, self.params, id, object);
-        self.objects.push(ray_object);
-        self.objects.len() - 1
+        self.content.objects.push(ray_object);
+        self.content.objects.len() - 1
+    }
+
+    /// The image of faces with these attributes.
+    fn image(&mut self, id: Option<ObjectId>, attributes: &[Attribute]) -> Option<FaceImage> {
+        let images = &mut self.content.images;
+        let stated = stated_word(attributes, "image").map(|word| {
+            let known = images.iter().position(|image| image == word);
+            known.unwrap_or_else(|| {
+                images.push(word.to_owned());
+                images.len() - 1
+            })
+        });
+        id.map(|object| FaceImage { object, stated })
     }
 
     fn solid(&mut self, builder: &mut WorldBuilder<'_>, id: Option<ObjectId>, object: &Object) {
@@ -524,15 +558,19 @@ impl<'a> Draft<'a> {
             Err(_) => return,
         }
         let number = self.object(id, object);
-        self.solids.push(number);
+        self.content.solids.push(number);
         let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
-        let first_look = self.looks.len() as u32;
-        let first_name = self.names.len() as u32;
+        let first_look = self.content.looks.len() as u32;
+        let first_name = self.content.names.len() as u32;
         for leaf in &solid.leaves {
-            let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, false);
-            self.looks
-                .push(LookProgram::new(&object.name, id, color, attributes));
-            self.names.push((leaf.name.clone(), leaf.name_span));
+            // In a scene script a colour may be brighter than white.
+            let bright = scene.picture.is_some();
+            let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, bright);
+            let image = self.image(id, &leaf.attributes);
+            let picture_look = self.options.picture_look;
+            let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
+            self.content.looks.push(look);
+            self.content.names.push((leaf.name.clone(), leaf.name_span));
         }
         let mut instance_of = instances.iter();
         let mut current = instance_of.next();
@@ -541,20 +579,29 @@ impl<'a> Draft<'a> {
             while current.is_some_and(|(end, _)| *end <= k) {
                 current = instance_of.next();
             }
-            let look = &self.looks[(first_look + leaf.leaf) as usize];
+            let look = &self.content.looks[(first_look + leaf.leaf) as usize];
             if glass.is_none() {
                 glass = look.glass(&leaf.uniforms);
             }
-            self.leaves.push(RayLeaf {
+            let place = look.place(&leaf.uniforms);
+            let RayContent { leaves, sides, .. } = &mut self.content;
+            if let Some(front) = solid.front {
+                sides.resize(leaves.len(), FaceSides::Both);
+                sides.push(match leaf.leaf == front {
+                    true => FaceSides::Outer,
+                    false => FaceSides::None,
+                });
+            }
+            leaves.push(RayLeaf {
                 name: Some(first_name + leaf.leaf),
                 instance: current.map_or(0, |(_, instance)| *instance),
                 look: first_look + leaf.leaf,
-                place: look.place(&leaf.uniforms),
+                place,
                 uniforms: leaf.uniforms,
             });
         }
-        self.glass.push(glass);
-        let looks = &self.looks[first_look as usize..];
+        self.content.glass.push(glass);
+        let looks = &self.content.looks[first_look as usize..];
         let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
         uneven.sort_unstable();
         uneven.dedup();
@@ -587,12 +634,18 @@ impl<'a> Draft<'a> {
             return self.note(object, RayFault::TooLarge);
         }
         let number = self.object(Some(id), object);
-        self.solids.push(number);
-        self.glass.push(None);
+        self.content.solids.push(number);
+        self.content.glass.push(None);
         let color = (self.options.color)(id);
-        let look = LookProgram::new(&object.name, Some(id), color, attributes);
-        self.looks.push(look);
-        let look = self.looks.len() as u32 - 1;
+        let look = LookProgram::new(
+            &object.name,
+            None,
+            self.options.picture_look,
+            color,
+            attributes,
+        );
+        self.content.looks.push(look);
+        let look = self.content.looks.len() as u32 - 1;
         let mut uniforms: (u64, Arc<[f64]>) = (u64::MAX, Arc::default());
         for part in parts {
             let BodyPart {
@@ -604,8 +657,8 @@ impl<'a> Draft<'a> {
             if uniforms.0 != instance {
                 uniforms = (instance, params.instance(scene, object, instance).into());
             }
-            let varies = self.looks[look as usize].attributes.varies();
-            self.leaves.push(RayLeaf {
+            let varies = self.content.looks[look as usize].attributes.varies();
+            self.content.leaves.push(RayLeaf {
                 name: None,
                 instance,
                 look,
@@ -613,7 +666,7 @@ impl<'a> Draft<'a> {
                 place: if varies {
                     FacePlace::Along(Box::new((map.inverse(), parameter)))
                 } else {
-                    FacePlace::Anywhere
+                    FacePlace::anywhere()
                 },
             });
         }
@@ -633,9 +686,11 @@ impl<'a> Draft<'a> {
         let number = self.object(Some(id), object);
         let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
         let color = (self.options.color)(id);
-        let look = LookProgram::new(&object.name, Some(id), color, attributes);
+        let image = self.image(Some(id), &object.attributes);
+        let picture_look = self.options.picture_look;
+        let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
         let look = look.on_surface(&scene.graph, position);
-        self.looks.push(look);
+        self.content.looks.push(look);
         for instance in 0..count.min(room) {
             let uniforms: Arc<[f64]> = params.instance(scene, object, instance).into();
             let number_of = |input: Input| match input {
@@ -647,10 +702,10 @@ impl<'a> Draft<'a> {
                 return self.note(object, RayFault::TooLarge);
             };
             self.sheets.push(sheet);
-            self.sheet_faces.push(SheetFace {
+            self.content.sheet_faces.push(SheetFace {
                 object: number,
                 instance,
-                look: self.looks.len() as u32 - 1,
+                look: self.content.looks.len() as u32 - 1,
                 uniforms,
                 domain,
             });
@@ -659,30 +714,29 @@ impl<'a> Draft<'a> {
 
     fn stage(&mut self) {
         let (scene, params) = (self.scene, self.params);
-        for object in &scene.stage {
-            if matches!(object.shape, Shape::Background(_)) {
-                if self.background.is_none() {
-                    self.background = DeclaredBackground::new(scene, params, object);
-                }
-                continue;
-            }
+        let picture_look = self.options.picture_look;
+        let background = scene.background();
+        self.content.background = background
+            .and_then(|object| DeclaredBackground::new(scene, params, object, picture_look));
+        let others = scene.stage.iter();
+        for object in others.filter(|object| !matches!(object.shape, Shape::Background(_))) {
             let attributes = AttributeSet::new(&scene.graph, &object.attributes, true);
-            let (lights, dark) = stage::lights(scene, params, object, &attributes);
-            let (cameras, blind) = stage::cameras(scene, params, object, &attributes);
-            self.lights.extend(lights);
-            self.cameras.extend(cameras);
+            let (lights, dark) = stage::lights(scene, params, object, &attributes, picture_look);
+            let (cameras, blind) = stage::cameras(scene, params, object, &attributes, picture_look);
+            self.content.lights.extend(lights);
+            self.content.cameras.extend(cameras);
             if dark + blind > 0 {
                 self.note(object, RayFault::UndefinedStage(dark + blind));
             }
-            self.staged.push((object.name.clone(), attributes));
+            self.content.staged.push((object.name.clone(), attributes));
         }
     }
 
     fn finish(mut self, builder: WorldBuilder<'_>) -> RayScene {
         let world = builder.build().unwrap_or_else(|_| {
             // Each shape has been read once: only in its frame has one of them grown too large.
-            for object in &self.objects {
-                self.notes.push(RayNote {
+            for object in &self.content.objects {
+                self.content.notes.push(RayNote {
                     object: object.name.clone(),
                     fault: RayFault::TooLarge,
                 });
@@ -692,18 +746,7 @@ impl<'a> Draft<'a> {
         RayScene {
             world,
             sheets: Sheets::new(self.sheets),
-            glass: self.glass,
-            objects: self.objects,
-            solids: self.solids,
-            leaves: self.leaves,
-            names: self.names,
-            sheet_faces: self.sheet_faces,
-            looks: self.looks,
-            lights: self.lights,
-            cameras: self.cameras,
-            background: self.background,
-            staged: self.staged,
-            notes: self.notes,
+            content: self.content,
         }
     }
 }

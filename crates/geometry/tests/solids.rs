@@ -14,8 +14,9 @@ use scene::{
 use syntax::span::Span;
 use tracer::Ray;
 use tracer::camera::{Bokeh, LensCamera};
+use tracer::decoded;
 use tracer::light::LightKind;
-use tracer::shade::{Face, FaceLook, FaceObject, LightTracer, Scenery, decoded};
+use tracer::shade::{Face, FaceLook, FaceObject, LightTracer, Scenery};
 
 /// Writes scenes.
 #[derive(Default)]
@@ -135,6 +136,7 @@ impl Writer {
         let solid = Solid {
             leaves,
             steps: steps.to_vec(),
+            front: None,
         };
         self.declare(name, Shape::Solid(solid.into()), grids, Vec::new());
     }
@@ -154,6 +156,7 @@ impl Writer {
                 head_radius: 3.0,
                 head_share: 0.4,
             }),
+            picture_look: Default::default(),
         };
         RayScene::new(&self.scene, params, &options)
     }
@@ -197,6 +200,8 @@ fn first(scene: &RayScene, ray: &Ray) -> Option<Face> {
         lights: &[],
         background: &|_| DVec3::ZERO,
         bounces: 0,
+        picture_look: Default::default(),
+        sides: &[],
     };
     LightTracer::new(&scenery).first(ray)
 }
@@ -561,7 +566,7 @@ fn lights_and_cameras_are_those_of_the_scene() {
     // Without lights: those of the 3D view. The key comes from above the picture.
     let own = standard.of(&camera.lens);
     assert_eq!(own.len(), 3);
-    let key = own[2].from(DVec3::ZERO, [0.5; 2]);
+    let key = own[2].from(DVec3::ZERO, [0.5; 2], 0.0);
     assert!(key.towards.distance(DVec3::Z) < 1e-12);
     assert_eq!(own[1].kind, LightKind::Point(camera.lens.position));
 }
@@ -598,7 +603,9 @@ fn surfaces_have_bumps_and_images() {
             panic!("{face:?}");
         };
         assert!((uv[0] - 0.5).abs() < 1e-12 && (uv[1] - 0.5).abs() < 1e-12);
-        let look = scene.look(&face, &|_, at| Some(DVec3::new(at[0], at[1], 0.0)));
+        let look = scene.look(&face, &|_, at: [f64; 2]| {
+            Some(DVec3::new(at[0], at[1], 0.0))
+        });
         let expected = side * DVec3::new(0.5, 3.0, 0.0);
         assert!(look.bump.distance(expected) < 1e-12, "{}", look.bump);
         let painted = decoded(SOLID_COLOR) * DVec3::new(0.75, 0.75, 0.0);
@@ -635,6 +642,7 @@ fn params_move_lights_and_turn_solids() {
             aperture: 0.0,
             bokeh: Bokeh::Circle,
             projection: Default::default(),
+            sharp: Default::default(),
         };
         let standard = StandardLights {
             ambient: 0.0,

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::crt::Crt;
 use crate::geotrace::Geotrace;
 use crate::language::Language;
 
@@ -14,11 +15,11 @@ pub struct Languages {
 }
 
 impl Languages {
-    /// The languages of this program: Geotrace.
+    /// The languages of this program: Geotrace and CRT.
     pub fn standard() -> Self {
         Self {
             standard: Arc::new(Geotrace),
-            others: Vec::new(),
+            others: vec![Arc::new(Crt)],
         }
     }
 
@@ -81,5 +82,7 @@ mod tests {
         assert!(languages.by_extension(Path::new("a.gtr")).is_some());
         assert!(languages.by_extension(Path::new("a.txt")).is_none());
         assert!(languages.named("plaintext").is_none());
+        let script = languages.by_extension(Path::new("a.crt"));
+        assert!(script.is_some_and(|language| language.name() == "crt"));
     }
 }

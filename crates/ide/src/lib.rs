@@ -3,7 +3,7 @@
 //! ```text
 //! languages     the languages by file extension and name
 //! language      the interface of a language: Language, Program, Analysis
-//! geotrace      the Geotrace language behind it
+//! geotrace, crt the languages behind it
 //! text          a text by its lines
 //! color, completion, description, edit, fix, hint, lens, occurrence, outline, rename, semantic, signature, …
 //!               what the features return
@@ -14,6 +14,7 @@
 
 pub mod color;
 pub mod completion;
+pub mod crt;
 pub mod description;
 pub mod edit;
 pub mod edit_camera;

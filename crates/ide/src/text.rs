@@ -4,7 +4,7 @@
 
 use std::fmt::Debug;
 
-use syntax::document::EditError;
+use syntax::document::{EditError, Grammar, Snapshot};
 use syntax::span::Span;
 
 /// A text of less than 4 GiB. Each method costs far less than the text is long, but [`Text::string`].
@@ -108,7 +108,7 @@ impl Text for PlainText {
     }
 }
 
-impl Text for syntax::geotrace::document::Snapshot {
+impl<G: Grammar> Text for Snapshot<G> {
     fn len(&self) -> u32 {
         self.len()
     }

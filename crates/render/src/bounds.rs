@@ -192,6 +192,7 @@ fn solid_points(scene: &Scene, params: &ParamValues, solid: &Object) -> Vec<[f64
         shown: &|_| true,
         color: &|_| DVec3::ONE,
         thickness: None,
+        picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, params, &options, solid);
     let world = rays.world();

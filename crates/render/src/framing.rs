@@ -231,6 +231,7 @@ fn declared_lens(request: &PictureRequest) -> Option<LensCamera> {
         shown: &|_| false,
         color: &|_| DVec3::ONE,
         thickness: None,
+        picture_look: Default::default(),
     };
     let rays = RayScene::new(&request.scene, &request.params, &options);
     declared_camera(&rays, request.view.space()?.declared.as_deref())

@@ -124,6 +124,18 @@ pub fn render(
     }
 }
 
+/// The request with the scene that the values of its params make, where they change more than numbers.
+fn with_scene_of_params(request: &PictureRequest) -> Cow<'_, PictureRequest> {
+    if request.scene.rerun.is_none() {
+        return Cow::Borrowed(request);
+    }
+    let scene = request.scene.arc().at(&request.params);
+    Cow::Owned(PictureRequest {
+        scene: scene.into(),
+        ..request.clone()
+    })
+}
+
 impl Renderer {
     /// A renderer on the software path.
     pub fn software() -> Self {
@@ -280,7 +292,8 @@ impl Renderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
         request.check()?;
-        let request = self.with_curvatures(request);
+        let request = with_scene_of_params(request);
+        let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
         let mut layers = renderer.layers(shared, &request, progress)?;
         if layers.below.backend.is_empty() {
@@ -294,7 +307,8 @@ impl Renderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
-        let request = self.with_curvatures(request);
+        let request = with_scene_of_params(request);
+        let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
         let mut image = renderer.draw(shared, &request, progress)?;
         if image.backend.is_empty() {
@@ -375,8 +389,9 @@ impl Renderer {
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         request.check()?;
-        let (renderer, shared) = self.renderer(request)?;
-        renderer.pick(shared, request, at)
+        let request = with_scene_of_params(request);
+        let (renderer, shared) = self.renderer(&request)?;
+        renderer.pick(shared, &request, at)
     }
 
     /// The camera in space that a request has, in the drawing units of the renderer's bounds.
@@ -385,8 +400,9 @@ impl Renderer {
     /// [`RenderError::Camera`], also for a view that has no such camera.
     pub fn camera(&mut self, request: &PictureRequest) -> Result<Camera, RenderError> {
         request.check()?;
-        let (renderer, shared) = self.renderer(request)?;
-        let camera = renderer.camera(shared, request)?;
+        let request = with_scene_of_params(request);
+        let (renderer, shared) = self.renderer(&request)?;
+        let camera = renderer.camera(shared, &request)?;
         camera
             .ok_or_else(|| RenderError::Camera("a geodesic view has no camera in space".to_owned()))
     }

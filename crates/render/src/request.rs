@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
-use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene};
+use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene, stated_word};
 
 use crate::error::{MAX_SIDE, RenderError};
 use crate::shared::Shared;
@@ -32,6 +32,11 @@ pub struct PictureRequest {
     /// The images of surfaces, of which the last one counts; a surface that is not listed shows
     /// [`Texture::orientation`].
     pub textures: Vec<(ObjectId, Shared<Texture>)>,
+    /// The images that the program names, by their words. An object shows the one that it states, unless it has another among
+    /// [`PictureRequest::textures`].
+    pub images: Vec<(String, Shared<Texture>)>,
+    /// The image of the declared background, instead of one that it states.
+    pub background_image: Option<Shared<Texture>>,
     /// Surfaces whose images lie on them the other way up: their top row is v max. Of [`Texture::orientation`], only the
     /// letters are turned over.
     pub flipped: Vec<ObjectId>,
@@ -112,6 +117,8 @@ impl PictureRequest {
             view: view.into(),
             size,
             textures: Vec::new(),
+            images: Vec::new(),
+            background_image: None,
             flipped: Vec::new(),
             curved: Vec::new(),
             theme: Theme::default(),
@@ -132,18 +139,36 @@ impl PictureRequest {
     /// to.
     pub(crate) fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {
         let flipped = self.flipped.contains(&object);
-        let own = self.textures.iter().rev().find(|(id, _)| *id == object);
-        match own {
+        match self.own_texture(object) {
             // Colours of curvature have their place on the surface.
-            Some((_, texture)) if flipped && texture.curvature_scale().is_none() => {
-                texture.flipped()
-            }
-            Some((_, texture)) => texture.arc().clone(),
+            Some(texture) if flipped && texture.curvature_scale().is_none() => texture.flipped(),
+            Some(texture) => texture.arc().clone(),
             // A colour that is stated is not seen through letters.
             None if self.states_colour(object) => Texture::plain(),
             None if flipped != from_behind => Texture::orientation_from_behind(),
             None => Texture::orientation(),
         }
+    }
+
+    /// The image that was chosen for an object, else the one that it states.
+    pub(crate) fn own_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
+        self.chosen_texture(object).or_else(|| {
+            let attributes = &self.scene.get(object)?.attributes;
+            self.image(stated_word(attributes, "image")?)
+        })
+    }
+
+    /// The image that was chosen for an object.
+    pub(crate) fn chosen_texture(&self, object: ObjectId) -> Option<&Shared<Texture>> {
+        let mut chosen = self.textures.iter().rev();
+        let (_, texture) = chosen.find(|(id, _)| *id == object)?;
+        Some(texture)
+    }
+
+    /// An image that the program names.
+    pub(crate) fn image(&self, word: &str) -> Option<&Shared<Texture>> {
+        let (_, image) = self.images.iter().find(|(known, _)| known == word)?;
+        Some(image)
     }
 
     /// Returns true if an object states a colour that is the same at all of its places.
@@ -256,7 +281,7 @@ fn stated_colour(scene: &Scene, params: &ParamValues, object: &Object) -> Option
 }
 
 /// The numbers of the colour that an object states.
-fn color_nodes(object: &Object) -> Option<&[NodeId]> {
+pub(crate) fn color_nodes(object: &Object) -> Option<&[NodeId]> {
     let stated = object.attributes.iter().find(|it| it.word == "color")?;
     match &stated.value {
         AttributeValue::Numbers(nodes) => Some(nodes),

@@ -8,6 +8,7 @@
 //! Both backends draw the same tiles: the software path begins with them, the GPU composes them by their depth. At rest,
 //! pixels at edges get a ray for each of their four samples.
 
+mod images;
 mod store;
 
 pub(crate) use store::{SolidScene, SolidStore, TracedScene};

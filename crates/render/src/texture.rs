@@ -5,11 +5,13 @@
 
 mod curvature;
 mod filter;
+mod named;
 mod orientation;
 
 pub use curvature::CurvatureScale;
 pub(crate) use filter::Footprint;
 pub use filter::Sampler;
+pub use named::{missing_file, named_file};
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -108,7 +108,14 @@ impl Builder {
         self.scene.objects.push(Object {
             name: name.to_owned(),
             name_span: self.other.name_span,
-            shape: Shape::Solid(Solid { leaves, steps }.into()),
+            shape: Shape::Solid(
+                Solid {
+                    leaves,
+                    steps,
+                    front: None,
+                }
+                .into(),
+            ),
             params: Vec::new(),
             grids: Vec::new(),
             geodesic_values: Vec::new(),

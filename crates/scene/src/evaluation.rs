@@ -17,6 +17,8 @@ pub enum Value {
     Number(Option<f64>),
     /// A vector of dimension 2 or more; none for each component that is undefined.
     Vector(Vec<Option<f64>>),
+    /// A value of another type, as its language writes it.
+    Text(String),
 }
 
 /// The value for one combination of the grids' values.

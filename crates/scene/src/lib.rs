@@ -12,6 +12,7 @@
 //! A scene is data: expressions in one graph, and handles into it. It knows no language, no view and no GPU. A language
 //! is a module that gives a [`Scene`]; the modules beside it know none of them.
 
+pub mod crt;
 mod evaluation;
 mod geodesic_value;
 pub mod geotrace;
@@ -23,8 +24,10 @@ mod metric;
 mod param_values;
 mod program_scene;
 mod range;
+mod rerun;
 mod scene;
 mod solid;
+mod stated_picture;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
 pub use geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind};
@@ -32,8 +35,10 @@ pub use initial_conditions::{InitialConditions, InitialConditionsError};
 pub use initial_conditions_evaluator::InitialConditionsEvaluator;
 pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
+pub use rerun::Rerun;
 pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
 pub use solid::{
     AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Light, Solid, SolidLeaf,
-    SolidStep,
+    SolidStep, stated_word,
 };
+pub use stated_picture::StatedPicture;

@@ -5,6 +5,7 @@
 
 use expr::number;
 use std::fmt;
+use std::sync::Arc;
 
 use syntax::spelling::nearest;
 
@@ -105,6 +106,17 @@ impl fmt::Display for SetError {
 }
 
 impl std::error::Error for SetError {}
+
+impl Scene {
+    /// The scene for these values of its params: the given one, unless the values may change more than numbers. Where the
+    /// text has an error for them, the given one.
+    pub fn at(self: &Arc<Self>, params: &ParamValues) -> Arc<Self> {
+        let rerun = self.rerun.as_ref();
+        let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
+        let scene = rerun.and_then(|rerun| rerun.at(params.uniforms(), attach));
+        scene.unwrap_or_else(|| self.clone())
+    }
+}
 
 impl ParamValues {
     /// Each param at its initial value, no grid fixed.

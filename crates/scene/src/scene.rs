@@ -1,5 +1,6 @@
 //! The scene as data.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use expr::{Graph, NodeId};
@@ -8,7 +9,9 @@ use syntax::span::Span;
 use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue};
 pub use crate::ids::{GridId, ObjectId, ParamId};
 pub use crate::range::{Range, Sampling};
-use crate::solid::{Attribute, Background, Camera, Light, Solid, SolidLeaf};
+use crate::rerun::Rerun;
+use crate::solid::{Attribute, Background, Camera, Light, Solid, SolidLeaf, stated_word};
+use crate::stated_picture::StatedPicture;
 
 /// A compiled program.
 #[derive(Clone, Debug, Default)]
@@ -32,9 +35,22 @@ pub struct Scene {
     pub geodesic_values: Vec<GeodesicValue>,
     /// The values that have been computed.
     pub geodesic_cache: GeodesicCache,
+    /// The picture that the text itself describes; `None` where it does not. Such a scene has no lights but its own.
+    pub picture: Option<StatedPicture>,
+    /// The scene for other values of the params, where params may change more than numbers.
+    pub rerun: Option<Rerun<Scene>>,
 }
 
 impl Scene {
+    /// Coordinates, or the components of a vector, as the text has them from those of the scene, and the other way round:
+    /// y and z change places where the text is left-handed.
+    pub fn stated<T: Copy>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
+        match self.picture {
+            Some(_) => [x, z, y],
+            None => [x, y, z],
+        }
+    }
+
     /// The objects, each with its number.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
         (0..).map(ObjectId).zip(&self.objects)
@@ -105,6 +121,24 @@ impl Scene {
             variables.extend_from_slice(&numbers[..value.width() as usize]);
         }
         variables
+    }
+
+    /// The images that attributes name, each once, in alphabetical order.
+    pub fn image_words(&self) -> BTreeSet<&str> {
+        let objects = self.objects.iter().chain(&self.stage);
+        let stated = objects.flat_map(|object| {
+            let leaves = object.shape.solid().into_iter();
+            let leaves = leaves.flat_map(|solid| &solid.leaves);
+            std::iter::once(&object.attributes).chain(leaves.map(|leaf| &leaf.attributes))
+        });
+        let words = stated.filter_map(|attributes| stated_word(attributes, "image"));
+        words.collect()
+    }
+
+    /// The background.
+    pub fn background(&self) -> Option<&Object> {
+        let mut stage = self.stage.iter();
+        stage.find(|object| matches!(object.shape, Shape::Background(_)))
     }
 
     /// The object of a name.

@@ -13,6 +13,8 @@ pub struct Solid {
     pub leaves: Vec<SolidLeaf>,
     /// The set, in postfix order.
     pub steps: Vec<SolidStep>,
+    /// The one leaf whose faces are seen, and cast shadows, and only from outside; without one all are, from both sides.
+    pub front: Option<u32>,
 }
 
 /// A step of a set in postfix order: operands, then what joins the last two.
@@ -118,6 +120,7 @@ impl Solid {
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let mut pairs = self.leaves.iter().zip(&other.leaves);
         self.steps == other.steps
+            && self.front == other.front
             && self.leaves.len() == other.leaves.len()
             && pairs.all(|(a, b)| a.is_same(b))
     }
@@ -145,6 +148,15 @@ impl SolidLeaf {
         std::iter::once(&mut self.field)
             .chain(map)
             .chain(attributes)
+    }
+}
+
+/// The word that is stated for an attribute such as `bokeh`.
+pub fn stated_word<'a>(attributes: &'a [Attribute], attribute: &str) -> Option<&'a str> {
+    let stated = attributes.iter().find(|stated| stated.word == attribute)?;
+    match &stated.value {
+        AttributeValue::Word(word) => Some(word),
+        AttributeValue::Numbers(_) => None,
     }
 }
 

@@ -24,7 +24,7 @@ fn values(compilation: &Compilation, params: &ParamValues, text: &str) -> Vec<f6
     match found.outcome {
         Outcome::Single(Value::Number(x)) => vec![number(x)],
         Outcome::Single(Value::Vector(xs)) => xs.into_iter().map(number).collect(),
-        Outcome::Instances(_) => panic!("{text} has instances"),
+        other => panic!("{text}: {other:?}"),
     }
 }
 

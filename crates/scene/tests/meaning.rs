@@ -32,7 +32,7 @@ fn components(source: &str, expression: &str) -> Vec<f64> {
             let numbers = vector.into_iter();
             numbers.map(|number| number.unwrap_or(f64::NAN)).collect()
         }
-        Outcome::Instances(instances) => panic!("{expression}: {instances:?}"),
+        other => panic!("{expression}: {other:?}"),
     }
 }
 

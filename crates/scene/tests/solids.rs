@@ -51,7 +51,7 @@ fn value(source: &str, expression: &str) -> Vec<f64> {
             let numbers = numbers.into_iter();
             numbers.map(|number| number.expect("defined")).collect()
         }
-        Outcome::Instances(_) => panic!("several values"),
+        other => panic!("{other:?}"),
     }
 }
 

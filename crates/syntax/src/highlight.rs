@@ -7,6 +7,8 @@ pub enum HighlightKind {
     Comment,
     /// A number.
     Number,
+    /// A string.
+    Text,
     /// A word of the language.
     Keyword,
     /// A name that stands for a value.

@@ -7,10 +7,13 @@
 //! - [`symbol`], [`trie`], [`spelling`]: names.
 //! - [`highlight`]: the kinds of coloured pieces.
 //! - [`document`]: a text that is edited, read piece by piece.
+//! - [`attribute_range`]: the numbers that an attribute may have.
 //!
-//! A language is a module beside it: [`geotrace`].
+//! A language is a module beside it: [`geotrace`], [`crt`].
 
+pub mod attribute_range;
 pub mod codes;
+pub mod crt;
 pub mod diagnostic;
 pub mod document;
 pub mod geotrace;

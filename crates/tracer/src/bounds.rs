@@ -83,9 +83,19 @@ impl BoundingBox {
     }
 
     /// The part of a line inside, in its parameter; empty where the first exceeds the second.
+    #[inline]
     pub(crate) fn part(&self, origin: DVec3, reciprocal: DVec3) -> [f64; 2] {
         let a = (self.lower - origin) * reciprocal;
         let b = (self.upper - origin) * reciprocal;
+        let sum = a + b;
+        if !(sum.x + sum.y + sum.z).is_nan() {
+            let less = |a: f64, b: f64| if a < b { a } else { b };
+            let more = |a: f64, b: f64| if a > b { a } else { b };
+            return [
+                more(more(less(a.x, b.x), less(a.y, b.y)), less(a.z, b.z)),
+                less(less(more(a.x, b.x), more(a.y, b.y)), more(a.z, b.z)),
+            ];
+        }
         // 0·∞: the line runs in the plane of a side, and counts as inside.
         let near = |a: f64, b: f64| {
             if a.is_nan() || b.is_nan() {

@@ -27,6 +27,18 @@ pub struct LensCamera {
     pub bokeh: Bokeh,
     /// The way in which directions lie in the picture.
     pub projection: LensProjection,
+    /// The places that are sharp.
+    pub sharp: SharpPlaces,
+}
+
+/// The places that a lens shows sharp, at the distance `focus`.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum SharpPlaces {
+    /// A plane across the direction.
+    #[default]
+    Plane,
+    /// A ball around the lens' centre; places on the lens are seen from behind.
+    Ball,
 }
 
 /// The way in which directions lie in a picture.
@@ -81,6 +93,9 @@ pub struct SampleAxes {
     pub lens: bool,
     /// Lights that have a size.
     pub lights: bool,
+    /// The samples of a pixel lie in turn on a grid of so many columns and rows, from the pixel's top left; a grid of one
+    /// has its place in the pixel's middle.
+    pub grid: Option<u32>,
 }
 
 /// The place of a sample: numbers from 0 to 1.
@@ -113,7 +128,10 @@ impl SampleAxes {
         };
         let pair = |axis: usize| [place(axis), place(axis + 1)];
         Sample {
-            pixel: pair(0),
+            pixel: match self.grid {
+                Some(count) => on_grid(count, sample),
+                None => pair(0),
+            },
             lens: if self.lens { pair(2) } else { [0.5; 2] },
             light: match (self.lens, self.lights) {
                 (_, false) => [0.5; 2],
@@ -147,6 +165,10 @@ impl LensCamera {
         }
         let [a, b] = self.bokeh.place(lens);
         let offset = self.aperture * (a * right + b * up);
+        let (offset, direction) = match self.sharp {
+            SharpPlaces::Plane => (offset, direction),
+            SharpPlaces::Ball => (-offset, direction.normalize()),
+        };
         let sharp = self.focus * direction;
         (self.position + offset, (sharp - offset).normalize())
     }
@@ -189,6 +211,15 @@ impl Bokeh {
             }
         }
     }
+}
+
+/// The place of a sample on a grid: column by column, from the pixel's top left.
+fn on_grid(count: u32, sample: u32) -> [f64; 2] {
+    if count <= 1 {
+        return [0.5; 2];
+    }
+    let place = sample % count.saturating_mul(count);
+    [place / count, place % count].map(|k| f64::from(k) / f64::from(count))
 }
 
 /// A place in a polygon of triangles about 0 that have equal areas.

@@ -14,7 +14,7 @@ use rustc_hash::FxHashMap;
 
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
-use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line};
+use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::surface::PolynomialSurface;
@@ -64,6 +64,28 @@ pub struct Caster<'w> {
     start: Vec<usize>,
 }
 
+/// The part of a ray that is asked for.
+#[derive(Clone, Copy, Debug)]
+struct Sought {
+    /// True if the first crossings are enough.
+    first: bool,
+    /// True for a ray of the bundle.
+    bundled: bool,
+    /// Crossings are sought before this t.
+    before: f64,
+}
+
+impl Sought {
+    const ALL: Self = Self {
+        first: false,
+        bundled: false,
+        before: f64::INFINITY,
+    };
+}
+
+/// A slope of more than this share of its terms has the sign that it seems to have.
+const CLEAR: f64 = 1e-9;
+
 /// A leaf whose box the ray meets.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -107,20 +129,43 @@ impl World {
 impl Caster<'_> {
     /// All crossings with t > 0, by t, then by solid.
     pub fn cast(&mut self, ray: &Ray) -> &[Crossing] {
-        self.sweep(ray, false, false);
+        self.sweep(ray, Sought::ALL, &mut |_| true);
         &self.crossings
     }
 
     /// The first crossing with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Crossing> {
-        self.sweep(ray, true, false);
+        let sought = Sought {
+            first: true,
+            ..Sought::ALL
+        };
+        self.sweep(ray, sought, &mut |_| true);
         self.crossings.first().copied()
     }
 
     /// The crossings with the least t > 0, by solid; `bundled` for a ray of the bundle.
     pub(crate) fn nearest(&mut self, ray: &Ray, bundled: bool) -> &[Crossing] {
-        self.sweep(ray, true, bundled);
+        let sought = Sought {
+            first: true,
+            bundled,
+            ..Sought::ALL
+        };
+        self.sweep(ray, sought, &mut |_| true);
         &self.crossings
+    }
+
+    /// Hands the crossings with t > 0 and less than `before` to `found`, by t, then by solid, until it returns false.
+    pub(crate) fn each_before(
+        &mut self,
+        ray: &Ray,
+        before: f64,
+        found: &mut dyn FnMut(&Crossing) -> bool,
+    ) {
+        let sought = Sought {
+            before,
+            ..Sought::ALL
+        };
+        self.sweep(ray, sought, found);
     }
 
     /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
@@ -134,7 +179,12 @@ impl Caster<'_> {
     /// The first crossing with t > 0 of the ray with this index in the bundle.
     pub fn first_of_bundle(&mut self, index: usize) -> Option<Crossing> {
         let ray = self.bundle[index];
-        self.sweep(&ray, true, true);
+        let sought = Sought {
+            first: true,
+            bundled: true,
+            ..Sought::ALL
+        };
+        self.sweep(&ray, sought, &mut |_| true);
         self.crossings.first().copied()
     }
 
@@ -148,7 +198,10 @@ impl Caster<'_> {
         self.field.evaluations
     }
 
-    fn sweep(&mut self, ray: &Ray, one: bool, bundled: bool) {
+    fn sweep(&mut self, ray: &Ray, sought: Sought, found: &mut dyn FnMut(&Crossing) -> bool) {
+        let Sought {
+            bundled, before, ..
+        } = sought;
         self.state.reset(&self.world.forest);
         self.crossings.clear();
         self.events.clear();
@@ -168,8 +221,8 @@ impl Caster<'_> {
         }
         self.read_start();
         loop {
-            let event = self.events.last().map_or(f64::INFINITY, |event| event.t);
-            if next < self.candidates.len() && self.candidates[next].entry <= event {
+            let event = self.events.last().map_or(before, |event| event.t);
+            if next < self.candidates.len() && self.candidates[next].entry <= event.min(before) {
                 self.activate(ray, self.candidates[next], bundled);
                 next += 1;
                 continue;
@@ -177,12 +230,17 @@ impl Caster<'_> {
             let Some(event) = self.events.last().copied() else {
                 break;
             };
+            if event.t >= before {
+                break;
+            }
             self.group.clear();
             while let Some(same) = self.events.pop_if(|next| next.t == event.t) {
                 self.group.push(same);
             }
+            let known = self.crossings.len();
             self.pass(ray);
-            if one && !self.crossings.is_empty() {
+            let enough = sought.first && !self.crossings.is_empty();
+            if enough || !self.crossings[known..].iter().all(&mut *found) {
                 break;
             }
             for k in 0..self.group.len() {
@@ -224,6 +282,9 @@ impl Caster<'_> {
 
     /// Notes what the ray starts inside of.
     fn read_start(&mut self) {
+        if self.state.changed.is_empty() && self.world.endless_solids.is_empty() {
+            return;
+        }
         let mut changed = std::mem::take(&mut self.state.changed);
         changed.sort_unstable();
         changed.dedup();
@@ -245,6 +306,9 @@ impl Caster<'_> {
     /// Reads a leaf: its membership where the ray comes to it, and its events.
     fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
         let leaf = &self.world.leaves[candidate.leaf as usize];
+        if self.departs_from_plane(ray, candidate) {
+            return;
+        }
         let line = UnitLine::new(leaf, ray);
         if !(line.speed.is_finite() && line.speed > 0.0) {
             return;
@@ -259,8 +323,27 @@ impl Caster<'_> {
                 piece: k as u32,
             };
             let index = leaf.first_piece + k;
-            let inside = match piece {
-                LeafSurface::Polynomial(polynomial) => {
+            let low = match piece {
+                LeafSurface::Polynomial(polynomial) if self.is_alone(ray, surface) => {
+                    quadratic_changes_in_t(&line, polynomial)
+                }
+                _ => None,
+            };
+            let inside = match (piece, low) {
+                (_, Some(changes)) => {
+                    for &t in changes.places() {
+                        if t > from && t <= to {
+                            self.events.push(SurfaceEvent {
+                                t,
+                                leaf: surface.leaf,
+                                piece: surface.piece,
+                                rest: None,
+                            });
+                        }
+                    }
+                    changes.inside_after(from)
+                }
+                (LeafSurface::Polynomial(polynomial), None) => {
                     let range = leaf.bounded.then_some([from, to]);
                     let (changes, opposite) =
                         self.polynomial_changes(ray, &line, polynomial, surface, range);
@@ -274,7 +357,7 @@ impl Caster<'_> {
                     }));
                     changes.inside_after(from) != opposite
                 }
-                LeafSurface::Field(field, _) => {
+                (LeafSurface::Field(field, _), None) => {
                     let line = field_line(leaf, ray);
                     let leaving = from == 0.0 && self.leaves(ray, surface);
                     let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
@@ -287,9 +370,36 @@ impl Caster<'_> {
                 self.state.set(&self.world.forest, leaf.pieces[k], true);
             }
         }
-        if self.events.len() > before {
+        if self.events.len() > before && self.events.len() > 1 {
             self.sort_events();
         }
+    }
+
+    /// Reads a half-space that the ray starts on the edge of, which it never meets again; false for any other leaf.
+    fn departs_from_plane(&mut self, ray: &Ray, candidate: Candidate) -> bool {
+        let leaf = &self.world.leaves[candidate.leaf as usize];
+        let leaving = ray.leaving.is_some_and(|id| id.leaf == candidate.leaf);
+        let ([LeafSurface::Polynomial(surface)], true) = (&leaf.compiled.pieces[..], leaving)
+        else {
+            return false;
+        };
+        let Some(normal) = surface.plane_normal() else {
+            return false;
+        };
+        let along = leaf.unit_from_world.transform_vector3(ray.direction);
+        let slope = normal.dot(along);
+        // Other leaves with the same surface have to find the same side: what rounding may turn is left to its equation.
+        let clear = CLEAR * normal.abs().dot(along.abs());
+        if !(slope.abs() > clear && slope.is_finite()) {
+            return false;
+        }
+        let inside = slope <= 0.0;
+        self.state.set(&self.world.forest, leaf.gate, true);
+        self.inside[leaf.first_piece] = inside;
+        if inside {
+            self.state.set(&self.world.forest, leaf.pieces[0], true);
+        }
+        true
     }
 
     /// The next one last.
@@ -363,6 +473,16 @@ impl Caster<'_> {
         let changes = changes_in_t(&UnitLine::new(first, ray), equation, leaving, None);
         self.shared.insert(member.group, changes);
         (changes, member.opposite)
+    }
+
+    /// True if the surface is no other leaf's, and the ray does not start on it.
+    fn is_alone(&self, ray: &Ray, id: SurfaceId) -> bool {
+        let leaf = &self.world.leaves[id.leaf as usize];
+        let group = self
+            .world
+            .surfaces
+            .group(leaf.first_piece + id.piece as usize);
+        group.is_none() && ray.leaving != Some(id)
     }
 
     /// True if the ray starts on this surface.

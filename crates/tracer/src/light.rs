@@ -62,7 +62,7 @@ pub struct SeenLight {
     pub towards: DVec3,
     /// The distance, infinite for a parallel light.
     pub distance: f64,
-    /// The share of its colour, without shadows: S·(falloff/r)².
+    /// The share of its colour, without shadows: S·(falloff/(r + path))².
     pub share: f64,
 }
 
@@ -80,8 +80,9 @@ impl Light {
         }
     }
 
-    /// The light as seen from a place; `sample` is a place on the ball that shines, two numbers from 0 to 1.
-    pub fn from(&self, place: DVec3, sample: [f64; 2]) -> SeenLight {
+    /// The light as seen from a place; `sample` is a place on the ball that shines, two numbers from 0 to 1, and `path` the
+    /// length of the way from there on, along which it fades too.
+    pub fn from(&self, place: DVec3, sample: [f64; 2], path: f64) -> SeenLight {
         let (towards, distance, share) = match self.kind {
             LightKind::Point(position) => {
                 let offset = self.shining(position - place, sample);
@@ -119,7 +120,7 @@ impl Light {
             }
         };
         let fading = match self.falloff {
-            Some(falloff) if distance.is_finite() => (falloff / distance).powi(2),
+            Some(falloff) if distance.is_finite() => (falloff / (distance + path)).powi(2),
             _ => 1.0,
         };
         SeenLight {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::field::Line;
 use crate::leaf::Leaf;
-use crate::roots::{SignChanges, deflated};
+use crate::roots::{QuadraticChanges, SignChanges, deflated};
 use crate::surface::PolynomialSurface;
 
 /// Names a surface that bounds a leaf.
@@ -71,6 +71,17 @@ pub(crate) fn field_line(leaf: &Leaf, ray: &Ray) -> Line {
     }
 }
 
+/// The sign changes of a polynomial whose degree is two at most along a line, in t; `None` if it is higher.
+pub(crate) fn quadratic_changes_in_t(
+    line: &UnitLine,
+    surface: &PolynomialSurface,
+) -> Option<QuadraticChanges> {
+    let p = surface.quadratic_along(line.point, line.direction)?;
+    let mut changes = QuadraticChanges::of_quadratic(p);
+    changes.map(|place| line.t(place));
+    Some(changes)
+}
+
 /// The sign changes of a polynomial along a line, in t; where the ray leaves the surface, without the one at t = 0.
 pub(crate) fn changes_in_t(
     line: &UnitLine,
@@ -86,6 +97,7 @@ pub(crate) fn changes_in_t(
         Some([from, to]) if surface.degree() > 2 => {
             SignChanges::between(&p, line.place(from), line.place(to))
         }
+        _ if surface.degree() <= 2 => SignChanges::of_quadratic([p[0], p[1], p[2]]),
         _ => SignChanges::everywhere(&p),
     };
     changes.map(|place| line.t(place));

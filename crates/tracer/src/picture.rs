@@ -42,18 +42,24 @@ impl LightSums {
         self.samples
     }
 
-    /// Adds the next samples, `count` for each pixel, on so many threads. `progress` receives the share that is done, from
-    /// any thread, and returns false to stop: then nothing is added.
+    /// Adds the next samples, `count` for each pixel, on so many threads; `grid` is that of [`SampleAxes`]. `progress`
+    /// receives the share that is done, from any thread, and returns false to stop: then nothing is added.
     pub fn add(
         &mut self,
         scenery: &Scenery<'_>,
         camera: &LensCamera,
+        grid: Option<u32>,
         count: u32,
         threads: usize,
         progress: &(dyn Fn(f32) -> bool + Sync),
     ) -> bool {
         let [columns, rows] = self.size.map(|side| side.div_ceil(TILE));
         let tiles = (columns * rows) as usize;
+        let axes = SampleAxes {
+            lens: camera.aperture > 0.0,
+            lights: scenery.lights.iter().any(|light| light.size > 0.0),
+            grid,
+        };
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
         let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
@@ -66,10 +72,7 @@ impl LightSums {
                     break;
                 }
                 let corner = [tile as u32 % columns, tile as u32 / columns].map(|k| k * TILE);
-                own.push((
-                    corner,
-                    self.tile(&mut tracer, scenery, camera, corner, count),
-                ));
+                own.push((corner, self.tile(&mut tracer, axes, camera, corner, count)));
                 if !progress((tile + 1) as f32 / tiles as f32) {
                     stopped.store(true, Ordering::Relaxed);
                 }
@@ -106,15 +109,11 @@ impl LightSums {
     fn tile(
         &self,
         tracer: &mut LightTracer<'_>,
-        scenery: &Scenery<'_>,
+        axes: SampleAxes,
         camera: &LensCamera,
         corner: [u32; 2],
         count: u32,
     ) -> Vec<DVec3> {
-        let axes = SampleAxes {
-            lens: camera.aperture > 0.0,
-            lights: scenery.lights.iter().any(|light| light.size > 0.0),
-        };
         let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
         let mut rays: Vec<Ray> = Vec::with_capacity(sums.len());
         for sample in self.samples..self.samples + count {

@@ -12,26 +12,92 @@ pub(crate) const LARGEST_DEGREE: usize = expr::polynomial::LARGEST_DEGREE;
 /// Coefficients, the constant first; those above the degree are 0.
 pub(crate) type Coefficients = [f64; LARGEST_DEGREE + 1];
 
-/// The places where the sign of a polynomial changes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SignChanges {
-    places: [f64; LARGEST_DEGREE + 2],
+/// The places where the sign of a polynomial changes, `MOST` at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SignChanges<const MOST: usize = { LARGEST_DEGREE + 2 }> {
+    places: [f64; MOST],
     count: usize,
     /// True if the polynomial is not positive before the first place.
     pub(crate) inside_first: bool,
 }
+
+/// Those of a polynomial whose degree is two at most.
+pub(crate) type QuadraticChanges = SignChanges<2>;
 
 /// The number of times that a part is halved by Bernstein's coefficients.
 const HALVINGS: usize = 6;
 /// Beyond this the reciprocal of the variable is solved for.
 const FAR: f64 = 2.0;
 
+impl<const MOST: usize> Default for SignChanges<MOST> {
+    fn default() -> Self {
+        Self {
+            places: [0.0; MOST],
+            count: 0,
+            inside_first: false,
+        }
+    }
+}
+
+impl<const MOST: usize> SignChanges<MOST> {
+    /// The changes of c + b·s + a·s²; MOST is at least 2.
+    pub(crate) fn of_quadratic([c, b, a]: [f64; 3]) -> Self {
+        let mut changes = Self {
+            inside_first: [a, -b, c]
+                .into_iter()
+                .find(|lead| *lead != 0.0)
+                .is_none_or(|lead| lead < 0.0),
+            ..Self::default()
+        };
+        if a == 0.0 {
+            if b != 0.0 {
+                changes.push(-c / b);
+            }
+            return changes;
+        }
+        let discriminant = b * b - 4.0 * a * c;
+        if discriminant > 0.0 {
+            let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+            // Both are numbers: q is not 0 where the discriminant is positive.
+            let [s, r] = [q / a, c / q];
+            changes.push(s.min(r));
+            changes.push(s.max(r));
+        }
+        changes
+    }
+
+    /// In ascending order.
+    pub(crate) fn places(&self) -> &[f64] {
+        &self.places[..self.count]
+    }
+
+    /// True if the polynomial is not positive right after the place.
+    pub(crate) fn inside_after(&self, place: f64) -> bool {
+        let before = self.places().iter().filter(|&&s| s <= place).count();
+        self.inside_first != (before % 2 == 1)
+    }
+
+    /// Replaces the places by others in the same order.
+    pub(crate) fn map(&mut self, f: impl Fn(f64) -> f64) {
+        for place in &mut self.places[..self.count] {
+            *place = f(*place);
+        }
+    }
+
+    fn push(&mut self, place: f64) {
+        if self.count < self.places.len() {
+            self.places[self.count] = place;
+            self.count += 1;
+        }
+    }
+}
+
 impl SignChanges {
     /// All changes on the whole line.
     pub(crate) fn everywhere(p: &Coefficients) -> Self {
         let degree = degree(p);
         if degree <= 2 {
-            return Self::of_quadratic(p);
+            return Self::of_quadratic([p[0], p[1], p[2]]);
         }
         let mut changes = Self {
             inside_first: (p[degree] > 0.0) == (degree % 2 == 1),
@@ -61,7 +127,7 @@ impl SignChanges {
     pub(crate) fn between(p: &Coefficients, from: f64, to: f64) -> Self {
         let degree = degree(p);
         if degree <= 2 {
-            let all = Self::of_quadratic(p);
+            let all = Self::of_quadratic([p[0], p[1], p[2]]);
             let mut changes = Self {
                 inside_first: all.inside_after(from),
                 ..Self::default()
@@ -101,57 +167,6 @@ impl SignChanges {
             critical = changes;
         }
         critical
-    }
-
-    /// In ascending order.
-    pub(crate) fn places(&self) -> &[f64] {
-        &self.places[..self.count]
-    }
-
-    /// True if the polynomial is not positive right after the place.
-    pub(crate) fn inside_after(&self, place: f64) -> bool {
-        let before = self.places().iter().filter(|&&s| s <= place).count();
-        self.inside_first != (before % 2 == 1)
-    }
-
-    /// Replaces the places by others in the same order.
-    pub(crate) fn map(&mut self, f: impl Fn(f64) -> f64) {
-        for place in &mut self.places[..self.count] {
-            *place = f(*place);
-        }
-    }
-
-    fn of_quadratic(p: &Coefficients) -> Self {
-        let [c, b, a] = [p[0], p[1], p[2]];
-        let mut changes = Self {
-            inside_first: [a, -b, c]
-                .into_iter()
-                .find(|lead| *lead != 0.0)
-                .is_none_or(|lead| lead < 0.0),
-            ..Self::default()
-        };
-        if a == 0.0 {
-            if b != 0.0 {
-                changes.push(-c / b);
-            }
-            return changes;
-        }
-        let discriminant = b * b - 4.0 * a * c;
-        if discriminant > 0.0 {
-            let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-            // Both are numbers: q is not 0 where the discriminant is positive.
-            let [s, r] = [q / a, c / q];
-            changes.push(s.min(r));
-            changes.push(s.max(r));
-        }
-        changes
-    }
-
-    fn push(&mut self, place: f64) {
-        if self.count < self.places.len() {
-            self.places[self.count] = place;
-            self.count += 1;
-        }
     }
 }
 

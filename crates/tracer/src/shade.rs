@@ -2,15 +2,19 @@
 //!
 //! Input: a world, the looks of its faces, lights, a background. Output: linear light. At a face with the colour c:
 //! k·c·ΣaC + Σ V·S·C·(falloff/r)²·(k·c·(n·l) + specular·(n·h)^shininess) + (m + gF)·R + g(1 − F)·T, where R and T are what
-//! the reflected and the refracted ray see, F is Fresnel's share, and V the share that no face keeps from the light.
+//! the reflected and the refracted ray see, F is Fresnel's share, and V the share that no face keeps from the light. That is
+//! the look `geotrace`; `shade/crt.rs` has the light that the look `crt` takes from lights.
+
+mod crt;
 
 use glam::DVec3;
 
 use crate::cast::{Caster, Crossing};
 use crate::light::Light;
 use crate::line::{Ray, SurfaceId};
+use crate::look::PictureLook;
 use crate::optics::{fresnel, reflected, refracted};
-use crate::sheet::SheetScratch;
+use crate::sheet::{SheetHit, SheetScratch};
 use crate::sheets::Sheets;
 use crate::world::World;
 
@@ -92,8 +96,25 @@ pub struct Scenery<'a> {
     pub lights: &'a [Light],
     /// The light that comes from a unit direction where nothing else is.
     pub background: &'a (dyn Fn(DVec3) -> DVec3 + Sync),
-    /// The number of reflections and refractions after which a ray sees the background.
+    /// The number of reflections and refractions that are followed. After them a ray sees the background, in the look `crt`
+    /// nothing.
     pub bounces: u32,
+    /// The formula by which faces are lit.
+    pub picture_look: PictureLook,
+    /// The sides from which the faces of each leaf are seen; leaves that are not listed are seen from both.
+    pub sides: &'a [FaceSides],
+}
+
+/// The sides from which a face is seen, and casts shadows.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum FaceSides {
+    /// From both.
+    #[default]
+    Both,
+    /// From outside of its solid.
+    Outer,
+    /// From none.
+    None,
 }
 
 /// Follows rays through a scenery; one for each thread.
@@ -130,13 +151,12 @@ struct LightPath {
     direction: DVec3,
     start: PathStart,
     weight: f64,
+    /// The length of the way from the eye to the start.
+    length: f64,
     bounces: u32,
     /// By declaration; the last one counts.
     media: Vec<Medium>,
 }
-
-/// Rays of less weight add nothing.
-const LEAST_WEIGHT: f64 = 1.0 / 1024.0;
 
 impl Default for FaceLook {
     fn default() -> Self {
@@ -190,6 +210,7 @@ impl<'a> LightTracer<'a> {
                 PathStart::Free
             },
             weight: 1.0,
+            length: 0.0,
             bounces: self.scenery.bounces,
             media: Vec::new(),
         })
@@ -254,7 +275,16 @@ impl<'a> LightTracer<'a> {
         };
         let bundled = matches!(start, PathStart::Bundled);
         crossings.extend_from_slice(self.caster.nearest(&ray, bundled));
-        let sheets = self.scenery.sheets;
+        let scenery = self.scenery;
+        let is_seen = |found: &Crossing| scenery.is_seen(found);
+        if !crossings.is_empty() && !crossings.iter().any(is_seen) {
+            let all = self.caster.cast(&ray);
+            let first = all.iter().find(|found| is_seen(found));
+            let t = first.map(|first| first.t);
+            crossings.clear();
+            crossings.extend(all.iter().filter(|found| Some(found.t) == t));
+        }
+        let sheets = scenery.sheets;
         let mut reach = crossings.first().map_or(f64::INFINITY, |first| first.t);
         let mut found = None;
         sheets.cast(
@@ -263,7 +293,7 @@ impl<'a> LightTracer<'a> {
             direction,
             start.sheet(),
             &mut |sheet, hit| {
-                if hit.t < reach {
+                if hit.t < reach && scenery.sees(hit) {
                     reach = hit.t;
                     found = Some((sheet, *hit));
                 }
@@ -278,7 +308,8 @@ impl<'a> LightTracer<'a> {
                 of: FaceObject::Sheet { sheet, uv: hit.uv },
             });
         }
-        crossings.first().map(Face::from)
+        let seen = crossings.iter().find(|found| is_seen(found));
+        seen.map(Face::from)
     }
 
     /// The light that leaves a face towards the start of the ray.
@@ -287,7 +318,10 @@ impl<'a> LightTracer<'a> {
         let direction = path.direction;
         let slope = look.bump - face.normal.dot(look.bump) * face.normal;
         let normal = (face.normal - slope).normalize_or(face.normal);
-        let mut out = self.lit(&look, face, normal, direction);
+        let mut out = match self.scenery.picture_look {
+            PictureLook::Geotrace => self.lit(&look, face, normal, direction),
+            PictureLook::Crt => self.lit_crt(&look, face, normal, path),
+        };
         let (mut mirror, mut through) = (look.mirror, DVec3::ZERO);
         let mut onward = None;
         if look.glass > 0.0 {
@@ -310,6 +344,7 @@ impl<'a> LightTracer<'a> {
             direction,
             start: PathStart::On(face.of),
             weight: path.weight * weight,
+            length: path.length + face.t,
             bounces: path.bounces.saturating_sub(1),
             media,
         };
@@ -332,13 +367,15 @@ impl<'a> LightTracer<'a> {
     }
 
     fn go_on(&mut self, next: LightPath, left: u32) -> DVec3 {
-        if next.weight < LEAST_WEIGHT {
+        let look = self.scenery.picture_look;
+        if next.weight < look.least_weight() {
             return DVec3::ZERO;
         }
-        if left == 0 {
-            return (self.scenery.background)(next.direction);
+        match (left, look) {
+            (0, PictureLook::Geotrace) => (self.scenery.background)(next.direction),
+            (0, PictureLook::Crt) => DVec3::ZERO,
+            _ => self.follow(next),
         }
-        self.follow(next)
     }
 
     /// Light from the lights.
@@ -348,7 +385,7 @@ impl<'a> LightTracer<'a> {
         let scattered = look.diffuse.unwrap_or(left) * look.color;
         for light in self.scenery.lights {
             out += scattered * light.ambient * light.color;
-            let seen = light.from(face.position, self.light_sample);
+            let seen = light.from(face.position, self.light_sample, 0.0);
             let height = normal.dot(seen.towards);
             if height <= 0.0 || seen.share <= 0.0 {
                 continue;
@@ -361,8 +398,12 @@ impl<'a> LightTracer<'a> {
             if visible == 0.0 {
                 continue;
             }
-            let half = (seen.towards - direction).normalize_or_zero();
-            let highlight = look.specular * normal.dot(half).max(0.0).powf(look.shininess);
+            let highlight = if look.specular > 0.0 {
+                let half = (seen.towards - direction).normalize_or_zero();
+                look.specular * normal.dot(half).max(0.0).powf(look.shininess)
+            } else {
+                0.0
+            };
             let shared = visible * seen.share;
             out += shared * (light.color * scattered * height + light.highlight * highlight);
         }
@@ -379,16 +420,17 @@ impl<'a> LightTracer<'a> {
         };
         let look = self.scenery.look;
         let mut share = 1.0;
-        for passed in self.caster.cast(&ray) {
-            if passed.t >= distance || share == 0.0 {
-                break;
+        let scenery = self.scenery;
+        self.caster.each_before(&ray, distance, &mut |passed| {
+            if scenery.is_seen(passed) {
+                share *= look(&passed.into()).balanced().glass;
             }
-            share *= look(&passed.into()).balanced().glass;
-        }
+            share != 0.0
+        });
         let sheets = self.scenery.sheets;
         if share > 0.0 {
-            let found = &mut |sheet: usize, hit: &crate::SheetHit| {
-                if hit.t < distance && share > 0.0 {
+            let found = &mut |sheet: usize, hit: &SheetHit| {
+                if hit.t < distance && share > 0.0 && scenery.sees(hit) {
                     let face = Face {
                         t: hit.t,
                         position: hit.position,
@@ -427,6 +469,22 @@ impl<'a> LightTracer<'a> {
         }
         media.sort_by_key(|medium| medium.solid);
         media
+    }
+}
+
+impl Scenery<'_> {
+    /// True if a ray that comes to a crossing sees the face there.
+    fn is_seen(&self, crossing: &Crossing) -> bool {
+        match self.sides.get(crossing.leaf) {
+            None | Some(FaceSides::Both) => true,
+            Some(FaceSides::Outer) => crossing.entering,
+            Some(FaceSides::None) => false,
+        }
+    }
+
+    /// True if a ray sees a parametric surface where it meets it: in the look `crt`, from the side to which σu×σv points.
+    fn sees(&self, hit: &SheetHit) -> bool {
+        self.picture_look == PictureLook::Geotrace || hit.is_front
     }
 }
 
@@ -488,28 +546,4 @@ impl FaceLook {
         }
         self
     }
-}
-
-/// An sRGB colour of linear light, as bytes.
-pub fn encoded(light: DVec3) -> [u8; 3] {
-    light.to_array().map(|x| {
-        let x = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-        let encoded = if x <= 0.003_130_8 {
-            12.92 * x
-        } else {
-            1.055 * x.powf(1.0 / 2.4) - 0.055
-        };
-        (255.0 * encoded).round() as u8
-    })
-}
-
-/// The linear light of an sRGB colour; numbers past 1 by the same curve.
-pub fn decoded(color: DVec3) -> DVec3 {
-    DVec3::from_array(color.to_array().map(|x| {
-        if x <= 0.040_45 {
-            x / 12.92
-        } else {
-            ((x + 0.055) / 1.055).powf(2.4)
-        }
-    }))
 }

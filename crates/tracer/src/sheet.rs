@@ -36,6 +36,8 @@ pub struct SheetHit {
     pub position: DVec3,
     /// The unit normal σu × σv, on the side of the ray's start.
     pub normal: DVec3,
+    /// True if σu × σv itself points to that side.
+    pub is_front: bool,
 }
 
 /// A part of the rectangle.
@@ -290,6 +292,7 @@ impl Sheet {
                     uv: [u, v],
                     position: s,
                     normal: if faces { normal } else { -normal },
+                    is_front: faces,
                 });
             }
             if away > 4.0 {

@@ -67,14 +67,39 @@ impl PolynomialSurface {
         self.degree
     }
 
+    /// The normal of a plane; `None` for any other surface.
+    pub(crate) fn plane_normal(&self) -> Option<DVec3> {
+        match self.form {
+            SurfaceForm::Plane { normal, .. } => Some(normal),
+            _ => None,
+        }
+    }
+
     /// The polynomial at `point` + s·`direction`, in s.
     pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
         let mut sum = [0.0; LARGEST_DEGREE + 1];
+        if let Some(low) = self.quadratic_along(point, direction) {
+            sum[..3].copy_from_slice(&low);
+            return sum;
+        }
+        let SurfaceForm::Higher(terms) = &self.form else {
+            return sum;
+        };
+        let (p, d) = (point.to_array(), direction.to_array());
+        match self.degree {
+            ..=4 => add_terms::<5>(&mut sum, terms, p, d),
+            5 | 6 => add_terms::<7>(&mut sum, terms, p, d),
+            _ => add_terms::<{ LARGEST_DEGREE + 1 }>(&mut sum, terms, p, d),
+        }
+        sum
+    }
+
+    /// The polynomial at `point` + s·`direction`, in s, if its degree is at most two.
+    pub(crate) fn quadratic_along(&self, point: DVec3, direction: DVec3) -> Option<[f64; 3]> {
         let (p, d) = (point, direction);
         match &self.form {
             SurfaceForm::Plane { normal, offset } => {
-                sum[0] = normal.dot(p) + offset;
-                sum[1] = normal.dot(d);
+                Some([normal.dot(p) + offset, normal.dot(d), 0.0])
             }
             SurfaceForm::Quadric {
                 squares,
@@ -89,21 +114,14 @@ impl PolynomialSurface {
                     *squares * v + 0.5 * mixed
                 };
                 let (at, along) = (half(p), half(d));
-                sum[0] = (at + *linear).dot(p) + constant;
-                sum[1] = (2.0 * at + *linear).dot(d);
-                sum[2] = along.dot(d);
+                Some([
+                    (at + *linear).dot(p) + constant,
+                    (2.0 * at + *linear).dot(d),
+                    along.dot(d),
+                ])
             }
-            SurfaceForm::Higher(terms) if self.degree <= 4 => {
-                add_terms::<5>(&mut sum, terms, p.to_array(), d.to_array());
-            }
-            SurfaceForm::Higher(terms) if self.degree <= 6 => {
-                add_terms::<7>(&mut sum, terms, p.to_array(), d.to_array());
-            }
-            SurfaceForm::Higher(terms) => {
-                add_terms::<{ LARGEST_DEGREE + 1 }>(&mut sum, terms, p.to_array(), d.to_array());
-            }
+            SurfaceForm::Higher(_) => None,
         }
-        sum
     }
 
     /// The gradient at a point.

@@ -49,6 +49,7 @@ fn camera() -> LensCamera {
         aperture: 0.0,
         bokeh: Bokeh::Circle,
         projection: LensProjection::Pinhole,
+        sharp: Default::default(),
     }
 }
 
@@ -66,7 +67,7 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 
 fn drawn(scenery: &Scenery<'_>, camera: &LensCamera, samples: u32, threads: usize) -> Vec<DVec3> {
     let mut sums = LightSums::new([20, 12]);
-    assert!(sums.add(scenery, camera, samples, threads, &|_| true));
+    assert!(sums.add(scenery, camera, None, samples, threads, &|_| true));
     sums.means().collect()
 }
 
@@ -184,6 +185,8 @@ fn a_blurred_edge_converges_to_its_integral() {
         lights: &lights,
         background: &black,
         bounces: 0,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let blurred = LensCamera {
         aperture: 0.5,
@@ -191,7 +194,7 @@ fn a_blurred_edge_converges_to_its_integral() {
         ..camera()
     };
     let mut sums = LightSums::new([4, 8]);
-    sums.add(&scenery, &blurred, 4096, 2, &|_| true);
+    sums.add(&scenery, &blurred, None, 4096, 2, &|_| true);
     let means: Vec<DVec3> = sums.means().collect();
     // The share of the pixel and of the lens from which the plane y = 0 is met below the edge. A ray through the lens at
     // the height b and the sharp plane at the height s meets y = 0 at 2s − b.
@@ -241,11 +244,14 @@ fn soft_shadows_converge_to_the_visible_share_of_the_light() {
         lights: &lights,
         background: &black,
         bounces: 0,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     let axes = tracer::camera::SampleAxes {
         lens: false,
         lights: true,
+        grid: None,
     };
     let count = 4096;
     let mut sum = 0.0;
@@ -280,6 +286,7 @@ fn lenses_have_their_shapes() {
         let axes = tracer::camera::SampleAxes {
             lens: true,
             lights: false,
+            grid: None,
         };
         let (mut centre, mut farthest) = (DVec3::ZERO, 0.0f64);
         for k in 0..4096 {
@@ -318,6 +325,8 @@ fn pictures_are_the_same_on_any_number_of_threads() {
         lights: &lights,
         background: &|direction| 0.5 + 0.5 * direction,
         bounces: 4,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let camera = LensCamera {
         aperture: 0.1,
@@ -329,7 +338,7 @@ fn pictures_are_the_same_on_any_number_of_threads() {
     assert_eq!(one, drawn(&scenery, &camera, 5, 16));
     // Stopped: nothing is added.
     let mut sums = LightSums::new([20, 12]);
-    assert!(!sums.add(&scenery, &camera, 1, 2, &|_| false));
+    assert!(!sums.add(&scenery, &camera, None, 1, 2, &|_| false));
     assert_eq!(sums.samples(), 0);
 }
 
@@ -363,6 +372,8 @@ fn sheets_and_solids_are_seen_together() {
         lights: &lights,
         background: &black,
         bounces: 8,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     let mut seen = |x: f64| {
@@ -400,6 +411,8 @@ fn a_camera_inside_glass_looks_out_of_it() {
         lights: &[],
         background: &|_| DVec3::ONE,
         bounces: 64,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     // From the centre all rays go straight out; 4 % come back each time, and go out in the end.

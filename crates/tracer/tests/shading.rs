@@ -4,9 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine3, DVec3};
 use tracer::camera::{Bokeh, LensCamera, LensProjection, SampleAxes};
+use tracer::encoded;
 use tracer::light::{Light, LightKind};
 use tracer::optics::{fresnel, reflected, refracted};
-use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery, encoded};
+use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
 use tracer::{Ray, SetStep, Sheets, World, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
@@ -101,7 +102,7 @@ fn lights_fade_and_end_as_their_formulas_say() {
         falloff: Some(2.0),
         ..light(LightKind::Point(DVec3::new(0.0, 0.0, 4.0)))
     };
-    assert_close(point.from(DVec3::ZERO, [0.5; 2]).share, 0.25, 1e-15);
+    assert_close(point.from(DVec3::ZERO, [0.5; 2], 0.0).share, 0.25, 1e-15);
     let spot = |soft| {
         light(LightKind::Spot {
             position: DVec3::new(0.0, 0.0, 1.0),
@@ -111,23 +112,35 @@ fn lights_fade_and_end_as_their_formulas_say() {
         })
     };
     // The edge is at 45°: at x = 1. Hard, then fading over the outer half, whose middle has half the light.
-    assert_eq!(spot(0.0).from(DVec3::X * 0.999_999, [0.5; 2]).share, 1.0);
-    assert_eq!(spot(0.0).from(DVec3::X * 1.000_001, [0.5; 2]).share, 0.0);
+    assert_eq!(
+        spot(0.0).from(DVec3::X * 0.999_999, [0.5; 2], 0.0).share,
+        1.0
+    );
+    assert_eq!(
+        spot(0.0).from(DVec3::X * 1.000_001, [0.5; 2], 0.0).share,
+        0.0
+    );
     let middle = DVec3::X * (0.75 * FRAC_PI_2 / 2.0).tan();
-    assert_close(spot(0.5).from(middle, [0.5; 2]).share, 0.5, 1e-12);
+    assert_close(spot(0.5).from(middle, [0.5; 2], 0.0).share, 0.5, 1e-12);
     let beam = light(LightKind::Beam {
         position: DVec3::new(0.0, 0.0, 3.0),
         direction: DVec3::NEG_Z,
         radius: 0.5,
         soft: 0.0,
     });
-    let seen = beam.from(DVec3::new(0.3, 0.0, 1.0), [0.5; 2]);
+    let seen = beam.from(DVec3::new(0.3, 0.0, 1.0), [0.5; 2], 0.0);
     assert_eq!(
         (seen.share, seen.distance, seen.towards),
         (1.0, 2.0, DVec3::Z)
     );
-    assert_eq!(beam.from(DVec3::new(0.6, 0.0, 1.0), [0.5; 2]).share, 0.0);
-    assert_eq!(beam.from(DVec3::new(0.0, 0.0, 4.0), [0.5; 2]).share, 0.0);
+    assert_eq!(
+        beam.from(DVec3::new(0.6, 0.0, 1.0), [0.5; 2], 0.0).share,
+        0.0
+    );
+    assert_eq!(
+        beam.from(DVec3::new(0.0, 0.0, 4.0), [0.5; 2], 0.0).share,
+        0.0
+    );
 }
 
 #[test]
@@ -150,6 +163,8 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
         lights: &lights,
         background: &black,
         bounces: 8,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     let cosine = 0.5f64.sqrt();
@@ -188,6 +203,8 @@ fn glass_bends_absorbs_and_reflects_exactly() {
         lights: &[],
         background: &sky,
         bounces: 64,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     let angle = 0.5f64;
@@ -237,6 +254,8 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
             lights: &lights,
             background: &sky,
             bounces: 16,
+            picture_look: Default::default(),
+            sides: &[],
         };
         let mut tracer = LightTracer::new(&scenery);
         for _ in 0..500 {
@@ -262,6 +281,8 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
         lights: &[],
         background: &|direction| DVec3::splat(direction.z),
         bounces: 1,
+        picture_look: Default::default(),
+        sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
     let seen = seen(
@@ -299,12 +320,14 @@ fn samples_and_lenses_are_where_the_page_says() {
     let lens = SampleAxes {
         lens: true,
         lights: false,
+        grid: None,
     };
     assert_ne!(lens.sample([3, 4], 1).lens, lens.sample([4, 3], 1).lens);
     assert_eq!(whole(lens.sample([3, 4], 1).pixel[0]), 1_531_906_961);
     let both = SampleAxes {
         lens: true,
         lights: true,
+        grid: None,
     };
     let step = |k| both.sample([3, 4], k).light.map(whole);
     let [a, b] = [step(7), step(8)];
@@ -322,6 +345,7 @@ fn samples_and_lenses_are_where_the_page_says() {
         up: DVec3::Z,
         bokeh: Bokeh::Circle,
         projection: LensProjection::Pinhole,
+        sharp: Default::default(),
     };
     // All rays of a pixel meet in the sharp plane, three along the axis.
     let (size, place) = ([640, 480], [100.5, 40.5]);

@@ -1,2 +1,10 @@
--- Files ending in .gtr are Geotrace programs.
-vim.filetype.add({ extension = { gtr = "geotrace" } })
+-- Files ending in .gtr are Geotrace programs, files ending in .crt scripts of the CRT scene language unless they are certificates.
+vim.filetype.add({
+  extension = {
+    gtr = "geotrace",
+    crt = function(_, buffer)
+      local first = vim.api.nvim_buf_get_lines(buffer, 0, 1, false)[1] or ""
+      return not vim.startswith(first, "-----BEGIN") and "crt" or nil
+    end,
+  },
+})

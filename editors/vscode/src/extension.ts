@@ -15,6 +15,9 @@ import {
 import { exportPicture, newFromExample } from "./commands";
 import { findServer, ServerMissing } from "./server";
 
+/** The languages that the server knows. */
+const LANGUAGES = [{ language: "geotrace" }, { language: "crt" }];
+
 /** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
 const PREVIEW = "geotrace.preview";
 
@@ -61,7 +64,7 @@ export async function deactivate(): Promise<void> {
 /** One run of the server after the other. */
 class Session implements vscode.Disposable {
     client: LanguageClient | undefined;
-    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", { language: "geotrace" });
+    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", LANGUAGES);
     readonly shown = new Map<string, Shown>();
     private cursor: NodeJS.Timeout | undefined;
     /** The path of the program, once it has been found. */
@@ -167,7 +170,7 @@ class Session implements vscode.Disposable {
 
     private clientOptions(): LanguageClientOptions {
         return {
-            documentSelector: [{ language: "geotrace" }],
+            documentSelector: LANGUAGES,
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
             middleware: {

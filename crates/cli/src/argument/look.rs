@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-/// `SURFACE=IMAGE`: an image file for a surface.
+/// `OBJECT=IMAGE`: an image file for a surface, a solid or a background.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TextureFile {
-    /// The surface's name.
-    pub(crate) surface: String,
+    /// The object's name.
+    pub(crate) object: String,
     /// The image.
     pub(crate) path: PathBuf,
 }
@@ -67,16 +67,14 @@ pub(crate) fn setting(text: &str) -> Result<(String, bool), String> {
     }
 }
 
-/// Parses `SURFACE=IMAGE`.
+/// Parses `OBJECT=IMAGE`.
 pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
     match text.split_once('=') {
-        Some((surface, path)) if !surface.trim().is_empty() && !path.is_empty() => {
-            Ok(TextureFile {
-                surface: surface.trim().into(),
-                path: path.into(),
-            })
-        }
-        _ => Err("expected SURFACE=IMAGE, such as s=earth.jpg".into()),
+        Some((object, path)) if !object.trim().is_empty() && !path.is_empty() => Ok(TextureFile {
+            object: object.trim().into(),
+            path: path.into(),
+        }),
+        _ => Err("expected OBJECT=IMAGE, such as s=earth.jpg".into()),
     }
 }
 
@@ -114,11 +112,11 @@ mod tests {
     }
 
     #[test]
-    fn textures_name_a_surface_and_a_file() {
+    fn textures_name_an_object_and_a_file() {
         assert_eq!(
             texture("s=a=b.png"),
             Ok(TextureFile {
-                surface: "s".into(),
+                object: "s".into(),
                 path: "a=b.png".into()
             })
         );

@@ -96,6 +96,20 @@ struct FirstJson<'a> {
 /// The values of grids: a number for each, or a list for one with several axes.
 struct GridsJson<'a>(Vec<(&'a str, &'a [f64])>);
 
+impl CastJson<'_> {
+    /// Changes the coordinates of all places and normals.
+    fn turn(&mut self, turned: &dyn Fn([f64; 3]) -> [f64; 3]) {
+        for crossing in &mut self.crossings {
+            crossing.position = turned(crossing.position);
+            crossing.normal = turned(crossing.normal);
+        }
+        if let Some(first) = &mut self.first {
+            first.position = turned(first.position);
+            first.normal = turned(first.normal);
+        }
+    }
+}
+
 impl GridsJson<'_> {
     fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -131,13 +145,26 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         lights: &[],
         background: &|_| DVec3::ZERO,
         bounces: 0,
+        picture_look: scene.picture_look(),
+        sides: scene.sides(),
     };
     let mut caster = scene.world().caster();
     let mut tracer = LightTracer::new(&scenery);
     let mut out = BufWriter::new(std::io::stdout().lock());
     let several = rays.len() > 1;
+    // Rays, places and normals are in the coordinates of the text.
+    let turned = |ray: &Ray| {
+        let [origin, direction] = [ray.origin, ray.direction];
+        let stated = |vector: DVec3| DVec3::from_array(program.scene().stated(vector.to_array()));
+        Ray {
+            origin: stated(origin),
+            direction: stated(direction),
+            leaving: None,
+        }
+    };
     for (k, ray) in rays.iter().enumerate() {
-        let found = cast(&scene, &mut caster, &mut tracer, ray, &notes);
+        let mut found = cast(&scene, &mut caster, &mut tracer, &turned(ray), &notes);
+        found.turn(&|vector| program.scene().stated(vector));
         let text = match arguments.format {
             Format::Json => {
                 let text = serde_json::to_string(&found).map_err(|error| Failure::Internal {
@@ -162,12 +189,13 @@ fn prepared(
     params: &ParamValues,
     solid: Option<&str>,
 ) -> Result<RayScene, Failure> {
-    let scene = program.scene();
+    let scene = &program.scene().at(params);
     let bounds = Bounds::of(scene, params);
     let options = RaySceneOptions {
         shown: &|_| true,
         color: &|_| SOLID_COLOR,
         thickness: Some(render::style::thickness(bounds.placement.radius)),
+        picture_look: Default::default(),
     };
     let Some(name) = solid else {
         return Ok(RayScene::new(scene, params, &options));

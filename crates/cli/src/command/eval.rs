@@ -58,6 +58,7 @@ struct JsonInstance<'a> {
 enum JsonValue<'a> {
     Number(Option<f64>),
     Vector(&'a [Option<f64>]),
+    Text(&'a str),
 }
 
 /// Evaluates one expression.
@@ -107,6 +108,7 @@ fn shown(value: &Value) -> String {
             let values: Vec<f64> = values.iter().map(exact).collect();
             number::show_all(&values)
         }
+        Value::Text(text) => text.clone(),
     }
 }
 
@@ -139,6 +141,7 @@ fn json_value(value: &Value) -> JsonValue<'_> {
     match value {
         Value::Number(value) => JsonValue::Number(*value),
         Value::Vector(values) => JsonValue::Vector(values),
+        Value::Text(text) => JsonValue::Text(text),
     }
 }
 

@@ -181,6 +181,7 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
         shown: &|_| true,
         color: &|_| SOLID_COLOR,
         thickness: None,
+        picture_look: Default::default(),
     };
     let drawn = scene.objects.iter().map(|object| (object, true));
     let all = drawn.chain(scene.parts.iter().map(|object| (object, false)));

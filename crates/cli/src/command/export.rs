@@ -53,6 +53,9 @@ pub(super) struct Arguments {
     /// by its Gaussian curvature
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
+    /// A folder with the images that the program names, such as `image : earth`, unless they lie beside it
+    #[arg(long, value_name = "DIR")]
+    images: Option<PathBuf>,
 }
 
 /// Every format, by its extension.
@@ -71,11 +74,13 @@ const FORMATS: [Choice<MeshFormat>; MeshFormat::ALL.len()] = {
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let format = file_format(arguments)?;
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let scene = program.scene();
     let params = program.params(&arguments.set)?;
+    let scene = &program.scene().at(&params);
     let objects = objects(scene, &arguments.object, &program.source.name)?;
+    let images = textures(&arguments.texture, arguments.images.as_deref(), &program)?;
     let request = PictureRequest {
-        textures: textures(&arguments.texture, &program)?.at(scene, &params)?,
+        textures: images.at(scene, &params)?,
+        images: images.named.clone(),
         ..PictureRequest::new(
             scene,
             params,
@@ -85,7 +90,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     };
     let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
     let model = mesh::model(&request, objects.as_deref());
-    let mut notes = model.notes.clone();
+    let mut notes = images.notes(&program, &request);
+    notes.extend(model.notes.clone());
     target.write_with(|out| {
         model
             .write(format, out)

@@ -13,8 +13,11 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
-use render::view::traced;
+use render::view::{space, traced};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
+use tracer::PictureLook;
+
+use scene::Scene;
 
 use super::animation;
 use crate::argument::{
@@ -76,11 +79,11 @@ pub(super) struct Arguments {
     #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
     /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE; without a name, the program's first
-    #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::standard_view)]
-    view: ViewId,
-    /// The picture's size in pixels
-    #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = argument::size, allow_hyphen_values = true)]
-    size: Size,
+    #[arg(long, value_name = "VIEW", value_parser = argument::standard_view)]
+    view: Option<ViewId>,
+    /// The picture's size in pixels; unless given 800x800, of a CRT script 800x600
+    #[arg(long, value_name = "WxH", value_parser = argument::size, allow_hyphen_values = true)]
+    size: Option<Size>,
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
@@ -88,9 +91,13 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND", hide_short_help = true)]
     backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
-    /// by its Gaussian curvature: blue, white at 0, red; `SURFACE=plain` shows its colour alone
-    #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
+    /// by its Gaussian curvature: blue, white at 0, red; `SURFACE=plain` shows its colour alone. A solid shows its image at
+    /// its `uv`, a background all around
+    #[arg(long, value_name = "OBJECT=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
+    /// A folder with the images that the program names, such as `image : earth`, unless they lie beside it
+    #[arg(long, value_name = "DIR")]
+    images: Option<PathBuf>,
     /// A surface whose image lies on it the other way up; may be given several times. Of the built-in image, the letters
     /// are turned over
     #[arg(long, value_name = "SURFACE", hide_short_help = true)]
@@ -178,10 +185,29 @@ pub(super) struct Arguments {
     /// The reflections and refractions that are followed; unless given 8
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
     bounces: Option<u32>,
+    /// The formulas by which light becomes colours: geotrace, or crt, those of the CRT scene language
+    #[arg(long, value_name = "LOOK", value_parser = argument::choice(&LOOKS), help_heading = "Traced view")]
+    look: Option<PictureLook>,
+    /// In the look crt, the exponent 1/GAMMA makes colours of light; unless given, the script's, or 1
+    #[arg(long, value_name = "GAMMA", value_parser = argument::positive, help_heading = "Traced view", hide_short_help = true)]
+    gamma: Option<f64>,
     /// The words of the command line
     #[arg(skip)]
     pub(super) words: Vec<OsString>,
 }
+
+const LOOKS: [Choice<PictureLook>; 2] = [
+    Choice::new(
+        PictureLook::Geotrace.name(),
+        "Linear light, stated colours are sRGB",
+        PictureLook::Geotrace,
+    ),
+    Choice::new(
+        PictureLook::Crt.name(),
+        "Those of the CRT scene language",
+        PictureLook::Crt,
+    ),
+];
 
 const THEMES: [Choice<Theme>; 2] = [
     Choice::new(
@@ -234,6 +260,31 @@ const METHODS: [Choice<PictureMethod>; 5] = [
     ),
 ];
 
+impl Arguments {
+    /// The view: unless given, the 3D view, or the traced view of a scene that states its picture.
+    fn view(&self, scene: &Scene) -> ViewId {
+        self.view.clone().unwrap_or_else(|| {
+            let name = match scene.picture {
+                Some(_) => traced::NAME,
+                None => space::NAME,
+            };
+            ViewId {
+                kind: name.to_owned(),
+                object: None,
+            }
+        })
+    }
+
+    /// The picture's size in pixels.
+    fn size(&self, scene: &Scene) -> [u32; 2] {
+        let usual = match scene.picture {
+            Some(_) => [800, 600],
+            None => [800, 800],
+        };
+        self.size.map_or(usual, |size| size.0)
+    }
+}
+
 /// A picture in memory.
 pub(super) type Picture = RenderedImage<RgbaImage>;
 
@@ -249,7 +300,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 
 fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Result<(), Failure> {
     let views = &context.registry.views;
-    let images = textures(&arguments.texture, program)?;
+    let images = textures(&arguments.texture, arguments.images.as_deref(), program)?;
     let request = picture::request(arguments, views, program, &images)?;
     let motion = &arguments.motion;
     let script = motion.script(program, &request)?;
@@ -275,7 +326,7 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
         Ok(picture)
     };
     if let Some(animation) = animation {
-        return animation.write(arguments.size.0, &draw, |picture, what| {
+        return animation.write(request.size, &draw, |picture, what| {
             summary(picture, what, &request, views)
         });
     }

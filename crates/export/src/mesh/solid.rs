@@ -21,6 +21,7 @@ pub(super) fn meshed(
         shown: &|_| true,
         color: &|_| SOLID_COLOR,
         thickness: None,
+        picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, params, &options, object);
     let mut notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();

@@ -376,12 +376,3 @@ impl AttributeNumbers {
         }
     }
 }
-
-/// A word that is stated for an attribute such as `bokeh`.
-pub(super) fn word<'a>(attributes: &'a [Attribute], name: &str) -> Option<&'a str> {
-    let stated = attributes.iter().find(|stated| stated.word == name)?;
-    match &stated.value {
-        AttributeValue::Word(word) => Some(word),
-        AttributeValue::Numbers(_) => None,
-    }
-}

@@ -13,9 +13,6 @@ use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
 
 use super::attributes::AffineTape;
 
-/// The most leaves of all solids of a scene, instances included; solids beyond are not drawn.
-pub const MAX_LEAVES: usize = 1_000_000;
-
 /// A leaf with its numbers.
 #[derive(Clone, Debug)]
 pub(super) struct ExpandedLeaf {

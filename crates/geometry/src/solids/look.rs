@@ -3,23 +3,36 @@
 //! Input: the attributes of an object or of a leaf, and a place on one of its faces. Output: colours, mirror, glass and
 //! slopes there, linear and within their ranges.
 
+use std::sync::OnceLock;
+
 use expr::tape::Tape;
 use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DVec3};
 use scene::ObjectId;
-use tracer::shade::{Face, FaceLook, Glass, decoded};
+use tracer::PictureLook;
+use tracer::shade::{Face, FaceLook, Glass};
 
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
-/// Gives the linear colour of an object's image at a place of it, from (0, 0), the top left, to (1, 1); `None` for an object
-/// without one. It multiplies the object's colour.
-pub type Paint<'a> = dyn Fn(ObjectId, [f64; 2]) -> Option<DVec3> + Sync + 'a;
+/// Gives the linear colour of an image at a place of it, from (0, 0), the top left, to (1, 1); `None` where there is none.
+/// It multiplies the colour of the object.
+pub type Paint<'a> = dyn Fn(FaceImage, [f64; 2]) -> Option<DVec3> + Sync + 'a;
+
+/// The image of a face.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceImage {
+    /// The object, which may have an image of its own.
+    pub object: ObjectId,
+    /// The image that the face's attributes name, by its position in [`RayScene::images`](super::RayScene::images).
+    pub stated: Option<usize>,
+}
 
 /// The look of the faces of an object, or of those that a leaf owns.
 #[derive(Debug)]
 pub(super) struct LookProgram {
     pub(super) object: String,
-    id: Option<ObjectId>,
+    image: Option<FaceImage>,
+    picture_look: PictureLook,
     /// Linear.
     color: DVec3,
     pub(super) attributes: AttributeSet,
@@ -31,8 +44,8 @@ pub(super) struct LookProgram {
 /// The place of a face in the coordinates of its attributes.
 #[derive(Debug)]
 pub(super) enum FacePlace {
-    /// The look is the same everywhere.
-    Anywhere,
+    /// The look is the same everywhere, once it is known, and so is the place in an image.
+    Anywhere(Box<OnceLock<(FaceLook, Option<DVec3>)>>),
     /// For each group of attributes, the map from the scene's coordinates.
     Within(Box<[DAffine3]>),
     /// On a part of a curve: the map from the scene's coordinates to those in which z goes from −1 to 1, and the parameter
@@ -44,15 +57,21 @@ impl LookProgram {
     /// The look of the faces of an object whose colour is `color`, sRGB, where it states none.
     pub(super) fn new(
         object: &str,
-        id: Option<ObjectId>,
+        image: Option<FaceImage>,
+        picture_look: PictureLook,
         color: DVec3,
         attributes: AttributeSet,
     ) -> Self {
         let is_glass = attributes.states(A::Glass);
         Self {
             object: object.to_owned(),
-            id,
-            color: if is_glass { DVec3::ONE } else { decoded(color) },
+            image,
+            picture_look,
+            color: if is_glass {
+                DVec3::ONE
+            } else {
+                picture_look.light(color)
+            },
             attributes,
             slopes: None,
             is_glass,
@@ -81,7 +100,7 @@ impl LookProgram {
         if self.attributes.varies() {
             FacePlace::Within(self.attributes.frames(uniforms).into())
         } else {
-            FacePlace::Anywhere
+            FacePlace::anywhere()
         }
     }
 
@@ -125,8 +144,21 @@ impl LookProgram {
         entering: bool,
         paint: &Paint<'_>,
     ) -> FaceLook {
+        if let FacePlace::Anywhere(known) = place {
+            let (look, image) = known.get_or_init(|| {
+                let (mut look, mut image) = (self.plain(), None);
+                let nowhere = |_| [f64::NAN; 3];
+                self.attributes
+                    .at(uniforms, nowhere, |numbers| match numbers.attribute {
+                        A::Uv => image = Some(numbers.vector()),
+                        _ => self.apply(&mut look, numbers),
+                    });
+                (look, image)
+            });
+            return self.painted(*look, image.map(|at| [at.x, at.y]), paint);
+        }
         let variables = |group: usize| match place {
-            FacePlace::Anywhere => [f64::NAN; 3],
+            FacePlace::Anywhere(_) => [f64::NAN; 3],
             FacePlace::Within(frames) => frames[group].transform_point3(face.position).to_array(),
             FacePlace::Along(along) => {
                 let (map, [from, to]) = &**along;
@@ -145,7 +177,7 @@ impl LookProgram {
                     look.bump = side * (frame.transpose() * numbers.vector());
                 }
                 (A::Uv, _) => image = Some(numbers.vector()),
-                _ => apply(&mut look, numbers),
+                _ => self.apply(&mut look, numbers),
             }
         });
         self.painted(look, image.map(|at| [at.x, at.y]), paint)
@@ -176,7 +208,7 @@ impl LookProgram {
                     }
                 }
                 A::Uv => image = Some(numbers.vector()),
-                _ => apply(&mut look, numbers),
+                _ => self.apply(&mut look, numbers),
             });
         let shares = [0, 1].map(|k| (uv[k] - domain[k][0]) / (domain[k][1] - domain[k][0]));
         let image = image.map_or(shares, |at| [at.x, at.y]);
@@ -190,13 +222,34 @@ impl LookProgram {
         }
     }
 
-    fn painted(&self, mut look: FaceLook, image: Option<[f64; 2]>, paint: &Paint<'_>) -> FaceLook {
-        if let (Some(id), Some(at)) = (self.id, image)
-            && let Some(color) = paint(id, at)
+    /// Writes an attribute into a look.
+    fn apply(&self, look: &mut FaceLook, numbers: &AttributeNumbers) {
+        let number = numbers.number();
+        match numbers.attribute {
+            A::Color => look.color = self.picture_look.light(numbers.vector()),
+            A::Mirror => look.mirror = numbers.vector(),
+            A::Glass => look.glass = number,
+            A::Diffuse => look.diffuse = Some(number),
+            A::Specular => look.specular = number,
+            A::Shininess => look.shininess = number,
+            _ => {}
+        }
+    }
+
+    fn painted(&self, mut look: FaceLook, at: Option<[f64; 2]>, paint: &Paint<'_>) -> FaceLook {
+        if let (Some(image), Some(at)) = (self.image, at)
+            && let Some(color) = paint(image, at)
         {
             look.color *= color;
         }
         look
+    }
+}
+
+impl FacePlace {
+    /// The place of what looks the same everywhere.
+    pub(super) fn anywhere() -> Self {
+        Self::Anywhere(Box::default())
     }
 }
 
@@ -216,19 +269,5 @@ fn slope(along_u: DVec3, along_v: DVec3, [by_u, by_v]: [f64; 2], normal: DVec3) 
         side * gradient
     } else {
         DVec3::ZERO
-    }
-}
-
-/// Writes an attribute into a look.
-fn apply(look: &mut FaceLook, numbers: &AttributeNumbers) {
-    let number = numbers.number();
-    match numbers.attribute {
-        A::Color => look.color = decoded(numbers.vector()),
-        A::Mirror => look.mirror = numbers.vector(),
-        A::Glass => look.glass = number,
-        A::Diffuse => look.diffuse = Some(number),
-        A::Specular => look.specular = number,
-        A::Shininess => look.shininess = number,
-        _ => {}
     }
 }

@@ -4,14 +4,15 @@
 
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
 
+use expr::Input;
 use expr::tape::Tape;
 use glam::DVec3;
-use scene::{Object, ParamValues, Scene, Shape};
-use tracer::camera::{Bokeh, LensCamera, LensProjection};
+use scene::{Object, ParamValues, Scene, Shape, stated_word};
+use tracer::PictureLook;
+use tracer::camera::{Bokeh, LensCamera, LensProjection, SharpPlaces};
 use tracer::light::{Light, LightKind};
-use tracer::shade::decoded;
 
-use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated, word};
+use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
 /// A camera that a scene declares, for one instance.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,29 +64,42 @@ impl StandardLights {
     }
 }
 
+/// So many apertures of the look `crt` are one unit of length.
+const CRT_APERTURES: f64 = 720.0;
+
 /// The horizon of a scene that declares no background, sRGB.
 const HORIZON: DVec3 = DVec3::new(96.0 / 255.0, 104.0 / 255.0, 120.0 / 255.0);
 
-/// The light of the sky of a scene that declares no background, linear, from a unit direction: `above`, sRGB, overhead and
-/// underfoot, lighter towards the horizon.
+/// The sky of a scene that declares no background, sRGB, from a unit direction: `above` overhead and underfoot, lighter
+/// towards the horizon.
 pub fn standard_sky(above: DVec3, direction: DVec3) -> DVec3 {
     let share = (1.0 - direction.z.abs()).powi(4);
-    decoded(above + share * (HORIZON - above))
+    above + share * (HORIZON - above)
 }
 
 /// A background that a scene declares.
 #[derive(Debug)]
 pub(super) struct DeclaredBackground {
     pub(super) name: String,
+    /// The image that it states.
+    pub(super) image: Option<String>,
     color: Tape,
+    /// The linear light of a colour that is the same in all directions.
+    constant: Option<DVec3>,
     uniforms: Vec<f64>,
     /// The turn of its image about z, in radians.
     turn: f64,
     attributes: AttributeSet,
+    picture_look: PictureLook,
 }
 
 impl DeclaredBackground {
-    pub(super) fn new(scene: &Scene, params: &ParamValues, object: &Object) -> Option<Self> {
+    pub(super) fn new(
+        scene: &Scene,
+        params: &ParamValues,
+        object: &Object,
+        picture_look: PictureLook,
+    ) -> Option<Self> {
         let Shape::Background(background) = &object.shape else {
             return None;
         };
@@ -101,13 +115,22 @@ impl DeclaredBackground {
                 }
             },
         );
-        Some(Self {
+        let color = Tape::new(&scene.graph, &background.color);
+        let mut found = Self {
             name: object.name.clone(),
-            color: Tape::new(&scene.graph, &background.color),
+            image: stated_word(&object.attributes, "image").map(str::to_owned),
+            constant: None,
             uniforms,
             turn,
             attributes,
-        })
+            color,
+            picture_look,
+        };
+        let mut inputs = found.color.inputs().iter();
+        if !inputs.any(|input| matches!(input, Input::Variable(_))) {
+            found.constant = Some(found.shining(DVec3::NAN));
+        }
+        Some(found)
     }
 
     /// The linear light from a unit direction: that of `image` at a place of it, from (0, 0), the top left, to (1, 1), where
@@ -119,10 +142,18 @@ impl DeclaredBackground {
     ) -> DVec3 {
         let around = direction.y.atan2(direction.x) + self.turn;
         let u = (0.5 - around / (2.0 * PI)).rem_euclid(1.0);
-        let v = 0.5 - direction.z.clamp(-1.0, 1.0).asin() / PI;
+        let v = match self.picture_look {
+            PictureLook::Geotrace => 0.5 - direction.z.clamp(-1.0, 1.0).asin() / PI,
+            PictureLook::Crt => 0.5 - 0.5 * direction.z,
+        };
         if let Some(light) = image([u, v]) {
             return light;
         }
+        self.constant.unwrap_or_else(|| self.shining(direction))
+    }
+
+    /// The linear light of the colour in a unit direction.
+    fn shining(&self, direction: DVec3) -> DVec3 {
         let color = evaluated(
             &self.color,
             &direction.to_array(),
@@ -130,7 +161,7 @@ impl DeclaredBackground {
             DVec3::from_slice,
         );
         if color.is_finite() {
-            decoded(color.max(DVec3::ZERO))
+            self.picture_look.light(color.max(DVec3::ZERO))
         } else {
             DVec3::ZERO
         }
@@ -147,6 +178,7 @@ pub(super) fn lights(
     params: &ParamValues,
     object: &Object,
     attributes: &AttributeSet,
+    picture_look: PictureLook,
 ) -> (Vec<Light>, u64) {
     let Shape::Light(light) = &object.shape else {
         return (Vec::new(), 0);
@@ -176,7 +208,7 @@ pub(super) fn lights(
             |numbers: &AttributeNumbers| {
                 let number = numbers.number();
                 match numbers.attribute {
-                    A::Color => light.color = decoded(numbers.vector()),
+                    A::Color => light.color = picture_look.light(numbers.vector()),
                     A::Power => power = number,
                     A::Ambient => light.ambient = number,
                     A::Falloff => light.falloff = Some(number),
@@ -218,17 +250,18 @@ pub(super) fn cameras(
     params: &ParamValues,
     object: &Object,
     attributes: &AttributeSet,
+    picture_look: PictureLook,
 ) -> (Vec<DeclaredCamera>, u64) {
     let Shape::Camera(camera) = &object.shape else {
         return (Vec::new(), 0);
     };
     let tape = Tape::new(&scene.graph, &[camera.direction, camera.position].concat());
-    let projection = match word(&object.attributes, "projection") {
+    let projection = match stated_word(&object.attributes, "projection") {
         Some("spherical") => LensProjection::Spherical,
         Some("cylindrical") => LensProjection::Cylindrical,
         _ => LensProjection::Pinhole,
     };
-    let bokeh = match word(&object.attributes, "bokeh") {
+    let bokeh = match stated_word(&object.attributes, "bokeh") {
         Some("line") => Bokeh::Line,
         Some("triangle") => Bokeh::Polygon(3),
         Some("square") => Bokeh::Polygon(4),
@@ -239,6 +272,10 @@ pub(super) fn cameras(
         Some("box") => Bokeh::Box,
         Some("gaussian") => Bokeh::Gaussian,
         _ => Bokeh::Circle,
+    };
+    let lens_unit = match picture_look {
+        PictureLook::Geotrace => 1.0,
+        PictureLook::Crt => 1.0 / CRT_APERTURES,
     };
     let (mut found, mut undefined) = (Vec::new(), 0);
     let mut instance = 0;
@@ -262,6 +299,10 @@ pub(super) fn cameras(
             aperture: 0.0,
             bokeh,
             projection,
+            sharp: match picture_look {
+                PictureLook::Geotrace => SharpPlaces::Plane,
+                PictureLook::Crt => SharpPlaces::Ball,
+            },
         };
         attributes.at(
             uniforms,
@@ -271,7 +312,7 @@ pub(super) fn cameras(
                 match numbers.attribute {
                     A::Fov => lens.fov = number,
                     A::Focus => lens.focus = number,
-                    A::Aperture => lens.aperture = number,
+                    A::Aperture => lens.aperture = number * lens_unit,
                     A::Roll => lens.roll = number,
                     _ => {}
                 }

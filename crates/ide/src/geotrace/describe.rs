@@ -3,7 +3,8 @@
 use expr::NodeId;
 use expr::ops::{self, Binary};
 use scene::{ParamValues, Shape, Value};
-use syntax::geotrace::attributes::{AttributeRange, AttributeRow, AttributeType};
+use syntax::attribute_range::AttributeRange;
+use syntax::geotrace::attributes::{AttributeRow, AttributeType};
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::geotrace::token::{MapWord, TokenKind};

@@ -105,6 +105,7 @@ pub(crate) fn shown(value: &Value) -> String {
     };
     match value {
         Value::Number(x) => number(x),
+        Value::Text(text) => text.clone(),
         Value::Vector(components) => {
             let components: Vec<String> = components.iter().map(number).collect();
             format!("({})", components.join(", "))

@@ -30,6 +30,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
         shown: &|_| true,
         color: &|_| DVec3::ONE,
         thickness: None,
+        picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, &ParamValues::initial(scene), &options, object);
     if rays.world().solid_count() == 0 {

@@ -81,6 +81,7 @@ pub(crate) fn picture_request(
     let trails = walked.chain(measured).map(Shared::from).collect();
     let mut request = PictureRequest::new(&scene, model.settings()?, view, size);
     request.trails = trails;
+    request.images = library.named(&scene);
     request.moving = moving;
     request.overlays = overlays(&marks);
     request.colours = colours(model, own.is_none());

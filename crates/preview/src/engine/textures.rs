@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use render::texture::Texture;
+use render::shared::Shared;
+use render::texture::{Texture, named_file};
+use scene::Scene;
 
 use crate::channel::EventSender;
 use crate::io::path_list::PathList;
@@ -24,6 +26,8 @@ pub(crate) struct TextureRead {
 #[derive(Debug, Default)]
 pub(crate) struct Library {
     images: BTreeMap<PathBuf, ImageState>,
+    /// The files of the words by which programs name images.
+    named: BTreeMap<String, Option<PathBuf>>,
     /// The folder of the program.
     pub(crate) folder: Option<PathBuf>,
     /// The images that the user has opened, in this window or before.
@@ -61,6 +65,40 @@ impl Library {
                 }
             },
         }
+    }
+
+    /// The images that a scene names and that have been read; what lies beside the program is sent for.
+    pub(crate) fn named(&mut self, scene: &Scene) -> Vec<(String, Shared<Texture>)> {
+        let mut images = Vec::new();
+        for word in scene.image_words() {
+            let folders = self.folder.as_slice();
+            let files = &mut self.named;
+            let file = files.entry(word.to_owned()).or_insert_with(|| {
+                // Reading says of a file that is not there that it cannot be read.
+                let missing = || Some(folders.first()?.join(format!("{word}.png")));
+                named_file(word, folders).or_else(missing)
+            });
+            let choice = file.clone().map(Choice::Image);
+            let texture = choice.and_then(|choice| self.texture(&choice));
+            images.extend(texture.map(|texture| (word.to_owned(), texture.into())));
+        }
+        images
+    }
+
+    /// Looks again for the files of images that programs name, and that were not there.
+    pub(crate) fn look_again(&mut self) {
+        let (images, folders) = (&mut self.images, self.folder.as_slice());
+        self.named.retain(|word, file| {
+            let failed = |file: &PathBuf| matches!(images.get(file), Some(ImageState::Failed(_)));
+            let Some(file) = file.as_ref().filter(|file| failed(file)) else {
+                return true;
+            };
+            let is_missing = named_file(word, folders).is_none();
+            if !is_missing {
+                images.remove(file);
+            }
+            is_missing
+        });
     }
 
     /// Returns the sentence about an image that cannot be read.

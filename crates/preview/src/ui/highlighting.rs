@@ -140,6 +140,7 @@ fn colour(kind: HighlightKind, dark: bool, plain: Color32) -> Color32 {
     let [on_dark, on_light] = match kind {
         HighlightKind::Comment => [[106, 153, 85], [0, 110, 0]],
         HighlightKind::Number => [[181, 206, 168], [9, 110, 80]],
+        HighlightKind::Text => [[206, 145, 120], [163, 21, 21]],
         HighlightKind::Keyword => [[86, 156, 214], [0, 60, 200]],
         HighlightKind::Constant => [[156, 220, 254], [0, 50, 110]],
         HighlightKind::Function => [[214, 140, 209], [140, 30, 140]],

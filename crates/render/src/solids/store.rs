@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use geometry::solids::{RayNote, RayScene, RaySceneOptions, StandardLights, Thickness};
+use geometry::solids::{FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights};
 use glam::DVec3;
 use scene::{ObjectId, Scene};
-use tracer::World;
 use tracer::camera::LensCamera;
 use tracer::shade::{Face, FaceLook, Scenery};
+use tracer::{PictureLook, World};
 
 use crate::content::Content;
 use crate::placement::Placement;
@@ -15,6 +15,8 @@ use crate::request::PictureRequest;
 use crate::shared::Shared;
 use crate::style;
 use crate::texture::Texture;
+
+use super::images::{FaceImages, texel};
 
 /// The solids of the last pictures.
 #[derive(Debug, Default)]
@@ -26,13 +28,24 @@ pub(crate) struct SolidStore {
     pub(crate) built: u64,
 }
 
-/// The solids that a picture shows, each with what it is of.
-type ShownContents = Vec<(ObjectId, Content)>;
+/// The solids that a picture shows, each with what it is of, and the images.
+type ShownContents = (Vec<(ObjectId, Content)>, ImagesKey);
+
+/// The images that objects have: those that were chosen, and those that the program names.
+type ImagesKey = (
+    Vec<(ObjectId, Shared<Texture>)>,
+    Vec<(String, Shared<Texture>)>,
+);
+
+fn images_of(request: &PictureRequest) -> ImagesKey {
+    (request.textures.clone(), request.images.clone())
+}
 
 /// The solids of a scene, for the 3D view.
 #[derive(Debug)]
 pub(crate) struct SolidScene {
     rays: RayScene,
+    images: FaceImages,
     /// The object of each solid of the world.
     objects: Vec<ObjectId>,
 }
@@ -41,7 +54,9 @@ pub(crate) struct SolidScene {
 #[derive(Debug)]
 pub(crate) struct TracedScene {
     rays: RayScene,
-    textures: Vec<(ObjectId, Arc<Texture>)>,
+    images: FaceImages,
+    /// The image of the declared background.
+    background: Option<Arc<Texture>>,
     /// Overhead and underfoot, sRGB from 0 to 1.
     sky: DVec3,
 }
@@ -53,11 +68,13 @@ struct TracedKey {
     params: Arc<scene::ParamValues>,
     hidden: Vec<ObjectId>,
     colours: Vec<[u8; 3]>,
-    textures: Vec<(ObjectId, Shared<Texture>)>,
+    images: ImagesKey,
+    background_image: Option<Shared<Texture>>,
     flipped: Vec<ObjectId>,
     placement: Placement,
     scale: f32,
     backdrop: [u8; 3],
+    picture_look: PictureLook,
 }
 
 impl SolidStore {
@@ -78,35 +95,40 @@ impl SolidStore {
         if shown.is_empty() {
             return None;
         }
+        let shown = (shown, images_of(request));
         if let Some((known, solids)) = &self.solids
             && *known == shown
         {
             return Some(solids.clone());
         }
-        let is_shown = |id: ObjectId| shown.iter().any(|(known, _)| *known == id);
+        let is_shown = |id: ObjectId| shown.0.iter().any(|(known, _)| *known == id);
         let solids = Arc::new(SolidScene::new(request, &is_shown));
         self.built += 1;
         self.solids = Some((shown, solids.clone()));
         Some(solids)
     }
 
-    /// All that a request of the traced view shows, all but the hidden ones, in these drawing units.
+    /// All that a request of the traced view shows, all but the hidden ones, in these drawing units
+    /// and by these formulas.
     pub(crate) fn traced(
         &mut self,
         request: &PictureRequest,
         hidden: &[ObjectId],
         placement: &Placement,
+        picture_look: PictureLook,
     ) -> Arc<TracedScene> {
         let key = TracedKey {
             scene: request.scene.clone(),
             params: request.params.clone(),
             hidden: hidden.to_vec(),
             colours: request.object_colours(),
-            textures: request.textures.clone(),
+            images: images_of(request),
+            background_image: request.background_image.clone(),
             flipped: request.flipped.clone(),
             placement: *placement,
             scale: request.scale,
             backdrop: request.backdrop(),
+            picture_look,
         };
         if let Some((known, scene)) = &self.traced
             && *known == key
@@ -129,12 +151,14 @@ impl SolidScene {
                 shown,
                 color: &|_| srgb(style::SOLID_COLOUR),
                 thickness: None,
+                picture_look: Default::default(),
             },
         );
         let solids = 0..rays.world().solid_count();
         let objects = solids.filter_map(|solid| rays.object_of_solid(solid).id);
         Self {
             objects: objects.collect(),
+            images: FaceImages::new(request, &rays, shown),
             rays,
         }
     }
@@ -143,9 +167,10 @@ impl SolidScene {
         self.rays.world()
     }
 
-    /// The look of a face, without an image.
+    /// The look of a face.
     pub(crate) fn look(&self, face: &Face) -> FaceLook {
-        self.rays.look(face, &|_, _| None)
+        let paint = |image: FaceImage, place: [f64; 2]| self.images.color(image, place);
+        self.rays.look(face, &paint)
     }
 
     /// The object of each solid of the world.
@@ -171,7 +196,6 @@ impl TracedScene {
     fn new(request: &PictureRequest, key: &TracedKey) -> Self {
         let radius = key.placement.radius;
         let scale = f64::from(request.scale);
-        let nominal = |length: &style::Length| f64::from(length.nominal) * radius * scale;
         let rays = RayScene::new(
             &request.scene,
             &request.params,
@@ -182,24 +206,18 @@ impl TracedScene {
                         .get(id.0 as usize)
                         .map_or(DVec3::ONE, |it| srgb(*it))
                 },
-                thickness: Some(Thickness {
-                    point: nominal(&style::POINT_RADIUS),
-                    line: nominal(&style::LINE_HALF_WIDTH),
-                    head_length: f64::from(style::HEAD_LENGTH),
-                    head_radius: f64::from(style::HEAD_RADIUS),
-                    head_share: f64::from(style::HEAD_SHARE),
-                }),
+                thickness: Some(style::thickness(radius * scale)),
+                picture_look: key.picture_look,
             },
         );
-        let objects = request.scene.numbered();
-        let surfaces = objects.filter(|(id, object)| {
-            let states = |word| object.attributes.iter().any(|it| it.word == word);
-            object.shape.is_surface() && !key.hidden.contains(id) && !states("color")
-        });
+        let images = FaceImages::new(request, &rays, &|id| !key.hidden.contains(&id));
+        let chosen = request.background_image.as_ref();
+        let background = chosen.or_else(|| request.image(rays.background_image()?));
         Self {
-            rays,
-            textures: surfaces.map(|(id, _)| (id, request.texture(id))).collect(),
+            images,
+            background: background.map(|image| image.arc().clone()),
             sky: srgb(key.backdrop),
+            rays,
         }
     }
 
@@ -214,9 +232,14 @@ impl TracedScene {
         bounces: u32,
         see: impl FnOnce(&Scenery<'_>) -> R,
     ) -> R {
-        let paint = |id: ObjectId, place: [f64; 2]| {
-            let texture = self.textures.iter().find(|(known, _)| *known == id);
-            texture.map(|(_, texture)| texel(texture, place))
+        let picture_look = self.rays.picture_look();
+        let paint = |image: FaceImage, place: [f64; 2]| {
+            let light = self.images.color(image, place)?;
+            Some(picture_look.image_light(light))
+        };
+        let background = |place: [f64; 2]| {
+            let light = texel(self.background.as_deref()?, place);
+            Some(picture_look.image_light(light))
         };
         let lights = self.rays.lights(camera, &STANDARD_LIGHTS);
         see(&Scenery {
@@ -225,8 +248,10 @@ impl TracedScene {
             glass: self.rays.glass(),
             look: &|face| self.rays.look(face, &paint),
             lights: &lights,
-            background: &|direction| self.rays.background(direction, self.sky, &|_| None),
+            background: &|direction| self.rays.background(direction, self.sky, &background),
             bounces,
+            picture_look: self.rays.picture_look(),
+            sides: self.rays.sides(),
         })
     }
 
@@ -258,11 +283,4 @@ fn leaf(rays: &RayScene, scene: &Scene, face: &Face) -> Option<usize> {
     let (_, span) = owner.leaf?;
     let solid = scene.get(owner.object.id?)?.shape.solid()?;
     solid.leaves.iter().position(|leaf| leaf.name_span == span)
-}
-
-/// The linear colour of an image at a place of it.
-fn texel(texture: &Texture, [u, v]: [f64; 2]) -> DVec3 {
-    let sampler = texture.sampler();
-    let light = sampler.averaged([u as f32, v as f32], sampler.footprint([0.0; 4]));
-    DVec3::from_array(light.map(f64::from))
 }

@@ -13,12 +13,12 @@ use std::sync::Arc;
 use glam::DVec3;
 use image::RgbaImage;
 use scene::{Object, ObjectId, Scene, Shape};
-use tracer::Ray;
-use tracer::camera::{Bokeh, LensCamera, LensProjection};
+use tracer::camera::{Bokeh, LensCamera, LensProjection, SharpPlaces};
 use tracer::picture::LightSums;
 use tracer::shade::{Face, FaceObject, LightTracer};
+use tracer::{PictureLook, Ray, gamma_encoded};
 
-use super::space;
+use super::space::{self, SpaceView};
 use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::camera::Camera;
 use crate::error::RenderError;
@@ -51,24 +51,67 @@ pub const MAX_BOUNCES: u32 = 64;
 pub struct TracedView;
 
 /// The options of a traced picture beyond those of all pictures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedOptions {
     /// The options that all views in space have. The picture has the lens of the declared camera; without one, it has a lens as the 3D
     /// view.
     pub space: SpaceOptions,
     /// The samples of a pixel, 1 to [`MAX_SAMPLES`]; if not given, [`SAMPLES`], or [`LENS_SAMPLES`] through a lens.
     pub samples: Option<u32>,
-    /// The reflections and refractions that are followed, 0 to [`MAX_BOUNCES`].
-    pub bounces: u32,
+    /// The reflections and refractions that are followed, 0 to [`MAX_BOUNCES`]; if not given, those that the scene states,
+    /// or [`BOUNCES`].
+    pub bounces: Option<u32>,
+    /// The formulas by which light becomes bytes; if not given, those of the CRT scene language where the scene states its
+    /// picture.
+    pub look: Option<PictureLook>,
+    /// The gamma of the look `crt`, positive; if not given, the one that the scene states, or 1.
+    pub gamma: Option<f64>,
 }
 
-impl Default for TracedOptions {
-    fn default() -> Self {
-        Self {
-            space: SpaceOptions::default(),
-            samples: None,
-            bounces: BOUNCES,
+/// The settings of a picture, those of the scene included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TracedSettings {
+    look: PictureLook,
+    gamma: f64,
+    bounces: u32,
+}
+
+impl TracedOptions {
+    fn settings(&self, scene: &Scene) -> TracedSettings {
+        let stated = scene.picture.as_ref();
+        let usual = match stated {
+            Some(_) => PictureLook::Crt,
+            None => PictureLook::Geotrace,
+        };
+        let bounces = self.bounces.or(stated.map(|stated| stated.bounces));
+        TracedSettings {
+            look: self.look.unwrap_or(usual),
+            gamma: self.gamma.or(stated.map(|it| it.gamma)).unwrap_or(1.0),
+            bounces: bounces.unwrap_or(BOUNCES).min(MAX_BOUNCES),
         }
+    }
+
+    /// The samples of a pixel, and the grid on which they lie. In the look `crt` a single sample is in the pixel's middle,
+    /// and those of a picture without a lens lie on a grid if their number is a square.
+    fn sampling(&self, scene: &Scene, look: PictureLook, has_lens: bool) -> (u32, Option<u32>) {
+        let usual = if has_lens { LENS_SAMPLES } else { SAMPLES };
+        let limited = |samples: u32| samples.clamp(1, MAX_SAMPLES);
+        if look == PictureLook::Geotrace {
+            return (limited(self.samples.unwrap_or(usual)), None);
+        }
+        let stated = scene.picture.as_ref();
+        let own = stated.map_or(usual, |it| {
+            let places = it.supersampling.saturating_mul(it.supersampling);
+            places.saturating_mul(if has_lens { it.lens_samples } else { 1 })
+        });
+        let samples = limited(self.samples.unwrap_or(own));
+        let grid = match (has_lens, stated) {
+            (true, Some(stated)) => stated.supersampling,
+            (true, None) => 1,
+            (false, _) => samples.isqrt(),
+        };
+        let places = grid.saturating_mul(grid).max(1);
+        (samples, (samples % places == 0).then_some(grid))
     }
 }
 
@@ -119,11 +162,11 @@ impl View for TracedView {
     }
 
     fn shows(&self, scene: &Scene, object: &Object) -> bool {
-        scene.is_in_space(object)
+        SpaceView.shows(scene, object)
     }
 
     fn nothing(&self) -> &'static str {
-        "A metric has no place in space: see its geodesic view"
+        SpaceView.nothing()
     }
 
     fn options(&self, _object: Option<ObjectId>) -> ViewPart {
@@ -178,13 +221,15 @@ struct TracedContent {
     camera: LensCamera,
     size: [u32; 2],
     bounces: u32,
+    grid: Option<u32>,
 }
 
 impl TracedContent {
     /// Returns true if another picture has the same light.
     fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
-            && (self.camera, self.size, self.bounces) == (other.camera, other.size, other.bounces)
+            && (self.camera, self.size) == (other.camera, other.size)
+            && (self.bounces, self.grid) == (other.bounces, other.grid)
     }
 }
 
@@ -196,24 +241,26 @@ impl ViewRenderer for TracedRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let options = options(request)?;
+        let settings = options.settings(&request.scene);
         let framed = space::framed(shared, request, &options.space);
         let space_camera = framed.camera(&options.space.camera, request)?;
         let placement = &space_camera.placement;
         let scene = shared
             .solids
-            .traced(request, &options.space.hidden, placement);
-        let camera = lens(&scene, options, &space_camera);
+            .traced(request, &options.space.hidden, placement, settings.look);
+        let mut camera = lens(&scene, options, &space_camera);
+        let has_lens = camera.aperture > 0.0;
+        let (wanted, grid) = options.sampling(&request.scene, settings.look, has_lens);
+        if settings.look == PictureLook::Crt && wanted == 1 {
+            camera.aperture = 0.0;
+        }
         let content = TracedContent {
             scene: scene.clone(),
             camera,
             size: request.size,
-            bounces: options.bounces.min(MAX_BOUNCES),
+            bounces: settings.bounces,
+            grid,
         };
-        let wanted = options.samples.unwrap_or(match camera.aperture > 0.0 {
-            true => LENS_SAMPLES,
-            false => SAMPLES,
-        });
-        let wanted = wanted.clamp(1, MAX_SAMPLES);
         let kept = self.sums.take();
         let kept = kept.filter(|(known, sums)| known.is(&content) && sums.samples() <= wanted);
         let (content, mut sums) = kept.unwrap_or_else(|| (content, LightSums::new(request.size)));
@@ -222,7 +269,7 @@ impl ViewRenderer for TracedRenderer {
         let is_done = missing == 0
             || scene.with_scenery(&camera, content.bounces, |scenery| {
                 let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
-                sums.add(scenery, &camera, missing, threads, &|share| {
+                sums.add(scenery, &camera, grid, missing, threads, &|share| {
                     progress(share);
                     // While something moves, each picture has something newer behind it.
                     request.moving || !interrupt.is_wanted()
@@ -232,7 +279,7 @@ impl ViewRenderer for TracedRenderer {
         if is_done {
             shared.pixels.count_traced(u64::from(missing) * pixels);
         }
-        let mut image = picture(request.size, &sums);
+        let mut image = picture(request.size, &sums, &settings);
         self.sums = Some((content, sums));
         if !is_done {
             return Err(RenderError::Interrupted);
@@ -267,12 +314,13 @@ impl ViewRenderer for TracedRenderer {
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         let options = options(request)?;
+        let settings = options.settings(&request.scene);
         let framed = space::framed(shared, request, &options.space);
         let space_camera = framed.camera(&options.space.camera, request)?;
         let placement = &space_camera.placement;
         let scene = shared
             .solids
-            .traced(request, &options.space.hidden, placement);
+            .traced(request, &options.space.hidden, placement, settings.look);
         let camera = LensCamera {
             aperture: 0.0,
             ..lens(&scene, options, &space_camera)
@@ -333,6 +381,7 @@ fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCam
         aperture: 0.0,
         bokeh: Bokeh::default(),
         projection: LensProjection::default(),
+        sharp: SharpPlaces::default(),
     });
     LensCamera {
         position,
@@ -359,12 +408,15 @@ fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit
     })
 }
 
-/// The mean light of all pixels, sRGB.
-fn picture(size: [u32; 2], sums: &LightSums) -> RgbaImage {
+/// The mean light of all pixels as bytes.
+fn picture(size: [u32; 2], sums: &LightSums, settings: &TracedSettings) -> RgbaImage {
     let encoder = style::Encoder::get();
     let mut image = RgbaImage::new(size[0], size[1]);
     for (pixel, light) in image.pixels_mut().zip(sums.means()) {
-        let [r, g, b] = light.to_array().map(|light| encoder.encode(light as f32));
+        let [r, g, b] = match settings.look {
+            PictureLook::Geotrace => light.to_array().map(|light| encoder.encode(light as f32)),
+            PictureLook::Crt => gamma_encoded(light, settings.gamma),
+        };
         pixel.0 = [r, g, b, u8::MAX];
     }
     image

@@ -2,8 +2,9 @@
 
 use expr::number;
 use expr::value::Value;
+use syntax::attribute_range::AttributeRange;
 use syntax::geotrace::actions::{Declaration, StatedAttribute};
-use syntax::geotrace::attributes::{AttributeRange, AttributeRow, AttributeType, AttributeWord};
+use syntax::geotrace::attributes::{AttributeRow, AttributeType, AttributeWord};
 use syntax::geotrace::codes::ATTRIBUTE_RANGE;
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;

@@ -77,6 +77,7 @@ impl PointSet {
     pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
         Self {
             solid: Arc::new(Solid {
+                front: None,
                 leaves: vec![leaf],
                 steps: vec![SolidStep::Leaf(0)],
             }),

@@ -86,11 +86,11 @@ impl<G: Grammar> Document<G> {
     /// The new text is cut from the start of the first chunk that the edit touches. Chunks below are taken in until the new
     /// text ends where a chunk does: an edit that opens a comment or a block may change where many of them end.
     pub(super) fn replace(&mut self, range: Span, text: &str) -> (Vec<ChunkId>, Vec<String>) {
-        let Some((first, before)) = self.sequence.at_byte(range.start) else {
+        let Some((touched, before)) = self.sequence.at_byte(range.start) else {
             return (Vec::new(), Vec::new());
         };
-        let mut old = vec![first];
-        let mut last = first;
+        let mut old = vec![touched];
+        let mut last = touched;
         let mut start = before.bytes;
         while start + (self.chunk(last).text.len() as u32) <= range.end
             && range.end > range.start
@@ -100,20 +100,42 @@ impl<G: Grammar> Document<G> {
             last = next;
             old.push(last);
         }
-        let head = &self.chunk(first).text[..(range.start - before.bytes) as usize];
+        let mut head = self.chunk(touched).text[..(range.start - before.bytes) as usize].to_owned();
+        let mut first = before.bytes;
+        // The beginning of a chunk may decide where the one above ends.
+        while head.trim_start().len() < G::LOOKAHEAD
+            && let Some((above, before)) = first
+                .checked_sub(1)
+                .and_then(|at| self.sequence.at_byte(at))
+        {
+            head.insert_str(0, &self.chunk(above).text);
+            old.insert(0, above);
+            first = before.bytes;
+        }
         let tail = &self.chunk(last).text[(range.end - start) as usize..];
-        let mut all = [head, text, tail].concat();
+        let mut all = [&head, text, tail].concat();
         let mut ends = Vec::new();
         let mut cut_to = 0;
         let mut state = G::CutState::default();
+        // Where the chunk begins that was taken in last, for its beginning.
+        let mut boundary = None;
         loop {
             state = G::cut(&all, cut_to, state, &mut ends);
+            if let Some(boundary) = boundary
+                && ends.binary_search(&boundary).is_ok()
+            {
+                ends.retain(|end| *end <= boundary);
+                old.pop();
+                break;
+            }
             cut_to = all.len();
             let Some(next) = self.sequence.next(last) else {
                 ends.push(all.len());
                 break;
             };
-            if ends.last() == Some(&all.len()) {
+            if G::LOOKAHEAD > 0 {
+                boundary = Some(all.len());
+            } else if ends.last() == Some(&all.len()) {
                 break;
             }
             all.push_str(&self.chunk(next).text);

@@ -16,12 +16,16 @@ use super::surroundings::Surroundings;
 /// again only if its text changes or a name that it has looked up. For an edited document to equal one that is made
 /// from the whole text, the language keeps two rules:
 ///
-/// - Where a chunk ends depends on the text from its start to its end only ([`cut`](Self::cut)).
+/// - Where a chunk ends depends on the text from its start to its end only ([`cut`](Self::cut)), and on the beginning of the
+///   chunk below it if the language says so ([`LOOKAHEAD`](Self::LOOKAHEAD)).
 /// - What [`read`](Self::read) returns depends on its arguments only, and it records at the [`ScopeView`] each name that it
 ///   uses and each word that it would read otherwise if another name were defined.
 ///
 /// A language without such chunks cuts nothing; its texts are documents of one chunk.
 pub trait Grammar: Clone + Debug + Sized {
+    /// The number of bytes, behind the white space at the start of a chunk, that together with the text above decide that
+    /// the chunk above ends there; 0 if the text above decides it alone. What they do not decide is no end.
+    const LOOKAHEAD: usize = 0;
     /// The state of [`cut`](Self::cut) between two calls, such as a comment that has not ended or the depth of nested
     /// blocks. The default is the state at the start of a chunk.
     type CutState: Copy + Default;

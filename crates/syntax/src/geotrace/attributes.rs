@@ -6,6 +6,7 @@
 //! attribute, add a row.
 
 use super::declarations::DeclarationKeyword;
+use crate::attribute_range::AttributeRange;
 use DeclarationKeyword::{
     Background, Camera, Curve, Geodesic, Light, Metric, Point, Solid, Surface, Vector,
 };
@@ -23,72 +24,6 @@ pub enum AttributeType {
     Choice(&'static [&'static str]),
     /// Any word.
     Name,
-}
-
-/// The numbers that an attribute may have as its value, or as components of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AttributeRange {
-    /// The least number.
-    pub min: f64,
-    /// The greatest number.
-    pub max: f64,
-    /// True if the least number itself is none of them.
-    pub is_open: bool,
-}
-
-impl AttributeRange {
-    /// Every finite number.
-    pub const ANY: Self = Self::closed(f64::NEG_INFINITY, f64::INFINITY);
-    /// 0…1.
-    pub const SHARE: Self = Self::closed(0.0, 1.0);
-    /// ≥ 0.
-    pub const NOT_NEGATIVE: Self = Self::closed(0.0, f64::INFINITY);
-    /// > 0.
-    pub const POSITIVE: Self = Self {
-        is_open: true,
-        ..Self::NOT_NEGATIVE
-    };
-    /// An angle up to a full turn.
-    pub const TURN: Self = Self {
-        is_open: true,
-        ..Self::closed(0.0, std::f64::consts::TAU)
-    };
-
-    const fn closed(min: f64, max: f64) -> Self {
-        Self {
-            min,
-            max,
-            is_open: false,
-        }
-    }
-
-    /// Returns true if a number is one of the range. NaN and infinite numbers are not.
-    pub fn contains(self, value: f64) -> bool {
-        let above = value > self.min || (value == self.min && !self.is_open);
-        value.is_finite() && above && value <= self.max
-    }
-
-    /// The number of the range that is nearest to a finite one; of an open range the least that is above its end and not
-    /// denormal.
-    pub fn clamp(self, value: f64) -> f64 {
-        let least = if self.is_open {
-            self.min + f64::MIN_POSITIVE
-        } else {
-            self.min
-        };
-        value.clamp(least, self.max)
-    }
-
-    /// The range as the end of a sentence: `0…1`, `> 0`; `None` if every number is in it.
-    pub fn text(self) -> Option<&'static str> {
-        match self {
-            Self::SHARE => Some("0…1"),
-            Self::NOT_NEGATIVE => Some("≥ 0"),
-            Self::POSITIVE => Some("> 0"),
-            Self::TURN => Some("> 0 and ≤ 2pi"),
-            _ => None,
-        }
-    }
 }
 
 /// A row of the table.
@@ -252,7 +187,7 @@ pub fn of(declaration: DeclarationKeyword) -> impl Iterator<Item = &'static Attr
 
 #[cfg(test)]
 mod tests {
-    use super::{AttributeRange, AttributeType, AttributeWord, TABLE, of};
+    use super::{AttributeType, AttributeWord, TABLE, of};
     use crate::geotrace::declarations::DeclarationKeyword;
 
     #[test]
@@ -278,24 +213,5 @@ mod tests {
             .iter()
             .sum();
         assert_eq!(rows, TABLE.len());
-    }
-
-    #[test]
-    fn ranges_hold_finite_numbers_and_clamp_to_them() {
-        for range in [
-            AttributeRange::ANY,
-            AttributeRange::SHARE,
-            AttributeRange::NOT_NEGATIVE,
-            AttributeRange::POSITIVE,
-            AttributeRange::TURN,
-        ] {
-            for value in [-7.0, -1e-300, 0.0, 0.5, 1.0, 4.0, 1e300] {
-                assert!(range.contains(range.clamp(value)), "{range:?} {value}");
-                assert_eq!(range.contains(value), range.clamp(value) == value);
-            }
-            assert!(!range.contains(f64::NAN) && !range.contains(f64::INFINITY));
-        }
-        assert!(!AttributeRange::POSITIVE.contains(0.0));
-        assert!(AttributeRange::SHARE.contains(0.0));
     }
 }

@@ -1,9 +1,11 @@
-//! The images of surfaces: options flow in, textures for the values of params flow out.
+//! The images of objects: options and a program flow in, textures for the values of params flow out.
+
+use std::path::{Path, PathBuf};
 
 use export::whole_file::phrase;
 use render::PictureRequest;
 use render::shared::Shared;
-use render::texture::{Texture, TextureError};
+use render::texture::{Texture, TextureError, missing_file, named_file};
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::failure;
@@ -12,9 +14,15 @@ use crate::failure::Failure;
 use crate::number;
 use crate::program::LoadedProgram;
 
-/// The images of the surfaces.
+/// The images of the objects.
 pub(in crate::command) struct Images {
     pub(super) loaded: Vec<(ObjectId, Shared<Texture>)>,
+    /// Those that the program names, by their words.
+    pub(in crate::command) named: Vec<(String, Shared<Texture>)>,
+    /// That of the background, instead of the one that it names.
+    pub(super) background: Option<Shared<Texture>>,
+    /// Sentences about images that the program names and that are not shown.
+    missing: Vec<String>,
     /// Surfaces that are coloured by curvature, which may change with the params.
     pub(super) curved: Vec<ObjectId>,
 }
@@ -34,8 +42,12 @@ impl Images {
         Ok([self.loaded.clone(), curved?].concat())
     }
 
-    /// Notes on the colours of curvature.
-    pub(super) fn notes(&self, program: &LoadedProgram, request: &PictureRequest) -> Vec<String> {
+    /// Notes on the colours of curvature, and on images that are not shown.
+    pub(in crate::command) fn notes(
+        &self,
+        program: &LoadedProgram,
+        request: &PictureRequest,
+    ) -> Vec<String> {
         let note = |&surface: &ObjectId| {
             let scale = request.texture(surface).curvature_scale()?;
             let most = scale.most;
@@ -51,7 +63,8 @@ impl Images {
                 program.object_name(surface)?
             ))
         };
-        self.curved.iter().filter_map(note).collect()
+        let missing = self.missing.iter().cloned();
+        self.curved.iter().filter_map(note).chain(missing).collect()
     }
 }
 
@@ -60,17 +73,47 @@ const CURVATURE: &str = "curvature";
 /// The word for no image.
 const PLAIN: &str = "plain";
 
-/// Reads the image files.
+/// Reads the image files: those of options, and those that the program names, beside it or in `folder`.
 pub(in crate::command) fn textures(
     files: &[TextureFile],
+    folder: Option<&Path>,
     program: &LoadedProgram,
 ) -> Result<Images, Failure> {
+    let scene = program.scene();
     let mut images = Images {
         loaded: Vec::new(),
+        named: Vec::new(),
+        background: None,
+        missing: Vec::new(),
         curved: Vec::new(),
     };
+    let beside = Path::new(&program.source.name).parent();
+    let folders = beside.into_iter().chain(folder).map(Path::to_owned);
+    let folders: Vec<PathBuf> = folders.collect();
+    for word in scene.image_words() {
+        let read = named_file(word, &folders).ok_or_else(|| {
+            let elsewhere =
+                folder.map_or_else(String::new, |it| format!(" or in {}", it.display()));
+            format!("{} beside the program{elsewhere}", missing_file(word))
+        });
+        match read.and_then(|file| Texture::load(&file).map_err(|error| error.to_string())) {
+            Ok(image) => images.named.push((word.to_owned(), image.into())),
+            Err(sentence) => images.missing.push(sentence),
+        }
+    }
     for file in files {
-        let (surface, _) = program.surface(Some(&file.surface))?;
+        let load = || Texture::load(&file.path).map_err(|error| texture_failure(file, error));
+        let background = scene.background();
+        if background.is_some_and(|object| object.name == file.object) {
+            images.background = Some(load()?.into());
+            continue;
+        }
+        let solid = scene.object(&file.object);
+        if let Some((solid, _)) = solid.filter(|(_, object)| object.shape.solid().is_some()) {
+            images.loaded.push((solid, load()?.into()));
+            continue;
+        }
+        let (surface, _) = program.surface(Some(&file.object))?;
         // The last option for a surface applies.
         images.curved.retain(|&other| other != surface);
         if file.path.as_os_str() == CURVATURE {
@@ -78,9 +121,7 @@ pub(in crate::command) fn textures(
         } else if file.path.as_os_str() == PLAIN {
             images.loaded.push((surface, Texture::plain().into()));
         } else {
-            let texture =
-                Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
-            images.loaded.push((surface, texture.into()));
+            images.loaded.push((surface, load()?.into()));
         }
     }
     Ok(images)

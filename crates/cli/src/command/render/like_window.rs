@@ -17,7 +17,7 @@ pub(super) fn completed(
     context: &Context,
 ) -> Result<Box<Arguments>, Failure> {
     let views = &context.registry.views;
-    let ViewId { kind, object } = arguments.view.clone();
+    let ViewId { kind, object } = arguments.view(program.scene());
     let of_object = views.get(&kind).is_some_and(|view| view.is_of_object());
     let object = match of_object {
         true => Some(program.surface(object.as_deref())?.1.name.clone()),
@@ -45,7 +45,7 @@ fn remembered(
     id: &ViewId,
 ) -> Result<PictureRequest, Failure> {
     let (scene, views) = (program.scene(), &context.registry.views);
-    let remembered = preview::remembered(&arguments.file, scene, views, id, arguments.size.0);
+    let remembered = preview::remembered(&arguments.file, scene, views, id, arguments.size(scene));
     remembered.map_err(|message| Failure::Input {
         message: format!("--like-window: {message}"),
         hint: Some(format!(

@@ -30,9 +30,16 @@ pub(super) fn request(
         scale: arguments.scale as f32,
         colours: colours(arguments, program)?,
         textures: images.loaded.clone(),
+        images: images.named.clone(),
+        background_image: images.background.clone(),
         curved: images.curved.clone(),
         flipped: flipped(arguments, program)?,
-        ..PictureRequest::new(program.scene(), params, view, arguments.size.0)
+        ..PictureRequest::new(
+            program.scene(),
+            params,
+            view,
+            arguments.size(program.scene()),
+        )
     })
 }
 
@@ -73,7 +80,7 @@ fn view(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<ViewPart, Failure> {
-    let ViewId { kind, object } = &arguments.view;
+    let ViewId { kind, object } = &arguments.view(program.scene());
     let view = views.get(kind);
     let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
     let mut view = match (object, view.is_of_object()) {
@@ -86,7 +93,7 @@ fn view(
     let place = |option: &str, triple: &Option<Triple>| match triple {
         Some(triple) => {
             let numbers: [f64; 3] = program.numbers(option, &triple.0, params)?;
-            Ok(Some(WorldPoint(numbers)))
+            Ok(Some(WorldPoint(program.scene().stated(numbers))))
         }
         None => Ok(None),
     };
@@ -100,7 +107,9 @@ fn view(
     }
     if let Some(options) = view.get_mut::<TracedOptions>() {
         options.samples = arguments.samples;
-        options.bounces = arguments.bounces.unwrap_or(options.bounces);
+        options.bounces = arguments.bounces;
+        options.look = arguments.look;
+        options.gamma = arguments.gamma;
     }
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
@@ -227,6 +236,8 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
     let traced = [
         ("--samples", arguments.samples.is_some()),
         ("--bounces", arguments.bounces.is_some()),
+        ("--look", arguments.look.is_some()),
+        ("--gamma", arguments.gamma.is_some()),
     ];
     // Lines and words are not drawn over rays, and rays part at the eye.
     let drawn = [

@@ -97,7 +97,7 @@ impl Bench {
         let Some(crate::command::Command::Render(arguments)) = parsed.command else {
             panic!("another command");
         };
-        let images = textures(&arguments.texture, &self.program).expect("images");
+        let images = textures(&arguments.texture, None, &self.program).expect("images");
         let request = picture::request(&arguments, self.views(), &self.program, &images);
         request.unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"))
     }
@@ -178,7 +178,9 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
                 ..SpaceOptions::default()
             },
             samples: Some(1 + random.below(3) as u32),
-            bounces: random.below(10) as u32,
+            bounces: (random.below(2) == 0).then_some(3),
+            look: (random.below(2) == 0).then_some(tracer::PictureLook::Crt),
+            gamma: (random.below(2) == 0).then_some(2.2),
         }
         .into(),
         (_, true) => bench.views().first().options(None),
@@ -315,6 +317,7 @@ fn a_request_is_read_back_from_its_command_and_draws_the_same_bytes() {
         "turntable",
         "course",
         "frames",
+        "images",
         "fps",
         "help",
     ];

@@ -83,6 +83,7 @@ impl Window {
         self.text.reports.note_compiled(&compiled);
         let fresh = compiled.scene.is_some();
         let first = self.model.scene.is_none();
+        self.pictures.library.look_again();
         self.model.take(compiled);
         self.display.clock.note_text();
         self.text.painter.mark(self.model.faults.findings());

@@ -1,0 +1,249 @@
+//! Completions: attributes between the braces of an object, the words of an attribute, and what an expression can begin with.
+
+use syntax::crt::objects::{FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
+use syntax::crt::token::{RESERVED, Token, TokenKind};
+use syntax::span::Span;
+
+use super::CrtAnalysis;
+use super::hover;
+use super::names::Origin;
+use crate::completion::{Completion, CompletionKind, Completions};
+use crate::description::Description;
+
+/// A place where something is written.
+enum CompletionPlace {
+    /// The name of an attribute of an object. These are stated already.
+    Attribute(ObjectName, Vec<String>),
+    /// The value of an attribute that is one of these strings.
+    Choice(&'static [&'static str]),
+    /// Another value.
+    Value,
+    /// A statement or an expression outside an object; `true` at top level.
+    Statement(bool),
+    /// A comment or a string.
+    Nothing,
+}
+
+/// The entries at a place.
+pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -> Completions {
+    let start = analysis.snapshot.word_start(offset);
+    let mut completions = Completions {
+        range: Span::new(start, offset),
+        ..Completions::empty(offset)
+    };
+    let list = &mut completions.list;
+    match place(analysis, start) {
+        CompletionPlace::Nothing => {}
+        CompletionPlace::Attribute(object, stated) => {
+            let rows = object.attributes().iter();
+            let rows = rows.filter(|row| !stated.iter().any(|word| word == row.text));
+            list.extend(rows.map(|row| attribute(row, snippets)));
+        }
+        CompletionPlace::Choice(words) => {
+            let words = words.iter().map(|word| Completion {
+                label: format!("\"{word}\""),
+                kind: CompletionKind::Word,
+                detail: String::new(),
+                insert: format!("\"{word}\""),
+                snippet: false,
+            });
+            list.extend(words);
+        }
+        CompletionPlace::Value => expressions(analysis, offset, snippets, list),
+        CompletionPlace::Statement(is_top) => {
+            expressions(analysis, offset, snippets, list);
+            let words = RESERVED.iter().filter(|(_, kind)| match kind {
+                TokenKind::Settings | TokenKind::Scene => is_top,
+                kind => !kind.is_modifier(),
+            });
+            list.extend(words.map(|(word, _)| Completion {
+                label: (*word).to_owned(),
+                kind: CompletionKind::Keyword,
+                detail: String::new(),
+                insert: (*word).to_owned(),
+                snippet: false,
+            }));
+        }
+    }
+    completions
+}
+
+fn attribute(row: &ObjectAttribute, snippets: bool) -> Completion {
+    let detail = match row.default.text() {
+        None => "required".to_owned(),
+        Some(default) => default,
+    };
+    Completion {
+        label: row.text.to_owned(),
+        kind: CompletionKind::Attribute,
+        detail,
+        insert: match snippets {
+            true => format!("{} -> ${{1}}", row.text),
+            false => format!("{} -> ", row.text),
+        },
+        snippet: snippets,
+    }
+}
+
+fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut Vec<Completion>) {
+    let names = analysis.names();
+    let visible = names.variables().filter(|variable| {
+        variable
+            .scope
+            .is_none_or(|scope| scope.start <= offset && offset <= scope.end)
+    });
+    for variable in visible {
+        let (kind, detail) = match variable.origin {
+            Origin::Parameter => (CompletionKind::Parameter, ""),
+            Origin::Macro => (CompletionKind::Function, "Macro"),
+            Origin::Object(object) => (CompletionKind::Solid, object.text()),
+            Origin::Value => (CompletionKind::Constant, ""),
+        };
+        list.push(Completion {
+            label: variable.name.to_string(),
+            kind,
+            detail: detail.to_owned(),
+            insert: variable.name.to_string(),
+            snippet: false,
+        });
+    }
+    for object in ObjectName::objects() {
+        let required = object.attributes().iter().filter(|row| row.is_required());
+        let lines = required.enumerate().map(|(k, row)| {
+            let stop = k + 1;
+            format!("    {} -> ${{{stop}}}\n", row.text)
+        });
+        let lines: String = lines.collect();
+        list.push(Completion {
+            label: object.text().to_owned(),
+            kind: CompletionKind::Solid,
+            detail: object.purpose().to_owned(),
+            insert: match snippets {
+                true => format!("{} {{\n{lines}}}", object.text()),
+                false => object.text().to_owned(),
+            },
+            snippet: snippets,
+        });
+    }
+    for (name, arguments, _) in FUNCTIONS {
+        let fields = arguments.iter().enumerate();
+        let fields: Vec<String> = fields
+            .map(|(k, it)| format!("${{{}:{it}}}", k + 1))
+            .collect();
+        list.push(Completion {
+            label: (*name).to_owned(),
+            kind: CompletionKind::Function,
+            detail: format!("({})", arguments.join(", ")),
+            insert: match snippets {
+                true => format!("{name}({})", fields.join(", ")),
+                false => (*name).to_owned(),
+            },
+            snippet: snippets,
+        });
+    }
+}
+
+/// The description of an entry by its label.
+pub(super) fn describe(analysis: &CrtAnalysis, offset: u32, label: &str) -> Option<Description> {
+    let start = analysis.snapshot.word_start(offset);
+    if let CompletionPlace::Attribute(object, _) = place(analysis, start) {
+        return object.attribute(label).map(hover::attribute);
+    }
+    if let Some(object) = ObjectName::from_text(label) {
+        return Some(hover::object(object));
+    }
+    let place = analysis.names().place_of(label);
+    let variable = place.and_then(|place| analysis.names().variable_at(place.start + 1));
+    match variable {
+        Some((_, variable)) => Some(hover::describe_variable(analysis, variable)),
+        None => hover::function(label),
+    }
+}
+
+/// Finds the kind of place before an offset where no word has begun.
+fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
+    let tokens = analysis.all_tokens();
+    let before = tokens.partition_point(|token| token.span.end <= offset);
+    let is_open = |token: &Token| {
+        matches!(
+            token.kind,
+            TokenKind::Comment | TokenKind::Error | TokenKind::Text
+        )
+    };
+    if tokens
+        .get(before)
+        .is_some_and(|it| it.span.start < offset && is_open(it))
+    {
+        return CompletionPlace::Nothing;
+    }
+    let before: Vec<Token> = tokens[..before]
+        .iter()
+        .copied()
+        .filter(|token| token.kind != TokenKind::Comment)
+        .collect();
+    let Some(last) = before.last() else {
+        return CompletionPlace::Statement(true);
+    };
+    // The bracket that is open here.
+    let mut depth = 0;
+    let open = before.iter().rposition(|token| {
+        match token.kind {
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => depth += 1,
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => depth -= 1,
+            _ => {}
+        }
+        depth < 0
+    });
+    let Some(open) = open else {
+        return CompletionPlace::Statement(true);
+    };
+    if before[open].kind != TokenKind::BraceOpen {
+        return CompletionPlace::Value;
+    }
+    let object = open.checked_sub(1).and_then(|at| {
+        let token = before[at];
+        match token.kind {
+            TokenKind::Settings => Some(ObjectName::Settings),
+            TokenKind::Name => ObjectName::from_text(&analysis.slice(token.span)),
+            _ => None,
+        }
+    });
+    let Some(object) = object else {
+        return CompletionPlace::Statement(false);
+    };
+    let ends_value = matches!(
+        last.kind,
+        TokenKind::BraceOpen
+            | TokenKind::BraceClose
+            | TokenKind::ParenClose
+            | TokenKind::BracketClose
+            | TokenKind::Integer
+            | TokenKind::Float
+            | TokenKind::Text
+            | TokenKind::True
+            | TokenKind::False
+            | TokenKind::Identifier
+            | TokenKind::Greater
+    );
+    if ends_value {
+        let mut depth = 0;
+        let inside = before[open + 1..].windows(2).filter(|pair| {
+            match pair[0].kind {
+                TokenKind::BraceOpen => depth += 1,
+                TokenKind::BraceClose => depth -= 1,
+                _ => {}
+            }
+            depth == 0 && pair[1].kind == TokenKind::Arrow
+        });
+        let stated = inside.map(|pair| analysis.slice(pair[0].span)).collect();
+        return CompletionPlace::Attribute(object, stated);
+    }
+    let word = before.len().checked_sub(2).map(|at| before[at].span);
+    let row = word.and_then(|word| object.attribute(&analysis.slice(word)));
+    match row.map(|row| row.value) {
+        Some(ValueType::Choice(words)) if last.kind == TokenKind::Arrow => {
+            CompletionPlace::Choice(words)
+        }
+        _ => CompletionPlace::Value,
+    }
+}

@@ -1,0 +1,206 @@
+//! The canonical layout: one attribute a line, four spaces for each level. Lines of statements stay as they are: none are joined,
+//! none parted. A script that cannot be read is left as it is.
+//!
+//! White space means nothing in a script but between two tokens that would become one; the tokens are compared afterwards.
+
+use std::collections::HashSet;
+
+use syntax::crt::document::Document;
+use syntax::crt::lexer::Lexer;
+use syntax::crt::token::{Token, TokenKind};
+use syntax::diagnostic::Severity;
+use syntax::span::Span;
+
+use super::CrtAnalysis;
+use crate::edit::{Edit, apply};
+use crate::text::Text;
+
+/// The columns of a level.
+const LEVEL: usize = 4;
+
+/// The edits that lay out the text, or the part of it in a range.
+pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
+    let text = analysis.snapshot_text().string();
+    // What is wrong when it runs has a layout all the same.
+    let read = Document::new(&text, &());
+    let found = read.map_or_else(|_| Vec::new(), |document| document.findings());
+    if found.iter().any(|it| it.severity == Severity::Error) {
+        return Vec::new();
+    }
+    let tokens = analysis.all_tokens();
+    let mut edits = lay_out(analysis, &text, &tokens);
+    if words(&text) != words(&apply(&text, &edits)) {
+        return Vec::new();
+    }
+    if let Some(range) = range {
+        edits.retain(|edit| edit.span.start >= range.start && edit.span.end <= range.end);
+    }
+    edits
+}
+
+/// The tokens of a text with their words.
+fn words(text: &str) -> Vec<(TokenKind, &str)> {
+    let mark = if text.starts_with('\u{FEFF}') { 3 } else { 0 };
+    let mut lexer = Lexer::new(text, mark);
+    let tokens = std::iter::from_fn(|| {
+        let token = lexer.read().token;
+        (token.kind != TokenKind::Eoi).then(|| (token.kind, token.span.text(text)))
+    });
+    tokens.collect()
+}
+
+/// A bracket that is open.
+struct OpenBracket {
+    /// The indentation of the lines in it.
+    inside: usize,
+    /// The indentation of the line that opens it.
+    outside: usize,
+    /// It is a brace: a line in it that begins no statement or attribute goes on with the one above.
+    is_brace: bool,
+}
+
+fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
+    let names = analysis.names();
+    let mut starts: HashSet<u32> = names.starts.iter().copied().collect();
+    // The attributes of objects with several, and the braces that close them, stand in lines of their own.
+    let mut own_lines: HashSet<u32> = HashSet::new();
+    for object in &names.objects {
+        starts.extend(object.attributes.iter().map(|(span, _)| span.start));
+        if object.attributes.len() > 1 {
+            own_lines.extend(object.attributes.iter().map(|(span, _)| span.start));
+            own_lines.insert(object.braces.end.saturating_sub(1));
+        }
+    }
+    let modifier_ends: HashSet<u32> = names.modifier_ends.iter().copied().collect();
+    let mut edits = Vec::new();
+    let mut open: Vec<OpenBracket> = Vec::new();
+    let mut indentation = 0;
+    let mut previous: Option<Token> = None;
+    let mut is_prefix = false;
+    for &token in tokens {
+        let start = token.span.start;
+        let before = previous.map_or(0, |it| it.span.end);
+        let gap = Span::new(before, start);
+        let old = gap.text(text);
+        let breaks = old.matches('\n').count();
+        let closes = is_closer(token.kind);
+        let is_own = own_lines.contains(&start);
+        let new = match previous {
+            None => old.chars().filter(|c| *c == '\u{FEFF}').collect(),
+            Some(_) if breaks > 0 || is_own => {
+                indentation = match open.last() {
+                    Some(bracket) if closes => bracket.outside,
+                    Some(bracket)
+                        if !bracket.is_brace
+                            || token.kind == TokenKind::Comment
+                            || token.kind == TokenKind::Else
+                            || starts.contains(&start) =>
+                    {
+                        bracket.inside
+                    }
+                    Some(bracket) => bracket.inside + LEVEL,
+                    None if token.kind == TokenKind::Comment
+                        || token.kind == TokenKind::Else
+                        || starts.contains(&start)
+                        || closes =>
+                    {
+                        0
+                    }
+                    None => LEVEL,
+                };
+                let lines = if breaks > 1 && !closes { 2 } else { 1 };
+                format!("{}{}", "\n".repeat(lines), " ".repeat(indentation))
+            }
+            Some(_) if token.kind == TokenKind::Comment => match old.is_empty() {
+                true => " ".to_owned(),
+                false => old.to_owned(),
+            },
+            Some(last) => {
+                let end = modifier_ends.contains(&start);
+                let is_spaced = !end && is_spaced(last, token, is_prefix, &modifier_ends);
+                if is_spaced { " " } else { "" }.to_owned()
+            }
+        };
+        if new != old {
+            edits.push(Edit::replace(gap, new));
+        }
+        if closes {
+            open.pop();
+        }
+        if matches!(
+            token.kind,
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen
+        ) {
+            open.push(OpenBracket {
+                inside: indentation + LEVEL,
+                outside: indentation,
+                is_brace: token.kind == TokenKind::BraceOpen,
+            });
+        }
+        if token.kind != TokenKind::Comment {
+            let is_sign = matches!(
+                token.kind,
+                TokenKind::Plus | TokenKind::Minus | TokenKind::Not
+            );
+            let after_operand = previous_operand(tokens, token, &modifier_ends);
+            is_prefix = is_sign && !after_operand;
+        }
+        previous = Some(token);
+    }
+    if let Some(last) = previous {
+        let rest = Span::new(last.span.end, text.len() as u32);
+        if rest.text(text) != "\n" {
+            edits.push(Edit::replace(rest, "\n"));
+        }
+    }
+    edits
+}
+
+fn is_closer(kind: TokenKind) -> bool {
+    matches!(
+        kind,
+        TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose
+    )
+}
+
+/// Returns true if the token before one ends an operand, so that a sign between them is no prefix.
+fn previous_operand(tokens: &[Token], token: Token, modifier_ends: &HashSet<u32>) -> bool {
+    let index = tokens.partition_point(|it| it.span.start < token.span.start);
+    let before = tokens[..index].iter().rev();
+    let mut before = before.filter(|it| it.kind != TokenKind::Comment);
+    before
+        .next()
+        .is_some_and(|it| ends_operand(*it, modifier_ends))
+}
+
+fn ends_operand(token: Token, modifier_ends: &HashSet<u32>) -> bool {
+    is_closer(token.kind)
+        || matches!(
+            token.kind,
+            TokenKind::Integer
+                | TokenKind::Float
+                | TokenKind::Text
+                | TokenKind::Identifier
+                | TokenKind::True
+                | TokenKind::False
+        )
+        || modifier_ends.contains(&token.span.start)
+}
+
+/// Returns true if a blank stands between two tokens of a line.
+fn is_spaced(last: Token, token: Token, is_prefix: bool, modifier_ends: &HashSet<u32>) -> bool {
+    use TokenKind::{
+        BraceClose, BraceOpen, BracketClose, BracketOpen, Comma, Minus, Modify, ParenClose,
+        ParenOpen,
+    };
+    match (last.kind, token.kind) {
+        (BraceOpen, BraceClose) => false,
+        (ParenOpen | BracketOpen | Modify, _) => false,
+        (_, ParenClose | BracketClose | Comma) => false,
+        // Two of them begin a comment.
+        (Minus, Minus) => true,
+        _ if is_prefix => false,
+        (_, ParenOpen | BracketOpen) => !ends_operand(last, modifier_ends),
+        _ => true,
+    }
+}

@@ -1,0 +1,422 @@
+//! The variables of a script by their scopes, and its objects, attributes, macros and colours with their places.
+//!
+//! Scopes are the script, and each macro. Reading looks outwards, assigning binds in the innermost. A reading that may come
+//! before the binding of its own scope may see the outer variable of the name too: the two count as one, so that renaming them
+//! keeps what the script does.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use syntax::crt::objects::ObjectName;
+use syntax::crt::tree::{
+    Arm, Attribute, BlockKind, Body, Expression, ExpressionKind, PrefixOperator, Script, Statement,
+    StatementKind, SuffixKind,
+};
+use syntax::span::Span;
+
+use crate::occurrence::Occurrence;
+
+/// A variable, by its number.
+pub type VariableId = usize;
+
+/// The value that a variable was given first, as far as the text shows it.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Origin {
+    /// It is the parameter of a macro.
+    Parameter,
+    /// It is assigned a macro.
+    Macro,
+    /// It is assigned an object.
+    Object(ObjectName),
+    /// It is assigned another expression.
+    Value,
+}
+
+/// A variable.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    /// Its name.
+    pub name: Arc<str>,
+    /// The value that it was given first.
+    pub origin: Origin,
+    /// The place of the assignment that gave it.
+    pub assignment: Span,
+    /// The place of the scope: of the macro's body; `None` for the script.
+    pub scope: Option<Span>,
+    /// When it was bound first, in the order of the text.
+    order: usize,
+    /// Another variable that counts as the same; itself if there is none.
+    same: VariableId,
+}
+
+/// A place where a name stands.
+#[derive(Clone, Debug)]
+struct NameUse {
+    name: Arc<str>,
+    span: Span,
+    scope: usize,
+    order: usize,
+    binds: bool,
+    variable: Option<VariableId>,
+}
+
+#[derive(Debug)]
+struct MacroScope {
+    parent: Option<usize>,
+    span: Option<Span>,
+    bound: HashMap<Arc<str>, VariableId>,
+}
+
+/// An object in the text.
+#[derive(Clone, Debug)]
+pub struct ObjectPlace {
+    /// The object; `None` for an unknown name.
+    pub object: Option<ObjectName>,
+    /// The place of the name.
+    pub name: Span,
+    /// The place of the braces.
+    pub braces: Span,
+    /// The places of the attributes, each with that of its name.
+    pub attributes: Vec<(Span, Span)>,
+}
+
+/// All that a script names.
+#[derive(Debug, Default)]
+pub struct ScriptNames {
+    scopes: Vec<MacroScope>,
+    variables: Vec<Variable>,
+    uses: Vec<NameUse>,
+    /// The objects, the block `Settings` among them, in the order of the text.
+    pub objects: Vec<ObjectPlace>,
+    /// The places of bodies between braces.
+    pub bodies: Vec<Span>,
+    /// The starts of statements and blocks.
+    pub starts: Vec<u32>,
+    /// The places of the `>` that close modifiers.
+    pub modifier_ends: Vec<u32>,
+    /// The calls of `rgb` and `rgba` with numbers.
+    pub colors: Vec<(Span, [f64; 3])>,
+}
+
+impl ScriptNames {
+    /// Looks up the names of a script.
+    pub fn of(script: &Script) -> Self {
+        let mut walk = Walk {
+            names: Self::default(),
+            base: 0,
+            scope: 0,
+        };
+        walk.names.scopes.push(MacroScope {
+            parent: None,
+            span: None,
+            bound: HashMap::new(),
+        });
+        for (start, block) in script.blocks() {
+            walk.base = start;
+            walk.names.starts.push(start + block.span.start);
+            match &block.kind {
+                BlockKind::Settings(attributes, braces) => {
+                    let keyword = "Settings".len() as u32;
+                    let name = Span::new(block.span.start, block.span.start + keyword);
+                    walk.object(Some(ObjectName::Settings), name, *braces, attributes);
+                }
+                BlockKind::Scene(body) => walk.body(body),
+                BlockKind::Statement(statement) => walk.statement(statement),
+            }
+        }
+        let mut names = walk.names;
+        names.resolve();
+        names.uses.sort_by_key(|it| it.span);
+        names.objects.sort_by_key(|it| it.name);
+        names.starts.sort_unstable();
+        names.modifier_ends.sort_unstable();
+        names
+    }
+
+    fn resolve(&mut self) {
+        for k in 0..self.uses.len() {
+            let NameUse {
+                name, scope, order, ..
+            } = self.uses[k].clone();
+            let mut found: Option<VariableId> = None;
+            let mut at = Some(scope);
+            while let Some(scope) = at {
+                let MacroScope { parent, bound, .. } = &self.scopes[scope];
+                at = *parent;
+                let Some(&variable) = bound.get(&name) else {
+                    continue;
+                };
+                if let Some(inner) = found {
+                    let (inner, outer) = (self.same(inner), self.same(variable));
+                    self.variables[inner.max(outer)].same = inner.min(outer);
+                }
+                found = found.or(Some(variable));
+                if self.uses[k].binds || self.variables[variable].order <= order {
+                    break;
+                }
+            }
+            self.uses[k].variable = found;
+        }
+    }
+
+    fn same(&self, mut variable: VariableId) -> VariableId {
+        while self.variables[variable].same != variable {
+            variable = self.variables[variable].same;
+        }
+        variable
+    }
+
+    /// The variable of the name at a place, with the place of the name.
+    pub fn variable_at(&self, offset: u32) -> Option<(Span, VariableId)> {
+        let after = self.uses.partition_point(|it| it.span.end < offset);
+        let near = self.uses.get(after..)?.iter().take(2);
+        let mut near = near.filter(|it| it.span.start <= offset && offset <= it.span.end);
+        let found = near.next()?;
+        Some((found.span, self.same(found.variable?)))
+    }
+
+    /// A variable by its number.
+    pub fn variable(&self, variable: VariableId) -> &Variable {
+        &self.variables[variable]
+    }
+
+    /// The variables, those that count as the same once.
+    pub fn variables(&self) -> impl Iterator<Item = &Variable> {
+        let all = self.variables.iter().enumerate();
+        all.filter(|(k, it)| it.same == *k).map(|(_, it)| it)
+    }
+
+    /// The first place that binds a variable.
+    pub fn first(&self, variable: VariableId) -> Option<Span> {
+        let occurrences = self.occurrences(variable).into_iter();
+        let mut binding = occurrences.filter(|it| it.introduces);
+        Some(binding.next()?.span)
+    }
+
+    /// The places of a variable, in the order of the text.
+    pub fn occurrences(&self, variable: VariableId) -> Vec<Occurrence> {
+        let uses = self.uses.iter();
+        let uses = uses.filter(|it| it.variable.is_some_and(|it| self.same(it) == variable));
+        let places = uses.map(|it| Occurrence {
+            span: it.span,
+            introduces: it.binds,
+        });
+        places.collect()
+    }
+
+    /// The first place where a name stands, whatever it means there.
+    pub fn place_of(&self, name: &str) -> Option<Span> {
+        let mut uses = self.uses.iter().filter(|it| &*it.name == name);
+        uses.next().map(|it| it.span)
+    }
+
+    /// The object whose attribute has its name at a place.
+    pub fn object_of(&self, name: Span) -> Option<&ObjectPlace> {
+        let holds = |it: &&ObjectPlace| it.attributes.iter().any(|(_, place)| *place == name);
+        self.objects.iter().find(holds)
+    }
+
+    /// The names of attributes, in the order of the text.
+    pub fn attribute_names(&self) -> Vec<Span> {
+        let objects = self.objects.iter();
+        let names = objects.flat_map(|it| it.attributes.iter().map(|(_, name)| *name));
+        let mut names: Vec<Span> = names.collect();
+        names.sort_unstable();
+        names
+    }
+}
+
+/// The state of the walk along a tree.
+struct Walk {
+    names: ScriptNames,
+    /// The offset of the piece.
+    base: u32,
+    scope: usize,
+}
+
+impl Walk {
+    fn bind(&mut self, name: &Arc<str>, span: Span, origin: Origin, assignment: Span) {
+        let order = self.names.uses.len();
+        let fresh = self.names.variables.len();
+        let scope = &mut self.names.scopes[self.scope];
+        let variable = *scope.bound.entry(Arc::clone(name)).or_insert(fresh);
+        if variable == fresh {
+            self.names.variables.push(Variable {
+                name: Arc::clone(name),
+                origin,
+                assignment: assignment.moved(self.base),
+                scope: scope.span,
+                order,
+                same: fresh,
+            });
+        }
+        self.name(name, span, true);
+    }
+
+    fn name(&mut self, name: &Arc<str>, span: Span, binds: bool) {
+        let order = self.names.uses.len();
+        self.names.uses.push(NameUse {
+            name: Arc::clone(name),
+            span: span.moved(self.base),
+            scope: self.scope,
+            order,
+            binds,
+            variable: None,
+        });
+    }
+
+    fn body(&mut self, body: &Body) {
+        self.names.bodies.push(body.span.moved(self.base));
+        for statement in &body.statements {
+            self.statement(statement);
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement) {
+        self.names.starts.push(self.base + statement.span.start);
+        match &statement.kind {
+            StatementKind::Expression(expression) => self.expression(expression),
+            StatementKind::While(arm) => self.arm(arm),
+            StatementKind::If(arms, otherwise) => {
+                for arm in arms {
+                    self.arm(arm);
+                }
+                if let Some(body) = otherwise {
+                    self.body(body);
+                }
+            }
+        }
+    }
+
+    fn arm(&mut self, arm: &Arm) {
+        self.expression(&arm.condition);
+        self.body(&arm.body);
+    }
+
+    fn object(
+        &mut self,
+        object: Option<ObjectName>,
+        name: Span,
+        braces: Span,
+        attributes: &[Attribute],
+    ) {
+        let places = attributes.iter();
+        let places = places.map(|it| (it.span.moved(self.base), it.name.span.moved(self.base)));
+        self.names.objects.push(ObjectPlace {
+            object,
+            name: name.moved(self.base),
+            braces: braces.moved(self.base),
+            attributes: places.collect(),
+        });
+        for attribute in attributes {
+            self.expression(&attribute.value);
+        }
+    }
+
+    fn expression(&mut self, expression: &Expression) {
+        match &expression.kind {
+            ExpressionKind::Missing
+            | ExpressionKind::Integer(_)
+            | ExpressionKind::Float(_)
+            | ExpressionKind::Text(_)
+            | ExpressionKind::Boolean(_) => {}
+            ExpressionKind::Identifier(name) => self.name(name, expression.span, false),
+            ExpressionKind::Object(object) => {
+                let known = ObjectName::from_text(&object.name.text);
+                self.object(known, object.name.span, object.braces, &object.attributes);
+            }
+            ExpressionKind::List(elements) => elements.iter().for_each(|it| self.expression(it)),
+            ExpressionKind::Macro(it) => {
+                let outer = self.scope;
+                self.scope = self.names.scopes.len();
+                self.names.scopes.push(MacroScope {
+                    parent: Some(outer),
+                    span: Some(expression.span.moved(self.base)),
+                    bound: HashMap::new(),
+                });
+                for parameter in &it.parameters {
+                    let span = parameter.span;
+                    self.bind(&parameter.text, span, Origin::Parameter, span);
+                }
+                self.body(&it.body);
+                self.scope = outer;
+            }
+            ExpressionKind::Group(inner) | ExpressionKind::Prefix(_, inner) => {
+                self.expression(inner);
+            }
+            ExpressionKind::Assignment(parts) => {
+                let [target, value] = &**parts;
+                self.expression(value);
+                match &target.kind {
+                    ExpressionKind::Identifier(name) => {
+                        let origin = match &value.kind {
+                            ExpressionKind::Macro(_) => Origin::Macro,
+                            ExpressionKind::Object(object) => {
+                                let known = ObjectName::from_text(&object.name.text);
+                                known.map_or(Origin::Value, Origin::Object)
+                            }
+                            _ => Origin::Value,
+                        };
+                        self.bind(name, target.span, origin, expression.span);
+                    }
+                    _ => self.expression(target),
+                }
+            }
+            ExpressionKind::Conditional(parts) => parts.iter().for_each(|it| self.expression(it)),
+            ExpressionKind::Chain(first, links) => {
+                self.expression(first);
+                links.iter().for_each(|link| self.expression(&link.operand));
+            }
+            ExpressionKind::Suffixed(base, suffixes) => {
+                self.expression(base);
+                for suffix in suffixes {
+                    match &suffix.kind {
+                        SuffixKind::Element(index) => self.expression(index),
+                        SuffixKind::Call(arguments) => {
+                            arguments.iter().for_each(|it| self.expression(it));
+                        }
+                        SuffixKind::Modifiers(modifiers) => {
+                            let end = self.base + suffix.span.end;
+                            self.names.modifier_ends.push(end.saturating_sub(1));
+                            modifiers.iter().for_each(|it| self.expression(&it.value));
+                        }
+                    }
+                }
+                let color = match suffixes.first().map(|it| &it.kind) {
+                    Some(SuffixKind::Call(arguments)) => stated_color(base, arguments),
+                    _ => None,
+                };
+                if let (Some(color), Some(call)) = (color, suffixes.first()) {
+                    let span = expression.span.to(call.span);
+                    let span = Span::new(span.start, call.span.end).moved(self.base);
+                    self.names.colors.push((span, color));
+                }
+            }
+        }
+    }
+}
+
+/// The colour of a call of `rgb` or `rgba` with numbers.
+fn stated_color(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
+    let parts = match called.identifier().map(|name| &**name) {
+        Some("rgb") if arguments.len() == 3 => arguments,
+        Some("rgba") if arguments.len() == 4 => &arguments[..3],
+        _ => return None,
+    };
+    let mut color = [0.0; 3];
+    for (place, part) in color.iter_mut().zip(parts) {
+        *place = number(part)?;
+    }
+    Some(color)
+}
+
+fn number(expression: &Expression) -> Option<f64> {
+    match &expression.kind {
+        ExpressionKind::Integer(value) => Some(f64::from(*value)),
+        ExpressionKind::Float(value) => Some(*value),
+        ExpressionKind::Prefix(PrefixOperator::Plus, inner) | ExpressionKind::Group(inner) => {
+            number(inner)
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,54 @@
+//! Renaming of variables.
+
+use syntax::crt::objects::FUNCTIONS;
+use syntax::crt::token::TokenKind;
+use syntax::span::Span;
+
+use super::CrtAnalysis;
+use crate::edit::Edit;
+use crate::rename::RenameError;
+
+/// The range and the text of the name at a place.
+pub(super) fn prepare(analysis: &CrtAnalysis, offset: u32) -> Result<(Span, String), RenameError> {
+    if let Some((span, _)) = analysis.names().variable_at(offset) {
+        return Ok((span, analysis.slice(span)));
+    }
+    match analysis.word_at(offset) {
+        Some(token) if matches!(token.kind, TokenKind::Identifier | TokenKind::Name) => {
+            Err(RenameError::Builtin(analysis.slice(token.span)))
+        }
+        _ => Err(RenameError::NoName),
+    }
+}
+
+/// The edits that give the variable at a place another name. A name that stands somewhere in the script is taken.
+pub(super) fn rename(
+    analysis: &CrtAnalysis,
+    offset: u32,
+    name: &str,
+) -> Result<Vec<Edit>, RenameError> {
+    let (_, old) = prepare(analysis, offset)?;
+    let names = analysis.names();
+    let (_, variable) = names.variable_at(offset).ok_or(RenameError::NoName)?;
+    let is_name = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    if !is_name {
+        return Err(RenameError::NotAName(name.to_owned()));
+    }
+    if TokenKind::from_word(name).is_some() {
+        return Err(RenameError::Keyword(name.to_owned()));
+    }
+    if old == name {
+        return Ok(Vec::new());
+    }
+    let place = names.place_of(name);
+    let is_builtin = name == "t" || FUNCTIONS.iter().any(|(function, ..)| *function == name);
+    if place.is_some() || is_builtin {
+        return Err(RenameError::Taken {
+            name: name.to_owned(),
+            line: place.map(|span| analysis.snapshot_text().line(span.start)),
+        });
+    }
+    let places = names.occurrences(variable).into_iter();
+    Ok(places.map(|it| Edit::replace(it.span, name)).collect())
+}

@@ -1,0 +1,59 @@
+//! The images of what rays meet: a request and its scene for rays flow in, colours at places flow out.
+
+use std::sync::Arc;
+
+use geometry::solids::{FaceImage, RayScene};
+use glam::DVec3;
+use scene::{Object, ObjectId};
+
+use crate::request::{PictureRequest, color_nodes};
+use crate::texture::Texture;
+
+/// The images of the objects of a picture.
+#[derive(Debug)]
+pub(super) struct FaceImages {
+    /// The images of whole objects, in the order of their numbers.
+    objects: Vec<(ObjectId, Arc<Texture>)>,
+    /// Those that attributes name, by their positions in [`RayScene::images`].
+    stated: Vec<Option<Arc<Texture>>>,
+}
+
+impl FaceImages {
+    /// The images of the objects that a picture shows.
+    pub(super) fn new(
+        request: &PictureRequest,
+        rays: &RayScene,
+        shown: &dyn Fn(ObjectId) -> bool,
+    ) -> Self {
+        let image = |(id, object): (ObjectId, &Object)| {
+            let chosen = match object.shape.is_surface() {
+                true => request.own_texture(id).is_some() || color_nodes(object).is_none(),
+                false => request.chosen_texture(id).is_some(),
+            };
+            (chosen && shown(id)).then(|| (id, request.texture(id)))
+        };
+        let stated = rays.images().iter();
+        let stated = stated.map(|word| request.image(word).map(|image| image.arc().clone()));
+        Self {
+            objects: request.scene.numbered().filter_map(image).collect(),
+            stated: stated.collect(),
+        }
+    }
+
+    /// The linear colour of the image of a face at a place from (0, 0), the top left, to (1, 1).
+    pub(super) fn color(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
+        let objects = &self.objects;
+        let texture = match objects.binary_search_by_key(&image.object.0, |(id, _)| id.0) {
+            Ok(found) => &objects[found].1,
+            Err(_) => self.stated.get(image.stated?)?.as_ref()?,
+        };
+        Some(texel(texture, place))
+    }
+}
+
+/// The linear colour of an image at a place of it.
+pub(super) fn texel(texture: &Texture, [u, v]: [f64; 2]) -> DVec3 {
+    let sampler = texture.sampler();
+    let light = sampler.averaged([u as f32, v as f32], sampler.footprint([0.0; 4]));
+    DVec3::from_array(light.map(f64::from))
+}

@@ -1,0 +1,154 @@
+//! The CRT scene language: a script is run, and what it leaves is a scene.
+//!
+//! ```text
+//! syntax::crt::tree::Script ──run.rs──▶ values (value.rs, operate.rs, call.rs, object.rs) ──▶ entities (entity.rs)
+//!                                                                                              │
+//!                                          Scene + diagnostics + values of variables ◀──build.rs
+//! ```
+//!
+//! A script has left-handed coordinates, x right, y up, z into the screen; the scene has y and z changed, and
+//! [`Scene::stated`] changes them back. The scene has the param `t`; for another value of it the script is run anew
+//! ([`Scene::at`]).
+
+mod build;
+mod call;
+pub mod codes;
+mod entity;
+mod object;
+mod operate;
+mod random;
+mod run;
+mod value;
+
+use std::sync::Arc;
+
+use syntax::crt::tree::{Expression, Script};
+use syntax::diagnostic::Diagnostic;
+use syntax::span::Span;
+
+use crate::rerun::Rerun;
+use crate::scene::Scene;
+use run::Interpreter;
+
+/// The most rounds of loops and calls of macros of one run.
+pub const MAX_WORK: u32 = 1_000_000;
+/// Calls of macros within calls.
+pub const MAX_CALLS: u32 = 200;
+/// The most characters of a string, elements of a list, and leaves of all entities.
+pub const MAX_SIZE: u64 = 1_000_000;
+
+/// The stack of a run: expressions within expressions, and calls within calls, are limited to less.
+const STACK: usize = 64 << 20;
+
+/// A script that has been run.
+#[derive(Debug)]
+pub struct ScriptRun {
+    /// The scene.
+    pub scene: Scene,
+    /// Everything that is wrong or surprising, sorted by place.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The variables of the script at its end, in the order in which they were first assigned.
+    pub variables: Vec<Variable>,
+}
+
+/// A variable at the end of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Its name.
+    pub name: String,
+    /// The place where it was first assigned.
+    pub span: Span,
+    /// The type of its value; `None` where that had an error.
+    pub kind: Option<&'static str>,
+    /// Its value as a script writes it, as far as it is short.
+    pub text: String,
+}
+
+/// The value of an expression at the end of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluated {
+    /// Its type.
+    pub kind: &'static str,
+    /// The value as a script writes it.
+    pub text: String,
+    /// Its numbers: of a number one, of a vector or a colour three.
+    pub numbers: Vec<f64>,
+}
+
+/// The lines of a text.
+#[derive(Debug)]
+struct ScriptLines {
+    text: Arc<str>,
+    starts: Vec<usize>,
+}
+
+impl ScriptLines {
+    fn new(text: &str) -> Self {
+        let ends = text.match_indices('\n').map(|(at, _)| at + 1);
+        Self {
+            starts: std::iter::once(0).chain(ends).collect(),
+            text: text.into(),
+        }
+    }
+
+    /// `line:column` of an offset, both from 1.
+    fn place(&self, offset: u32) -> String {
+        let offset = (offset as usize).min(self.text.len());
+        let line = self.starts.partition_point(|start| *start <= offset);
+        let start = self.starts[line.saturating_sub(1)];
+        let before = self.text.get(start..offset).unwrap_or("");
+        format!("{line}:{}", before.chars().count() + 1)
+    }
+}
+
+/// Runs a script at t = 0. `text` is that of the script.
+pub fn run(script: &Script, text: &str) -> ScriptRun {
+    let lines = Arc::new(ScriptLines::new(text));
+    let mut run = run_at(script, &lines, 0.0);
+    let script = script.clone();
+    run.scene.rerun = Some(Rerun::new(vec![0.0], move |uniforms| {
+        let t = uniforms.first().copied().unwrap_or(0.0);
+        Some(run_at(&script, &lines, t).scene)
+    }));
+    run
+}
+
+/// Evaluates an expression at the end of a script.
+///
+/// # Errors
+/// The diagnostics of the expression.
+pub fn evaluate(
+    script: &Script,
+    text: &str,
+    t: f64,
+    expression: &Expression,
+) -> Result<Evaluated, Vec<Diagnostic>> {
+    let lines = ScriptLines::new(text);
+    on_stack(|| {
+        let mut interpreter = Interpreter::new(&lines, t);
+        interpreter.script(script);
+        interpreter.value_at_end(expression)
+    })
+    .unwrap_or_else(|| Err(Vec::new()))
+}
+
+fn run_at(script: &Script, lines: &ScriptLines, t: f64) -> ScriptRun {
+    let run = on_stack(|| {
+        let mut interpreter = Interpreter::new(lines, t);
+        interpreter.script(script);
+        interpreter.finish()
+    });
+    run.unwrap_or_else(|| ScriptRun {
+        scene: Scene::default(),
+        diagnostics: Vec::new(),
+        variables: Vec::new(),
+    })
+}
+
+/// Runs something on a thread with a stack of its own; `None` if the machine has no thread for it.
+fn on_stack<R: Send>(work: impl FnOnce() -> R + Send) -> Option<R> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK);
+        thread.spawn_scoped(scope, work).ok()?.join().ok()
+    })
+}

@@ -1,0 +1,250 @@
+//! Entities: shapes under affine maps, joined by set operations.
+//!
+//! Maps are in the coordinates of the script. Sets may be nested as often as a loop goes round, so that nothing here
+//! recurses over them.
+
+use std::sync::{Arc, OnceLock};
+
+use syntax::span::Span;
+
+use super::value::Material;
+
+/// An affine map: rows of a 3 × 3 matrix, each with its translation last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Map(pub(super) [[f64; 4]; 3]);
+
+/// A set operation.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(super) enum SetOperation {
+    Union,
+    Difference,
+    Intersection,
+}
+
+/// A shape in its own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum UnitShape {
+    /// The ball of radius 1.
+    Ball,
+    /// From −1 to 1 along each axis.
+    Cube,
+    /// z ≤ 0.
+    HalfSpace,
+    /// Of radius 1 about z, from z = 0 to 1.
+    Cylinder,
+    /// Of radius 1 at z = 0 with its tip at z = 1.
+    Cone,
+    /// Of radius 1 about z, with a tube of this radius.
+    Torus(f64),
+}
+
+/// A set of points with what it was made of.
+#[derive(Debug)]
+pub(super) struct Entity {
+    /// Two entities are equal if their numbers are.
+    pub(super) id: u64,
+    /// The variable that was emitted, or the place of the statement, with the place.
+    pub(super) label: Option<(Arc<str>, Span)>,
+    pub(super) map: Map,
+    /// `None` only while it is dropped.
+    node: Option<Arc<Node>>,
+    /// Their number.
+    pub(super) leaves: u64,
+}
+
+#[derive(Debug)]
+pub(super) enum Node {
+    Object(Box<ObjectNode>),
+    Set(SetOperation, Arc<Entity>, Arc<Entity>),
+}
+
+/// An object as a script makes it.
+#[derive(Debug)]
+pub(super) struct ObjectNode {
+    /// The first part, and what is joined with it.
+    pub(super) first: (UnitShape, Map),
+    pub(super) second: Option<(SetOperation, UnitShape, Map)>,
+    /// `Sphere 4:7`.
+    pub(super) made: String,
+    /// The variable that it was given first.
+    pub(super) name: OnceLock<Arc<str>>,
+    /// The place of the name of the object.
+    pub(super) span: Span,
+    pub(super) material: Arc<Material>,
+    /// On its own, the first part is seen from outside, and the second one is not.
+    pub(super) is_plane: bool,
+}
+
+impl Entity {
+    pub(super) fn of(node: Arc<Node>, id: u64) -> Self {
+        let leaves = match &*node {
+            Node::Object(object) => 1 + u64::from(object.second.is_some()),
+            Node::Set(_, a, b) => a.leaves + b.leaves,
+        };
+        Self {
+            id,
+            label: None,
+            map: Map::IDENTITY,
+            node: Some(node),
+            leaves,
+        }
+    }
+
+    pub(super) fn node(&self) -> Option<&Node> {
+        self.node.as_deref()
+    }
+
+    /// The same points under a map, with another number.
+    pub(super) fn placed(&self, map: &Map, id: u64) -> Self {
+        Self {
+            id,
+            label: None,
+            map: map.after(&self.map),
+            node: self.node.clone(),
+            leaves: self.leaves,
+        }
+    }
+
+    /// The same with a label.
+    pub(super) fn labelled(&self, label: (Arc<str>, Span)) -> Self {
+        Self {
+            id: self.id,
+            label: Some(label),
+            map: self.map,
+            node: self.node.clone(),
+            leaves: self.leaves,
+        }
+    }
+
+    /// Says the name of the variable that it is given, if it is one object.
+    pub(super) fn name(&self, name: &Arc<str>) {
+        if let Some(Node::Object(object)) = self.node() {
+            object.name.get_or_init(|| name.clone());
+        }
+    }
+}
+
+impl Drop for Entity {
+    fn drop(&mut self) {
+        let mut stack: Vec<Arc<Node>> = self.node.take().into_iter().collect();
+        while let Some(node) = stack.pop() {
+            if let Some(Node::Set(_, a, b)) = Arc::into_inner(node) {
+                for mut part in [a, b].into_iter().filter_map(Arc::into_inner) {
+                    stack.extend(part.node.take());
+                }
+            }
+        }
+    }
+}
+
+impl Map {
+    pub(super) const IDENTITY: Self = Self([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]);
+
+    /// The map that takes the axes to columns, and 0 to a place.
+    pub(super) fn columns([x, y, z]: [[f64; 3]; 3], at: [f64; 3]) -> Self {
+        Self([0, 1, 2].map(|k| [x[k], y[k], z[k], at[k]]))
+    }
+
+    pub(super) fn scale([x, y, z]: [f64; 3]) -> Self {
+        Self::columns([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], [0.0; 3])
+    }
+
+    pub(super) fn translate(by: [f64; 3]) -> Self {
+        Self(std::array::from_fn(|k| {
+            let [a, b, c, _] = Self::IDENTITY.0[k];
+            [a, b, c, by[k]]
+        }))
+    }
+
+    /// By degrees about x, then y, then z.
+    pub(super) fn rotate(degrees: [f64; 3]) -> Self {
+        let [[sx, cx], [sy, cy], [sz, cz]] = degrees.map(sin_cos);
+        let about_x = Self([
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, cx, -sx, 0.0],
+            [0.0, sx, cx, 0.0],
+        ]);
+        let about_y = Self([
+            [cy, 0.0, sy, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [-sy, 0.0, cy, 0.0],
+        ]);
+        let about_z = Self([
+            [cz, -sz, 0.0, 0.0],
+            [sz, cz, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ]);
+        about_z.after(&about_y.after(&about_x))
+    }
+
+    /// This map after another one.
+    pub(super) fn after(&self, first: &Self) -> Self {
+        Self(self.0.map(|[a, b, c, d]| {
+            let mut row: [f64; 4] =
+                std::array::from_fn(|k| a * first.0[0][k] + b * first.0[1][k] + c * first.0[2][k]);
+            row[3] += d;
+            row
+        }))
+    }
+}
+
+/// Sine and cosine of degrees, exact for quarters of a turn.
+fn sin_cos(degrees: f64) -> [f64; 2] {
+    let quarters = degrees / 90.0;
+    if quarters.fract() == 0.0 {
+        return match quarters.rem_euclid(4.0) as u8 {
+            0 => [0.0, 1.0],
+            1 => [1.0, 0.0],
+            2 => [0.0, -1.0],
+            _ => [-1.0, 0.0],
+        };
+    }
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    [sin, cos]
+}
+
+/// Vectors as three numbers.
+pub(super) mod vector {
+    pub(in crate::crt) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    }
+
+    pub(in crate::crt) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
+
+    pub(in crate::crt) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    }
+
+    pub(in crate::crt) fn length(a: [f64; 3]) -> f64 {
+        dot(a, a).sqrt()
+    }
+
+    pub(in crate::crt) fn scaled(a: [f64; 3], by: f64) -> [f64; 3] {
+        a.map(|x| x * by)
+    }
+
+    /// `None` for one without a direction.
+    pub(in crate::crt) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+        let length = length(a);
+        (length > 0.0 && length.is_finite()).then(|| scaled(a, 1.0 / length))
+    }
+
+    /// Two unit vectors across a unit vector.
+    pub(in crate::crt) fn across(z: [f64; 3]) -> [[f64; 3]; 2] {
+        let least = (0..3).min_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
+        let mut axis = [0.0; 3];
+        axis[least.unwrap_or(0)] = 1.0;
+        let x = unit(cross(axis, z)).unwrap_or([1.0, 0.0, 0.0]);
+        [x, cross(z, x)]
+    }
+}

@@ -1,0 +1,637 @@
+//! The run of a script: statements, scopes, and expressions.
+//!
+//! Input: the tree of a script. Output: the entities that its scene emits, its settings, and its diagnostics. An error ends
+//! the statement at top level, or in the block `Scene`, in which it is met; what that assigns has no value, and uses of it
+//! are not reported.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use syntax::crt::tree::{
+    Arm, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement, StatementKind,
+    Suffix, SuffixKind,
+};
+use syntax::diagnostic::{Code, Diagnostic, Severity};
+use syntax::span::Span;
+use syntax::spelling::nearest;
+
+use super::entity::Entity;
+use super::operate;
+use super::random::JavaRandom;
+use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
+use super::{Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, Variable, build, codes};
+use crate::limits::MAX_LEAVES;
+
+/// Expressions and statements within others, over all calls.
+const MAX_NESTING: u32 = 10_000;
+/// Lists within lists.
+const MAX_LIST_DEPTH: u32 = 256;
+/// Further diagnostics are left out.
+const MAX_DIAGNOSTICS: usize = 1000;
+
+/// An error has been reported; the statement is left.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stopped;
+
+/// The meaning of a name.
+#[derive(Clone, Debug)]
+enum Binding {
+    Value(ScriptValue),
+    /// The value of another variable, as it is later.
+    Pointer(Arc<str>),
+    /// An error has been reported.
+    Faulty,
+}
+
+/// The names that a macro call, or the script, has.
+#[derive(Debug, Default)]
+struct ScopeNames {
+    /// The scope around the place where the macro is written.
+    parent: Option<usize>,
+    names: HashMap<Arc<str>, Binding>,
+}
+
+/// Runs a script.
+pub(super) struct Interpreter<'s> {
+    pub(super) lines: &'s ScriptLines,
+    /// The offset from which the places of the tree count.
+    pub(super) base: u32,
+    pub(super) random: JavaRandom,
+    pub(super) call_depth: u32,
+    scopes: Vec<ScopeNames>,
+    scope: usize,
+    work: u32,
+    nesting: u32,
+    /// The work limit has been met.
+    is_over: bool,
+    next_id: u64,
+    diagnostics: Vec<Diagnostic>,
+    /// The entities that the block and the macros that are being run have emitted, the innermost last.
+    emitted: Vec<Vec<Arc<Entity>>>,
+    /// Variables to which others point, with the places where that is written.
+    pointed: HashMap<(usize, Arc<str>), Span>,
+    /// The variables of the script, in the order of their first assignments.
+    assigned: Vec<(Arc<str>, Span)>,
+    settings: ScriptSettings,
+    drawn: Vec<Arc<Entity>>,
+}
+
+impl<'s> Interpreter<'s> {
+    pub(super) fn new(lines: &'s ScriptLines, t: f64) -> Self {
+        let mut names = ScopeNames::default();
+        names
+            .names
+            .insert("t".into(), Binding::Value(ScriptValue::Float(t)));
+        Self {
+            lines,
+            base: 0,
+            random: JavaRandom::new(1337),
+            call_depth: 0,
+            scopes: vec![names],
+            scope: 0,
+            work: 0,
+            nesting: 0,
+            is_over: false,
+            next_id: 0,
+            diagnostics: Vec::new(),
+            emitted: Vec::new(),
+            pointed: HashMap::new(),
+            assigned: Vec::new(),
+            settings: ScriptSettings::default(),
+            drawn: Vec::new(),
+        }
+    }
+
+    /// Runs a script. Of a second block, and behind the scene, all is run: the parser has reported it.
+    pub(super) fn script(&mut self, script: &Script) {
+        let (mut has_settings, mut has_scene) = (false, false);
+        for (base, block) in script.blocks() {
+            if self.is_over {
+                break;
+            }
+            self.base = base;
+            match &block.kind {
+                BlockKind::Settings(attributes, _) if !has_settings => {
+                    has_settings = true;
+                    if let Ok(settings) = self.settings(attributes, block.span) {
+                        self.settings = settings;
+                    }
+                }
+                BlockKind::Scene(body) if !has_scene => {
+                    has_scene = true;
+                    self.emitted.push(Vec::new());
+                    for statement in &body.statements {
+                        self.whole(statement, true);
+                    }
+                    self.drawn = self.emitted.pop().unwrap_or_default();
+                }
+                BlockKind::Statement(statement) => self.whole(statement, false),
+                BlockKind::Settings(..) | BlockKind::Scene(_) => {}
+            }
+        }
+    }
+
+    pub(super) fn finish(mut self) -> ScriptRun {
+        let variables = std::mem::take(&mut self.assigned);
+        let variables = variables.into_iter().map(|(name, span)| {
+            let value = self.known(&name);
+            Variable {
+                span,
+                kind: value.as_ref().map(ScriptValue::kind),
+                text: value.map_or_else(String::new, |value| value.text()),
+                name: name.to_string(),
+            }
+        });
+        let variables = variables.collect();
+        let scene = build::scene(&self.settings, &self.drawn);
+        let mut diagnostics = self.diagnostics;
+        Diagnostic::sort(&mut diagnostics);
+        ScriptRun {
+            scene,
+            diagnostics,
+            variables,
+        }
+    }
+
+    /// The value of an expression after the script; its places count from its own start.
+    pub(super) fn value_at_end(
+        mut self,
+        expression: &Expression,
+    ) -> Result<Evaluated, Vec<Diagnostic>> {
+        self.diagnostics.clear();
+        (self.base, self.is_over, self.work) = (0, false, 0);
+        match self.value(expression) {
+            Ok(value) => Ok(Evaluated {
+                kind: value.kind(),
+                text: value.text(),
+                numbers: value.numbers(),
+            }),
+            Err(Stopped) => Err(self.diagnostics),
+        }
+    }
+
+    /// Reports an error.
+    pub(super) fn fault(&mut self, code: Code, span: Span, message: impl Into<String>) -> Stopped {
+        self.report(Diagnostic::error(code, span, message));
+        Stopped
+    }
+
+    /// Reports a diagnostic whose places count from the base, once for each place.
+    pub(super) fn report(&mut self, diagnostic: Diagnostic) {
+        let diagnostic = diagnostic.moved(self.base);
+        let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
+        if self.diagnostics.len() < MAX_DIAGNOSTICS && !self.diagnostics.iter().any(is_same) {
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// The number of a new entity.
+    pub(super) fn id(&mut self) -> u64 {
+        self.next_id += 1;
+        self.next_id
+    }
+
+    /// Counts a round of a loop, or a call.
+    pub(super) fn count(&mut self, span: Span, what: &str) -> Result<(), Stopped> {
+        self.work += 1;
+        if self.work <= MAX_WORK {
+            return Ok(());
+        }
+        self.is_over = true;
+        let message = format!(
+            "the script is stopped in {what}: it takes more than {MAX_WORK} rounds and calls"
+        );
+        Err(self.fault(codes::WORK_LIMIT, span, message))
+    }
+
+    /// Runs a statement at top level, or of the scene.
+    fn whole(&mut self, statement: &Statement, emits: bool) {
+        if self.is_over || self.statement(statement, emits).is_ok() {
+            return;
+        }
+        // What the statement assigns has no value.
+        let mut expression = match &statement.kind {
+            StatementKind::Expression(expression) => expression,
+            _ => return,
+        };
+        while let E::Assignment(sides) = &expression.kind {
+            if let Some(name) = sides[0].identifier() {
+                self.bind(name.clone(), Binding::Faulty, sides[0].span);
+            }
+            expression = &sides[1];
+        }
+    }
+
+    pub(super) fn body(&mut self, body: &Body, emits: bool) -> Result<(), Stopped> {
+        for statement in &body.statements {
+            self.statement(statement, emits)?;
+        }
+        Ok(())
+    }
+
+    fn statement(&mut self, statement: &Statement, emits: bool) -> Result<(), Stopped> {
+        match &statement.kind {
+            StatementKind::Expression(expression) => self.expression(expression, emits),
+            StatementKind::While(arm) => {
+                while self.condition(arm)? {
+                    self.count(statement.span, "this loop")?;
+                    self.body(&arm.body, emits)?;
+                }
+                Ok(())
+            }
+            StatementKind::If(arms, rest) => {
+                for arm in arms {
+                    if self.condition(arm)? {
+                        return self.body(&arm.body, emits);
+                    }
+                }
+                match rest {
+                    Some(body) => self.body(body, emits),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    fn condition(&mut self, arm: &Arm) -> Result<bool, Stopped> {
+        let value = self.value(&arm.condition)?;
+        self.boolean(&value, arm.condition.span)
+    }
+
+    fn boolean(&mut self, value: &ScriptValue, span: Span) -> Result<bool, Stopped> {
+        match value {
+            ScriptValue::Boolean(truth) => Ok(*truth),
+            other => {
+                let message = format!(
+                    "a condition is a Boolean, and this is a value of type {}",
+                    other.kind()
+                );
+                Err(self.fault(codes::TYPE_MISMATCH, span, message))
+            }
+        }
+    }
+
+    /// An expression as a statement.
+    fn expression(&mut self, expression: &Expression, emits: bool) -> Result<(), Stopped> {
+        if let E::Assignment(sides) = &expression.ungrouped().kind {
+            return self.assign(sides);
+        }
+        let value = self.value(expression)?;
+        let entities = match &value {
+            ScriptValue::Entity(entity) => Some(vec![entity.clone()]),
+            other => other.entities(),
+        };
+        let is_call = matches!(&value, ScriptValue::List(list) if list.is_emitted);
+        let span = expression.span;
+        match entities {
+            Some(entities) if emits => self.emit(entities, expression, is_call),
+            Some(entities) if is_call && entities.is_empty() => Ok(()),
+            Some(_) => {
+                let message = "this is not drawn: only what stands in `Scene`, or in a macro that is called there, is";
+                self.report(Diagnostic::warning(codes::NOT_DRAWN, span, message));
+                Ok(())
+            }
+            None => {
+                let message = format!("this value of type {} has no effect", value.kind());
+                self.report(Diagnostic::warning(codes::NO_EFFECT, span, message));
+                Ok(())
+            }
+        }
+    }
+
+    fn emit(
+        &mut self,
+        entities: Vec<Arc<Entity>>,
+        expression: &Expression,
+        is_call: bool,
+    ) -> Result<(), Stopped> {
+        let count: u64 = entities.iter().map(|entity| entity.leaves).sum();
+        let before = self.emitted.iter().flatten();
+        // A million leaves are counted again and again only by scripts that come near.
+        let before: u64 = match self.work {
+            work if work % 1024 == 0 => before.map(|entity| entity.leaves).sum(),
+            _ => before.count() as u64,
+        };
+        self.leaves(before.saturating_add(count), expression.span)?;
+        let place = expression.span.moved(self.base);
+        let label: Arc<str> = match expression.identifier() {
+            Some(name) => name.clone(),
+            None => self.lines.place(place.start).into(),
+        };
+        let keeps = is_call && expression.identifier().is_none();
+        let labelled = entities.into_iter().map(|entity| {
+            if keeps && entity.label.is_some() {
+                return entity;
+            }
+            Arc::new(entity.labelled((label.clone(), place)))
+        });
+        if let Some(emitted) = self.emitted.last_mut() {
+            emitted.extend(labelled);
+        }
+        Ok(())
+    }
+
+    /// Holds leaves to their limit.
+    pub(super) fn leaves(&mut self, count: u64, span: Span) -> Result<(), Stopped> {
+        if count <= MAX_LEAVES {
+            return Ok(());
+        }
+        self.is_over = true;
+        let message = format!("with this the scene has more than {MAX_LEAVES} leaves");
+        Err(self.fault(codes::TOO_MANY_LEAVES, span, message))
+    }
+
+    fn assign(&mut self, sides: &[Expression; 2]) -> Result<(), Stopped> {
+        let [target, source] = sides;
+        let Some(name) = target.identifier() else {
+            return Err(Stopped);
+        };
+        if let Some(other) = source.identifier() {
+            return self.point(name, other, source.span, target.span);
+        }
+        let value = self.value(source)?;
+        if let ScriptValue::Entity(entity) = &value {
+            entity.name(name);
+        }
+        self.bind(name.clone(), Binding::Value(value), target.span);
+        Ok(())
+    }
+
+    /// Makes a variable point to another one.
+    fn point(
+        &mut self,
+        name: &Arc<str>,
+        other: &Arc<str>,
+        span: Span,
+        target: Span,
+    ) -> Result<(), Stopped> {
+        let (mut scope, mut next) = (self.scope, other.clone());
+        loop {
+            // The name that is being bound hides those of scopes around.
+            let is_itself = next == *name && (scope == self.scope);
+            if is_itself {
+                let message = format!("`{name}` would point to itself");
+                return Err(self.fault(codes::CIRCULAR_VARIABLE, span, message));
+            }
+            match self.find(&next, scope) {
+                Some((holder, Binding::Pointer(further))) => (scope, next) = (holder, further),
+                _ => break,
+            }
+        }
+        if let Some((holder, _)) = self.find(other, self.scope) {
+            let place = target.to(span).moved(self.base);
+            self.pointed.insert((holder, other.clone()), place);
+        }
+        self.bind(name.clone(), Binding::Pointer(other.clone()), target);
+        Ok(())
+    }
+
+    fn bind(&mut self, name: Arc<str>, binding: Binding, span: Span) {
+        let pointed = self.pointed.remove(&(self.scope, name.clone()));
+        if let Some(place) = pointed.filter(|_| !matches!(binding, Binding::Faulty)) {
+            let message =
+                format!("this points to `{name}`, which is assigned later: it then has that value");
+            let hint = Diagnostic {
+                severity: Severity::Hint,
+                ..Diagnostic::error(codes::POINTS_LATER, place, message)
+            };
+            let base = std::mem::replace(&mut self.base, 0);
+            let here = span.moved(base);
+            self.report(hint.with_related(here, format!("`{name}` is assigned here")));
+            self.base = base;
+        }
+        let names = &mut self.scopes[self.scope].names;
+        if names.insert(name.clone(), binding).is_none() && self.scope == 0 {
+            self.assigned.push((name, span.moved(self.base)));
+        }
+    }
+
+    /// Finds a name from a scope outwards, with the scope that has it.
+    fn find(&self, name: &str, mut scope: usize) -> Option<(usize, Binding)> {
+        loop {
+            let names = &self.scopes[scope];
+            if let Some(binding) = names.names.get(name) {
+                return Some((scope, binding.clone()));
+            }
+            scope = names.parent?;
+        }
+    }
+
+    /// The value of a variable; `None` if it has none.
+    pub(super) fn known(&self, name: &str) -> Option<ScriptValue> {
+        match self.resolved(name) {
+            Some(Binding::Value(value)) => Some(value),
+            _ => None,
+        }
+    }
+
+    fn resolved(&self, name: &str) -> Option<Binding> {
+        let (mut scope, mut binding) = self.find(name, self.scope)?;
+        // Circles are refused; a name that is bound later in a scope within might still close one.
+        for _ in 0..MAX_NESTING {
+            match binding {
+                Binding::Pointer(other) => (scope, binding) = self.find(&other, scope)?,
+                found => return Some(found),
+            }
+        }
+        None
+    }
+
+    fn variable(&mut self, name: &Arc<str>, span: Span) -> Result<ScriptValue, Stopped> {
+        match self.resolved(name) {
+            Some(Binding::Value(value)) => Ok(value),
+            Some(_) => Err(Stopped),
+            None => {
+                let all = self.scopes.iter().flat_map(|names| names.names.keys());
+                let near = nearest(name, all.map(|name| &**name));
+                let message = format!("no variable `{name}` has been assigned");
+                let mut diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, span, message);
+                if let Some(near) = near {
+                    diagnostic = diagnostic.with_hint(format!("did you mean `{near}`?"));
+                }
+                self.report(diagnostic);
+                Err(Stopped)
+            }
+        }
+    }
+
+    /// The value of an expression.
+    pub(super) fn value(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {
+        if self.nesting >= MAX_NESTING {
+            let message = "expressions within calls are nested too deeply here";
+            return Err(self.fault(codes::CALL_DEPTH, expression.span, message));
+        }
+        self.nesting += 1;
+        let value = self.value_of(expression);
+        self.nesting -= 1;
+        value
+    }
+
+    fn value_of(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {
+        let span = expression.span;
+        Ok(match &expression.kind {
+            E::Missing => return Err(Stopped),
+            E::Integer(number) => ScriptValue::Integer(*number),
+            E::Float(number) => ScriptValue::Float(*number),
+            E::Text(text) => ScriptValue::Text(text.clone()),
+            E::Boolean(truth) => ScriptValue::Boolean(*truth),
+            E::Identifier(name) => self.variable(name, span)?,
+            E::Object(object) => self.object(object, span)?,
+            E::List(items) => {
+                let items: Result<Vec<ScriptValue>, Stopped> =
+                    items.iter().map(|item| self.value(item)).collect();
+                self.list(items?, span)?
+            }
+            E::Macro(definition) => ScriptValue::Macro(MacroValue {
+                definition: definition.clone(),
+                scope: self.scope,
+                base: self.base,
+            }),
+            E::Group(inner) => self.value(inner)?,
+            E::Assignment(sides) => {
+                self.assign(sides)?;
+                match sides[0].identifier() {
+                    Some(name) => self.variable(name, sides[0].span)?,
+                    None => return Err(Stopped),
+                }
+            }
+            E::Conditional(parts) => {
+                let [condition, yes, no] = &**parts;
+                let truth = self.value(condition)?;
+                let truth = self.boolean(&truth, condition.span)?;
+                // All operands are evaluated.
+                let (yes, no) = (self.value(yes)?, self.value(no)?);
+                if truth { yes } else { no }
+            }
+            E::Chain(first, links) => self.chain(first, links)?,
+            E::Prefix(operator, operand) => {
+                let value = self.value(operand)?;
+                operate::prefix(*operator, &value)
+                    .map_err(|(code, message)| self.fault(code, span, message))?
+            }
+            E::Suffixed(first, suffixes) => self.suffixed(first, suffixes)?,
+        })
+    }
+
+    /// A list, within its limits.
+    fn list(&mut self, items: Vec<ScriptValue>, span: Span) -> Result<ScriptValue, Stopped> {
+        let depth = items.iter().map(|item| match item {
+            ScriptValue::List(list) => list.depth,
+            _ => 0,
+        });
+        let depth = 1 + depth.max().unwrap_or(0);
+        if depth > MAX_LIST_DEPTH || items.len() as u64 > MAX_SIZE {
+            let message = format!(
+                "a list has {MAX_SIZE} elements at most, and {MAX_LIST_DEPTH} lists within it"
+            );
+            return Err(self.fault(codes::TOO_LARGE, span, message));
+        }
+        Ok(ScriptValue::List(Arc::new(List {
+            items,
+            depth,
+            is_emitted: false,
+        })))
+    }
+
+    fn chain(&mut self, first: &Expression, links: &[Link]) -> Result<ScriptValue, Stopped> {
+        let mut value = self.value(first)?;
+        for link in links {
+            let other = self.value(&link.operand)?;
+            let span = first.span.to(link.operand.span);
+            value = match self.joined_entities(link.operator, &value, &other, span)? {
+                Some(joined) => joined,
+                None => operate::binary(link.operator, &value, &other)
+                    .map_err(|(code, message)| self.fault(code, span, message))?,
+            };
+        }
+        Ok(value)
+    }
+
+    fn suffixed(
+        &mut self,
+        first: &Expression,
+        suffixes: &[Suffix],
+    ) -> Result<ScriptValue, Stopped> {
+        let mut rest = suffixes.iter();
+        let mut span = first.span;
+        let mut value = match (first.identifier(), suffixes.first()) {
+            (Some(name), Some(suffix)) if let SuffixKind::Call(arguments) = &suffix.kind => {
+                rest.next();
+                span = span.to(suffix.span);
+                self.call_name(name, arguments, span)?
+            }
+            _ => self.value(first)?,
+        };
+        for suffix in rest {
+            span = span.to(suffix.span);
+            value = match &suffix.kind {
+                SuffixKind::Call(arguments) => self.call_value(&value, arguments, span)?,
+                SuffixKind::Element(index) => {
+                    let index_value = self.value(index)?;
+                    self.element(&value, &index_value, span)?
+                }
+                SuffixKind::Modifiers(modifiers) => self.modified(&value, modifiers, span)?,
+            };
+        }
+        Ok(value)
+    }
+
+    fn element(
+        &mut self,
+        value: &ScriptValue,
+        index: &ScriptValue,
+        span: Span,
+    ) -> Result<ScriptValue, Stopped> {
+        let (ScriptValue::List(list), ScriptValue::Integer(index)) = (value, index) else {
+            let message = format!(
+                "`[ ]` takes a List and an Integer, and these are values of type {} and {}",
+                value.kind(),
+                index.kind()
+            );
+            return Err(self.fault(codes::TYPE_MISMATCH, span, message));
+        };
+        let found = usize::try_from(*index).ok().and_then(|k| list.items.get(k));
+        match found {
+            Some(item) => Ok(item.clone()),
+            None => {
+                let message = match list.items.len() {
+                    0 => format!("there is no element {index}: the list is empty"),
+                    count => format!("there is no element {index}: the last one is {}", count - 1),
+                };
+                Err(self.fault(codes::INDEX_OUT_OF_RANGE, span, message))
+            }
+        }
+    }
+
+    /// Runs the body of a macro with its arguments, and returns what it emits.
+    pub(super) fn run_macro(
+        &mut self,
+        called: &MacroValue,
+        arguments: Vec<ScriptValue>,
+    ) -> Result<ScriptValue, Stopped> {
+        let words = called.definition.parameters.iter();
+        let bound = words.zip(arguments);
+        let names = bound.map(|(word, value)| (word.text.clone(), Binding::Value(value)));
+        self.scopes.push(ScopeNames {
+            parent: Some(called.scope),
+            names: names.collect(),
+        });
+        let inner = self.scopes.len() - 1;
+        let (scope, base) = (self.scope, self.base);
+        (self.scope, self.base) = (inner, called.base);
+        self.emitted.push(Vec::new());
+        self.nesting += 1;
+        let done = self.body(&called.definition.body, true);
+        self.nesting -= 1;
+        let emitted = self.emitted.pop().unwrap_or_default();
+        (self.scope, self.base) = (scope, base);
+        self.scopes.truncate(inner);
+        self.pointed.retain(|(scope, _), _| *scope < inner);
+        done?;
+        Ok(ScriptValue::List(Arc::new(List {
+            items: emitted.into_iter().map(ScriptValue::Entity).collect(),
+            depth: 1,
+            is_emitted: true,
+        })))
+    }
+}

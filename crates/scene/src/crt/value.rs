@@ -1,0 +1,310 @@
+//! Values, and the objects that are no entities.
+
+use std::sync::Arc;
+
+use syntax::crt::tree::Macro;
+
+use super::entity::Entity;
+
+/// A value of a script.
+#[derive(Clone, Debug)]
+pub(super) enum ScriptValue {
+    Integer(i32),
+    Float(f64),
+    Text(Arc<str>),
+    Boolean(bool),
+    List(Arc<List>),
+    Vector([f64; 3]),
+    Color([f64; 3]),
+    Material(Arc<Material>),
+    Light(Arc<ScriptLight>),
+    Camera(Arc<ScriptCamera>),
+    Background(Arc<Background>),
+    Entity(Arc<Entity>),
+    Macro(MacroValue),
+}
+
+/// A list.
+#[derive(Debug)]
+pub(super) struct List {
+    pub(super) items: Vec<ScriptValue>,
+    /// Lists within lists.
+    pub(super) depth: u32,
+    /// The value of a call: what the macro emitted.
+    pub(super) is_emitted: bool,
+}
+
+/// A macro, with the scope in which it is written.
+#[derive(Clone, Debug)]
+pub(super) struct MacroValue {
+    pub(super) definition: Arc<Macro>,
+    pub(super) scope: usize,
+    /// The offset from which its places count.
+    pub(super) base: u32,
+}
+
+/// The look of an entity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Material {
+    pub(super) color: [f64; 3],
+    pub(super) reflectivity: f64,
+    pub(super) transparency: f64,
+    pub(super) refractiveindex: f64,
+    pub(super) diffuse: Option<f64>,
+    pub(super) specularity: f64,
+    pub(super) shininess: f64,
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ScriptLight {
+    pub(super) position: Option<[f64; 3]>,
+    pub(super) direction: Option<[f64; 3]>,
+    pub(super) color: [f64; 3],
+    pub(super) ambient: f64,
+    pub(super) falloff: f64,
+    /// Degrees.
+    pub(super) angle: Option<f64>,
+    pub(super) radius: Option<f64>,
+    pub(super) softness: f64,
+}
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ScriptCamera {
+    pub(super) position: [f64; 3],
+    pub(super) pointing: [f64; 3],
+    /// Degrees.
+    pub(super) fov: f64,
+    pub(super) aperture: f64,
+    pub(super) focaldistance: f64,
+    pub(super) apertureshape: Arc<str>,
+    /// Degrees.
+    pub(super) roll: f64,
+    pub(super) projection: Arc<str>,
+}
+
+/// The light that comes from where nothing is hit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Background {
+    pub(super) image: Option<Arc<str>>,
+    /// Radians.
+    pub(super) angle: f64,
+    pub(super) horizon: Option<[f64; 3]>,
+    pub(super) sky: Option<[f64; 3]>,
+    pub(super) color: Option<[f64; 3]>,
+}
+
+/// The block `Settings`.
+#[derive(Clone, Debug)]
+pub(super) struct ScriptSettings {
+    pub(super) gamma: f64,
+    pub(super) background: Option<Arc<Background>>,
+    pub(super) camera: Option<Arc<ScriptCamera>>,
+    pub(super) lights: Vec<Arc<ScriptLight>>,
+    pub(super) supersampling: u32,
+    pub(super) dofsamples: u32,
+    pub(super) recursiondepth: u32,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            color: [0.5; 3],
+            reflectivity: 0.0,
+            transparency: 0.0,
+            refractiveindex: 1.5,
+            diffuse: None,
+            specularity: 0.0,
+            shininess: 3.0,
+        }
+    }
+}
+
+impl Default for ScriptCamera {
+    fn default() -> Self {
+        Self {
+            position: [0.0, 0.0, -1.0],
+            pointing: [0.0; 3],
+            fov: 60.0,
+            aperture: 3.0,
+            focaldistance: 0.5,
+            apertureshape: "circle".into(),
+            roll: 0.0,
+            projection: "pinhole".into(),
+        }
+    }
+}
+
+impl Default for ScriptSettings {
+    fn default() -> Self {
+        Self {
+            gamma: 1.0,
+            background: None,
+            camera: None,
+            lights: Vec::new(),
+            supersampling: 1,
+            dofsamples: 1,
+            recursiondepth: 3,
+        }
+    }
+}
+
+/// The longest text of a value that is written out.
+const LONGEST: usize = 200;
+
+impl ScriptValue {
+    /// The name of its type.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Self::Integer(_) => "Integer",
+            Self::Float(_) => "Float",
+            Self::Text(_) => "String",
+            Self::Boolean(_) => "Boolean",
+            Self::List(_) => "List",
+            Self::Vector(_) => "Vector",
+            Self::Color(_) => "Color",
+            Self::Material(_) => "Material",
+            Self::Light(_) => "Light",
+            Self::Camera(_) => "Camera",
+            Self::Background(_) => "Background",
+            Self::Entity(_) => "Entity",
+            Self::Macro(_) => "Macro",
+        }
+    }
+
+    /// The number of an Integer or a Float.
+    pub(super) fn number(&self) -> Option<f64> {
+        match *self {
+            Self::Integer(number) => Some(f64::from(number)),
+            Self::Float(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// The numbers of a number, a vector or a colour.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        match self {
+            Self::Vector(parts) | Self::Color(parts) => parts.to_vec(),
+            other => other.number().into_iter().collect(),
+        }
+    }
+
+    /// The entities of a list of nothing else.
+    pub(super) fn entities(&self) -> Option<Vec<Arc<Entity>>> {
+        let Self::List(list) = self else {
+            return None;
+        };
+        let entity = |item: &Self| match item {
+            Self::Entity(entity) => Some(entity.clone()),
+            _ => None,
+        };
+        list.items.iter().map(entity).collect()
+    }
+
+    /// Returns true if two values are equal: numbers across types, entities by identity.
+    pub(super) fn equals(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Integer(a), Self::Integer(b)) => a == b,
+            (Self::Text(a), Self::Text(b)) => a == b,
+            (Self::Boolean(a), Self::Boolean(b)) => a == b,
+            (Self::List(a), Self::List(b)) => {
+                let mut pairs = a.items.iter().zip(&b.items);
+                a.items.len() == b.items.len() && pairs.all(|(a, b)| a.equals(b))
+            }
+            (Self::Vector(a), Self::Vector(b)) | (Self::Color(a), Self::Color(b)) => a == b,
+            (Self::Material(a), Self::Material(b)) => a == b,
+            (Self::Light(a), Self::Light(b)) => a == b,
+            (Self::Camera(a), Self::Camera(b)) => a == b,
+            (Self::Background(a), Self::Background(b)) => a == b,
+            (Self::Entity(a), Self::Entity(b)) => a.id == b.id,
+            (Self::Macro(a), Self::Macro(b)) => Arc::ptr_eq(&a.definition, &b.definition),
+            _ => match (self.number(), other.number()) {
+                (Some(a), Some(b)) => a == b,
+                _ => false,
+            },
+        }
+    }
+
+    /// The text of a number, a string or a Boolean, as `+` joins it.
+    pub(super) fn simple_text(&self) -> Option<String> {
+        Some(match self {
+            Self::Integer(number) => number.to_string(),
+            Self::Float(number) => float_text(*number),
+            Self::Text(text) => text.to_string(),
+            Self::Boolean(truth) => truth.to_string(),
+            _ => return None,
+        })
+    }
+
+    /// The value as a script writes it, as far as it is short.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        self.write(&mut text);
+        text
+    }
+
+    fn write(&self, into: &mut String) {
+        if into.len() > LONGEST {
+            return;
+        }
+        let parts = |name: &str, parts: &[f64; 3]| {
+            let parts = parts.map(float_text);
+            format!("{name}({})", parts.join(", "))
+        };
+        let text = match self {
+            Self::Text(text) => format!("{text:?}"),
+            Self::Vector(vector) => parts("vec3", vector),
+            Self::Color(color) => parts("rgb", color),
+            Self::List(list) => {
+                into.push('[');
+                for (k, item) in list.items.iter().enumerate() {
+                    if into.len() > LONGEST {
+                        into.push('…');
+                        break;
+                    }
+                    if k > 0 {
+                        into.push_str(", ");
+                    }
+                    item.write(into);
+                }
+                into.push(']');
+                return;
+            }
+            Self::Macro(it) => {
+                let names = it.definition.parameters.iter();
+                let names: Vec<&str> = names.map(|word| &*word.text).collect();
+                format!("Macro ({}) {{ … }}", names.join(", "))
+            }
+            Self::Entity(entity) => match entity.leaves {
+                1 => "Entity".to_owned(),
+                leaves => format!("Entity of {leaves} leaves"),
+            },
+            other => other
+                .simple_text()
+                .unwrap_or_else(|| format!("{} {{ … }}", other.kind())),
+        };
+        into.push_str(&text);
+    }
+}
+
+/// A Float as Java writes it.
+pub(super) fn float_text(number: f64) -> String {
+    if number.is_nan() {
+        return "NaN".to_owned();
+    }
+    if number.is_infinite() {
+        let sign = if number < 0.0 { "-" } else { "" };
+        return format!("{sign}Infinity");
+    }
+    let size = number.abs();
+    if size == 0.0 || (1e-3..1e7).contains(&size) {
+        return format!("{number:?}");
+    }
+    let text = format!("{number:e}");
+    match text.split_once('e') {
+        Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.0E{exponent}"),
+        Some((digits, exponent)) => format!("{digits}E{exponent}"),
+        None => text,
+    }
+}

@@ -1,0 +1,178 @@
+//! CRT scripts: values, types, scopes, emission, limits, and the scenes that they leave.
+
+use scene::crt::{Evaluated, ScriptRun, evaluate, run};
+use scene::{ParamValues, Shape};
+use std::sync::Arc;
+use syntax::crt::document::Document;
+use syntax::crt::tree::Script;
+
+fn script(text: &str) -> Script {
+    let document = Document::new(text, &()).expect("short");
+    document.snapshot().script()
+}
+
+fn ran(text: &str) -> ScriptRun {
+    run(&script(text), text)
+}
+
+fn codes(text: &str) -> Vec<&'static str> {
+    let found = ran(text).diagnostics.into_iter();
+    found.map(|diagnostic| diagnostic.code.0).collect()
+}
+
+fn value(text: &str, expression: &str) -> Result<Evaluated, Vec<&'static str>> {
+    let expression = syntax::crt::parse_expression(expression).expect("an expression");
+    let found = evaluate(&script(text), text, 0.0, &expression);
+    found.map_err(|all| all.into_iter().map(|it| it.code.0).collect())
+}
+
+#[test]
+fn operators_have_the_types_and_levels_of_the_page() {
+    let rows = [
+        ("1 + 2 * 3", "Integer", "7"),
+        ("7 / 2", "Integer", "3"),
+        ("-7 / 2", "Integer", "-3"),
+        ("-7 % 3", "Integer", "-1"),
+        ("7 / 2.0", "Float", "3.5"),
+        ("2147483647 + 1", "Integer", "-2147483648"),
+        ("\"a\" + 1.0", "String", "\"a1.0\""),
+        ("1 + \"a\" + true", "String", "\"1atrue\""),
+        ("\"ab\" * 3", "String", "\"ababab\""),
+        ("vec3(1, 2, 3) * 2", "Vector", "vec3(2.0, 4.0, 6.0)"),
+        (
+            "-vec3(1, 2, 3) + vec3(1, 1, 1)",
+            "Vector",
+            "vec3(0.0, -1.0, -2.0)",
+        ),
+        ("rgb(1, 0.5, 0) / 2", "Color", "rgb(0.5, 0.25, 0.0)"),
+        ("1 == 1.0", "Boolean", "true"),
+        ("\"1\" == 1", "Boolean", "false"),
+        ("[1, 2] == [1.0, 2]", "Boolean", "true"),
+        ("1 < 2 && !(2 < 1) || false", "Boolean", "true"),
+        ("true ? 1 : 2", "Integer", "1"),
+        ("[1, [2, 3]][1][0]", "Integer", "2"),
+        ("length([1, 2, 3]) + floor(2.5)", "Integer", "5"),
+        ("length(vec3(3, 4, 0))", "Float", "5.0"),
+        ("rand(0, 1)", "Float", "0.6599297847448217"),
+        ("t", "Float", "0.0"),
+    ];
+    for (expression, kind, text) in rows {
+        let found = value("", expression).expect(expression);
+        assert_eq!((found.kind, &*found.text), (kind, text), "{expression}");
+    }
+    let faults = [
+        ("1 / 0", "division-by-zero"),
+        ("1 % 0", "division-by-zero"),
+        ("1 + true", "type-mismatch"),
+        ("1 ? 2 : 3", "type-mismatch"),
+        ("[1][1]", "index-out-of-range"),
+        ("[1][1.0]", "type-mismatch"),
+        ("sin(1, 2)", "argument-count"),
+        ("sin(true)", "type-mismatch"),
+        ("nothing", "unknown-variable"),
+        ("1(2)", "not-a-macro"),
+        ("\"abc\" * 1000000", "too-large"),
+    ];
+    for (expression, code) in faults {
+        assert_eq!(value("", expression), Err(vec![code]), "{expression}");
+    }
+}
+
+#[test]
+fn a_lone_name_is_pointed_to() {
+    let text = "b = 1\na = b\nc = b + 0\nb = 5";
+    assert_eq!(value(text, "a").expect("a").text, "5");
+    assert_eq!(value(text, "c").expect("c").text, "1");
+    assert_eq!(codes(text), ["points-later"]);
+    assert_eq!(codes("a = 1\nb = a\na = b"), ["circular-variable"]);
+    let both = value("a = b = 1", "a + b").expect("both");
+    assert_eq!(both.text, "2");
+}
+
+#[test]
+fn macros_emit_in_scopes_of_their_own() {
+    let text = "
+s = Sphere { center -> vec3(0, 0, 0) radius -> 1 }
+n = 3
+m = Macro (k) {
+    i = 0
+    n = 100
+    while (i < k) { s <translate vec3(2 * i, 0, 0)> i = i + 1 }
+}
+row = m(n)
+Scene { m(2) row s s - Box { cornerA -> vec3(0, 0, 0) cornerB -> vec3(1, 1, 1) } }";
+    let run = ran(text);
+    assert_eq!(run.diagnostics, []);
+    let names: Vec<&str> = run.scene.objects.iter().map(|it| &*it.name).collect();
+    assert_eq!(names, ["7:21", "7:21", "row", "row", "row", "s", "10:20"]);
+    assert_eq!(value(text, "n").expect("n").text, "3");
+    let solid = run.scene.objects[6].shape.solid().expect("a solid");
+    let leaves: Vec<&str> = solid.leaves.iter().map(|leaf| &*leaf.name).collect();
+    assert_eq!(leaves, ["s", "Box 10:24"]);
+}
+
+#[test]
+fn idle_statements_are_named() {
+    let ball = "Sphere { center -> vec3(0, 0, 0) radius -> 1 }";
+    assert_eq!(codes(ball), ["not-drawn"]);
+    assert_eq!(codes("1 + 2"), ["no-effect"]);
+    assert_eq!(codes("Scene { 1 }"), ["no-effect"]);
+    assert_eq!(codes(&format!("Scene {{ {ball} }}")), [""; 0]);
+    let bad = "Scene { Sphere { center -> 1 radius -> 0 } }";
+    assert_eq!(codes(bad), ["type-mismatch", "out-of-range"]);
+}
+
+#[test]
+fn limits_end_in_errors() {
+    assert_eq!(codes("while (true) { }"), ["work-limit"]);
+    assert_eq!(codes("m = Macro () { m() }\nm()"), ["call-depth"]);
+    assert_eq!(
+        codes("a = \"ab\"\nwhile (true) { a = a + a }"),
+        ["too-large"]
+    );
+    assert_eq!(codes("a = []\nwhile (true) { a = [a] }"), ["too-large"]);
+    let leaves = "s = Sphere { center -> vec3(0,0,0) radius -> 1 }\nwhile (true) { s = s + s }";
+    assert_eq!(codes(leaves), ["too-many-leaves"]);
+    // Deep sets are dropped without recursion.
+    let deep = "s = Sphere { center -> vec3(0,0,0) radius -> 1 }\ne = s + s\ni = 0
+while (i < 100000) { e = e + s i = i + 1 }\nScene { e }";
+    assert_eq!(ran(deep).diagnostics, []);
+}
+
+#[test]
+fn each_t_runs_the_script_anew() {
+    let text = "s = Sphere { center -> vec3(0,0,0) radius -> 1 }
+Scene { i = 0 while (i < t) { s <translate vec3(i, 2, 3)> i = i + 1 } }";
+    let scene = Arc::new(ran(text).scene);
+    assert_eq!(scene.objects.len(), 0);
+    let mut params = ParamValues::initial(&scene);
+    params.set(&scene, "t", &[4.0]).expect("in range");
+    let later = scene.at(&params);
+    assert_eq!(later.objects.len(), 4);
+    assert_eq!(later.at(&ParamValues::initial(&scene)).objects.len(), 0);
+    let solid = later.objects[1].shape.solid().expect("a solid");
+    let map = solid.leaves[0].map.0;
+    let at = map.map(|row| later.graph.value(row[3]).expect("a number"));
+    assert_eq!(at, [1.0, 3.0, 2.0], "y and z have changed places");
+}
+
+#[test]
+fn settings_are_those_of_the_picture() {
+    let text = "Settings { gamma -> 2.2 supersampling -> 2 dofsamples -> 4 recursiondepth -> 5
+lights -> [PointLight { origin -> vec3(1,2,3) color -> rgb(1,1,1) falloff -> 9 }] }\nScene { }";
+    let run = ran(text);
+    assert_eq!(run.diagnostics, []);
+    let picture = run.scene.picture.expect("a picture");
+    assert_eq!((picture.gamma, picture.bounces), (2.2, 5));
+    assert_eq!((picture.supersampling, picture.lens_samples), (2, 4));
+    let kinds: Vec<&str> = run.scene.stage.iter().map(|it| it.shape.kind()).collect();
+    assert_eq!(kinds, ["light", "camera", "background"]);
+    let Shape::Light(light) = run.scene.stage[0].shape else {
+        panic!("a light");
+    };
+    let place = light.position.expect("a place");
+    assert_eq!(
+        place.map(|k| run.scene.graph.value(k)),
+        [1.0, 3.0, 2.0].map(Some)
+    );
+}

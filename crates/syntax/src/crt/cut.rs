@@ -1,0 +1,217 @@
+//! The ends of the pieces of a script, found without parsing it.
+//!
+//! Nothing ends a statement but the token behind it: one that begins a statement and goes on with none. A piece ends before
+//! that token: with the line before, or right before it if they share a line. So the beginning of a piece also decides where
+//! the one above ends ([`LOOKAHEAD`]).
+
+use super::lexer::{Fault, Lexer};
+use super::parser::is_certificate;
+use super::token::TokenKind;
+
+/// The number of bytes behind the white space at a piece's start that decide that the piece above ends there: those of the
+/// longest word, and one that shows where it ends.
+pub(super) const LOOKAHEAD: usize = "Settings".len() + 1;
+
+/// The state of the search behind a part of a text.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CutState {
+    /// The offset of the first token that more text may change.
+    at: usize,
+    /// The end of the token before.
+    previous_end: usize,
+    phase: Phase,
+    brackets: Brackets,
+    /// The number of modifiers that are open outside brackets.
+    modifiers: u32,
+    /// The token before is a `<`.
+    is_less: bool,
+}
+
+/// The place in a block, outside its brackets.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Phase {
+    /// Before the block.
+    #[default]
+    Start,
+    /// In an expression, before an operand.
+    Operand,
+    /// In an expression, behind an operand.
+    Operator,
+    /// Before the `(` of a condition; `true` for an `if`.
+    Condition(bool),
+    /// Before a `{`; `true` for an `if`.
+    Body(bool),
+    /// Behind the last `}`; `true` for an `if`.
+    End(bool),
+    /// Behind `else`.
+    Else,
+}
+
+/// The brackets that are open.
+#[derive(Clone, Copy, Debug, Default)]
+struct Brackets {
+    depth: u32,
+    /// A bit for each of the outermost brackets: set for a brace.
+    braces: [u64; 4],
+}
+
+impl Brackets {
+    /// The depth of which the kind is known. Deeper text is an error, which the parser reports.
+    const KNOWN: u32 = 256;
+
+    fn is_brace(&self, level: u32) -> bool {
+        level < Self::KNOWN && self.braces[level as usize / 64] >> (level % 64) & 1 == 1
+    }
+
+    fn open(&mut self, is_brace: bool) {
+        if self.depth < Self::KNOWN {
+            let bit = 1 << (self.depth % 64);
+            let word = &mut self.braces[self.depth as usize / 64];
+            *word = if is_brace { *word | bit } else { *word & !bit };
+        }
+        self.depth = self.depth.saturating_add(1);
+    }
+
+    /// A `}` closes all up to the last `{`; another bracket does not close a brace.
+    fn close(&mut self, is_brace: bool) {
+        if self.depth > Self::KNOWN {
+            self.depth -= 1;
+        } else if is_brace {
+            let last = (0..self.depth).rev().find(|level| self.is_brace(*level));
+            self.depth = last.unwrap_or(self.depth);
+        } else if self.depth > 0 && !self.is_brace(self.depth - 1) {
+            self.depth -= 1;
+        }
+    }
+}
+
+/// Appends to `ends` the offsets behind the pieces that end in a text, as far as the text decides them. `from` and `state` are
+/// those of the call with its beginning.
+pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
+    if is_certificate(text) {
+        return state;
+    }
+    // A comment or a string that nothing new can end is not read again.
+    let begun = text.get(state.at..from).unwrap_or_default().as_bytes();
+    let is_open = matches!(begun, [b'-', b'-', ..]) || matches!(begun, [b'"', ..]);
+    if is_open && begun.len() >= LOOKAHEAD && !text[from..].contains(['\n', '"', '\\']) {
+        return state;
+    }
+    let mut lexer = Lexer::new(text, state.at as u32);
+    loop {
+        let lexeme = lexer.read();
+        let (kind, span) = (lexeme.token.kind, lexeme.token.span);
+        let (start, end) = (span.start as usize, span.end as usize);
+        if kind == TokenKind::Eoi {
+            return state;
+        }
+        let is_whole = end < text.len() || !may_go_on(kind, lexeme.fault);
+        if !is_whole && text.len() - start < LOOKAHEAD {
+            state.at = start;
+            return state;
+        }
+        if state.ends_before(kind, lexeme.fault) {
+            let between = &text[state.previous_end..start];
+            let line = between.rfind('\n').map(|at| state.previous_end + at + 1);
+            ends.push(line.unwrap_or(start));
+            state = CutState::default();
+        }
+        if !is_whole {
+            state.at = start;
+            return state;
+        }
+        state.at = end;
+        if kind == TokenKind::Comment {
+            continue;
+        }
+        state.take(kind, lexeme.fault);
+        state.previous_end = end;
+    }
+}
+
+/// Returns true if more text behind a token may make it longer, or another one.
+fn may_go_on(kind: TokenKind, fault: Option<Fault>) -> bool {
+    use TokenKind::{
+        BraceClose, BraceOpen, BracketClose, BracketOpen, Comma, Error, ParenClose, ParenOpen, Text,
+    };
+    match kind {
+        ParenOpen | ParenClose | BracketOpen | BracketClose | BraceOpen | BraceClose | Comma
+        | Text => false,
+        Error => !matches!(fault, Some(Fault::Character(_))),
+        _ => true,
+    }
+}
+
+impl CutState {
+    /// Returns true if a token begins another block.
+    fn ends_before(&self, kind: TokenKind, fault: Option<Fault>) -> bool {
+        use TokenKind::{BraceOpen, Comment, Else, If, Not, ParenOpen, Scene, Settings, While};
+        let is_passed = kind == Comment || matches!(fault, Some(Fault::Character(_)));
+        match self.phase {
+            Phase::Start => false,
+            // These stand at top level only: all brackets were meant to be closed.
+            _ if matches!(kind, Settings | Scene) => true,
+            _ if self.brackets.depth > 0 || is_passed => false,
+            Phase::Operand => matches!(kind, While | If),
+            Phase::Operator => match kind {
+                ParenOpen | TokenKind::BracketOpen => false,
+                While | If | Else | Not | TokenKind::Error => true,
+                _ => kind.begins_primary(),
+            },
+            Phase::Condition(_) => matches!(kind, While | If),
+            Phase::Body(_) => kind != BraceOpen,
+            Phase::End(is_if) => !(is_if && kind == Else),
+            Phase::Else => !matches!(kind, If | BraceOpen),
+        }
+    }
+
+    /// Goes on behind a token of the block.
+    fn take(&mut self, kind: TokenKind, fault: Option<Fault>) {
+        use TokenKind::{
+            BraceClose, BraceOpen, BracketClose, BracketOpen, Else, Error, Greater, If, ParenClose,
+            ParenOpen, Scene, Settings, While,
+        };
+        let was_less = std::mem::replace(
+            &mut self.is_less,
+            matches!(kind, TokenKind::Less | TokenKind::Modify),
+        );
+        let was_inside = self.brackets.depth > 0;
+        match kind {
+            ParenOpen | BracketOpen | BraceOpen => self.brackets.open(kind == BraceOpen),
+            ParenClose | BracketClose | BraceClose => self.brackets.close(kind == BraceClose),
+            _ => {}
+        }
+        if self.brackets.depth > 0 {
+            return;
+        }
+        self.phase = match (self.phase, kind) {
+            (Phase::Start, While) => Phase::Condition(false),
+            (Phase::Start | Phase::Else, If) => Phase::Condition(true),
+            (Phase::Start, Settings | Scene) => Phase::Body(false),
+            (Phase::Condition(is_if), _) if was_inside => Phase::Body(is_if),
+            (Phase::Body(is_if), _) if was_inside => Phase::End(is_if),
+            (Phase::Else, _) if was_inside => Phase::End(false),
+            (Phase::End(true), Else) => Phase::Else,
+            (Phase::Start | Phase::Operand | Phase::Operator, _) => match kind {
+                Error if matches!(fault, Some(Fault::Character(_))) => match self.phase {
+                    Phase::Start => Phase::Operand,
+                    phase => phase,
+                },
+                Error | ParenClose | BracketClose | BraceClose => Phase::Operator,
+                Greater if self.modifiers > 0 => {
+                    self.modifiers -= 1;
+                    Phase::Operator
+                }
+                _ if kind.is_modifier() && was_less => {
+                    self.modifiers += 1;
+                    Phase::Operand
+                }
+                // The brackets that a macro needs go on with it.
+                TokenKind::Macro => Phase::Operand,
+                _ if kind.begins_primary() => Phase::Operator,
+                _ => Phase::Operand,
+            },
+            (phase, _) => phase,
+        };
+    }
+}

@@ -1,0 +1,182 @@
+//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion turned into tails, common
+//! prefixes factored. Tests compute FIRST and FOLLOW from this table and hold the parser to it.
+//!
+//! Four cells of the LL(1) table have two productions, and the one that goes on with an expression is taken: behind an
+//! expression `+` and `-` are binary, `[` and `(` belong to it ([`GREEDY`]).
+
+use super::token::TokenKind;
+
+/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+#[allow(missing_docs)]
+pub enum Nonterminal {
+    Script,
+    Block,
+    Attrs,
+    Stmts,
+    Stmt,
+    If,
+    Else,
+    /// The body of an `else`, or another `if`.
+    Alternative,
+    Expr,
+    /// The right side of an assignment, or none.
+    Assign,
+    Cond,
+    /// The two values of a condition, or none.
+    Choice,
+    Or,
+    OrTail,
+    And,
+    AndTail,
+    Cmp,
+    CmpTail,
+    Sum,
+    SumTail,
+    Prod,
+    ProdTail,
+    Sign,
+    Post,
+    PostTail,
+    Mods,
+    ModsTail,
+    Mod,
+    Prim,
+    Attr,
+    Args,
+    ArgsTail,
+    Params,
+    ParamsTail,
+}
+
+/// A step of a production.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Item {
+    /// A token.
+    T(TokenKind),
+    /// A text that a nonterminal derives.
+    N(Nonterminal),
+}
+
+/// One alternative of a nonterminal; an empty one derives nothing.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Production {
+    /// The nonterminal.
+    pub left: Nonterminal,
+    /// The steps that it derives.
+    pub right: &'static [Item],
+}
+
+/// The cells of the table with two productions: of these, the one that is not empty is taken.
+pub const GREEDY: [(Nonterminal, TokenKind); 4] = [
+    (Nonterminal::SumTail, TokenKind::Plus),
+    (Nonterminal::SumTail, TokenKind::Minus),
+    (Nonterminal::PostTail, TokenKind::BracketOpen),
+    (Nonterminal::PostTail, TokenKind::ParenOpen),
+];
+
+/// In a production `T(While)` is a token and `N(Expr)` a nonterminal.
+macro_rules! productions {
+    ($($left:ident = $($item:ident($name:ident))*;)*) => {
+        &[$(Production {
+            left: Nonterminal::$left,
+            right: &[$(productions!($item $name)),*],
+        }),*]
+    };
+    (T $name:ident) => {
+        Item::T(TokenKind::$name)
+    };
+    (N $name:ident) => {
+        Item::N(Nonterminal::$name)
+    };
+}
+
+/// The grammar; [`Nonterminal::Script`] is its start.
+pub const PRODUCTIONS: &[Production] = {
+    productions! {
+        Script = N(Block) N(Script);
+        Script =;
+        Block = T(Settings) T(BraceOpen) N(Attrs) T(BraceClose);
+        Block = T(Scene) T(BraceOpen) N(Stmts) T(BraceClose);
+        Block = N(Stmt);
+        Attrs = N(Attr) N(Attrs);
+        Attrs =;
+        Stmts = N(Stmt) N(Stmts);
+        Stmts =;
+
+        Stmt = N(Expr);
+        Stmt = T(While) T(ParenOpen) N(Expr) T(ParenClose) T(BraceOpen) N(Stmts) T(BraceClose);
+        Stmt = N(If);
+        If = T(If) T(ParenOpen) N(Expr) T(ParenClose) T(BraceOpen) N(Stmts) T(BraceClose) N(Else);
+        Else = T(Else) N(Alternative);
+        Else =;
+        Alternative = T(BraceOpen) N(Stmts) T(BraceClose);
+        Alternative = N(If);
+
+        Expr = N(Cond) N(Assign);
+        Assign = T(Assign) N(Expr);
+        Assign =;
+        Cond = N(Or) N(Choice);
+        Choice = T(Question) N(Expr) T(Colon) N(Cond);
+        Choice =;
+        Or = N(And) N(OrTail);
+        OrTail = T(Or) N(And) N(OrTail);
+        OrTail =;
+        And = N(Cmp) N(AndTail);
+        AndTail = T(And) N(Cmp) N(AndTail);
+        AndTail =;
+        Cmp = N(Sum) N(CmpTail);
+        CmpTail = T(LessEqual) N(Sum) N(CmpTail);
+        CmpTail = T(GreaterEqual) N(Sum) N(CmpTail);
+        CmpTail = T(Less) N(Sum) N(CmpTail);
+        CmpTail = T(Greater) N(Sum) N(CmpTail);
+        CmpTail = T(Equal) N(Sum) N(CmpTail);
+        CmpTail = T(NotEqual) N(Sum) N(CmpTail);
+        CmpTail =;
+        Sum = N(Prod) N(SumTail);
+        SumTail = T(Plus) N(Prod) N(SumTail);
+        SumTail = T(Minus) N(Prod) N(SumTail);
+        SumTail = T(Caret) N(Prod) N(SumTail);
+        SumTail =;
+        Prod = N(Sign) N(ProdTail);
+        ProdTail = T(Star) N(Sign) N(ProdTail);
+        ProdTail = T(Slash) N(Sign) N(ProdTail);
+        ProdTail = T(Percent) N(Sign) N(ProdTail);
+        ProdTail =;
+        Sign = T(Plus) N(Sign);
+        Sign = T(Minus) N(Sign);
+        Sign = T(Not) N(Sign);
+        Sign = N(Post);
+        Post = N(Prim) N(PostTail);
+        PostTail = T(BracketOpen) N(Expr) T(BracketClose) N(PostTail);
+        PostTail = T(ParenOpen) N(Args) T(ParenClose) N(PostTail);
+        PostTail = T(Modify) N(Mods) T(Greater) N(PostTail);
+        PostTail =;
+        Mods = N(Mod) N(ModsTail);
+        ModsTail = T(Comma) N(Mod) N(ModsTail);
+        ModsTail =;
+        Mod = T(Scale) N(Sum);
+        Mod = T(Translate) N(Sum);
+        Mod = T(Rotate) N(Sum);
+
+        Prim = T(ParenOpen) N(Expr) T(ParenClose);
+        Prim = T(Integer);
+        Prim = T(Float);
+        Prim = T(Text);
+        Prim = T(True);
+        Prim = T(False);
+        Prim = T(Identifier);
+        Prim = T(Name) T(BraceOpen) N(Attrs) T(BraceClose);
+        Prim = T(BracketOpen) N(Args) T(BracketClose);
+        Prim = T(Macro) T(ParenOpen) N(Params) T(ParenClose) T(BraceOpen) N(Stmts) T(BraceClose);
+        Attr = T(Identifier) T(Arrow) N(Expr);
+        Args = N(Expr) N(ArgsTail);
+        Args =;
+        ArgsTail = T(Comma) N(Expr) N(ArgsTail);
+        ArgsTail =;
+        Params = T(Identifier) N(ParamsTail);
+        Params =;
+        ParamsTail = T(Comma) T(Identifier) N(ParamsTail);
+        ParamsTail =;
+    }
+};

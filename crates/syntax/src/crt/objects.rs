@@ -1,0 +1,358 @@
+//! The one table of objects and their attributes.
+//!
+//! Each row gives an attribute of an object: its word, its value with its range and unit, its default, and its purpose. The
+//! parser, the interpreter, completion, hover and the documentation read this table. To add an attribute, add a row.
+
+use crate::attribute_range::AttributeRange;
+
+/// The value of an attribute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ValueType {
+    /// A number of a range.
+    Number(AttributeRange),
+    /// A whole number of a range.
+    Integer(AttributeRange),
+    /// A vector.
+    Vector,
+    /// A colour.
+    Color,
+    /// A string.
+    Text,
+    /// One of these strings; the first is the default.
+    Choice(&'static [&'static str]),
+    /// The path of an image, as a string.
+    Image,
+    /// A material.
+    Material,
+    /// A background.
+    Background,
+    /// A camera.
+    Camera,
+    /// A list of lights.
+    Lights,
+}
+
+/// The value of an attribute that is not stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DefaultValue {
+    /// None: the attribute is required.
+    Required,
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Integer(i32),
+    /// A vector.
+    Vector([f64; 3]),
+    /// A colour.
+    Color([f64; 3]),
+    /// A string.
+    Text(&'static str),
+    /// A value that a phrase describes: the interpreter makes it.
+    Phrase(&'static str),
+}
+
+impl DefaultValue {
+    /// The value as a script writes it, or the phrase; `None` if the attribute is required.
+    pub fn text(self) -> Option<String> {
+        Some(match self {
+            Self::Required => return None,
+            Self::Number(number) => number.to_string(),
+            Self::Integer(number) => number.to_string(),
+            Self::Vector([x, y, z]) => format!("vec3({x}, {y}, {z})"),
+            Self::Color([red, green, blue]) => format!("rgb({red}, {green}, {blue})"),
+            Self::Text(text) => format!("\"{text}\""),
+            Self::Phrase(phrase) => phrase.to_owned(),
+        })
+    }
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectAttribute {
+    /// The object.
+    pub object: ObjectName,
+    /// The word as it is written.
+    pub text: &'static str,
+    /// The value.
+    pub value: ValueType,
+    /// The unit, or the empty text.
+    pub unit: &'static str,
+    /// The value of an object that does not state it.
+    pub default: DefaultValue,
+    /// The purpose: the end of a sentence, without a full stop.
+    pub purpose: &'static str,
+}
+
+impl ObjectAttribute {
+    /// Returns true if an object must state it.
+    pub fn is_required(&self) -> bool {
+        self.default == DefaultValue::Required
+    }
+}
+
+/// The type of the value that an object is.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+#[allow(missing_docs)]
+pub enum ObjectClass {
+    Entity,
+    Material,
+    Camera,
+    Light,
+    Background,
+    /// The block `Settings`, which is no value.
+    Settings,
+}
+
+macro_rules! objects {
+    ($($name:ident $class:ident $purpose:literal { $($text:literal $value:expr, $unit:literal, $default:expr, $meaning:literal;)* })*) => {
+        /// The names of objects, and the block `Settings`.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        #[allow(missing_docs)]
+        pub enum ObjectName {
+            $($name),*
+        }
+
+        impl ObjectName {
+            /// Every name.
+            pub const ALL: &[Self] = &[$(Self::$name),*];
+
+            /// The name as it is written.
+            pub const fn text(self) -> &'static str {
+                match self {
+                    $(Self::$name => stringify!($name)),*
+                }
+            }
+
+            /// The object of a name.
+            pub fn from_text(text: &str) -> Option<Self> {
+                $(if text == stringify!($name) {
+                    return Some(Self::$name);
+                })*
+                None
+            }
+
+            /// The type of the value that the object is.
+            pub const fn class(self) -> ObjectClass {
+                match self {
+                    $(Self::$name => ObjectClass::$class),*
+                }
+            }
+
+            /// The purpose of the object: the end of a sentence, without a full stop.
+            pub const fn purpose(self) -> &'static str {
+                match self {
+                    $(Self::$name => $purpose),*
+                }
+            }
+
+            /// The attributes of the object, in the order of the table. The material of an entity comes last.
+            pub const fn attributes(self) -> &'static [ObjectAttribute] {
+                match self {
+                    $(Self::$name => {
+                        const ROWS: &[ObjectAttribute] = &[$(ObjectAttribute {
+                            object: ObjectName::$name,
+                            text: $text,
+                            value: $value,
+                            unit: $unit,
+                            default: $default,
+                            purpose: $meaning,
+                        }),*];
+                        ROWS
+                    }),*
+                }
+            }
+        }
+    };
+}
+
+use DefaultValue::{Phrase, Required};
+
+const ANY: ValueType = ValueType::Number(AttributeRange::ANY);
+const POSITIVE: ValueType = ValueType::Number(AttributeRange::POSITIVE);
+const NOT_NEGATIVE: ValueType = ValueType::Number(AttributeRange::NOT_NEGATIVE);
+const SHARE: ValueType = ValueType::Number(AttributeRange::SHARE);
+const OPENING: ValueType = ValueType::Number(AttributeRange {
+    is_open: true,
+    ..AttributeRange::closed(0.0, 360.0)
+});
+/// The number of samples in each direction, or of samples. A billion are more than anybody waits for.
+const COUNT: ValueType = ValueType::Integer(AttributeRange::closed(1.0, 1e9));
+const DEPTH: ValueType = ValueType::Integer(AttributeRange::closed(0.0, 64.0));
+const VECTOR: ValueType = ValueType::Vector;
+const COLOR: ValueType = ValueType::Color;
+const TEXT: ValueType = ValueType::Text;
+const MATERIAL: ValueType = ValueType::Material;
+/// The shapes of a lens. `uniform` is a square box.
+const SHAPES: ValueType = ValueType::Choice(&[
+    "circle", "gaussian", "uniform", "line", "triangle", "square", "pentagon", "hexagon",
+    "octagon", "star",
+]);
+const PROJECTIONS: ValueType = ValueType::Choice(&["pinhole", "spherical", "cylindrical"]);
+const NO_TEXT: DefaultValue = DefaultValue::Text("");
+const PLAIN: DefaultValue = Phrase("Material {}");
+
+const fn number(value: f64) -> DefaultValue {
+    DefaultValue::Number(value)
+}
+
+objects! {
+    Sphere Entity "a ball" {
+        "center" VECTOR, "", Required, "the place of its centre";
+        "radius" POSITIVE, "", Required, "its radius";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Box Entity "a box along the axes" {
+        "cornerA" VECTOR, "", Required, "the place of a corner";
+        "cornerB" VECTOR, "", Required, "the place of the opposite corner";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Plane Entity "the half-space behind a plane; on its own it is seen, and casts shadow, only from the front" {
+        "normal" VECTOR, "", Required, "the direction of its front";
+        "position" VECTOR, "", Required, "a place on it";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    HalfPlane Entity "the part of a plane's half-space on one side of a line" {
+        "normal" VECTOR, "", Required, "the direction of its front";
+        "position" VECTOR, "", Required, "a place on its edge";
+        "direction" VECTOR, "", Required, "the direction from its edge into it";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Cylinder Entity "a cylinder, closed at both ends" {
+        "base" VECTOR, "", Required, "the centre of one end";
+        "top" VECTOR, "", Required, "the centre of the other end";
+        "radius" POSITIVE, "", Required, "its radius";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Cone Entity "a cone, closed at its base" {
+        "base" VECTOR, "", Required, "the centre of its base";
+        "apex" VECTOR, "", Required, "the place of its tip";
+        "radius" POSITIVE, "", Required, "the radius of its base";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Torus Entity "a ring" {
+        "center" VECTOR, "", Required, "the place of its centre";
+        "radius" POSITIVE, "", Required, "the distance from its centre to the middle of its tube";
+        "tube" POSITIVE, "", Required, "the radius of its tube";
+        "normal" VECTOR, "", DefaultValue::Vector([0.0, 1.0, 0.0]), "the direction of its axis";
+        "material" MATERIAL, "", PLAIN, "how it looks";
+    }
+    Material Material "how an entity looks" {
+        "color" COLOR, "", DefaultValue::Color([0.5, 0.5, 0.5]), "its colour";
+        "reflectivity" SHARE, "", number(0.0), "the share of light that is reflected as by a mirror";
+        "transparency" SHARE, "", number(0.0), "the share of light that goes through";
+        "refractiveindex" POSITIVE, "", number(1.5), "the index of refraction inside";
+        "diffuse" NOT_NEGATIVE, "", Phrase("1 - reflectivity - transparency"), "the share of light that is scattered to all sides";
+        "specularity" NOT_NEGATIVE, "", number(0.0), "the strength of highlights";
+        "shininess" POSITIVE, "", number(3.0), "the exponent of highlights: the larger, the smaller they are";
+    }
+    Camera Camera "the place from which the scene is seen" {
+        "position" VECTOR, "", Required, "its place";
+        "pointing" VECTOR, "", Required, "the place that it looks at";
+        "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 for a pinhole camera";
+        "aperture" NOT_NEGATIVE, "1/720", number(3.0), "the radius of the lens, in 720ths of the unit of length";
+        "focaldistance" POSITIVE, "", number(0.5), "the distance at which things are sharp";
+        "apertureshape" SHAPES, "", DefaultValue::Text("circle"), "the shape of the lens";
+        "roll" ANY, "degrees", number(0.0), "the angle by which the picture's up turns towards its right";
+        "projection" PROJECTIONS, "", DefaultValue::Text("pinhole"), "the projection";
+    }
+    PointLight Light "a light that shines to all sides" {
+        "origin" VECTOR, "", Required, "its place";
+        "color" COLOR, "", Required, "its colour";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
+        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+    }
+    ParallelLight Light "a light whose rays are parallel" {
+        "from" VECTOR, "", Required, "the place that it comes from";
+        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "color" COLOR, "", Required, "its colour";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
+    }
+    SpotLight Light "a light that shines in a cone" {
+        "origin" VECTOR, "", Required, "its place";
+        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "color" COLOR, "", Required, "its colour";
+        "angle" OPENING, "degrees", number(60.0), "the full opening of its cone";
+        "softness" SHARE, "", number(0.2), "the share of its opening over which it fades to its edge";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
+        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+    }
+    CylinderLight Light "a beam of parallel rays" {
+        "origin" VECTOR, "", Required, "its place";
+        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "radius" POSITIVE, "", Required, "the radius of the beam";
+        "color" COLOR, "", Required, "its colour";
+        "softness" SHARE, "", number(0.2), "the share of its radius over which it fades to its edge";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
+        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+    }
+    Background Background "what is seen where nothing is hit" {
+        "image" ValueType::Image, "", Phrase("none"), "a picture around the scene: a path beside the script or in `--images`";
+        "angle" ANY, "radians", number(0.0), "the angle by which the picture turns about y";
+        "horizon" COLOR, "", Phrase("none"), "the colour at the horizon";
+        "sky" COLOR, "", Phrase("none"), "the colour straight up and down";
+        "color" COLOR, "", Phrase("white, unless `image` or `horizon` and `sky` are stated"), "its colour";
+    }
+    Settings Settings "how the scene is rendered" {
+        "title" TEXT, "", NO_TEXT, "the name of the scene";
+        "author" TEXT, "", NO_TEXT, "who wrote it";
+        "date" TEXT, "", NO_TEXT, "when it was written";
+        "notes" TEXT, "", NO_TEXT, "anything else";
+        "gamma" POSITIVE, "", number(1.0), "the exponent by which light becomes colour: a byte is 255 times light to the power 1/gamma";
+        "background" ValueType::Background, "", Phrase("white"), "what is seen where nothing is hit";
+        "camera" ValueType::Camera, "", Phrase("from (0, 0, -1) to (0, 0, 0), 60 degrees"), "the place from which the scene is seen";
+        "lights" ValueType::Lights, "", Phrase("[]"), "the lights";
+        "supersampling" COUNT, "", DefaultValue::Integer(1), "the samples of a pixel in each direction";
+        "dofsamples" COUNT, "", DefaultValue::Integer(1), "the rays through the lens for each sample";
+        "recursiondepth" DEPTH, "", DefaultValue::Integer(3), "how often a ray is reflected or refracted";
+    }
+}
+
+impl ObjectName {
+    /// The attribute of a word; `None` if the object does not have it.
+    pub fn attribute(self, word: &str) -> Option<&'static ObjectAttribute> {
+        self.attributes().iter().find(|row| row.text == word)
+    }
+
+    /// The objects that an expression can be: all but `Settings`.
+    pub fn objects() -> impl Iterator<Item = Self> + Clone {
+        let all = Self::ALL.iter().copied();
+        all.filter(|name| name.class() != ObjectClass::Settings)
+    }
+}
+
+/// The functions that every script starts with, each with the names of its arguments and its purpose. A macro of the name
+/// wins.
+pub const FUNCTIONS: &[(&str, &[&str], &str)] = &[
+    ("vec3", &["x", "y", "z"], "a vector"),
+    (
+        "rgb",
+        &["red", "green", "blue"],
+        "a colour, each part from 0 to 1",
+    ),
+    (
+        "rgba",
+        &["red", "green", "blue", "alpha"],
+        "a colour; the last part is not used",
+    ),
+    ("sin", &["angle"], "the sine of an angle in radians"),
+    ("cos", &["angle"], "the cosine of an angle in radians"),
+    ("tan", &["angle"], "the tangent of an angle in radians"),
+    (
+        "rand",
+        &["a", "b"],
+        "a random number between two numbers, the same at each run",
+    ),
+    ("sqrt", &["x"], "the square root"),
+    ("abs", &["x"], "the absolute value"),
+    (
+        "floor",
+        &["x"],
+        "the greatest whole number that is not greater",
+    ),
+    ("pow", &["x", "y"], "x to the power y"),
+    (
+        "length",
+        &["value"],
+        "the length of a vector, a list or a string",
+    ),
+];

@@ -1,0 +1,437 @@
+//! The parser of CRT scripts: LL(1) recursive descent along [`grammar`](super::grammar), calling the hooks of [`Actions`] as it
+//! goes. The levels of left-associative operators are one function.
+//!
+//! Parsing never fails: what is wrong becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the list that
+//! the fault lies in (of statements, attributes, arguments) goes on behind it.
+//!
+//! - `expression`: expressions.
+//! - `object`: objects with their attributes.
+//! - `messages`: the sentences of lexical and syntax errors.
+
+mod expression;
+mod messages;
+mod object;
+
+use super::actions::{Actions, ParseStep};
+use super::builder::Builder;
+use super::codes;
+use super::lexer::Lexer;
+use super::token::{Token, TokenKind};
+use super::tree::Block;
+use crate::diagnostic::{Code, Diagnostic, Fix};
+use crate::span::Span;
+use crate::text::{MAX_DIAGNOSTICS, too_large, too_many_diagnostics};
+
+/// The greatest nesting depth of a script: brackets, blocks, prefix operators and operators that are read from right to left
+/// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
+pub const MAX_DEPTH: u32 = 256;
+
+/// Returns true for a text that is a certificate and no script.
+pub fn is_certificate(source: &str) -> bool {
+    let text = source.strip_prefix('\u{FEFF}').unwrap_or(source);
+    text.starts_with("-----BEGIN")
+}
+
+/// Reads a whole script. A text of 4 GiB and more is refused with one diagnostic; a certificate is left alone.
+pub fn parse_script<A: Actions>(source: &str, actions: &mut A) {
+    if u32::try_from(source.len()).is_ok_and(|length| length < u32::MAX) {
+        parse_chunk(source, true, actions);
+    } else {
+        actions.act_error(too_large());
+    }
+}
+
+/// Reads a piece of a script: blocks. `is_first` says that it is the first, where a byte order mark is white space.
+pub(super) fn parse_chunk<A: Actions>(source: &str, is_first: bool, actions: &mut A) {
+    if is_first && is_certificate(source) {
+        return;
+    }
+    let has_mark = is_first && source.starts_with('\u{FEFF}');
+    let start = if has_mark { '\u{FEFF}'.len_utf8() } else { 0 };
+    let mut parser = Parser::new(source, start as u32, actions);
+    parser.script();
+}
+
+/// Reads a lone expression. Returns its tree, if there is no error in it.
+///
+/// # Errors
+/// The diagnostics, with one error at least.
+pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Diagnostic>> {
+    #[derive(Default)]
+    struct Findings<'s> {
+        builder: Builder<'s>,
+        found: Vec<Diagnostic>,
+    }
+    impl Actions for Findings<'_> {
+        fn act_step(&mut self, step: ParseStep<'_>, span: Span) {
+            self.builder.act_step(step, span);
+        }
+        fn act_error(&mut self, diagnostic: Diagnostic) {
+            self.found.push(diagnostic);
+        }
+    }
+    if u32::try_from(source.len()).is_err() {
+        return Err(vec![too_large()]);
+    }
+    let mut findings = Findings {
+        builder: Builder::new(source),
+        found: Vec::new(),
+    };
+    let mut parser = Parser::new(source, 0, &mut findings);
+    parser.brackets = 1;
+    parser.expression();
+    if parser.current.kind != TokenKind::Eoi {
+        parser.unexpected("the end of the expression");
+    }
+    match findings.builder.expression() {
+        Some(expression) if findings.found.is_empty() => Ok(expression),
+        _ => Err(findings.found),
+    }
+}
+
+/// The tree of a piece of a script and its diagnostics, with each token.
+pub(super) fn parse_tree(
+    source: &str,
+    is_first: bool,
+) -> (Vec<Token>, Vec<Block>, Vec<Diagnostic>) {
+    struct TreeRecorder<'s> {
+        tokens: Vec<Token>,
+        builder: Builder<'s>,
+        found: Vec<Diagnostic>,
+    }
+    impl Actions for TreeRecorder<'_> {
+        fn act_advance(&mut self, token: Token) {
+            self.tokens.push(token);
+        }
+        fn act_step(&mut self, step: ParseStep<'_>, span: Span) {
+            self.builder.act_step(step, span);
+        }
+        fn act_error(&mut self, diagnostic: Diagnostic) {
+            self.found.push(diagnostic);
+        }
+    }
+    let mut recorder = TreeRecorder {
+        tokens: Vec::new(),
+        builder: Builder::new(source),
+        found: Vec::new(),
+    };
+    parse_chunk(source, is_first, &mut recorder);
+    (recorder.tokens, recorder.builder.blocks, recorder.found)
+}
+
+struct Parser<'s, 'a, A> {
+    source: &'s str,
+    lexer: Lexer<'s>,
+    actions: &'a mut A,
+    /// The token to be accepted next.
+    current: Token,
+    /// The token accepted last that is no comment.
+    previous: Token,
+    /// The start of the token at which an error was reported last: one is enough.
+    reported: Option<u32>,
+    /// The number of errors so far.
+    errors: usize,
+    diagnostics: usize,
+    depth: u32,
+    /// The block is nested too deep, and that has been reported.
+    is_too_deep: bool,
+    /// The first token of the statement that is being read.
+    statement_start: u32,
+    /// The number of brackets of the statement that are open.
+    brackets: u32,
+}
+
+impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
+    fn new(source: &'s str, start: u32, actions: &'a mut A) -> Self {
+        let token = Token {
+            kind: TokenKind::Eoi,
+            span: Span::new(start, start),
+        };
+        let mut parser = Self {
+            source,
+            lexer: Lexer::new(source, start),
+            actions,
+            current: token,
+            previous: token,
+            reported: None,
+            errors: 0,
+            diagnostics: 0,
+            depth: 0,
+            is_too_deep: false,
+            statement_start: start,
+            brackets: 0,
+        };
+        parser.fetch();
+        parser
+    }
+
+    /// `Script = Block Script |`
+    fn script(&mut self) {
+        while !self.at(TokenKind::Eoi) {
+            self.is_too_deep = false;
+            self.block();
+        }
+    }
+
+    /// `Block = "Settings" "{" Attrs "}" | "Scene" "{" Stmts "}" | Stmt`
+    fn block(&mut self) {
+        let start = self.current.span.start;
+        match self.current.kind {
+            TokenKind::Settings => {
+                self.advance();
+                let (braces, count) = self.attributes(None, true);
+                self.step(ParseStep::Settings(braces, count), start);
+            }
+            TokenKind::Scene => {
+                self.advance();
+                self.body();
+                self.step(ParseStep::Scene, start);
+            }
+            kind if kind.begins_statement() => {
+                self.statement();
+                self.step(ParseStep::Statement, start);
+            }
+            _ => self.stray(),
+        }
+    }
+
+    /// `Stmt = Expr | "while" "(" Expr ")" "{" Stmts "}" | If`
+    fn statement(&mut self) {
+        let start = self.current.span.start;
+        let outer = (self.statement_start, self.brackets);
+        (self.statement_start, self.brackets) = (start, 0);
+        match self.current.kind {
+            TokenKind::While => {
+                self.advance();
+                self.arm(start);
+                self.step(ParseStep::While, start);
+            }
+            TokenKind::If => self.if_statement(),
+            _ => {
+                self.expression();
+                self.step(ParseStep::Expression, start);
+            }
+        }
+        (self.statement_start, self.brackets) = outer;
+    }
+
+    /// `If = "if" "(" Expr ")" "{" Stmts "}" Else`, `Else = "else" Alternative |`, `Alternative = "{" Stmts "}" | If`
+    fn if_statement(&mut self) {
+        let start = self.current.span.start;
+        let (mut count, mut has_else) = (0, false);
+        loop {
+            let arm = self.current.span.start;
+            self.advance();
+            self.arm(arm);
+            count += 1;
+            if !self.at(TokenKind::Else) {
+                break;
+            }
+            self.advance();
+            if !self.at(TokenKind::If) {
+                self.body();
+                has_else = true;
+                break;
+            }
+        }
+        self.step(ParseStep::If(count, has_else), start);
+    }
+
+    /// `"(" Expr ")" "{" Stmts "}"`
+    fn arm(&mut self, start: u32) {
+        let open = self.current.span;
+        if self.accept(TokenKind::ParenOpen, "a `(`") {
+            self.brackets += 1;
+            self.expression();
+            self.close(TokenKind::ParenClose, open);
+            self.brackets -= 1;
+        } else if self.current.kind.begins_expression() {
+            self.expression();
+        } else {
+            self.missing();
+        }
+        self.body();
+        self.step(ParseStep::Arm, start);
+    }
+
+    /// `"{" Stmts "}"`
+    fn body(&mut self) {
+        let open = self.current.span;
+        if !self.accept(TokenKind::BraceOpen, "a `{`") {
+            return self.step(ParseStep::Body(0), self.previous.span.end);
+        }
+        let mut count = 0;
+        if self.enter() {
+            loop {
+                match self.current.kind {
+                    TokenKind::BraceClose
+                    | TokenKind::Eoi
+                    | TokenKind::Settings
+                    | TokenKind::Scene => break,
+                    kind if kind.begins_statement() => {
+                        self.statement();
+                        count += 1;
+                    }
+                    _ => self.stray(),
+                }
+            }
+            self.leave();
+        }
+        self.close(TokenKind::BraceClose, open);
+        self.step(ParseStep::Body(count), open.start);
+    }
+
+    /// Passes tokens that begin no statement, up to the end of their line and of braces that open in it.
+    fn stray(&mut self) {
+        self.unexpected("a statement");
+        let mut open = 0;
+        loop {
+            open += usize::from(self.at(TokenKind::BraceOpen));
+            self.advance();
+            let kind = self.current.kind;
+            match kind {
+                TokenKind::Settings | TokenKind::Scene | TokenKind::Eoi => break,
+                TokenKind::BraceClose if open > 0 => open -= 1,
+                TokenKind::BraceClose => break,
+                _ if kind.begins_statement() || open == 0 && self.begins_line() => break,
+                _ => {}
+            }
+        }
+    }
+
+    /// Returns true if the current token is the first of its line.
+    fn begins_line(&self) -> bool {
+        let between = Span::new(self.previous.span.end, self.current.span.start);
+        between.text(self.source).contains('\n')
+    }
+
+    fn at(&self, kind: TokenKind) -> bool {
+        self.current.kind == kind
+    }
+
+    fn text(&self) -> &'s str {
+        self.current.span.text(self.source)
+    }
+
+    /// Moves past the current token.
+    fn advance(&mut self) {
+        if self.at(TokenKind::Eoi) {
+            return;
+        }
+        self.actions.act_advance(self.current);
+        self.previous = self.current;
+        self.fetch();
+    }
+
+    /// Looks at the next token. Comments and characters that begin no token are passed on the way.
+    #[inline]
+    fn fetch(&mut self) {
+        let lexeme = self.lexer.read();
+        self.current = lexeme.token;
+        if lexeme.fault.is_some() || lexeme.token.kind == TokenKind::Comment {
+            self.fetch_slowly(lexeme);
+        }
+    }
+
+    /// Moves past the current token if it is of a kind; else reports what is expected.
+    fn accept(&mut self, kind: TokenKind, expected: &str) -> bool {
+        let is_here = self.at(kind);
+        if is_here {
+            self.advance();
+        } else {
+            self.unexpected(expected);
+        }
+        is_here
+    }
+
+    /// Moves past the bracket that closes one. Where it is missing, nothing is passed.
+    fn close(&mut self, kind: TokenKind, open: Span) {
+        if self.at(kind) {
+            return self.advance();
+        }
+        let is_other = matches!(
+            self.current.kind,
+            TokenKind::ParenClose | TokenKind::BracketClose
+        );
+        let closer = kind.text().unwrap_or_default();
+        if is_other {
+            let text = self.text();
+            let opener = open.text(self.source);
+            let message = format!("`{opener}` is closed by `{closer}`, not by `{text}`");
+            let span = self.current.span;
+            if let Some(diagnostic) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+                let fix = Fix::change(span, closer, true);
+                self.report(diagnostic.with_fix(fix).with_related(open, "it opens here"));
+            }
+            return self.advance();
+        }
+        let message = format!("the `{}` is not closed", open.text(self.source));
+        if let Some(diagnostic) = self.fault(codes::UNCLOSED_BRACKET, open, message) {
+            let end = self.previous.span.end;
+            let title = format!("Insert `{closer}`");
+            self.report(diagnostic.with_fix(Fix::insert(&title, end, closer)));
+        }
+    }
+
+    /// Counts a level of nesting. Returns false, with a report, if there are too many: then all up to the closing bracket is
+    /// passed.
+    fn enter(&mut self) -> bool {
+        if self.depth < MAX_DEPTH {
+            self.depth += 1;
+            return true;
+        }
+        let message = format!("this is nested deeper than {MAX_DEPTH} levels");
+        let span = self.current.span;
+        if !std::mem::replace(&mut self.is_too_deep, true)
+            && let Some(diagnostic) = self.fault(codes::TOO_DEEP, span, message)
+        {
+            self.report(diagnostic);
+        }
+        let mut open = 0;
+        loop {
+            match self.current.kind {
+                TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => open += 1,
+                TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                    if open == 0 {
+                        break;
+                    }
+                    open -= 1;
+                }
+                TokenKind::Settings | TokenKind::Scene | TokenKind::Eoi => break,
+                _ => {}
+            }
+            self.advance();
+        }
+        // What follows is a consequence.
+        self.reported = Some(self.current.span.start);
+        false
+    }
+
+    fn leave(&mut self) {
+        self.depth -= 1;
+    }
+
+    fn step(&mut self, step: ParseStep<'_>, start: u32) {
+        let end = self.previous.span.end.max(start);
+        self.actions.act_step(step, Span::new(start, end));
+    }
+
+    /// Returns the error, unless one has been reported at the current token.
+    fn fault(&mut self, code: Code, span: Span, message: impl Into<String>) -> Option<Diagnostic> {
+        let start = self.current.span.start;
+        let is_new = self.reported.replace(start) != Some(start);
+        is_new.then(|| Diagnostic::error(code, span, message))
+    }
+
+    /// Reports a diagnostic.
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics += 1;
+        self.errors += usize::from(diagnostic.severity == crate::diagnostic::Severity::Error);
+        if self.diagnostics < MAX_DIAGNOSTICS {
+            self.actions.act_error(diagnostic);
+        } else if self.diagnostics == MAX_DIAGNOSTICS {
+            self.actions
+                .act_error(too_many_diagnostics(diagnostic.span));
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! Expressions.
+
+use super::Parser;
+use crate::crt::actions::{Actions, ParseStep};
+use crate::crt::codes;
+use crate::crt::lexer::string_value;
+use crate::crt::token::TokenKind;
+use crate::crt::tree::{BinaryOperator, ModifierKind, PrefixOperator};
+use crate::diagnostic::{Diagnostic, Fix};
+use crate::span::Span;
+
+impl<A: Actions> Parser<'_, '_, A> {
+    /// `Expr = Cond Assign`, `Assign = "=" Expr |`
+    pub(super) fn expression(&mut self) {
+        if !self.enter() {
+            return self.step(ParseStep::Missing, self.current.span.start);
+        }
+        let first = self.current;
+        self.conditional();
+        if self.at(TokenKind::Assign) {
+            let target = Span::new(
+                first.span.start,
+                self.previous.span.end.max(first.span.start),
+            );
+            let is_name = first.kind == TokenKind::Identifier && first.span == target;
+            if !is_name {
+                self.not_assignable(target);
+            }
+            self.advance();
+            self.expression();
+            self.step(ParseStep::Assignment, first.span.start);
+        }
+        self.leave();
+    }
+
+    fn not_assignable(&mut self, target: Span) {
+        let message = "only a name can stand before `=`";
+        if let Some(mut diagnostic) = self.fault(codes::NOT_ASSIGNABLE, target, message) {
+            if self.brackets > 0 {
+                let fix = Fix::change(self.current.span, "==", false);
+                diagnostic = diagnostic
+                    .with_hint("two values are compared by `==`")
+                    .with_fix(fix);
+            }
+            self.report(diagnostic);
+        }
+        // What follows may be wrong for itself.
+        self.reported = None;
+    }
+
+    /// `Cond = Or Choice`, `Choice = "?" Expr ":" Cond |`
+    fn conditional(&mut self) {
+        let start = self.current.span.start;
+        self.binary(0);
+        if !self.at(TokenKind::Question) {
+            return;
+        }
+        self.advance();
+        self.expression();
+        self.accept(TokenKind::Colon, "the `:` of `?`");
+        if self.enter() {
+            self.conditional();
+            self.leave();
+        } else {
+            self.step(ParseStep::Missing, self.current.span.start);
+        }
+        self.step(ParseStep::Conditional, start);
+    }
+
+    /// The chains of operators from one level on: `Or`, `And`, `Cmp`, `Sum` and `Prod` with their tails.
+    fn binary(&mut self, least: u8) {
+        let start = self.current.span.start;
+        self.sign();
+        while let Some(operator) = binary_operator(self.current.kind)
+            && operator.level() >= least
+        {
+            self.check_continued_line();
+            let span = self.current.span;
+            self.advance();
+            self.binary(operator.level() + 1);
+            self.step(ParseStep::Binary(operator, span), start);
+        }
+    }
+
+    /// `Sign = "+" Sign | "-" Sign | "!" Sign | Post`
+    fn sign(&mut self) {
+        let operator = match self.current.kind {
+            TokenKind::Plus => PrefixOperator::Plus,
+            TokenKind::Minus => PrefixOperator::Minus,
+            TokenKind::Not => PrefixOperator::Not,
+            _ => return self.suffixed(),
+        };
+        let start = self.current.span.start;
+        self.advance();
+        if self.enter() {
+            self.sign();
+            self.leave();
+        } else {
+            self.step(ParseStep::Missing, self.current.span.start);
+        }
+        self.step(ParseStep::Prefix(operator), start);
+    }
+
+    /// `Post = Prim PostTail`, with `PostTail` as a loop.
+    fn suffixed(&mut self) {
+        let start = self.current.span.start;
+        self.primary();
+        loop {
+            let open = self.current.span;
+            let suffix = match self.current.kind {
+                TokenKind::BracketOpen => {
+                    self.check_continued_line();
+                    self.advance();
+                    self.brackets += 1;
+                    self.expression();
+                    self.close(TokenKind::BracketClose, open);
+                    self.brackets -= 1;
+                    ParseStep::Element(Span::new(open.start, self.previous.span.end))
+                }
+                TokenKind::ParenOpen => {
+                    self.check_continued_line();
+                    let count = self.arguments(TokenKind::ParenClose);
+                    ParseStep::Call(Span::new(open.start, self.previous.span.end), count)
+                }
+                TokenKind::Modify => {
+                    let count = self.modifiers();
+                    ParseStep::Modifiers(Span::new(open.start, self.previous.span.end), count)
+                }
+                _ => break,
+            };
+            self.step(suffix, start);
+        }
+    }
+
+    /// `"<m" Mods ">"`, `Mods = Mod ModsTail`
+    fn modifiers(&mut self) -> usize {
+        let open = self.current.span;
+        self.advance();
+        self.brackets += 1;
+        let mut count = 0;
+        if self.enter() {
+            count = self.modifier_list();
+            self.leave();
+            self.close(TokenKind::Greater, open);
+        }
+        self.brackets -= 1;
+        count
+    }
+
+    /// `Mods`. Returns their number.
+    fn modifier_list(&mut self) -> usize {
+        let mut count = 0;
+        loop {
+            let start = self.current.span.start;
+            let kind = match self.current.kind {
+                TokenKind::Scale => ModifierKind::Scale,
+                TokenKind::Translate => ModifierKind::Translate,
+                TokenKind::Rotate => ModifierKind::Rotate,
+                _ => {
+                    self.unexpected("`scale`, `translate` or `rotate`");
+                    while !self.begins_line()
+                        && (self.current.kind.begins_primary() || self.at(TokenKind::Comma))
+                    {
+                        self.advance();
+                    }
+                    break;
+                }
+            };
+            self.advance();
+            self.binary(BinaryOperator::Add.level());
+            self.step(ParseStep::Modifier(kind), start);
+            count += 1;
+            if !self.at(TokenKind::Comma) {
+                break;
+            }
+            self.advance();
+        }
+        count
+    }
+
+    /// `Args`, between brackets. Returns their number.
+    fn arguments(&mut self, closer: TokenKind) -> usize {
+        let open = self.current.span;
+        self.advance();
+        self.brackets += 1;
+        let mut count = 0;
+        if !self.at(closer) {
+            loop {
+                self.expression();
+                count += 1;
+                if self.at(TokenKind::Comma) {
+                    self.advance();
+                } else if self.lacks_comma() {
+                    let place = self.previous.span.end;
+                    let message = "a `,` is missing before this";
+                    let span = self.current.span;
+                    if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+                        self.report(found.with_fix(Fix::insert("Insert `,`", place, ",")));
+                    }
+                } else {
+                    break;
+                }
+            }
+        }
+        self.close(closer, open);
+        self.brackets -= 1;
+        count
+    }
+
+    /// Returns true if another argument seems to begin here: in the same line, and not an attribute.
+    fn lacks_comma(&self) -> bool {
+        self.current.kind.begins_primary()
+            && !self.begins_line()
+            && self.lexer.peek() != TokenKind::Arrow
+    }
+
+    /// `Prim`
+    fn primary(&mut self) {
+        let token = self.current;
+        let start = token.span.start;
+        let text = self.text();
+        match token.kind {
+            TokenKind::Integer => {
+                self.operand(ParseStep::Integer(text.parse().unwrap_or(i32::MAX)))
+            }
+            TokenKind::Float => self.operand(ParseStep::Float(text.parse().unwrap_or(f64::MAX))),
+            TokenKind::Text => {
+                let value = string_value(text).unwrap_or_default();
+                self.operand(ParseStep::Text(&value));
+            }
+            TokenKind::True => self.operand(ParseStep::Boolean(true)),
+            TokenKind::False => self.operand(ParseStep::Boolean(false)),
+            TokenKind::Identifier => self.operand(ParseStep::Identifier(text)),
+            TokenKind::Name => self.object(),
+            TokenKind::Macro => self.macro_literal(),
+            TokenKind::ParenOpen => {
+                self.advance();
+                self.brackets += 1;
+                self.expression();
+                self.close(TokenKind::ParenClose, token.span);
+                self.brackets -= 1;
+                self.step(ParseStep::Group, start);
+            }
+            TokenKind::BracketOpen => {
+                let count = self.arguments(TokenKind::BracketClose);
+                self.step(ParseStep::List(count), start);
+            }
+            // A malformed number or string has been reported.
+            TokenKind::Error => self.operand(ParseStep::Missing),
+            _ => self.missing(),
+        }
+    }
+
+    fn operand(&mut self, step: ParseStep<'_>) {
+        let start = self.current.span.start;
+        self.advance();
+        self.step(step, start);
+    }
+
+    /// `"Macro" "(" Params ")" "{" Stmts "}"`
+    fn macro_literal(&mut self) {
+        let start = self.current.span.start;
+        self.advance();
+        let open = self.current.span;
+        let mut names: Vec<&str> = Vec::new();
+        if self.accept(TokenKind::ParenOpen, "a `(`") {
+            while self.at(TokenKind::Identifier) {
+                let (name, span) = (self.text(), self.current.span);
+                if names.contains(&name) {
+                    let message = format!("the parameter `{name}` is named twice");
+                    self.report(Diagnostic::error(codes::DUPLICATE_PARAMETER, span, message));
+                }
+                names.push(name);
+                self.operand(ParseStep::Parameter);
+                if !self.at(TokenKind::Comma) {
+                    break;
+                }
+                self.advance();
+                if !self.at(TokenKind::Identifier) {
+                    self.unexpected("the name of a parameter");
+                }
+            }
+            self.close(TokenKind::ParenClose, open);
+        }
+        self.body();
+        self.step(ParseStep::Macro(names.len()), start);
+    }
+
+    /// Warns of a line that goes on with the statement above, though it may be meant to begin one.
+    fn check_continued_line(&mut self) {
+        let kind = self.current.kind;
+        let may_begin = matches!(
+            kind,
+            TokenKind::Plus
+                | TokenKind::Minus
+                | TokenKind::Caret
+                | TokenKind::BracketOpen
+                | TokenKind::ParenOpen
+        );
+        let span = self.current.span;
+        if !may_begin || self.brackets > 0 || !self.begins_line() {
+            return;
+        }
+        let (indentation, line) = self.indentation(span.start);
+        if indentation > self.indentation(self.statement_start).0 {
+            return;
+        }
+        let sign = span.text(self.source);
+        let message = format!("a line that begins with `{sign}` goes on with the one above");
+        let diagnostic = Diagnostic::warning(codes::CONTINUES_LINE, span, message)
+            .with_hint("indent the line deeper if that is what you mean")
+            .with_fix(Fix::insert("Indent the line", line, "    "));
+        self.report(diagnostic);
+    }
+
+    /// The columns of white space at the start of the line of an offset, and the offset of that line.
+    fn indentation(&self, offset: u32) -> (usize, u32) {
+        let before = &self.source[..offset as usize];
+        let start = before.rfind('\n').map_or(0, |end| end + 1);
+        let line = &self.source[start..];
+        let blanks = line.bytes().take_while(|byte| matches!(byte, b' ' | b'\t'));
+        let columns = blanks.fold(0, |column, byte| match byte {
+            b'\t' => column / 4 * 4 + 4,
+            _ => column + 1,
+        });
+        (columns, start as u32)
+    }
+}
+
+fn binary_operator(kind: TokenKind) -> Option<BinaryOperator> {
+    Some(match kind {
+        TokenKind::Or => BinaryOperator::Or,
+        TokenKind::And => BinaryOperator::And,
+        TokenKind::LessEqual => BinaryOperator::LessEqual,
+        TokenKind::GreaterEqual => BinaryOperator::GreaterEqual,
+        TokenKind::Less => BinaryOperator::Less,
+        TokenKind::Greater => BinaryOperator::Greater,
+        TokenKind::Equal => BinaryOperator::Equal,
+        TokenKind::NotEqual => BinaryOperator::NotEqual,
+        TokenKind::Plus => BinaryOperator::Add,
+        TokenKind::Minus => BinaryOperator::Subtract,
+        TokenKind::Caret => BinaryOperator::Intersect,
+        TokenKind::Star => BinaryOperator::Multiply,
+        TokenKind::Slash => BinaryOperator::Divide,
+        TokenKind::Percent => BinaryOperator::Remainder,
+        _ => return None,
+    })
+}

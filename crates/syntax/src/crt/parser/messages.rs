@@ -1,0 +1,175 @@
+//! The sentences of lexical and syntax errors, in the user's words.
+
+use super::Parser;
+use crate::crt::actions::{Actions, ParseStep};
+use crate::crt::codes;
+use crate::crt::lexer::{Fault, Lexeme};
+use crate::crt::token::{RESERVED, TokenKind};
+use crate::diagnostic::{Diagnostic, Fix};
+use crate::span::Span;
+
+/// The number of characters of the text that a sentence quotes at most.
+const QUOTE_LENGTH: usize = 40;
+
+fn quote(text: &str) -> String {
+    let mut cut: String = text.chars().take(QUOTE_LENGTH).collect();
+    if cut.len() < text.len() {
+        cut.push('…');
+    }
+    format!("`{}`", cut.replace(['\n', '\r', '\t'], " "))
+}
+
+impl<A: Actions> Parser<'_, '_, A> {
+    /// Passes comments and characters that begin no token. A run of such characters is reported once.
+    #[cold]
+    pub(super) fn fetch_slowly(&mut self, mut lexeme: Lexeme) {
+        let mut run: Option<(Span, char)> = None;
+        let mut was_bad = false;
+        loop {
+            let token = lexeme.token;
+            match (run, lexeme.fault) {
+                (Some((span, first)), Some(Fault::Character(_)))
+                    if span.end == token.span.start =>
+                {
+                    run = Some((span.to(token.span), first));
+                }
+                (ended, fault) => {
+                    if let Some((span, first)) = ended {
+                        self.report(bad_characters(span.text(self.source), span, first));
+                        was_bad = true;
+                    }
+                    run = match fault {
+                        Some(Fault::Character(first)) => Some((token.span, first)),
+                        _ => None,
+                    };
+                }
+            }
+            if run.is_none() && token.kind != TokenKind::Comment {
+                break;
+            }
+            self.actions.act_advance(token);
+            lexeme = self.lexer.read();
+        }
+        self.current = lexeme.token;
+        if let Some(fault) = lexeme.fault {
+            let span = lexeme.token.span;
+            self.report(bad_token(span.text(self.source), span, fault));
+            was_bad = true;
+        }
+        if was_bad {
+            self.reported = Some(self.current.span.start);
+        }
+    }
+
+    /// Reports that the current token is not what is expected.
+    pub(super) fn unexpected(&mut self, expected: &str) {
+        let span = self.current.span;
+        let message = match self.current.kind {
+            TokenKind::Eoi => format!("the text ends where {expected} is expected"),
+            _ => format!("{expected} is expected, not {}", quote(self.text())),
+        };
+        let hint = self.reserved_hint();
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+            self.report(match hint {
+                Some(hint) => found.with_hint(hint),
+                None => found,
+            });
+        }
+    }
+
+    /// Reports that an expression is missing before the current token.
+    pub(super) fn missing(&mut self) {
+        let span = self.current.span;
+        let message = match self.current.kind {
+            TokenKind::Eoi => "an expression is missing at the end of the statement".to_owned(),
+            _ => format!("an expression is missing before {}", quote(self.text())),
+        };
+        let hint = self.reserved_hint();
+        if let Some(found) = self.fault(codes::MISSING_OPERAND, span, message) {
+            self.report(match hint {
+                Some(hint) => found.with_hint(hint),
+                None => found,
+            });
+        }
+        let place = Span::new(span.start, span.start);
+        self.actions.act_step(ParseStep::Missing, place);
+    }
+
+    fn reserved_hint(&self) -> Option<String> {
+        let kind = self.current.kind;
+        let is_word = RESERVED.iter().any(|(_, reserved)| *reserved == kind);
+        is_word.then(|| format!("`{}` is a word of the language and no name", self.text()))
+    }
+}
+
+/// The error of a run of characters that begin no token.
+fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
+    let is_single = text.len() == first.len_utf8();
+    let shown = match first {
+        _ if first.is_control() || first.is_whitespace() || first == '\u{FEFF}' => {
+            format!("the invisible character U+{:04X}", u32::from(first))
+        }
+        _ if is_single => format!("the character `{first}`"),
+        _ => format!("the characters {}", quote(text)),
+    };
+    let diagnostic = Diagnostic::error(
+        codes::BAD_CHARACTER,
+        span,
+        format!("{shown} cannot stand here"),
+    );
+    let change = |word: &str| Fix::change(span, word, true);
+    match first {
+        '&' | '|' if is_single => {
+            let sign = text.repeat(2);
+            let fix = change(&sign);
+            let sense = if first == '&' { "and" } else { "or" };
+            diagnostic
+                .with_hint(format!("“{sense}” is `{sign}`"))
+                .with_fix(fix)
+        }
+        ';' => diagnostic
+            .with_hint("a statement ends without a sign")
+            .with_fix(change("").with_all()),
+        '#' => diagnostic
+            .with_hint("a comment begins with `--`")
+            .with_fix(change("--")),
+        '\'' => diagnostic.with_hint("a string stands between `\"`"),
+        '−' | '–' if is_single => diagnostic.with_fix(change("-").with_all()),
+        _ if first.is_alphabetic() || first == '_' => {
+            diagnostic.with_hint("names hold only the letters a-z, A-Z and digits")
+        }
+        _ => diagnostic,
+    }
+}
+
+/// The error of a malformed number or string.
+fn bad_token(text: &str, span: Span, fault: Fault) -> Diagnostic {
+    match fault {
+        Fault::Character(first) => bad_characters(text, span, first),
+        Fault::LonePoint => {
+            let message = "a `.` without digits is no number";
+            Diagnostic::error(codes::BAD_NUMBER, span, message)
+        }
+        Fault::IntegerTooLarge => {
+            let message = format!("{} is too large: 2147483647 is the limit", quote(text));
+            let fix = Fix::write(span, &format!("{text}."));
+            Diagnostic::error(codes::INTEGER_TOO_LARGE, span, message)
+                .with_hint("with a `.` it is a number of 64 bits")
+                .with_fix(fix)
+        }
+        Fault::Overflow => {
+            let message = format!("{} is too large for a number", quote(text));
+            Diagnostic::error(codes::NUMBER_OUT_OF_RANGE, span, message)
+        }
+        Fault::UnclosedString => {
+            let message = "this string is not closed in its line";
+            let fix = Fix::insert("Insert `\"`", span.end, "\"");
+            Diagnostic::error(codes::UNCLOSED_STRING, span, message).with_fix(fix)
+        }
+        Fault::Escape(place) => {
+            let message = "this is no escape of a string";
+            Diagnostic::error(codes::BAD_ESCAPE, place, message)
+                .with_hint("a `\\` itself is written `\\\\`")
+        }
+    }
+}

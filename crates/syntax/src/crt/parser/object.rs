@@ -1,0 +1,201 @@
+//! Objects and the block `Settings`, with their attributes.
+
+use super::Parser;
+use crate::crt::actions::{Actions, ParseStep};
+use crate::crt::codes;
+use crate::crt::objects::ObjectName;
+use crate::crt::token::TokenKind;
+use crate::diagnostic::{Diagnostic, Fix};
+use crate::span::Span;
+use crate::spelling::nearest;
+
+/// The attributes that an object states, each with the place of its name.
+type Stated<'s> = Vec<(&'s str, Span)>;
+
+impl<'s, A: Actions> Parser<'s, '_, A> {
+    /// `Prim = name "{" Attrs "}"`
+    pub(super) fn object(&mut self) {
+        let (text, name) = (self.text(), self.current.span);
+        let object = ObjectName::from_text(text);
+        if object.is_none() {
+            let message = format!("there is no object `{text}`");
+            let mut diagnostic = Diagnostic::error(codes::UNKNOWN_OBJECT, name, message);
+            if let Some(near) = nearest(text, ObjectName::objects().map(ObjectName::text)) {
+                diagnostic = diagnostic
+                    .with_hint(format!("did you mean `{near}`?"))
+                    .with_fix(Fix::change(name, &near, true));
+            }
+            self.report(diagnostic);
+        }
+        self.advance();
+        let (braces, count) = self.attributes(object.map(|object| (object, name)), false);
+        self.step(ParseStep::Object(name, count, braces), name.start);
+    }
+
+    /// `"{" Attrs "}"`, of an object with the place of its name, or of the block `Settings`. Returns the place of the braces
+    /// and the number of attributes.
+    pub(super) fn attributes(
+        &mut self,
+        object: Option<(ObjectName, Span)>,
+        is_settings: bool,
+    ) -> (Span, usize) {
+        let open = self.current.span;
+        if !self.accept(TokenKind::BraceOpen, "a `{`") {
+            let end = self.previous.span.end;
+            return (Span::new(end, end), 0);
+        }
+        let name = match is_settings {
+            true => Some(ObjectName::Settings),
+            false => object.map(|(name, _)| name),
+        };
+        let errors = self.errors;
+        let mut stated: Stated<'s> = Vec::new();
+        let mut count = 0;
+        self.brackets += 1;
+        if self.enter() {
+            while self.attribute(name, &mut stated, &mut count) {}
+            self.leave();
+        }
+        let is_closed = self.at(TokenKind::BraceClose);
+        self.close(TokenKind::BraceClose, open);
+        self.brackets -= 1;
+        // A fault in the braces may hide what seems to be missing.
+        if let Some((object, place)) = object
+            && is_closed
+            && (errors == self.errors || !stated.is_empty())
+        {
+            self.check_required(object, place, &stated);
+        }
+        (Span::new(open.start, self.previous.span.end), count)
+    }
+
+    /// `Attr = ident "->" Expr`, or what stands in its place. Returns false where the list ends.
+    fn attribute(
+        &mut self,
+        object: Option<ObjectName>,
+        stated: &mut Stated<'s>,
+        count: &mut usize,
+    ) -> bool {
+        let (word, span) = (self.text(), self.current.span);
+        match self.current.kind {
+            TokenKind::BraceClose | TokenKind::Settings | TokenKind::Scene | TokenKind::Eoi => {
+                return false;
+            }
+            TokenKind::Identifier => {}
+            TokenKind::Comma => {
+                let message = "attributes stand one after the other, without `,`";
+                if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+                    let fix = Fix {
+                        title: "Remove `,`".to_owned(),
+                        span,
+                        replacement: String::new(),
+                        preferred: true,
+                        all: true,
+                    };
+                    self.report(found.with_fix(fix));
+                }
+                self.advance();
+                self.reported = None;
+                return true;
+            }
+            // The brace before was meant to be closed.
+            TokenKind::While | TokenKind::If | TokenKind::Name => return false,
+            _ => {
+                self.unexpected("an attribute");
+                self.advance();
+                return true;
+            }
+        }
+        let known = object.map(|object| object.attribute(word).is_some());
+        let next = self.lexer.peek();
+        let is_attribute = next == TokenKind::Arrow
+            || known == Some(true)
+            || known.is_none() && next == TokenKind::Colon;
+        if !is_attribute {
+            // An assignment or another statement: the brace before was meant to be closed.
+            if matches!(
+                next,
+                TokenKind::Assign | TokenKind::ParenOpen | TokenKind::Modify
+            ) {
+                return false;
+            }
+            self.unexpected("an attribute, as in `radius -> 1`");
+            self.advance();
+            return true;
+        }
+        self.advance();
+        if let (Some(object), Some(false)) = (object, known) {
+            self.unknown_attribute(object, word, span);
+        }
+        if let Some((_, first)) = stated.iter().find(|(text, _)| *text == word) {
+            let message = format!("`{word}` is stated twice: this one counts");
+            let diagnostic = Diagnostic::warning(codes::DUPLICATE_ATTRIBUTE, span, message);
+            let first = *first;
+            self.report(diagnostic.with_related(first, "it is stated here first"));
+        }
+        stated.push((word, span));
+        if self.at(TokenKind::Arrow) {
+            self.advance();
+        } else {
+            let place = self.current.span;
+            let message = format!("`->` stands between `{word}` and its value");
+            if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
+                let is_sign = matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon);
+                let fix = match is_sign {
+                    true => Fix::change(place, "->", true).with_all(),
+                    false => Fix::insert("Insert `->`", span.end, " ->"),
+                };
+                self.report(found.with_fix(fix));
+            }
+            if matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon) {
+                self.advance();
+            }
+        }
+        self.expression();
+        self.step(ParseStep::Attribute(span), span.start);
+        *count += 1;
+        true
+    }
+
+    fn unknown_attribute(&mut self, object: ObjectName, word: &str, span: Span) {
+        let name = object.text();
+        let message = format!("`{name}` has no attribute `{word}`: it is not read");
+        let mut diagnostic = Diagnostic::warning(codes::UNKNOWN_ATTRIBUTE, span, message);
+        let words = object.attributes().iter().map(|row| row.text);
+        diagnostic = match nearest(word, words.clone()) {
+            Some(near) => diagnostic
+                .with_hint(format!("did you mean `{near}`?"))
+                .with_fix(Fix::change(span, &near, true)),
+            None => {
+                let words: Vec<&str> = words.collect();
+                diagnostic.with_hint(format!("it has {}", words.join(", ")))
+            }
+        };
+        self.report(diagnostic);
+    }
+
+    /// Reports the attributes that an object needs and does not state.
+    fn check_required(&mut self, object: ObjectName, place: Span, stated: &Stated<'_>) {
+        let states = |word: &str| stated.iter().any(|(text, _)| *text == word);
+        let required = object.attributes().iter().filter(|row| row.is_required());
+        let mut missing: Vec<&str> = required.map(|row| row.text).collect();
+        if object == ObjectName::Background && !states("image") && !states("color") {
+            match (states("horizon"), states("sky")) {
+                (true, false) => missing.push("sky"),
+                (false, true) => missing.push("horizon"),
+                _ => {}
+            }
+        }
+        missing.retain(|word| !states(word));
+        if missing.is_empty() {
+            return;
+        }
+        let words: Vec<String> = missing.iter().map(|word| format!("`{word}`")).collect();
+        let list = match words.split_last() {
+            Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+            _ => words.concat(),
+        };
+        let message = format!("`{}` needs {list}", object.text());
+        self.report(Diagnostic::error(codes::MISSING_ATTRIBUTE, place, message));
+    }
+}

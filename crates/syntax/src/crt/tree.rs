@@ -1,0 +1,320 @@
+//! The tree of a script: every node has its place.
+//!
+//! The places in a [`Piece`] count from its start, so that an edit above it changes nothing of it. A clone of a [`Script`]
+//! shares its trees. Operators of one level that are read from left to right are one [`Chain`](ExpressionKind::Chain), and what
+//! stands behind a primary expression is one list of suffixes: the depth of a tree is the nesting of the text, which
+//! [`MAX_DEPTH`](super::parser::MAX_DEPTH) limits.
+
+use std::sync::Arc;
+
+use crate::span::Span;
+
+/// A script, as the pieces that a document reads.
+#[derive(Clone, Debug, Default)]
+pub struct Script {
+    /// The pieces, in the order of the text.
+    pub pieces: Arc<[Piece]>,
+    /// The text opens with `-----BEGIN`: it is a certificate and no script, and has no pieces.
+    pub is_certificate: bool,
+}
+
+/// A piece of a script: as a rule one block.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The offset in the text from which the places of the piece count.
+    pub start: u32,
+    /// The blocks, in the order of the text.
+    pub blocks: Arc<[Block]>,
+}
+
+/// A part of a script at top level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// The kind with its parts.
+    pub kind: BlockKind,
+    /// The place.
+    pub span: Span,
+}
+
+/// The kind of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BlockKind {
+    /// `Settings { … }`. The place is that of the braces.
+    Settings(Box<[Attribute]>, Span),
+    /// `Scene { … }`.
+    Scene(Body),
+    /// A statement.
+    Statement(Statement),
+}
+
+/// Statements between braces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// The statements.
+    pub statements: Box<[Statement]>,
+    /// The place from `{` to `}`.
+    pub span: Span,
+}
+
+/// A statement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statement {
+    /// The kind with its parts.
+    pub kind: StatementKind,
+    /// The place.
+    pub span: Span,
+}
+
+/// The kind of a statement.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StatementKind {
+    /// An expression.
+    Expression(Expression),
+    /// `while (…) { … }`.
+    While(Arm),
+    /// `if (…) { … }`, each `else if (…) { … }`, and the body of the `else`.
+    If(Box<[Arm]>, Option<Body>),
+}
+
+/// A condition with the body that it guards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    /// The condition.
+    pub condition: Expression,
+    /// The body.
+    pub body: Body,
+}
+
+/// An expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expression {
+    /// The kind with its parts.
+    pub kind: ExpressionKind,
+    /// The place.
+    pub span: Span,
+}
+
+/// The kind of an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExpressionKind {
+    /// Nothing where an expression is needed, or what cannot be one. An error has been reported.
+    Missing,
+    /// A whole number.
+    Integer(i32),
+    /// A number with a point.
+    Float(f64),
+    /// A string, without quotes and escapes.
+    Text(Arc<str>),
+    /// `true` or `false`.
+    Boolean(bool),
+    /// A variable or the name of a function.
+    Identifier(Arc<str>),
+    /// `Sphere { … }`.
+    Object(Box<Object>),
+    /// `[a, b]`.
+    List(Box<[Expression]>),
+    /// `Macro (a, b) { … }`.
+    Macro(Arc<Macro>),
+    /// `(a)`.
+    Group(Box<Expression>),
+    /// `a = b`. The target is an [`Identifier`](Self::Identifier), or an error has been reported.
+    Assignment(Box<[Expression; 2]>),
+    /// `a ? b : c`.
+    Conditional(Box<[Expression; 3]>),
+    /// `a + b - c`: operators of one level, from left to right. There is one link at least.
+    Chain(Box<Expression>, Vec<Link>),
+    /// `-a`.
+    Prefix(PrefixOperator, Box<Expression>),
+    /// `a[0](1) <scale 2>`: what stands behind a primary expression, from left to right. There is one suffix at least.
+    Suffixed(Box<Expression>, Vec<Suffix>),
+}
+
+/// A word and its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Word {
+    /// The text.
+    pub text: Arc<str>,
+    /// The place.
+    pub span: Span,
+}
+
+/// An object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// Its name. A name that the table of objects lacks has been reported.
+    pub name: Word,
+    /// Its attributes as they are stated. Those that are unknown, missing, or stated twice have been reported.
+    pub attributes: Box<[Attribute]>,
+    /// The place from `{` to `}`.
+    pub braces: Span,
+}
+
+/// `name -> value`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// The name.
+    pub name: Word,
+    /// The value.
+    pub value: Expression,
+    /// The place.
+    pub span: Span,
+}
+
+/// A macro.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Macro {
+    /// The parameters. One that is named twice has been reported.
+    pub parameters: Box<[Word]>,
+    /// The body.
+    pub body: Body,
+}
+
+/// An operator between two operands, and the operand behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// The operator.
+    pub operator: BinaryOperator,
+    /// The place of the operator.
+    pub operator_span: Span,
+    /// The operand behind it.
+    pub operand: Expression,
+}
+
+/// A part behind a primary expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suffix {
+    /// The kind with its parts.
+    pub kind: SuffixKind,
+    /// The place from its first token to its last.
+    pub span: Span,
+}
+
+/// The kind of a suffix.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SuffixKind {
+    /// `[i]`.
+    Element(Expression),
+    /// `(a, b)`.
+    Call(Box<[Expression]>),
+    /// `<scale 2, rotate v>`.
+    Modifiers(Box<[Modifier]>),
+}
+
+/// `scale a`, `translate a` or `rotate a`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modifier {
+    /// The kind.
+    pub kind: ModifierKind,
+    /// The operand.
+    pub value: Expression,
+    /// The place.
+    pub span: Span,
+}
+
+/// The kind of a modifier.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum ModifierKind {
+    /// By a number, or by one along each axis.
+    Scale,
+    /// By a vector.
+    Translate,
+    /// By degrees about x, then y, then z.
+    Rotate,
+}
+
+/// An operator before its operand.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum PrefixOperator {
+    /// `+a`.
+    Plus,
+    /// `-a`.
+    Minus,
+    /// `!a`.
+    Not,
+}
+
+/// An operator between two operands.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+#[allow(missing_docs)]
+pub enum BinaryOperator {
+    Or,
+    And,
+    LessEqual,
+    GreaterEqual,
+    Less,
+    Greater,
+    Equal,
+    NotEqual,
+    Add,
+    Subtract,
+    /// `a ^ b`.
+    Intersect,
+    Multiply,
+    Divide,
+    Remainder,
+}
+
+impl BinaryOperator {
+    /// The level of the operator: of two levels, the greater binds its operands.
+    pub fn level(self) -> u8 {
+        match self {
+            Self::Or => 0,
+            Self::And => 1,
+            Self::LessEqual
+            | Self::GreaterEqual
+            | Self::Less
+            | Self::Greater
+            | Self::Equal
+            | Self::NotEqual => 2,
+            Self::Add | Self::Subtract | Self::Intersect => 3,
+            Self::Multiply | Self::Divide | Self::Remainder => 4,
+        }
+    }
+
+    /// The operator as it is written.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Or => "||",
+            Self::And => "&&",
+            Self::LessEqual => "<=",
+            Self::GreaterEqual => ">=",
+            Self::Less => "<",
+            Self::Greater => ">",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+            Self::Add => "+",
+            Self::Subtract => "-",
+            Self::Intersect => "^",
+            Self::Multiply => "*",
+            Self::Divide => "/",
+            Self::Remainder => "%",
+        }
+    }
+}
+
+impl Expression {
+    /// The expression without the brackets around it.
+    pub fn ungrouped(&self) -> &Self {
+        let mut expression = self;
+        while let ExpressionKind::Group(inner) = &expression.kind {
+            expression = inner;
+        }
+        expression
+    }
+
+    /// The name, if the expression is an identifier, in brackets or not.
+    pub fn identifier(&self) -> Option<&Arc<str>> {
+        match &self.ungrouped().kind {
+            ExpressionKind::Identifier(name) => Some(name),
+            _ => None,
+        }
+    }
+}
+
+impl Script {
+    /// All blocks, each with the offset from which its places count.
+    pub fn blocks(&self) -> impl Iterator<Item = (u32, &Block)> {
+        let pieces = self.pieces.iter();
+        pieces.flat_map(|piece| piece.blocks.iter().map(move |block| (piece.start, block)))
+    }
+}

@@ -1,0 +1,84 @@
+//! The two looks of a picture: the formulas by which light becomes bytes.
+//!
+//! In `geotrace` stated colours are sRGB and light is linear; in `crt`, of the CRT scene language, colours are light, and a
+//! gamma makes bytes of it.
+
+use glam::DVec3;
+
+/// The formulas of a picture.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum PictureLook {
+    /// Linear light; stated colours are sRGB.
+    #[default]
+    Geotrace,
+    /// The formulas of the CRT scene language.
+    Crt,
+}
+
+impl PictureLook {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::Geotrace, Self::Crt];
+
+    /// Its name on a command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Geotrace => "geotrace",
+            Self::Crt => "crt",
+        }
+    }
+
+    /// The light of a stated colour; numbers past 1 by the same curve.
+    pub fn light(self, color: DVec3) -> DVec3 {
+        match self {
+            Self::Geotrace => decoded(color),
+            Self::Crt => color,
+        }
+    }
+
+    /// The light of an image whose colour is this linear light.
+    pub fn image_light(self, light: DVec3) -> DVec3 {
+        match self {
+            Self::Geotrace => light,
+            Self::Crt => DVec3::from_array(encoded(light).map(f64::from)) / 255.0,
+        }
+    }
+
+    /// Rays of less weight add nothing. In `crt` lights may be much brighter than what they light.
+    pub(crate) fn least_weight(self) -> f64 {
+        match self {
+            Self::Geotrace => 1.0 / 1024.0,
+            Self::Crt => 1.0 / 16384.0,
+        }
+    }
+}
+
+/// The byte of light in the look `crt`: 255·c^(1/gamma), cut to a whole number.
+pub fn gamma_encoded(light: DVec3, gamma: f64) -> [u8; 3] {
+    light
+        .to_array()
+        .map(|c| (255.0 * c.max(0.0).powf(1.0 / gamma)) as u8)
+}
+
+/// An sRGB colour of linear light, as bytes.
+pub fn encoded(light: DVec3) -> [u8; 3] {
+    light.to_array().map(|x| {
+        let x = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+        let encoded = if x <= 0.003_130_8 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    })
+}
+
+/// The linear light of an sRGB colour; numbers past 1 by the same curve.
+pub fn decoded(color: DVec3) -> DVec3 {
+    DVec3::from_array(color.to_array().map(|x| {
+        if x <= 0.040_45 {
+            x / 12.92
+        } else {
+            ((x + 0.055) / 1.055).powf(2.4)
+        }
+    }))
+}
