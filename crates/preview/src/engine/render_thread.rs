@@ -36,8 +36,8 @@ pub(crate) enum RenderEvent {
         hit: Option<Hit>,
         purpose: Purpose,
     },
-    /// The camera that sees everything was found.
-    Framed(SpaceCamera),
+    /// The camera that sees everything was found, or could not be.
+    Framed(Option<SpaceCamera>),
 }
 
 /// A request with the version of the text that its scene is of. The picture does not depend on the version.
@@ -69,6 +69,8 @@ pub(crate) struct RenderThread {
     queue: LatestQueue<JobKey, Job>,
     /// The number of requests that are no pictures: each has a key of its own.
     questions: u64,
+    /// The number of them that the window has had an answer to.
+    answers: u64,
     thread: Option<JoinHandle<()>>,
     /// Set once the thread has had a renderer on a GPU.
     has_used_gpu: bool,
@@ -113,6 +115,7 @@ impl RenderThread {
         Self {
             queue,
             questions: 0,
+            answers: 0,
             thread: Some(thread),
             has_used_gpu,
         }
@@ -154,6 +157,16 @@ impl RenderThread {
         self.ask(Rank::Frame, Job::Frame(Box::new(request)));
     }
 
+    /// Counts the answer to a pick that is not of the pointer, or to a request for a camera. Each of them has one.
+    pub(crate) fn note_answer(&mut self) {
+        self.answers += 1;
+    }
+
+    /// Returns whether a pick or a request for a camera has no answer yet.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.answers < self.questions
+    }
+
     fn ask(&mut self, rank: Rank, job: Job) {
         self.questions += 1;
         self.queue
@@ -184,7 +197,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
             (JobKey::Pane(pane), Job::Draw(request)) => worker.draw(pane, request),
             (_, Job::Pick(request, at, purpose)) => Some(worker.pick(request, *at, *purpose)),
-            (_, Job::Frame(request)) => worker.frame(request),
+            (_, Job::Frame(request)) => Some(RenderEvent::Framed(worker.frame(request))),
             _ => None,
         }));
         let event = match (answer, key, job) {
@@ -198,7 +211,6 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 queue.restore(Rank::Refine as u8, key, job);
                 continue;
             }
-            (Ok(None), ..) => continue,
             (Err(_), JobKey::Pane(pane), Job::Draw(request)) => {
                 worker.leave_gpu();
                 RenderEvent::Drawn {
@@ -209,10 +221,20 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                     counters: worker.counters(),
                 }
             }
-            (Err(_), ..) => {
+            (Err(_), _, Job::Pick(request, _, purpose)) => {
                 worker.leave_gpu();
-                continue;
+                RenderEvent::Picked {
+                    request,
+                    hit: None,
+                    purpose,
+                }
             }
+            (Err(_), _, Job::Frame(_)) => {
+                worker.leave_gpu();
+                RenderEvent::Framed(None)
+            }
+            // A picture has the key of a pane.
+            (Ok(None) | Err(_), ..) => continue,
         };
         // The next picture wakes the window for this one too, if it is expected soon.
         let follows = match queue.next_key() {

@@ -201,9 +201,10 @@ impl Window {
     }
 
     /// Returns whether every view on the screen shows its newest picture, no text waits to be compiled, no fault to be
-    /// shown, and no click for another.
+    /// shown, no pick for its answer, and no click for another.
     pub fn is_settled(&self) -> bool {
         !self.pictures.is_waiting()
+            && !self.pictures.render_thread.is_asked()
             && self.model.read
             && self.records.counters.compiled > 0
             && self.clicked_until().is_none()

@@ -126,7 +126,7 @@ impl Worker {
     }
 
     /// Finds the camera that sees everything.
-    pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<RenderEvent> {
+    pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<SpaceCamera> {
         let mut request = request.clone();
         if !request.scene.stage.is_empty() {
             // A declared camera need not see everything.
@@ -137,7 +137,7 @@ impl Worker {
         let space = request.view.space_mut()?;
         space.declared = None;
         (space.camera.eye, space.camera.target) = (None, None);
-        Some(RenderEvent::Framed(self.home(&request).ok()?))
+        self.home(&request).ok()
     }
 
     /// Draws a picture; returns it with the camera that everything is seen from, where the request leaves that open.

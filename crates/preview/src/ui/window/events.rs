@@ -7,7 +7,7 @@ use render::ViewId;
 
 use super::event::WindowEvent;
 use super::{Next, TextSource, Window};
-use crate::engine::render_thread::RenderEvent;
+use crate::engine::render_thread::{Purpose, RenderEvent};
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
 use crate::io::watch::Unreadable;
@@ -144,12 +144,19 @@ impl Window {
             }
             RenderEvent::Picked {
                 request,
-                hit: Some(hit),
+                hit,
                 purpose,
-            } => self.take_hit(&request, &hit, purpose),
-            RenderEvent::Picked { hit: None, .. } => {}
+            } => {
+                if purpose != Purpose::Pointer {
+                    self.pictures.render_thread.note_answer();
+                }
+                if let Some(hit) = hit {
+                    self.take_hit(&request, &hit, purpose);
+                }
+            }
             RenderEvent::Framed(home) => {
-                if let Some(camera) = self.model.view.space {
+                self.pictures.render_thread.note_answer();
+                if let (Some(camera), Some(home)) = (self.model.view.space, home) {
                     let step = Step::new("Frame everything", "");
                     let framed = camera.framed(&home);
                     self.model.change(step, |view| view.space = Some(framed));
