@@ -1,5 +1,6 @@
 //! The images that a program names: `image : WORD` on surfaces, metrics, solids and the background, through the binary.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use image::{Rgba, RgbaImage};
@@ -100,5 +101,113 @@ fn an_image_lies_beside_the_program_or_in_the_folder_that_is_given() {
     assert!(
         said.contains("ground.jpg is not a PNG or JPEG image"),
         "{said}"
+    );
+}
+
+/// The colour that CRT.md gives for a unit direction of a script: column W(1 − ((angle + atan2(−x, z) + π) mod 2π)/2π), row
+/// H(½ − y/2), bilinear between whole numbers, wrapping.
+fn formula(image: &RgbaImage, angle: f64, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let turned = (angle + (-x).atan2(z) + PI).rem_euclid(2.0 * PI);
+    let column = f64::from(image.width()) * (1.0 - turned / (2.0 * PI));
+    let row = f64::from(image.height()) * (0.5 - y / 2.0);
+    let pixel = |i: f64, j: f64| {
+        let i = (i as i64).rem_euclid(i64::from(image.width())) as u32;
+        let j = (j as i64).rem_euclid(i64::from(image.height())) as u32;
+        image.get_pixel(i, j).0
+    };
+    let (i, j) = (column.floor(), row.floor());
+    let (s, t) = (column - i, row - j);
+    [0, 1, 2].map(|k| {
+        let [a, b] = [0.0, 1.0].map(|down| {
+            let [a, b] = [0.0, 1.0].map(|right| f64::from(pixel(i + right, j + down)[k]));
+            a + s * (b - a)
+        });
+        a + t * (b - a)
+    })
+}
+
+#[test]
+fn the_background_of_a_script_is_its_image_to_the_formula() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::create_dir(folder.join("skies")).expect("made");
+    let image = RgbaImage::from_fn(12, 6, |x, y| {
+        let at = x * 37 + y * 101;
+        Rgba([
+            (at % 251) as u8,
+            (at * 7 % 253) as u8,
+            (at * 3 % 255) as u8,
+            255,
+        ])
+    });
+    image.save(folder.join("skies/dusk.png")).expect("written");
+    let angle = 0.7;
+    let script = format!(
+        "Settings {{
+    background -> Background {{ image -> \"/skies/dusk.png\"  angle -> {angle} }}
+    camera -> Camera {{ position -> vec3(1, 2, 3)  pointing -> vec3(2, 2.5, 1)  fov -> 110 }}
+}}
+Scene {{ }}
+"
+    );
+    std::fs::write(folder.join("a.crt"), script).expect("written");
+    let out = folder.join("out.png").display().to_string();
+    let file = folder.join("a.crt").display().to_string();
+    let [width, height] = [24u32, 16u32];
+    let run = geotrace(["render", &file, "-o", &out, "--size", "24x16"]).run();
+    run.expect_status(0);
+    assert!(!run.stderr.contains("not shown"), "{}", run.stderr);
+    let drawn = image::open(&out).expect("a picture").to_rgb8();
+    let unit = |v: [f64; 3]| {
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        v.map(|x| x / length)
+    };
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    };
+    let ahead = unit([1.0, 0.5, -2.0]);
+    let right = unit(cross(ahead, [0.0, 1.0, 0.0])).map(|x| -x);
+    let up = cross(ahead, right);
+    let tangent = 55f64.to_radians().tan();
+    for (i, j, pixel) in drawn.enumerate_pixels() {
+        let x = 2.0 * (f64::from(i) + 0.5) / f64::from(width) - 1.0;
+        let y = 1.0 - 2.0 * (f64::from(j) + 0.5) / f64::from(height);
+        let across = x * tangent * f64::from(width) / f64::from(height);
+        let direction: [f64; 3] =
+            std::array::from_fn(|k| ahead[k] + across * right[k] + y * tangent * up[k]);
+        let expected = formula(&image, angle, unit(direction));
+        for (channel, light) in pixel.0.iter().zip(expected) {
+            // A whole number of light may be cut off below it by rounding.
+            let bytes = [(light - 1e-9).floor() as u8, (light + 1e-9).floor() as u8];
+            assert!(
+                bytes.contains(channel),
+                "({i}, {j}): {channel}, not {light}"
+            );
+        }
+    }
+    // Without the file the background is white, and a sentence says so.
+    std::fs::remove_file(folder.join("skies/dusk.png")).expect("removed");
+    let run = geotrace(["render", &file, "-o", &out, "--size", "24x16"]).run();
+    assert!(
+        run.stderr.contains("there is no skies/dusk.png"),
+        "{}",
+        run.stderr
+    );
+    let drawn = image::open(&out).expect("a picture").to_rgb8();
+    assert!(drawn.pixels().all(|pixel| pixel.0 == [255; 3]));
+    // A path that leads out of the folder is not followed.
+    let text = std::fs::read_to_string(&file)
+        .expect("read")
+        .replace("/skies/", "../");
+    std::fs::write(&file, text).expect("written");
+    let run = geotrace(["render", &file, "-o", &out, "--size", "24x16"]).run();
+    assert!(
+        run.stderr.contains("leads out of the folder"),
+        "{}",
+        run.stderr
     );
 }

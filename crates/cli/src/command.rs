@@ -4,6 +4,7 @@ mod accuracy;
 mod animation;
 mod cast;
 mod check;
+mod convert;
 mod eval;
 mod explain;
 mod export;
@@ -137,6 +138,7 @@ enum Command {
     Check(check::Arguments),
     Render(Box<render::Arguments>),
     Export(export::Arguments),
+    Convert(convert::Arguments),
     Cast(Box<cast::Arguments>),
     Trace(Box<trace::Arguments>),
     Measure(Box<measure::Arguments>),
@@ -162,6 +164,7 @@ pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failu
         Command::Check(arguments) => check::run(&arguments, &context),
         Command::Render(arguments) => render::run(&arguments, &context),
         Command::Export(arguments) => export::run(&arguments, &context),
+        Command::Convert(arguments) => convert::run(&arguments, &context),
         Command::Cast(arguments) => cast::run(&arguments, &context),
         Command::Trace(arguments) => trace::run(&arguments, &context),
         Command::Measure(arguments) => measure::run(&arguments, &context),
@@ -209,6 +212,7 @@ And with a surface s:
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace measure torus.gtr --between 0,0 1,2     distance, curvature, circles, triangles
   geotrace cast die.gtr --from 3,0,0 --direction -1,0,0        where a ray meets a solid
+  geotrace convert forest.crt -o forest.gtr        a CRT script as a program in Geotrace's language
   geotrace explain torus.gtr                       what is built for it, and what is left out
   geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
 

@@ -3,11 +3,13 @@
 //! ```text
 //! syntax::crt::document ──▶ CrtProgram ──snapshot──▶ CrtAnalysis ─┬─▶ names        variables and objects, by scope
 //!                                                                 ├─▶ semantic, outline, hover, completion, color
-//!                                                                 └─▶ rename, format   edits
+//!                                                                 ├─▶ rename, format   edits
+//!                                                                 └─▶ convert          a program in Geotrace's language
 //! ```
 
 pub mod color;
 pub mod completion;
+pub mod convert;
 pub mod format;
 pub mod hover;
 pub mod names;
@@ -28,6 +30,7 @@ use names::ScriptNames;
 
 use crate::color::StatedColor;
 use crate::completion::Completions;
+use crate::conversion::ConvertError;
 use crate::description::Description;
 use crate::edit::Edit;
 use crate::highlight::Highlight;
@@ -286,6 +289,15 @@ impl Analysis for CrtAnalysis {
 
     fn colors(&self) -> Vec<StatedColor> {
         color::colors(self)
+    }
+
+    fn conversion(&self) -> Option<&'static str> {
+        Some(crate::geotrace::EXTENSION)
+    }
+
+    fn convert(&self, uniforms: &[f64], file: &str) -> Result<String, ConvertError> {
+        let t = uniforms.first().copied().unwrap_or(0.0);
+        convert::convert(self, t, file)
     }
 
     fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {

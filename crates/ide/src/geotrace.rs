@@ -67,6 +67,8 @@ use crate::text::Text;
 
 /// The name of the language.
 pub(crate) const NAME: &str = "geotrace";
+/// The extension of its files.
+pub(crate) const EXTENSION: &str = "gtr";
 
 /// The Geotrace language.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,7 +102,7 @@ impl Language for Geotrace {
     }
 
     fn extensions(&self) -> &'static [&'static str] {
-        &["gtr"]
+        &[EXTENSION]
     }
 
     fn line_comment(&self) -> Option<&'static str> {

@@ -24,6 +24,7 @@ use syntax::span::Span;
 
 use crate::color::StatedColor;
 use crate::completion::Completions;
+use crate::conversion::ConvertError;
 use crate::description::Description;
 use crate::edit::Edit;
 use crate::edit_camera::EditCameraError;
@@ -321,6 +322,21 @@ pub trait Analysis: Debug + Send + Sync {
     /// first.
     fn color_texts(&self, range: Span, rgb: [f64; 3]) -> Vec<String> {
         Vec::new()
+    }
+
+    /// Returns the extension of the files into which the text can be converted, without a dot; `None` where there is no other
+    /// language for what it shows.
+    fn conversion(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Returns a text with the extension of [`Analysis::conversion`] that shows the same at these values of the params, one
+    /// number per uniform. `file` is the name that it will have.
+    ///
+    /// # Errors
+    /// [`ConvertError`].
+    fn convert(&self, uniforms: &[f64], file: &str) -> Result<String, ConvertError> {
+        Err(ConvertError::NotOffered)
     }
 
     /// Returns the edit after which a param starts with the given values, one for each of its components.

@@ -14,6 +14,7 @@
 
 pub mod color;
 pub mod completion;
+pub mod conversion;
 pub mod crt;
 pub mod description;
 pub mod edit;

@@ -11,7 +11,7 @@ mod orientation;
 pub use curvature::CurvatureScale;
 pub(crate) use filter::Footprint;
 pub use filter::Sampler;
-pub use named::{missing_file, named_file};
+pub use named::{missing_file, named_file, named_files};
 
 use std::fmt;
 use std::path::{Path, PathBuf};

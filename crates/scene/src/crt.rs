@@ -13,6 +13,7 @@
 mod build;
 mod call;
 pub mod codes;
+mod convert;
 mod entity;
 mod object;
 mod operate;
@@ -25,6 +26,8 @@ use std::sync::Arc;
 use syntax::crt::tree::{Expression, Script};
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
+
+pub use convert::{Converted, MAX_CONVERTED_LEAVES};
 
 use crate::rerun::Rerun;
 use crate::scene::Scene;
@@ -130,6 +133,18 @@ pub fn evaluate(
         interpreter.value_at_end(expression)
     })
     .unwrap_or_else(|| Err(Vec::new()))
+}
+
+/// Makes a program in Geotrace's language of a script at a value of `t`; `None` if it has more than
+/// [`MAX_CONVERTED_LEAVES`] leaves. What has an error is left out.
+pub fn convert(script: &Script, text: &str, t: f64) -> Option<Converted> {
+    let lines = ScriptLines::new(text);
+    on_stack(|| {
+        let mut interpreter = Interpreter::new(&lines, t);
+        interpreter.script(script);
+        let (settings, drawn) = interpreter.left();
+        convert::program(&settings, &drawn)
+    })?
 }
 
 fn run_at(script: &Script, lines: &ScriptLines, t: f64) -> ScriptRun {

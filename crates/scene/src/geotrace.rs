@@ -20,7 +20,7 @@ mod affine;
 mod apply;
 mod assembler;
 mod attributes;
-mod builtin;
+pub(crate) mod builtin;
 mod code;
 mod compile;
 mod declarations;

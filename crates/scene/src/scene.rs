@@ -123,7 +123,7 @@ impl Scene {
         variables
     }
 
-    /// The images that attributes name, each once, in alphabetical order.
+    /// The images that attributes name, as words or as paths, each once, in alphabetical order.
     pub fn image_words(&self) -> BTreeSet<&str> {
         let objects = self.objects.iter().chain(&self.stage);
         let stated = objects.flat_map(|object| {

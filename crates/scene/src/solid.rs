@@ -86,7 +86,7 @@ pub struct Attribute {
 pub enum AttributeValue {
     /// One number or three, over the variables of the declaration: x, y, z; u, v; t; or none.
     Numbers(Vec<NodeId>),
-    /// A word, of an attribute such as `bokeh` or `image`.
+    /// A word, of an attribute such as `bokeh` or `image`; the image of a script is a path.
     Word(String),
 }
 

@@ -11,6 +11,4 @@ pub struct StatedPicture {
     pub lens_samples: u32,
     /// The reflections and refractions that are followed.
     pub bounces: u32,
-    /// The path of the background's image, as the text has it.
-    pub image: Option<String>,
 }

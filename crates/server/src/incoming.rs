@@ -6,12 +6,14 @@
 //! places      requests at a place                 ─┐
 //! ranges      requests for a range, or for all     ├─▶ work: on a worker, over a snapshot
 //! workspace   settings, folders, all programs       ─┘
+//! conversion  a document in another language, in a new file
 //! window      a document's preview window, from its start to its end
 //! ```
 //!
 //! Every handler takes what it needs from the session before it waits for anything: handlers run beside each other,
 //! and only so does the state change in the order of the messages. What takes time runs on workers over a snapshot.
 
+pub(crate) mod conversion;
 mod documents;
 mod lifecycle;
 mod places;

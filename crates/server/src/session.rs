@@ -34,6 +34,8 @@ pub(crate) struct Editor {
     pub(crate) shows_documents: bool,
     /// Applies edits that the server sends.
     pub(crate) applies_edits: bool,
+    /// Creates files with edits that the server sends.
+    pub(crate) creates_files: bool,
     /// Wants to hear of each picture: `experimental.geotrace.shown`.
     pub(crate) hears_shown: bool,
 }

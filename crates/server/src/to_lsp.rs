@@ -15,6 +15,7 @@ use tower_lsp::ls_types as lsp;
 
 use crate::documents::{Open, Places, Snapshot};
 use crate::encoding::{Encoding, Place};
+use crate::incoming::conversion;
 use crate::preview;
 use crate::tokens::Encoded;
 
@@ -71,6 +72,7 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
                 code_action_kinds: Some(vec![
                     lsp::CodeActionKind::QUICKFIX,
                     lsp::CodeActionKind::SOURCE_FIX_ALL,
+                    CONVERT,
                 ]),
                 ..lsp::CodeActionOptions::default()
             },
@@ -92,7 +94,9 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
         folding_range_provider: Some(lsp::FoldingRangeProviderCapability::Simple(true)),
         selection_range_provider: Some(lsp::SelectionRangeProviderCapability::Simple(true)),
         execute_command_provider: Some(lsp::ExecuteCommandOptions {
-            commands: vec![preview::COMMAND.to_owned()],
+            commands: [preview::COMMAND, conversion::COMMAND]
+                .map(str::to_owned)
+                .to_vec(),
             work_done_progress_options: no_progress(),
         }),
         semantic_tokens_provider: Some(
@@ -330,6 +334,50 @@ pub(crate) fn fix_all(
         edit: Some(workspace_edit(snapshot, uri, edits, versioned)),
         ..lsp::CodeAction::default()
     })
+}
+
+/// The kind of the action that writes a document in another language.
+pub(crate) const CONVERT: lsp::CodeActionKind = lsp::CodeActionKind::new("source.convert");
+
+/// The action that writes a document in Geotrace's language, into a new file.
+pub(crate) fn conversion(uri: &lsp::Uri) -> lsp::CodeActionOrCommand {
+    let title = "Convert to Geotrace's language".to_owned();
+    lsp::CodeActionOrCommand::CodeAction(lsp::CodeAction {
+        title: title.clone(),
+        kind: Some(CONVERT),
+        command: Some(lsp::Command {
+            title,
+            command: conversion::COMMAND.to_owned(),
+            arguments: Some(vec![lsp::LSPAny::String(uri.to_string())]),
+        }),
+        ..lsp::CodeAction::default()
+    })
+}
+
+/// The edit that creates a file with a text.
+pub(crate) fn new_file(uri: &lsp::Uri, text: String) -> lsp::WorkspaceEdit {
+    let create = lsp::ResourceOp::Create(lsp::CreateFile {
+        uri: uri.clone(),
+        options: None,
+        annotation_id: None,
+    });
+    let edit = lsp::TextDocumentEdit {
+        text_document: lsp::OptionalVersionedTextDocumentIdentifier {
+            uri: uri.clone(),
+            version: None,
+        },
+        edits: vec![lsp::OneOf::Left(lsp::TextEdit {
+            range: lsp::Range::default(),
+            new_text: text,
+        })],
+    };
+    lsp::WorkspaceEdit {
+        document_changes: Some(lsp::DocumentChanges::Operations(vec![
+            lsp::DocumentChangeOperation::Op(create),
+            lsp::DocumentChangeOperation::Edit(edit),
+        ])),
+        ..lsp::WorkspaceEdit::default()
+    }
 }
 
 fn symbol_kind(kind: OutlineKind) -> lsp::SymbolKind {

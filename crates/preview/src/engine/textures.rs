@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use render::shared::Shared;
-use render::texture::{Texture, named_file};
+use render::texture::{Texture, named_file, named_files};
 use scene::Scene;
 
 use crate::channel::EventSender;
@@ -75,7 +75,7 @@ impl Library {
             let files = &mut self.named;
             let file = files.entry(word.to_owned()).or_insert_with(|| {
                 // Reading says of a file that is not there that it cannot be read.
-                let missing = || Some(folders.first()?.join(format!("{word}.png")));
+                let missing = || named_files(word, folders.first()?).into_iter().next();
                 named_file(word, folders).or_else(missing)
             });
             let choice = file.clone().map(Choice::Image);

@@ -7,7 +7,7 @@ use glam::DVec3;
 use scene::{Object, ObjectId};
 
 use crate::request::{PictureRequest, color_nodes};
-use crate::texture::Texture;
+use crate::texture::{Level, Texture};
 
 /// The images of the objects of a picture.
 #[derive(Debug)]
@@ -49,6 +49,24 @@ impl FaceImages {
         };
         Some(texel(texture, place))
     }
+}
+
+/// The colour of an image at a place of it as its file states it, sRGB from 0 to 1. Pixels stand at whole numbers, and the
+/// image is bilinear between them and repeats: the backgrounds of scripts.
+pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
+    let Level { size, texels } = &texture.levels()[0];
+    let at = [0, 1].map(|k| place[k] * f64::from(size[k]));
+    let [x, y] = at.map(f64::floor);
+    let texel = |right: f64, down: f64| {
+        let repeated = |at: f64, side: u32| at.rem_euclid(f64::from(side)) as usize;
+        let [i, j] = [repeated(x + right, size[0]), repeated(y + down, size[1])];
+        let [r, g, b, _] = texels[j * size[0] as usize + i];
+        DVec3::new(r.into(), g.into(), b.into()) / 255.0
+    };
+    let [across, along] = [at[0] - x, at[1] - y];
+    let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), across);
+    let below = texel(0.0, 1.0).lerp(texel(1.0, 1.0), across);
+    above.lerp(below, along)
 }
 
 /// The linear colour of an image at a place of it.

@@ -16,7 +16,7 @@ use crate::shared::Shared;
 use crate::style;
 use crate::texture::Texture;
 
-use super::images::{FaceImages, texel};
+use super::images::{FaceImages, stated_texel, texel};
 
 /// The solids of the last pictures.
 #[derive(Debug, Default)]
@@ -238,8 +238,11 @@ impl TracedScene {
             Some(picture_look.image_light(light))
         };
         let background = |place: [f64; 2]| {
-            let light = texel(self.background.as_deref()?, place);
-            Some(picture_look.image_light(light))
+            let image = self.background.as_deref()?;
+            Some(match picture_look {
+                PictureLook::Geotrace => texel(image, place),
+                PictureLook::Crt => stated_texel(image, place),
+            })
         };
         let lights = self.rays.lights(camera, &STANDARD_LIGHTS);
         see(&Scenery {

@@ -1,24 +1,55 @@
 //! The images that a program names: words flow in, files flow out.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The endings of the files that a word may stand for, the first first.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// The file of an image that a program names: `earth` is `earth.png`, `earth.jpg` or `earth.jpeg` in the first folder that has
-/// one of them. Only regular files count.
-pub fn named_file(word: &str, folders: &[PathBuf]) -> Option<PathBuf> {
+/// The file of an image that a program names, in the first folder that has one of [`named_files`]. Only regular files count.
+pub fn named_file(name: &str, folders: &[PathBuf]) -> Option<PathBuf> {
     let file = |folder: &PathBuf| {
-        let files = ENDINGS.map(|ending| folder.join(format!("{word}.{ending}")));
-        files.into_iter().find(|file| file.is_file())
+        named_files(name, folder)
+            .into_iter()
+            .find(|it| it.is_file())
     };
-    // A word is one name: it leads into no other folder.
-    let is_name = Path::new(word).file_name().is_some_and(|name| name == word);
-    is_name.then(|| folders.iter().find_map(file)).flatten()
+    folders.iter().find_map(file)
+}
+
+/// The files in a folder that an image's name may stand for, the first first. The word `earth` is `earth.png`, `earth.jpg` or
+/// `earth.jpeg`; a path whose last part has an ending, as scripts write it, is itself: a `/` in front is dropped, and one with
+/// `..` leads nowhere.
+pub fn named_files(name: &str, folder: &Path) -> Vec<PathBuf> {
+    let Some(path) = path_below(name) else {
+        return Vec::new();
+    };
+    let below = folder.join(path);
+    match has_ending(path) {
+        true => vec![below],
+        false => ENDINGS.map(|ending| below.with_extension(ending)).to_vec(),
+    }
 }
 
 /// A sentence about an image that a program names and that no folder has.
-pub fn missing_file(word: &str) -> String {
+pub fn missing_file(name: &str) -> String {
+    let hidden = format!("the image `{name}` is not shown");
     let [a, b, c] = ENDINGS;
-    format!("the image `{word}` is not shown: there is no {word}.{a}, {word}.{b} or {word}.{c}")
+    match path_below(name) {
+        None => format!(
+            "{hidden}: its path leads out of the folder of the program; name it without `..`"
+        ),
+        Some(path) if has_ending(path) => format!("{hidden}: there is no {}", path.display()),
+        Some(_) => format!("{hidden}: there is no {name}.{a}, {name}.{b} or {name}.{c}"),
+    }
+}
+
+/// The path below a folder that a name stands for; `None` if it leads out of it.
+fn path_below(name: &str) -> Option<&Path> {
+    let path = Path::new(name.trim_start_matches(['/', '\\']));
+    let mut parts = path.components();
+    let is_below = parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    (is_below && path.file_name().is_some()).then_some(path)
+}
+
+fn has_ending(path: &Path) -> bool {
+    path.extension().is_some()
 }

@@ -58,7 +58,6 @@ pub(super) fn scene(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Scene {
             supersampling: settings.supersampling,
             lens_samples: settings.dofsamples,
             bounces: settings.recursiondepth,
-            image: background.image.as_deref().map(str::to_owned),
         }),
         ..Scene::default()
     }
@@ -256,11 +255,7 @@ impl SceneBuilder {
         if roll != 0.0 {
             stated.push(self.numbers("roll", &[roll]));
         }
-        let bokeh = match &*camera.apertureshape {
-            "uniform" => "box",
-            shape => shape,
-        };
-        stated.push(word("bokeh", bokeh));
+        stated.push(word("bokeh", bokeh(&camera.apertureshape)));
         stated.push(word("projection", &camera.projection));
         let shape = Shape::Camera(solid::Camera {
             direction: self.place(direction),
@@ -288,15 +283,19 @@ impl SceneBuilder {
                     let high = graph.mul(high, share);
                     graph.add(low, high)
                 });
-                return self.sky(color, background.angle);
+                return self.sky(color, background);
             }
         };
         let color = color.map(|part| self.graph.constant(part));
-        self.sky(color, background.angle)
+        self.sky(color, background)
     }
 
-    fn sky(&mut self, color: [NodeId; 3], angle: f64) -> Object {
-        let stated = vec![self.numbers("turn", &[angle - FRAC_PI_2])];
+    fn sky(&mut self, color: [NodeId; 3], background: &Background) -> Object {
+        let mut stated = Vec::new();
+        if let Some(image) = &background.image {
+            stated.push(word("image", image));
+            stated.push(self.numbers("turn", &[background.angle - FRAC_PI_2]));
+        }
         let shape = Shape::Background(solid::Background { color });
         self.staged("background".to_owned(), Span::default(), shape, stated)
     }
@@ -335,6 +334,14 @@ impl SceneBuilder {
     }
 }
 
+/// The word for a shape of the lens.
+pub(super) fn bokeh(shape: &str) -> &str {
+    match shape {
+        "uniform" => "box",
+        shape => shape,
+    }
+}
+
 fn word(word: &'static str, value: &str) -> Attribute {
     Attribute {
         word,
@@ -354,7 +361,7 @@ fn step(operation: SetOperation) -> SolidStep {
 
 /// The turn of the picture's up towards its right, from where the scene's cameras have it, of a camera that looks along a
 /// direction of the script: there up is across (sin roll, cos roll, 0).
-fn roll(direction: [f64; 3], roll: f64) -> f64 {
+pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     let Some(ahead) = vector::unit(direction) else {
         return 0.0;
     };

@@ -153,6 +153,11 @@ impl<'s> Interpreter<'s> {
         }
     }
 
+    /// The settings, and the entities that are drawn.
+    pub(super) fn left(self) -> (ScriptSettings, Vec<Arc<Entity>>) {
+        (self.settings, self.drawn)
+    }
+
     /// The value of an expression after the script; its places count from its own start.
     pub(super) fn value_at_end(
         mut self,

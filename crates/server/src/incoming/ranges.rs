@@ -195,7 +195,8 @@ pub(super) async fn code_action(
     server: &Backend,
     params: lsp::CodeActionParams,
 ) -> Result<Option<lsp::CodeActionResponse>> {
-    let versioned = server.session().editor.versioned_edits;
+    let editor = server.session().editor;
+    let versioned = editor.versioned_edits;
     let uri = params.text_document.uri;
     // A kind holds those below it: everything below the empty kind.
     let only = params.context.only;
@@ -214,8 +215,9 @@ pub(super) async fn code_action(
         admits(lsp::CodeActionKind::QUICKFIX),
         admits(lsp::CodeActionKind::SOURCE_FIX_ALL),
     );
+    let converts = admits(to_lsp::CONVERT) && editor.applies_edits && editor.creates_files;
     let unrestricted = only.is_none();
-    if !one && !all {
+    if !one && !all && !converts {
         return Ok(Some(Vec::new()));
     }
     server
@@ -237,6 +239,9 @@ pub(super) async fn code_action(
                 if is_listed {
                     actions.push(to_lsp::fix_all(snapshot, &uri, &edits, count, versioned));
                 }
+            }
+            if converts && analysis.conversion().is_some() {
+                actions.push(to_lsp::conversion(&uri));
             }
             Some(actions)
         })

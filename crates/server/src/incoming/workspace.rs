@@ -10,7 +10,7 @@ use tower_lsp::ls_types::notification::Notification as _;
 
 use super::documents::is_previewed;
 use super::work::failed;
-use super::{Backend, window};
+use super::{Backend, conversion, window};
 use crate::documents::Snapshot;
 use crate::preview;
 use crate::raw_responses::{Answer, RawSender, answer};
@@ -89,6 +89,9 @@ pub(super) async fn execute_command(
     server: &Backend,
     params: lsp::ExecuteCommandParams,
 ) -> Result<Option<lsp::LSPAny>> {
+    if params.command == conversion::COMMAND {
+        return conversion::convert(server, params).await;
+    }
     if params.command != preview::COMMAND {
         let message = format!("there is no command {}", params.command);
         return Err(failed(ErrorCode::InvalidParams, message));

@@ -1,0 +1,73 @@
+//! `geotrace convert`: a script as a program in Geotrace's language.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use ide::conversion::ConvertError;
+
+use crate::argument::{Assignment, Format, assignment};
+use crate::failure::Failure;
+use crate::output::OutputTarget;
+use crate::program::LoadedProgram;
+use crate::registry::Context;
+
+/// Turn a CRT script into a program in Geotrace's language that gives the same picture.
+///
+/// Loops, macros and random numbers have been run: what they leave is written out, for one value of t, with y and z
+/// swapped. The first comment of the program is the command that gives the script's picture.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace convert forest.crt -o forest.gtr
+  geotrace convert gears.crt -o gears.gtr --set t=5
+  geotrace convert spheres.crt -o -                   to standard output")]
+pub(super) struct Arguments {
+    /// The script; `-` is standard input, with `--language crt`
+    file: PathBuf,
+    /// The program to be written; `-` is standard output
+    #[arg(short, long, value_name = "OUT.gtr")]
+    output: PathBuf,
+    /// A value for t
+    #[arg(long, value_name = "t=VALUE", value_parser = assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+}
+
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let language = context.language(&arguments.file)?;
+    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    let params = program.params(&arguments.set)?;
+    let analysis = language.read(&program.source.text);
+    let Some(extension) = analysis.conversion() else {
+        return Err(refused(ConvertError::NotOffered));
+    };
+    let standard = Path::new("-");
+    if arguments.output != standard
+        && arguments
+            .output
+            .extension()
+            .is_none_or(|it| it != extension)
+    {
+        return Err(Failure::usage(format!(
+            "{} is no name for a program in Geotrace's language: it ends in .{extension}",
+            arguments.output.display()
+        )));
+    }
+    let target = OutputTarget::new(&arguments.output)?;
+    let named = match arguments.output == standard {
+        false => arguments.output.clone(),
+        true if arguments.file == standard => Path::new("program").with_extension(extension),
+        true => arguments.file.with_extension(extension),
+    };
+    let name = named.file_name().unwrap_or_default().to_string_lossy();
+    let text = analysis
+        .convert(params.uniforms(), &name)
+        .map_err(refused)?;
+    target.write(text.as_bytes())
+}
+
+fn refused(error: ConvertError) -> Failure {
+    Failure::Input {
+        message: error.to_string(),
+        hint: None,
+    }
+}

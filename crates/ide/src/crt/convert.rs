@@ -1,0 +1,48 @@
+//! Scripts as programs in Geotrace's language.
+
+use std::path::Path;
+
+use scene::crt::{Converted, MAX_CONVERTED_LEAVES};
+use syntax::diagnostic::Severity;
+use syntax::span::Span;
+
+use super::CrtAnalysis;
+use crate::conversion::ConvertError;
+use crate::edit;
+use crate::geotrace::GeotraceAnalysis;
+use crate::language::Analysis;
+
+/// The program that shows what a script shows at a value of `t`, in the canonical layout. Its first comment is the command that
+/// gives the script's picture; `file` is the name that it will have.
+///
+/// # Errors
+/// [`ConvertError`].
+pub fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, ConvertError> {
+    let diagnostics = analysis.diagnostics();
+    if diagnostics.iter().any(|it| it.severity == Severity::Error) {
+        return Err(ConvertError::HasErrors);
+    }
+    let whole = analysis.slice(Span::new(0, analysis.text().len()));
+    let converted = scene::crt::convert(&analysis.script(), &whole, t);
+    let Converted {
+        declarations,
+        options,
+    } = converted.ok_or(ConvertError::TooManyLeaves {
+        most: MAX_CONVERTED_LEAVES,
+    })?;
+    let picture = Path::new(file).with_extension("png").display().to_string();
+    let mut command = "# geotrace render".to_owned();
+    let options = options.iter().map(String::as_str);
+    for word in [file, "-o", &picture].into_iter().chain(options) {
+        command.push(' ');
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
+        if word.chars().all(is_plain) {
+            command.push_str(word);
+        } else {
+            command.push_str(&format!("'{}'", word.replace('\'', r"'\''")));
+        }
+    }
+    let text = format!("{command}\n\n{declarations}");
+    let edits = GeotraceAnalysis::new(&text).format(None);
+    Ok(edit::apply(&text, &edits))
+}

@@ -1,0 +1,682 @@
+//! A program in Geotrace's language that shows what a script leaves.
+//!
+//! Input: settings and emitted entities, in the script's coordinates. Output: declarations with y and z changed, and what the
+//! picture needs besides them. Shapes of one kind share a function; a lone plane becomes a parametric surface, since look
+//! `crt` shows those from one side.
+
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
+use std::sync::Arc;
+
+use expr::ops::CONSTANTS;
+use syntax::geotrace::declarations::DeclarationKeyword;
+
+use super::build;
+use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
+use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
+use crate::geotrace::builtin;
+
+/// The most leaves of a program.
+pub const MAX_CONVERTED_LEAVES: u64 = 10_000;
+/// Brackets within brackets, before a set is given a name.
+const MAX_BRACKETS: u32 = 16;
+/// The length of a line in characters from which on a set goes on in the next one.
+const LINE: usize = 80;
+/// A plane reaches so many times as far as the places of the script.
+const PLANE_REACH: f64 = 1e5;
+
+/// A program that was made of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Converted {
+    /// The declarations.
+    pub declarations: String,
+    /// The options of `geotrace render` by which the program gives the picture of the script, without the files.
+    pub options: Vec<String>,
+}
+
+/// The program of a run; `None` if it has too many leaves.
+pub(super) fn program(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Option<Converted> {
+    let leaves: u64 = drawn.iter().map(|entity| entity.leaves).sum();
+    if leaves > MAX_CONVERTED_LEAVES {
+        return None;
+    }
+    let mut writer = Writer::new(settings, drawn);
+    for entity in drawn {
+        writer.object(entity);
+    }
+    for light in &settings.lights {
+        writer.light(light);
+    }
+    if settings.lights.is_empty() {
+        // A program without lights has those of the 3D view.
+        let name = writer.free("dark");
+        writer.declare(&format!("light {name} = (0, 0, -1), power : 0"));
+    }
+    let default = Arc::new(ScriptCamera::default());
+    let camera = settings.camera.as_ref().unwrap_or(&default);
+    writer.camera(camera, settings.dofsamples > 1);
+    let background = settings.background.clone().unwrap_or_default();
+    let image = writer.background(&background);
+    let samples = settings.dofsamples * settings.supersampling * settings.supersampling;
+    let mut options = vec![
+        "--view=traced".to_owned(),
+        "--size=800x600".to_owned(),
+        "--look=crt".to_owned(),
+        format!("--bounces={}", settings.recursiondepth),
+        format!("--samples={samples}"),
+    ];
+    if settings.gamma != 1.0 {
+        options.push(format!("--gamma={}", number(settings.gamma)));
+    }
+    options.extend(image.map(|image| format!("--texture={image}")));
+    let text = writer.functions + "\n" + &writer.declarations;
+    Some(Converted {
+        declarations: text,
+        options,
+    })
+}
+
+/// A part of a set as text.
+struct SetText {
+    text: String,
+    /// What binds its parts.
+    binding: Binding,
+    /// The brackets within it.
+    brackets: u32,
+    /// The look of all its leaves; `None` if they state their own.
+    material: Option<Arc<Material>>,
+    /// The name that it is given if it needs one.
+    name: String,
+}
+
+/// The operations that stand outside of all brackets of a set, the loosest of them.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Binding {
+    /// Nothing but unions.
+    Union,
+    /// Differences, and unions perhaps.
+    Difference,
+    Intersection,
+    /// One leaf.
+    Leaf,
+}
+
+/// Work that is left, the next last.
+enum WriteStep<'a> {
+    Entity(&'a Entity, Map),
+    Join(SetOperation),
+}
+
+/// A half-space of Geotrace's coordinates: the places p where normal·p ≤ offset.
+struct HalfSpace {
+    normal: [f64; 3],
+    offset: f64,
+}
+
+#[derive(Default)]
+struct Writer {
+    /// The functions of shapes.
+    functions: String,
+    declarations: String,
+    /// The names that are taken.
+    names: HashSet<String>,
+    /// The names of the functions, by what they give.
+    known: HashMap<String, String>,
+    /// The length that planes reach.
+    reach: f64,
+}
+
+impl Writer {
+    fn new(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Self {
+        let constants = CONSTANTS.into_iter().map(|(name, ..)| name);
+        let functions = builtin::Builtin::all().map(|(name, _)| name);
+        let parameters = ["x", "y", "z", "u", "v", "scale", "rotate"].into_iter();
+        let taken = constants.chain(functions).chain(parameters);
+        let camera = settings.camera.as_ref().map(|camera| camera.position);
+        let mut farthest = 1.0f64;
+        let translations = drawn.iter().map(|entity| entity.map.0.map(|row| row[3]));
+        let own = drawn.iter().filter_map(|entity| match entity.node() {
+            Some(Node::Object(object)) => Some(object.first.1.0.map(|row| row[3])),
+            _ => None,
+        });
+        for place in translations.chain(own).chain(camera) {
+            farthest = place.iter().fold(farthest, |most, x| most.max(x.abs()));
+        }
+        Self {
+            names: taken.map(str::to_owned).collect(),
+            reach: PLANE_REACH * 10f64.powf(farthest.log10().ceil()),
+            ..Self::default()
+        }
+    }
+
+    /// A name that is free, like another one.
+    fn free(&mut self, like: &str) -> String {
+        let mut name = like.to_owned();
+        let mut count = 1;
+        while self.names.contains(&name) || DeclarationKeyword::from_text(&name).is_some() {
+            count += 1;
+            name = format!("{like}{count}");
+        }
+        self.names.insert(name.clone());
+        name
+    }
+
+    fn declare(&mut self, declaration: &str) {
+        self.declarations.push_str(declaration);
+        self.declarations.push_str(";\n");
+    }
+
+    fn object(&mut self, entity: &Entity) {
+        if let Some(Node::Object(object)) = entity.node()
+            && object.is_plane
+        {
+            return self.plane(entity, object);
+        }
+        let mut done: Vec<SetText> = Vec::new();
+        let mut work = vec![WriteStep::Entity(entity, Map::IDENTITY)];
+        while let Some(next) = work.pop() {
+            match next {
+                WriteStep::Join(operation) => {
+                    let (Some(b), Some(a)) = (done.pop(), done.pop()) else {
+                        return;
+                    };
+                    let joined = self.joined(operation, a, b);
+                    done.push(joined);
+                }
+                WriteStep::Entity(entity, around) => {
+                    let map = around.after(&entity.map);
+                    match entity.node() {
+                        Some(Node::Set(operation, a, b)) => {
+                            work.push(WriteStep::Join(*operation));
+                            work.push(WriteStep::Entity(b, map));
+                            work.push(WriteStep::Entity(a, map));
+                        }
+                        Some(Node::Object(object)) => {
+                            let mut leaf = self.leaf(object, object.first, &map);
+                            if let Some((operation, shape, own)) = object.second {
+                                let other = self.leaf(object, (shape, own), &map);
+                                leaf = self.joined(operation, leaf, other);
+                            }
+                            done.push(leaf);
+                        }
+                        None => return,
+                    }
+                }
+            }
+        }
+        let Some(mut whole) = done.pop() else {
+            return;
+        };
+        if let Some(label) = label(entity) {
+            whole.name = label.to_owned();
+        }
+        self.named(whole);
+    }
+
+    /// Declares a set; returns its name.
+    fn named(&mut self, set: SetText) -> String {
+        let name = self.free(&set.name);
+        let mut declaration = format!("solid {name} = {}", set.text);
+        if let Some(material) = &set.material {
+            let _ = write!(declaration, ",\n    {}", look(material, true));
+        }
+        self.declare(&declaration);
+        name
+    }
+
+    /// Declares a set as a part of another one.
+    fn atom(&mut self, set: SetText) -> SetText {
+        let name = set.name.clone();
+        SetText {
+            text: self.named(set),
+            binding: Binding::Leaf,
+            brackets: 0,
+            material: None,
+            name,
+        }
+    }
+
+    fn joined(&mut self, operation: SetOperation, mut a: SetText, mut b: SetText) -> SetText {
+        // A material that holds for all leaves is stated once, on the outermost set.
+        if a.material != b.material {
+            [a, b] = [a, b].map(|set| match set.material {
+                Some(_) => self.atom(set),
+                None => set,
+            });
+        }
+        let (sign, binding, closed) = match operation {
+            SetOperation::Union => {
+                let both = a.binding != Binding::Difference;
+                let binding = if both {
+                    Binding::Union
+                } else {
+                    Binding::Difference
+                };
+                ("|", binding, [false, b.binding == Binding::Difference])
+            }
+            SetOperation::Difference => {
+                let is_joined = matches!(b.binding, Binding::Union | Binding::Difference);
+                ("\\", Binding::Difference, [false, is_joined])
+            }
+            SetOperation::Intersection => {
+                let is_joined =
+                    |set: &SetText| matches!(set.binding, Binding::Union | Binding::Difference);
+                ("&", Binding::Intersection, [is_joined(&a), is_joined(&b)])
+            }
+        };
+        [a, b] = [(a, closed[0]), (b, closed[1])].map(|(mut set, closed)| {
+            if closed && set.brackets >= MAX_BRACKETS {
+                // A part has no look of its own where the set around it states one.
+                let material = set.material.take();
+                let mut atom = self.atom(set);
+                atom.material = material;
+                return atom;
+            }
+            if closed {
+                set.text = format!("({})", set.text);
+                set.brackets += 1;
+            }
+            set
+        });
+        let last = a.text.rfind('\n').map_or(0, |at| at + 1);
+        let first = b.text.find('\n').unwrap_or(b.text.len());
+        let is_long = a.text.len() - last + first > LINE;
+        a.text.push_str(if is_long { "\n    " } else { " " });
+        a.text.push_str(sign);
+        a.text.push(' ');
+        a.text.push_str(&b.text);
+        SetText {
+            binding,
+            brackets: a.brackets.max(b.brackets),
+            ..a
+        }
+    }
+
+    fn leaf(
+        &mut self,
+        object: &ObjectNode,
+        (shape, own): (UnitShape, Map),
+        around: &Map,
+    ) -> SetText {
+        let map = swapped(&around.after(&own));
+        let text = match (shape, half_space(&map)) {
+            (UnitShape::HalfSpace, Some(half)) => {
+                self.function("half", affine(half.normal, -half.offset))
+            }
+            _ => self.placed(shape, &map),
+        };
+        let kind = object.made.split(' ').next().unwrap_or_default();
+        let name = match object.name.get() {
+            Some(name) => name.to_string(),
+            None => kind.to_ascii_lowercase(),
+        };
+        SetText {
+            text,
+            binding: Binding::Leaf,
+            brackets: 0,
+            material: Some(object.material.clone()),
+            name,
+        }
+    }
+
+    /// The name of the function of x, y, z that gives this.
+    fn function(&mut self, like: &str, body: String) -> String {
+        if let Some(name) = self.known.get(&body) {
+            return name.clone();
+        }
+        let name = self.free(like);
+        let _ = writeln!(self.functions, "function {name}(x, y, z) = {body};");
+        self.known.insert(body, name.clone());
+        name
+    }
+
+    /// A shape under a map.
+    fn placed(&mut self, shape: UnitShape, map: &Map) -> String {
+        let name = self.shape(shape);
+        let map = upright(shape, map);
+        let at = map.0.map(|row| row[3]);
+        let sizes = [0, 1, 2].map(|k| map.0[k][k]);
+        let is_diagonal = (0..3).all(|i| (0..3).all(|j| i == j || map.0[i][j] == 0.0))
+            && sizes.iter().all(|s| *s > 0.0);
+        if !is_diagonal {
+            let rows = map.0.map(|[a, b, c, d]| affine([a, b, c], d));
+            let place = self.function("place", format!("({})", rows.join(", ")));
+            return format!("{name} @ {place}");
+        }
+        let mut text = name;
+        let [a, b, c] = sizes;
+        if a == b && b == c {
+            if a != 1.0 {
+                let _ = write!(text, " @ scale {}", number(a));
+            }
+        } else {
+            let _ = write!(text, " @ scale {}", tuple(sizes));
+        }
+        if at != [0.0; 3] {
+            let _ = write!(text, " @ {}", tuple(at));
+        }
+        text
+    }
+
+    /// The function of a shape in its own coordinates.
+    fn shape(&mut self, shape: UnitShape) -> String {
+        let (like, field) = match shape {
+            UnitShape::Ball => ("unitball", "x^2 + y^2 + z^2 - 1".to_owned()),
+            UnitShape::Cube => ("unitcube", "max(abs x, abs y, abs z) - 1".to_owned()),
+            UnitShape::HalfSpace => ("below", "z".to_owned()),
+            UnitShape::Cylinder => ("unitcylinder", "max(x^2 + y^2 - 1, -z, z - 1)".to_owned()),
+            UnitShape::Cone => (
+                "unitcone",
+                "max(x^2 + y^2 - (1 - z)^2, -z, z - 1)".to_owned(),
+            ),
+            UnitShape::Torus(tube) => {
+                let rest = signed(1.0 - tube * tube);
+                (
+                    "unitring",
+                    format!("(x^2 + y^2 + z^2 {rest})^2 - 4(x^2 + y^2)"),
+                )
+            }
+        };
+        self.function(like, field)
+    }
+
+    /// A plane that is alone: a surface whose σu×σv leads out of its half-space.
+    fn plane(&mut self, entity: &Entity, object: &ObjectNode) {
+        let placed = |own: &Map| swapped(&entity.map.after(own));
+        let map = placed(&object.first.1);
+        let Some(half) = half_space(&map) else {
+            return;
+        };
+        let [p, q] = vector::across(half.normal);
+        // The one behind the direction of a half-plane is left out; where the surface begins, both planes are.
+        let second = object
+            .second
+            .and_then(|(_, _, own)| half_space(&placed(&own)));
+        let ahead = second.and_then(|beyond| {
+            let along = vector::dot(beyond.normal, half.normal);
+            let in_plane = vector::sub(beyond.normal, vector::scaled(half.normal, along));
+            vector::unit(vector::scaled(in_plane, -1.0))
+        });
+        let [p, q] = match ahead {
+            Some(ahead) => [ahead, vector::cross(half.normal, ahead)],
+            None => [p, q],
+        };
+        let at = map.0.map(|row| row[3]);
+        let rows = [0, 1, 2].map(|k| {
+            let terms = [(p[k], "u"), (q[k], "v")];
+            linear(&terms, at[k])
+        });
+        let name = self.free(label(entity).unwrap_or("plane"));
+        let reach = number(self.reach);
+        let from = match ahead {
+            Some(_) => "0".to_owned(),
+            None => format!("-{reach}"),
+        };
+        let look = look(&object.material, false);
+        self.declare(&format!(
+            "surface {name}(u, v) = ({}), u : [{from}, {reach}, 2], v : [-{reach}, {reach}, 2],\n    {look}",
+            rows.join(", ")
+        ));
+    }
+
+    fn light(&mut self, light: &ScriptLight) {
+        let name = self.free("lamp");
+        let place = light.position.map(|place| tuple(geotrace(place)));
+        let direction = light.direction.map(|direction| tuple(geotrace(direction)));
+        let mut text = format!("light {name} = {}", direction.unwrap_or_default());
+        if let Some(place) = place {
+            let space = if light.direction.is_some() { " " } else { "" };
+            let _ = write!(text, "{space}@ {place}");
+        }
+        let _ = write!(text, ", color : {}", tuple(light.color));
+        let mut state = |word: &str, value: f64| {
+            let _ = write!(text, ", {word} : {}", number(value));
+        };
+        if light.ambient > 0.0 {
+            state("ambient", light.ambient);
+        }
+        if light.falloff > 0.0 {
+            state("falloff", light.falloff.sqrt());
+        }
+        if let Some(radius) = light.radius {
+            state("radius", radius);
+        }
+        if light.direction.is_some() && light.position.is_some() {
+            state("soft", light.softness);
+        }
+        if let Some(angle) = light.angle {
+            let _ = write!(text, ", angle : {}", radians(angle));
+        }
+        self.declare(&text);
+    }
+
+    fn camera(&mut self, camera: &ScriptCamera, has_lens: bool) {
+        let name = self.free("eye");
+        let direction = vector::sub(camera.pointing, camera.position);
+        let mut text = format!(
+            "camera {name} = {} @ {}, fov : {}",
+            tuple(geotrace(direction)),
+            tuple(geotrace(camera.position)),
+            radians(camera.fov)
+        );
+        if has_lens {
+            let _ = write!(
+                text,
+                ", focus : {}, aperture : {}, bokeh : {}",
+                number(camera.focaldistance),
+                number(camera.aperture),
+                build::bokeh(&camera.apertureshape)
+            );
+        }
+        let roll = build::roll(direction, camera.roll.to_radians());
+        if roll != 0.0 {
+            let _ = write!(text, ", roll : {}", number(roll));
+        }
+        if &*camera.projection != "pinhole" {
+            let _ = write!(text, ", projection : {}", camera.projection);
+        }
+        self.declare(&text);
+    }
+
+    /// Declares the background; returns the value of `--texture` for an image that no word names.
+    fn background(&mut self, background: &Background) -> Option<String> {
+        let name = self.free("sky");
+        let white = [1.0; 3];
+        let mut text = match (background.horizon, background.sky, background.color) {
+            (None, None, color) => format!("background {name} = {}", tuple(color.unwrap_or(white))),
+            (horizon, sky, color) => {
+                let other = color.unwrap_or(white);
+                let [low, high] = [horizon, sky].map(|it| tuple(it.unwrap_or(other)));
+                format!("background {name}(x, y, z) = (1 - abs z){low} + (abs z){high}")
+            }
+        };
+        let mut option = None;
+        if let Some(image) = &background.image {
+            let path = image.trim_start_matches('/');
+            let word = path.rsplit_once('.').map(|(word, _)| word);
+            match word.filter(|word| is_word(word)) {
+                Some(word) => {
+                    let _ = write!(text, ", image : {word}");
+                }
+                None => option = Some(format!("{name}={path}")),
+            }
+            let _ = write!(
+                text,
+                ", turn : {}",
+                number(background.angle - std::f64::consts::FRAC_PI_2)
+            );
+        }
+        self.declare(&text);
+        option
+    }
+}
+
+/// The attributes of a material, of a solid or else of a surface.
+///
+/// A colour past 1, which no attribute may have, is divided by its greatest part, and what is multiplied by it is multiplied.
+fn look(material: &Material, is_solid: bool) -> String {
+    let most = material
+        .color
+        .iter()
+        .fold(1.0f64, |most, part| most.max(*part));
+    let color = material.color.map(|part| (part / most).max(0.0));
+    let usual = (1.0 - material.reflectivity - material.transparency).max(0.0);
+    let diffuse = most * material.diffuse.unwrap_or(usual);
+    let mut text = format!("color : {}", tuple(color));
+    let mut state = |word: &str, value: f64| {
+        let _ = write!(text, ", {word} : {}", number(value));
+    };
+    if diffuse != usual {
+        state("diffuse", diffuse);
+    }
+    state("specular", most * material.specularity);
+    if material.specularity > 0.0 {
+        state("shininess", material.shininess);
+    }
+    if material.reflectivity > 0.0 {
+        state("mirror", material.reflectivity);
+    }
+    if material.transparency > 0.0 {
+        state("glass", material.transparency);
+        if is_solid {
+            state("ior", material.refractiveindex);
+        }
+    }
+    text
+}
+
+/// The variable that was emitted; `None` for what has none.
+fn label(entity: &Entity) -> Option<&str> {
+    let (label, _) = entity.label.as_ref()?;
+    is_word(label).then_some(label)
+}
+
+/// Returns true for what may be a name, and the name of an image.
+fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.chars().all(|c| c.is_ascii_alphanumeric())
+}
+
+/// Geotrace's coordinates of a place of the script.
+fn geotrace([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [x, z, y]
+}
+
+/// The map that leads to Geotrace's coordinates.
+fn swapped(map: &Map) -> Map {
+    let Map([x, y, z]) = *map;
+    Map([x, z, y])
+}
+
+/// The half-space into which a map takes z ≤ 0; `None` if it has no inverse.
+fn half_space(map: &Map) -> Option<HalfSpace> {
+    let column = |k: usize| map.0.map(|row| row[k]);
+    let [x, y, z] = [0, 1, 2].map(column);
+    // The normal is across what x and y become, on the side of z.
+    let normal = vector::unit(vector::cross(x, y))?;
+    let height = vector::dot(normal, z);
+    let normal = vector::scaled(normal, height.signum());
+    let offset = vector::dot(normal, column(3));
+    (height != 0.0 && offset.is_finite()).then_some(HalfSpace { normal, offset })
+}
+
+/// A map that takes a shape to the same set, without a turn about the shape's own axis where it has one.
+fn upright(shape: UnitShape, map: &Map) -> Map {
+    let column = |k: usize| map.0.map(|row| row[k]);
+    let [x, y, z, at] = [0, 1, 2, 3].map(column);
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * (a.abs() + b.abs());
+    let [a, b, c] = [x, y, z].map(vector::length);
+    let is_flat = |v: [f64; 3]| near(v[2] + a, a);
+    let are_across = near(vector::dot(x, y) + a * b, a * b);
+    let is_round = near(a, b) && are_across;
+    match shape {
+        UnitShape::Ball
+            if is_round
+                && near(b, c)
+                && near(vector::dot(x, z) + a * c, a * c)
+                && near(vector::dot(y, z) + b * c, b * c) =>
+        {
+            Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], [0.0, 0.0, a]], at)
+        }
+        UnitShape::Cylinder | UnitShape::Cone | UnitShape::Torus(_)
+            if is_round && is_flat(x) && is_flat(y) && z[0] == 0.0 && z[1] == 0.0 && z[2] > 0.0 =>
+        {
+            Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], z], at)
+        }
+        // Its middle and its sides stay.
+        UnitShape::Cube => {
+            let columns = [x, y, z];
+            let along = |k: usize| {
+                let own = columns.iter().find(|column| column[k] != 0.0)?;
+                let alone = (0..3).all(|j| j == k || own[j] == 0.0);
+                let single = columns.iter().filter(|column| column[k] != 0.0).count() == 1;
+                (alone && single).then_some(own[k].abs())
+            };
+            match [along(0), along(1), along(2)] {
+                [Some(a), Some(b), Some(c)] => {
+                    Map::columns([[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]], at)
+                }
+                _ => *map,
+            }
+        }
+        _ => *map,
+    }
+}
+
+/// A number as a program writes it: with as many digits as it needs.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+/// `+ 1` or `- 1`.
+fn signed(value: f64) -> String {
+    let sign = if value < 0.0 { '-' } else { '+' };
+    format!("{sign} {}", number(value.abs()))
+}
+
+fn tuple(values: [f64; 3]) -> String {
+    format!("({})", values.map(number).join(", "))
+}
+
+/// Degrees as radians.
+fn radians(degrees: f64) -> String {
+    format!("{}pi/180", number(degrees))
+}
+
+fn affine(factors: [f64; 3], constant: f64) -> String {
+    let [a, b, c] = factors;
+    linear(&[(a, "x"), (b, "y"), (c, "z")], constant)
+}
+
+/// A sum of multiples of variables and a constant.
+fn linear(terms: &[(f64, &str)], constant: f64) -> String {
+    let mut text = String::new();
+    let mut add = |value: f64, variable: &str| {
+        if value == 0.0 {
+            return;
+        }
+        let sign = match (text.is_empty(), value < 0.0) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        };
+        text.push_str(sign);
+        if variable.is_empty() || value.abs() != 1.0 {
+            text.push_str(&number(value.abs()));
+        }
+        text.push_str(variable);
+    };
+    for (factor, variable) in terms {
+        add(*factor, variable);
+    }
+    add(constant, "");
+    if text.is_empty() {
+        text.push('0');
+    }
+    text
+}

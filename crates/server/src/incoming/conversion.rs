@@ -1,0 +1,126 @@
+//! The command `geotrace.convert`: a document's text in another language, in a new file that the editor creates and shows.
+
+use std::path::Path;
+
+use tower_lsp::Client;
+use tower_lsp::jsonrpc::{ErrorCode, Result};
+use tower_lsp::ls_types as lsp;
+
+use super::Backend;
+use super::work::{failed, not_open};
+use crate::documents::Open;
+use crate::to_lsp;
+
+/// The name of the command: its argument is a document's URI.
+pub(crate) const COMMAND: &str = "geotrace.convert";
+
+/// Names that are tried for the new file before it is given up.
+const MOST_NAMES: u32 = 100;
+
+/// Converts a document; the edit is sent to the editor behind the answer.
+pub(super) async fn convert(
+    server: &Backend,
+    params: lsp::ExecuteCommandParams,
+) -> Result<Option<lsp::LSPAny>> {
+    let Some(lsp::LSPAny::String(uri)) = params.arguments.into_iter().next() else {
+        let message = format!("{COMMAND} needs the URI of a document");
+        return Err(failed(ErrorCode::InvalidParams, message));
+    };
+    let Ok(uri) = uri.parse::<lsp::Uri>() else {
+        let message = format!("{uri} is not the URI of a document");
+        return Err(failed(ErrorCode::InvalidParams, message));
+    };
+    let (snapshot, editor) = {
+        let session = server.session();
+        let open = session.documents.get(uri.as_str()).map(Open::snapshot);
+        (open, session.editor)
+    };
+    let snapshot = snapshot.ok_or_else(|| not_open(&uri))?;
+    if !(editor.applies_edits && editor.creates_files) {
+        return tell(
+            &server.client,
+            "this editor creates no files for its language server; `geotrace convert` writes one"
+                .to_owned(),
+        );
+    }
+    let Some(path) = uri.to_file_path().map(|path| path.into_owned()) else {
+        return tell(
+            &server.client,
+            "only a script in a file is converted: save it first".to_owned(),
+        );
+    };
+    let work = move || {
+        let analysis = snapshot.analysis();
+        let extension = analysis.conversion().unwrap_or_default();
+        let target = (1..=MOST_NAMES)
+            .map(|count| sibling(&path, count, extension))
+            .find(|path| !path.exists());
+        let target =
+            target.ok_or_else(|| "there are too many converted files beside it".to_owned())?;
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let text = analysis
+            .convert(&[], &name)
+            .map_err(|error| error.to_string())?;
+        let uri = lsp::Uri::from_file_path(&target);
+        Ok((uri.ok_or_else(|| "its path has no URI".to_owned())?, text))
+    };
+    let made = tokio::task::spawn_blocking(work).await;
+    let made: std::result::Result<_, String> =
+        made.unwrap_or_else(|_| Err("a fault of the server".to_owned()));
+    let client = server.client.clone();
+    let (target, text) = match made {
+        Ok(made) => made,
+        Err(reason) => return tell(&client, format!("the script is not converted: {reason}")),
+    };
+    // Requests to the editor are never waited for within a handler.
+    tokio::spawn(async move {
+        let edit = to_lsp::new_file(&target, text);
+        let params = lsp::ApplyWorkspaceEditParams {
+            label: Some("Convert to Geotrace's language".to_owned()),
+            edit,
+        };
+        let asked = client
+            .send_request::<lsp::request::ApplyWorkspaceEdit>(params)
+            .await;
+        let reason = match asked {
+            Ok(answer) if answer.applied => None,
+            Ok(answer) => Some(answer.failure_reason.unwrap_or_default()),
+            Err(error) => Some(error.message.into_owned()),
+        };
+        if let Some(reason) = reason {
+            let message = format!("the editor has not created {}: {reason}", target.as_str());
+            client.show_message(lsp::MessageType::ERROR, message).await;
+        } else if editor.shows_documents {
+            let params = lsp::ShowDocumentParams {
+                uri: target,
+                external: None,
+                take_focus: Some(true),
+                selection: None,
+            };
+            let _ = client.show_document(params).await;
+        }
+    });
+    Ok(None)
+}
+
+/// `forest.gtr` beside `forest.crt`; with another count `forest-2.gtr`.
+fn sibling(path: &Path, count: u32, extension: &str) -> std::path::PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let number = if count > 1 {
+        format!("-{count}")
+    } else {
+        String::new()
+    };
+    path.with_file_name(format!("{stem}{number}.{extension}"))
+}
+
+/// Shows a sentence to the user.
+fn tell(client: &Client, message: String) -> Result<Option<lsp::LSPAny>> {
+    let client = client.clone();
+    tokio::spawn(async move {
+        client
+            .show_message(lsp::MessageType::WARNING, message)
+            .await
+    });
+    Ok(None)
+}

@@ -1,0 +1,226 @@
+//! `geotrace convert`: a script and the program that is made of it give the same picture.
+
+use std::path::Path;
+
+use image::RgbImage;
+use testing::binary::geotrace;
+
+/// Draws by the words behind `geotrace`, in a folder.
+fn draw(folder: &Path, words: &[&str], picture: &str) -> RgbImage {
+    let run = geotrace(words.iter().copied()).folder(folder).run();
+    run.expect_status(0);
+    image::open(folder.join(picture))
+        .expect("a picture")
+        .to_rgb8()
+}
+
+/// Converts a script in a folder, and draws both with one sample: the script as it is, the program by the command of its first
+/// comment. Returns the program.
+fn expect_same(folder: &Path, name: &str, size: &str, set: &[&str]) -> String {
+    let (script, program) = (format!("{name}.crt"), format!("{name}.gtr"));
+    let words = [&["convert", &script, "-o", &program], set].concat();
+    geotrace(words).folder(folder).run().expect_status(0);
+    let text = std::fs::read_to_string(folder.join(&program)).expect("written");
+    let check = geotrace(["check", &program]).folder(folder).run();
+    check.expect_status(0);
+    assert_eq!(
+        check.stderr.trim(),
+        format!("{program}: no errors"),
+        "{text}"
+    );
+    geotrace(["format", "--check", &program])
+        .folder(folder)
+        .run()
+        .expect_status(0);
+    let command = text.lines().next().expect("a comment");
+    let command = command.strip_prefix("# geotrace ").expect("the command");
+    let words: Vec<&str> = command.split(' ').collect();
+    // Only the number of samples, and the size, are others than those of the script.
+    let words: Vec<&str> = words
+        .into_iter()
+        .filter(|word| !word.starts_with("--samples") && !word.starts_with("--size"))
+        .collect();
+    let options = ["--samples", "1", "--size", size];
+    let converted = draw(
+        folder,
+        &[&words[..], &options].concat(),
+        &format!("{name}.png"),
+    );
+    let own = ["render", &script, "-o", "own.png"];
+    let own = draw(folder, &[&own[..], &options, set].concat(), "own.png");
+    let far = own.pixels().zip(converted.pixels()).filter(|(a, b)| {
+        let mut parts = a.0.iter().zip(b.0);
+        parts.any(|(a, b)| a.abs_diff(b) > 1)
+    });
+    assert_eq!(far.count(), 0, "{name}: pixels differ\n{text}");
+    let mut colours: Vec<_> = own.pixels().map(|pixel| pixel.0).collect();
+    colours.sort_unstable();
+    colours.dedup();
+    assert!(colours.len() > 20, "{name} shows {} colours", colours.len());
+    text
+}
+
+#[test]
+fn every_example_gives_the_same_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let mut count = 0;
+    for entry in std::fs::read_dir(examples).expect("examples") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|extension| extension != "crt") {
+            continue;
+        }
+        std::fs::copy(&path, folder.path().join(path.file_name().expect("a name")))
+            .expect("copied");
+        let name = path
+            .file_stem()
+            .expect("a stem")
+            .to_string_lossy()
+            .into_owned();
+        expect_same(folder.path(), &name, "160x120", &[]);
+        count += 1;
+    }
+    assert!(count >= 6, "{count} scripts");
+    let still = std::fs::read_to_string(folder.path().join("gears.gtr")).expect("written");
+    let turned = expect_same(folder.path(), "gears", "160x120", &["--set", "t=7"]);
+    assert!(still != turned, "t moves the gears");
+}
+
+/// Everything that a script may state, in one picture.
+const ALL: &str = r#"
+x = Sphere { center -> vec3(0, 0.3, 0)  radius -> 0.8  material -> Material { color -> rgb(1.6, 0.4, 0.2)  specularity -> 0.4  shininess -> 9 } }
+light = Cylinder { base -> vec3(-1, -1, 0.2)  top -> vec3(1, 1, -0.3)  radius -> 0.4  material -> Material { color -> rgb(0.2, 0.5, 0.9)  reflectivity -> 0.3 } }
+sin = Cone { base -> vec3(1.8, -1, 1)  apex -> vec3(1.5, 1, 0.5)  radius -> 0.6 }
+ring = Torus { center -> vec3(-1.7, 0, 0.4)  radius -> 0.6  tube -> 0.2  normal -> vec3(1, 2, -0.5)  material -> Material { color -> rgb(0.9, 0.8, 0.2)  diffuse -> 0.5 } }
+box = Box { cornerA -> vec3(-0.5, -0.5, -0.5)  cornerB -> vec3(0.5, 0.6, 0.7) }
+glass = Sphere { center -> vec3(0.7, -0.4, -1.4)  radius -> 0.4  material -> Material { color -> rgb(0.9, 1, 0.9)  transparency -> 0.8  reflectivity -> 0.1 } }
+cut = Plane { normal -> vec3(1, 1, 0.3)  position -> vec3(0.2, 0.4, 0) }
+wedge = HalfPlane { normal -> vec3(0, 0, 1)  position -> vec3(0, 0, 0.3)  direction -> vec3(1, 0, 0) }
+Settings {
+    gamma -> 1.8
+    recursiondepth -> 2
+    camera -> Camera { position -> vec3(0.4, 1.4, -5)  pointing -> vec3(0, 0.1, 0)  fov -> 48  roll -> 7 }
+    background -> Background { horizon -> rgb(0.9, 0.9, 1)  sky -> rgb(0.2, 0.4, 0.9) }
+    lights -> [
+        PointLight { origin -> vec3(-3, 4, -3)  color -> rgb(0.5, 0.5, 0.4)  ambient -> 0.1  falloff -> 60 },
+        ParallelLight { from -> vec3(3, 5, -2)  pointing -> vec3(0, 0, 0)  color -> rgb(0.3, 0.3, 0.3) },
+        SpotLight { origin -> vec3(0, 5, -1)  pointing -> vec3(0, 0, 0)  color -> rgb(0.5, 0.4, 0.4)  angle -> 30  softness -> 0.5 },
+        CylinderLight { origin -> vec3(-2, 3, -4)  pointing -> vec3(-1, 0, 0)  color -> rgb(0.2, 0.5, 0.2)  radius -> 1 }
+    ]
+}
+Scene {
+    (x ^ box <rotate vec3(10, 20, 30)>) - light
+    light <translate vec3(0, 0, 1.5)>
+    sin - (sin <scale 0.7, translate vec3(0.4, 0.2, -0.3)> - cut)
+    ring <scale vec3(1, 1.3, 1)>
+    glass
+    box <translate vec3(1.4, 0.1, -0.6)> ^ wedge <translate vec3(1.4, 0, -0.6)>
+    Plane { normal -> vec3(0, 1, 0)  position -> vec3(0, -1.1, 0)  material -> Material { color -> rgb(0.5, 0.5, 0.55)  reflectivity -> 0.2 } }
+    HalfPlane { normal -> vec3(0, 0, -1)  position -> vec3(0.5, 0, 3)  direction -> vec3(1, 0.4, 0)  material -> Material { color -> rgb(0.7, 0.3, 0.5) } }
+}
+"#;
+
+#[test]
+fn all_that_a_script_states_is_in_the_program() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("all.crt"), ALL).expect("written");
+    let text = expect_same(folder.path(), "all", "200x150", &[]);
+    for taken in ["solid x ", "solid light ", "solid sin "] {
+        assert!(!text.contains(taken), "`{taken}` is no free name\n{text}");
+    }
+    assert!(text.contains("solid ring = "), "{text}");
+    for (camera, projection) in [("spherical", 40), ("cylindrical", 70)] {
+        let name = format!("all-{camera}");
+        let states = format!("fov -> {projection}  projection -> \"{camera}\"");
+        let script = ALL.replace("fov -> 48", &states);
+        std::fs::write(folder.path().join(format!("{name}.crt")), script).expect("written");
+        expect_same(folder.path(), &name, "160x120", &[]);
+    }
+    // A camera that looks straight down, and a lens: with one sample there is none.
+    let down = ALL
+        .replace(
+            "position -> vec3(0.4, 1.4, -5)",
+            "position -> vec3(0, 6, 0)",
+        )
+        .replace(
+            "pointing -> vec3(0, 0.1, 0)",
+            "pointing -> vec3(0.03, 0, 0.01)",
+        );
+    std::fs::write(folder.path().join("down.crt"), down).expect("written");
+    expect_same(folder.path(), "down", "160x120", &[]);
+}
+
+#[test]
+fn sets_within_sets_stay_what_they_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Sixty shells, each cut out of the one around it: brackets within brackets.
+    let script = "
+a = Sphere { center -> vec3(0, 0, 0)  radius -> 0.02  material -> Material { color -> rgb(0.9, 0.3, 0.2) } }
+i = 0
+while (i < 60) {
+    r = 0.05 + i * 0.03
+    b = Sphere { center -> vec3(0, 0, 0)  radius -> r  material -> Material { color -> rgb(0.9, 0.3, 0.2) } }
+    a = (b - a) ^ Plane { normal -> vec3(0, 0, -1)  position -> vec3(0, 0, 0)  material -> Material { color -> rgb(0.9, 0.3, 0.2) } }
+    i = i + 1
+}
+Settings {
+    camera -> Camera { position -> vec3(0, 0, -5)  pointing -> vec3(0, 0, 0)  fov -> 45 }
+    lights -> [PointLight { origin -> vec3(-3, 4, -3)  color -> rgb(1, 1, 1)  ambient -> 0.1 }]
+}
+Scene { a }
+";
+    std::fs::write(folder.path().join("shells.crt"), script).expect("written");
+    let text = expect_same(folder.path(), "shells", "120x90", &[]);
+    assert!(!text.contains(&"(".repeat(20)), "{text}");
+}
+
+#[test]
+fn what_cannot_be_converted_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    std::fs::write(path.join("a.gtr"), "point p = (0, 0, 0);").expect("written");
+    std::fs::write(path.join("wrong.crt"), "Scene { b }").expect("written");
+    std::fs::write(
+        path.join("good.crt"),
+        "Scene { Sphere { center -> vec3(0, 0, 0)  radius -> 1 } }",
+    )
+    .expect("written");
+    let many = "s = Sphere { center -> vec3(0, 0, 0)  radius -> 1 }
+m = Macro () { i = 0  while (i < 10001) { s <translate vec3(i, 0, 0)>  i = i + 1 } }
+Scene { m() }";
+    std::fs::write(path.join("many.crt"), many).expect("written");
+    for (words, status, sentence) in [
+        (["a.gtr", "b.gtr"], 1, "only CRT scripts are converted"),
+        (["wrong.crt", "b.gtr"], 1, "b"),
+        (["many.crt", "b.gtr"], 1, "more than 10000 shapes"),
+        (["good.crt", "b.crt"], 2, "it ends in .gtr"),
+        (["good.crt", "b"], 2, "it ends in .gtr"),
+    ] {
+        let [script, program] = words;
+        let run = geotrace(["convert", script, "-o", program])
+            .folder(path)
+            .run();
+        run.expect_status(status);
+        assert!(run.stderr.contains(sentence), "{words:?}: {}", run.stderr);
+        assert!(
+            !path.join("b.gtr").exists() && !path.join("b.crt").exists(),
+            "{words:?}"
+        );
+    }
+    // To standard output; the name in the comment is that of the script.
+    let run = geotrace(["convert", "good.crt", "-o", "-"])
+        .folder(path)
+        .run();
+    run.expect_status(0);
+    assert!(
+        run.stdout
+            .starts_with("# geotrace render good.gtr -o good.png --view=traced"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        run.stdout.contains("power : 0"),
+        "without lights it is dark\n{}",
+        run.stdout
+    );
+}
