@@ -195,7 +195,8 @@ fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
     let camera = &space.camera;
     for (name, place) in [("eye", camera.eye), ("target", camera.target)] {
         if let Some(place) = place {
-            options.numbers(name, &place.0);
+            // In the coordinates of the text.
+            options.numbers(name, &request.scene.stated(place.0));
         }
     }
     let is_flat = camera.projection == Projection::Orthographic;

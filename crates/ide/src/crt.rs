@@ -3,13 +3,14 @@
 //! ```text
 //! syntax::crt::document ──▶ CrtProgram ──snapshot──▶ CrtAnalysis ─┬─▶ names        variables and objects, by scope
 //!                                                                 ├─▶ semantic, outline, hover, completion, color
-//!                                                                 ├─▶ rename, format   edits
+//!                                                                 ├─▶ rename, format, edit_settings   edits
 //!                                                                 └─▶ convert          a program in Geotrace's language
 //! ```
 
 pub mod color;
 pub mod completion;
 pub mod convert;
+mod edit_settings;
 pub mod format;
 pub mod hover;
 pub mod names;
@@ -33,6 +34,8 @@ use crate::completion::Completions;
 use crate::conversion::ConvertError;
 use crate::description::Description;
 use crate::edit::Edit;
+use crate::edit_camera::EditCameraError;
+use crate::edit_param::EditParamError;
 use crate::highlight::Highlight;
 use crate::language::{Analysis, EditError, Language, Program};
 use crate::occurrence::Occurrence;
@@ -298,6 +301,19 @@ impl Analysis for CrtAnalysis {
     fn convert(&self, uniforms: &[f64], file: &str) -> Result<String, ConvertError> {
         let t = uniforms.first().copied().unwrap_or(0.0);
         convert::convert(self, t, file)
+    }
+
+    fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
+        edit_settings::edit_number(self, param, values)
+    }
+
+    fn edit_camera(
+        &self,
+        _name: &str,
+        direction: [f64; 3],
+        position: [f64; 3],
+    ) -> Result<Edit, EditCameraError> {
+        edit_settings::edit_camera(self, direction, position)
     }
 
     fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {

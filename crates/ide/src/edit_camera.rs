@@ -1,4 +1,4 @@
-//! The errors of writing a camera into the text.
+//! Views written into the text as cameras: their numbers, and the reasons for which they are not written.
 
 use std::fmt;
 
@@ -19,6 +19,8 @@ pub enum EditCameraError {
     },
     /// The direction is zero, or a number is not finite.
     NotAPlace,
+    /// The camera is not stated with a position and a place to look at, itself or by one variable.
+    NotStated,
     /// A comment stands within the place that is written now, and would be lost.
     Comment {
         /// The camera.
@@ -44,6 +46,10 @@ impl fmt::Display for EditCameraError {
                 f,
                 "a camera needs a direction that is not zero, and finite numbers"
             ),
+            Self::NotStated => write!(
+                f,
+                "the script computes its camera: state it in Settings, or by one variable, as Camera {{ position -> … pointing -> … }}"
+            ),
             Self::Comment { name } => write!(
                 f,
                 "the place of `{name}` has a comment in it, which would be lost: write the camera by hand"
@@ -53,3 +59,25 @@ impl fmt::Display for EditCameraError {
 }
 
 impl std::error::Error for EditCameraError {}
+
+/// The digits behind the length of the direction that are written: less than a pixel at any size of a picture.
+const DIGITS: i32 = 4;
+
+/// The numbers of a vector, to a fraction of a length.
+pub(crate) fn short_numbers(vector: [f64; 3], length: f64) -> [String; 3] {
+    let digits = (DIGITS - length.log10().floor() as i32).clamp(0, 20) as usize;
+    vector.map(|x| {
+        if x.abs() >= 1e12 || length < 1e-12 {
+            return format!("{x:e}");
+        }
+        let text = format!("{x:.digits$}");
+        let text = match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.'),
+            false => &text,
+        };
+        match text {
+            "-0" => "0".to_owned(),
+            text => text.to_owned(),
+        }
+    })
+}

@@ -339,7 +339,8 @@ pub trait Analysis: Debug + Send + Sync {
         Err(ConvertError::NotOffered)
     }
 
-    /// Returns the edit after which a param starts with the given values, one for each of its components.
+    /// Returns the edit after which a param starts with the given values, one for each of its components. The params of a script
+    /// are the numbers of its settings.
     ///
     /// # Errors
     /// [`EditParamError`] with the reason.
@@ -348,8 +349,8 @@ pub trait Analysis: Debug + Send + Sync {
         Err(EditParamError::NoParam { name })
     }
 
-    /// Returns the edit after which the camera of a name looks along a direction from a position. A camera that is not
-    /// declared is added.
+    /// Returns the edit after which the camera of a name looks along a direction from a position, in the coordinates of the
+    /// text. A camera that is not declared is added. A script has one camera, whatever the name.
     ///
     /// # Errors
     /// [`EditCameraError`] with the reason.

@@ -41,4 +41,4 @@ pub use solid::{
     AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Light, Solid, SolidLeaf,
     SolidStep, stated_word,
 };
-pub use stated_picture::StatedPicture;
+pub use stated_picture::{StatedPicture, StatedSetting};

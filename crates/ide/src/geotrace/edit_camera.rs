@@ -11,10 +11,7 @@ use super::analysis::GeotraceAnalysis;
 use super::item::Item;
 use super::rename::{is_name, is_reserved};
 use crate::edit::Edit;
-use crate::edit_camera::EditCameraError;
-
-/// The digits behind the length of the direction that are written: less than a pixel at any size of a picture.
-const DIGITS: i32 = 4;
+use crate::edit_camera::{EditCameraError, short_numbers};
 
 /// The edit after which the camera `name` looks along `direction` from `position`. One that is not declared is added at the
 /// end.
@@ -32,7 +29,8 @@ pub fn edit_camera(
     if !is_place {
         return Err(EditCameraError::NotAPlace);
     }
-    let [direction, position] = [direction, position].map(|vector| written(vector, length));
+    let [direction, position] = [direction, position]
+        .map(|vector| format!("({})", short_numbers(vector, length).join(", ")));
     let view = format!("{direction} @ {position}");
     match analysis.declared(name) {
         Some(item) if item.keyword == DeclarationKeyword::Camera => replace(analysis, &item, view),
@@ -88,24 +86,4 @@ fn append(analysis: &GeotraceAnalysis, name: &str, view: &str) -> Edit {
         _ => "\n",
     };
     Edit::insert(end, format!("{gap}camera {name} = {view};\n"))
-}
-
-/// A vector, to a fraction of a length.
-fn written(vector: [f64; 3], length: f64) -> String {
-    let digits = (DIGITS - length.log10().floor() as i32).clamp(0, 20) as usize;
-    let numbers = vector.map(|x| {
-        if x.abs() >= 1e12 || length < 1e-12 {
-            return format!("{x:e}");
-        }
-        let text = format!("{x:.digits$}");
-        let text = match text.contains('.') {
-            true => text.trim_end_matches('0').trim_end_matches('.'),
-            false => &text,
-        };
-        match text {
-            "-0" => "0".to_owned(),
-            text => text.to_owned(),
-        }
-    });
-    format!("({})", numbers.join(", "))
 }

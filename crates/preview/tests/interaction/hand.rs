@@ -46,6 +46,14 @@ impl Hand {
         Self::open(path, folder, true, dress)
     }
 
+    /// The window on a CRT script.
+    pub(crate) fn script(text: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("script.crt");
+        std::fs::write(&path, text).expect("written");
+        Self::opened(path, folder)
+    }
+
     /// The window on a file that is not watched.
     pub(crate) fn unwatched(text: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");

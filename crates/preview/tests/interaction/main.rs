@@ -19,6 +19,7 @@ mod program;
 mod programs;
 mod recording;
 mod remembered;
+mod scripts;
 mod settings;
 mod snapshots;
 mod traced;

@@ -103,7 +103,8 @@ impl CameraInput for SpaceInput {
     }
 
     fn place(&self, model: &Model, _id: &ViewId) -> Option<String> {
-        let [x, y, z] = model.view.space?.eye;
+        let eye = model.view.space?.eye;
+        let [x, y, z] = model.scene.as_ref()?.stated(eye);
         Some(format!(", seen from ({x:.2}, {y:.2}, {z:.2})"))
     }
 }

@@ -2,6 +2,7 @@
 
 mod objects;
 mod params;
+mod script;
 mod views;
 
 use egui::{ScrollArea, Ui};
@@ -44,7 +45,10 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         let tab = window.panes.settings_tab;
         let area = ScrollArea::both().id_salt(tab as u8).auto_shrink(false);
         area.show(ui, |ui| match tab {
-            SettingsTab::Params => params::show(window, ui),
+            SettingsTab::Params => {
+                params::show(window, ui);
+                script::show(window, ui);
+            }
             SettingsTab::Objects => objects::show(window, ui),
             SettingsTab::Views => views::show(&mut window.model, ui),
             SettingsTab::Preferences => {

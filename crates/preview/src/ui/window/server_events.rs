@@ -106,6 +106,11 @@ impl Window {
             return;
         };
         let value = settings.param(param).to_vec();
+        self.write_numbers(name, value);
+    }
+
+    /// Writes the value of a param, or of a number of a script's settings, into the text.
+    pub(crate) fn write_numbers(&mut self, name: &str, value: Vec<f64>) {
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.say(Event::Write {
                 version: self.model.version,
@@ -133,15 +138,21 @@ impl Window {
             .map_or_else(free, |camera| &*camera.name)
             .to_owned();
         let direction = [0, 1, 2].map(|k| camera.target[k] - camera.eye[k]);
+        // The text may have other coordinates than the scene.
+        let stated = |vector| match &self.model.scene {
+            Some(scene) => scene.stated(vector),
+            None => vector,
+        };
+        let [direction, position] = [direction, camera.eye].map(stated);
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.say(Event::WriteCamera {
                 version: self.model.version,
                 name,
                 direction,
-                position: camera.eye,
+                position,
             }),
             TextSource::File { editor, .. } => {
-                match editor.write_camera(&name, direction, camera.eye) {
+                match editor.write_camera(&name, direction, position) {
                     Ok(true) => self.text.compile(),
                     Ok(false) => {}
                     Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
