@@ -1,9 +1,11 @@
-//! `geotrace convert`: a script and the program that is made of it give the same picture.
+//! `geotrace convert` and the code action: a script and the program that is made of it give the same picture.
 
 use std::path::Path;
 
 use image::RgbImage;
+use serde_json::{Value, json};
 use testing::binary::geotrace;
+use testing::editor::{Editor, Place};
 
 /// Draws by the words behind `geotrace`, in a folder.
 fn draw(folder: &Path, words: &[&str], picture: &str) -> RgbImage {
@@ -223,4 +225,111 @@ Scene { m() }";
         "without lights it is dark\n{}",
         run.stdout
     );
+}
+
+/// Opens a script; the code actions on its first line.
+async fn actions(editor: &mut Editor, uri: &str, text: &str, only: &[&str]) -> Value {
+    let document = json!({ "uri": uri, "languageId": "crt", "version": 1, "text": text });
+    editor
+        .tell("textDocument/didOpen", json!({ "textDocument": document }))
+        .await;
+    let start = json!({ "line": 0, "character": 0 });
+    let params = json!({
+        "textDocument": { "uri": uri },
+        "range": { "start": start, "end": start },
+        "context": { "diagnostics": [], "only": only },
+    });
+    editor.ask("textDocument/codeAction", params).await
+}
+
+const GOOD: &str = "Scene { Sphere { center -> vec3(0, 0, 0)  radius -> 1 } }";
+
+fn creating_files() -> Value {
+    let edit = json!({ "documentChanges": true, "resourceOperations": ["create", "rename"] });
+    json!({
+        "workspace": { "applyEdit": true, "workspaceEdit": edit },
+        "window": { "showDocument": { "support": true } },
+    })
+}
+
+#[tokio::test]
+async fn an_editor_converts_a_script_into_a_new_file_and_shows_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let uri = |name: &str| format!("file://{}", folder.path().join(name).display());
+    let mut editor = Editor::start(Place::Here, "convert");
+    editor.initialize(creating_files()).await;
+    let found = actions(&mut editor, &uri("good.crt"), GOOD, &["source"]).await;
+    assert_eq!(found[0]["title"], "Convert to Geotrace's language");
+    assert_eq!(found[0]["kind"], "source.convert");
+    assert_eq!(found.as_array().map(Vec::len), Some(1));
+    let command = found[0]["command"].clone();
+    let run = json!({ "command": command["command"], "arguments": command["arguments"] });
+    for name in ["good.gtr", "good-2.gtr"] {
+        // What is there is never written over.
+        editor.ask("workspace/executeCommand", run.clone()).await;
+        let asked = editor.asked("workspace/applyEdit").await;
+        let changes = &asked["edit"]["documentChanges"];
+        assert_eq!(changes[0], json!({ "kind": "create", "uri": uri(name) }));
+        assert_eq!(changes[1]["textDocument"]["uri"], uri(name));
+        let text = changes[1]["edits"][0]["newText"].as_str().expect("a text");
+        assert!(
+            text.starts_with(&format!("# geotrace render {name} ")),
+            "{text}"
+        );
+        assert!(text.contains("solid sphere = "), "{text}");
+        let shown = editor.asked("window/showDocument").await;
+        assert_eq!(shown["uri"], uri(name));
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    // What the editor refuses, and what cannot be converted, is told.
+    editor.applied = json!({ "applied": false, "failureReason": "it is read-only" });
+    editor.ask("workspace/executeCommand", run).await;
+    let told = editor.notified("window/showMessage", |_| true).await;
+    assert!(
+        told["message"]
+            .as_str()
+            .expect("a text")
+            .contains("it is read-only"),
+        "{told}"
+    );
+    let wrong = uri("wrong.crt");
+    actions(&mut editor, &wrong, "Scene { b }", &[]).await;
+    let run = json!({ "command": "geotrace.convert", "arguments": [wrong] });
+    editor.ask("workspace/executeCommand", run).await;
+    let told = editor.notified("window/showMessage", |_| true).await;
+    assert!(
+        told["message"]
+            .as_str()
+            .expect("a text")
+            .contains("with errors"),
+        "{told}"
+    );
+    // Other documents are not converted.
+    let document =
+        json!({ "uri": uri("a.gtr"), "languageId": "geotrace", "version": 1, "text": "" });
+    editor
+        .tell("textDocument/didOpen", json!({ "textDocument": document }))
+        .await;
+    let none = actions(&mut editor, &uri("a.gtr"), "", &[]).await;
+    assert_eq!(none, json!([]));
+    assert_eq!(editor.quit().await, 0);
+
+    // An editor that creates no files is not offered it.
+    let mut editor = Editor::start(Place::Here, "convert-no-files");
+    editor
+        .initialize(json!({ "workspace": { "applyEdit": true } }))
+        .await;
+    let found = actions(&mut editor, &uri("good.crt"), GOOD, &[]).await;
+    assert_eq!(found, json!([]));
+    let run = json!({ "command": "geotrace.convert", "arguments": [uri("good.crt")] });
+    editor.ask("workspace/executeCommand", run).await;
+    let told = editor.notified("window/showMessage", |_| true).await;
+    assert!(
+        told["message"]
+            .as_str()
+            .expect("a text")
+            .contains("geotrace convert"),
+        "{told}"
+    );
+    assert_eq!(editor.quit().await, 0);
 }
