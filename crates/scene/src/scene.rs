@@ -51,6 +51,11 @@ impl Scene {
         }
     }
 
+    /// The axes of the text, from 0 to 2, that the scene's axes are.
+    pub fn stated_axes(&self) -> [usize; 3] {
+        self.stated([0, 1, 2])
+    }
+
     /// The objects, each with its number.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
         (0..).map(ObjectId).zip(&self.objects)

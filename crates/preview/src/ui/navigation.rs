@@ -54,10 +54,10 @@ impl AxisView {
         self.sign * [DVec3::X, DVec3::Y, DVec3::Z][self.axis]
     }
 
-    /// The end of the axis: "+z".
-    fn end(&self) -> String {
+    /// The end of the axis: "+z". `axis` is that of the text.
+    fn end(&self, axis: usize) -> String {
         let sign = if self.sign < 0.0 { '−' } else { '+' };
-        format!("{sign}{}", ["x", "y", "z"][self.axis])
+        format!("{sign}{}", ["x", "y", "z"][axis])
     }
 }
 
@@ -219,6 +219,8 @@ pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
     }
     let reach = ARM + END + 6.0;
     let middle = rect.right_top() + Vec2::new(-reach, reach);
+    let scene = window.model.scene.as_ref();
+    let axes = scene.map_or([0, 1, 2], |scene| scene.stated_axes());
     let [right, up, back] = camera.axes();
     let mut ends: Vec<(f64, Pos2, &AxisView)> = AXIS_VIEWS
         .iter()
@@ -233,9 +235,11 @@ pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
         let place = Rect::from_center_size(at, Vec2::splat(2.0 * END));
         let name = egui::Id::unique(("gizmo", id, view.title));
         let response = ui.interact(place, name, Sense::CLICK);
-        let title = format!("Look from {} ({})", view.end(), view.title.to_lowercase());
+        let axis = axes[view.axis];
+        let title = view.title.to_lowercase();
+        let title = format!("Look from {} ({title})", view.end(axis));
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &title));
-        draw_end(ui, middle, at, view, depth, response.hovered());
+        draw_end(ui, [middle, at], view, axis, depth, response.hovered());
         if response.clicked() {
             window.activate(id);
             // The end that faces the eye leads to the other side.
@@ -247,7 +251,14 @@ pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
 }
 
 /// Draws the end of an axis; positive ends have a line and a letter, and negative ones when the pointer is over them.
-fn draw_end(ui: &Ui, middle: Pos2, at: Pos2, view: &AxisView, depth: f64, hovered: bool) {
+fn draw_end(
+    ui: &Ui,
+    [middle, at]: [Pos2; 2],
+    view: &AxisView,
+    axis: usize,
+    depth: f64,
+    hovered: bool,
+) {
     let painter = ui.painter();
     // What points away is dimmer.
     let share = if hovered {
@@ -255,7 +266,7 @@ fn draw_end(ui: &Ui, middle: Pos2, at: Pos2, view: &AxisView, depth: f64, hovere
     } else {
         0.8 + 0.2 * depth as f32
     };
-    let colour = COLOURS[view.axis].gamma_multiply(share);
+    let colour = COLOURS[axis].gamma_multiply(share);
     let is_positive = view.sign > 0.0;
     if is_positive {
         painter.line_segment([middle, at], (2.0, colour));
@@ -265,7 +276,7 @@ fn draw_end(ui: &Ui, middle: Pos2, at: Pos2, view: &AxisView, depth: f64, hovere
         painter.circle_stroke(at, END - 1.0, (1.5, colour));
     }
     if is_positive || hovered {
-        let end = view.end();
+        let end = view.end(axis);
         let letter = if is_positive {
             end.trim_start_matches('+')
         } else {

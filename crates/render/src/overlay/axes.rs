@@ -37,8 +37,9 @@ pub(crate) struct AxesBox {
 }
 
 impl AxesBox {
-    /// The box between two corners in drawing units. An axis along which it has no extent has no ticks.
-    pub(crate) fn new(camera: &Camera, [low, high]: [[f64; 3]; 2]) -> Self {
+    /// The box between two corners in drawing units; `names` are the axes of the text that the scene's are. An axis along which
+    /// it has no extent has no ticks.
+    pub(crate) fn new(camera: &Camera, [low, high]: [[f64; 3]; 2], names: [usize; 3]) -> Self {
         let (low, high) = (DVec3::from(low), DVec3::from(high));
         let middle = 0.5 * (low + high);
         let towards = match camera.parallel {
@@ -81,7 +82,9 @@ impl AxesBox {
             let side = [b, c][Self::marked(camera, axis, b, &outline)];
             let ends = outline[usize::from(side == c)];
             let outwards = (before[side] - middle[side]).signum();
-            axes.mark(camera, axis, ends, side, outwards);
+            let away = axes.mark(camera, axis, ends, side, outwards);
+            let at = 0.5 * (ends[0] + ends[1]) + away * NAME;
+            axes.words.push((at, NAMES[names[axis]].to_owned()));
         }
         axes
     }
@@ -99,8 +102,15 @@ impl AxesBox {
         usize::from(left(&outline[1]) < left(&outline[0]))
     }
 
-    /// Adds the ticks of an axis along an edge, with their numbers and the axis' name.
-    fn mark(&mut self, camera: &Camera, axis: usize, ends: [DVec3; 2], side: usize, outwards: f64) {
+    /// Adds the ticks of an axis along an edge, with their numbers; returns the direction in which they point.
+    fn mark(
+        &mut self,
+        camera: &Camera,
+        axis: usize,
+        ends: [DVec3; 2],
+        side: usize,
+        outwards: f64,
+    ) -> DVec3 {
         let placement = camera.placement;
         let world = |place: f64| placement.centre[axis] + place * placement.radius;
         let mut away = DVec3::ZERO;
@@ -111,9 +121,7 @@ impl AxesBox {
             self.lines.push([at, at + away * TICK]);
             self.words.push((at + away * NUMBER, tick.words));
         }
-        let middle = 0.5 * (ends[0] + ends[1]);
-        self.words
-            .push((middle + away * NAME, NAMES[axis].to_owned()));
+        away
     }
 
     /// The lines as an object of the picture; `colour` is linear light.

@@ -340,7 +340,7 @@ impl SpaceRenderer {
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request)?;
         let axes = request.overlays.axes.then(|| framed.corners()).flatten();
-        let axes = axes.map(|corners| AxesBox::new(&camera, corners));
+        let axes = axes.map(|corners| AxesBox::new(&camera, corners, request.scene.stated_axes()));
         let overlay = self.overlay(request, options, &structures, &camera.placement)?;
         let overlay = match &axes {
             Some(axes) => {
