@@ -82,6 +82,16 @@ impl BoundingBox {
         }
     }
 
+    /// The part of a ray inside, in its parameter, where it meets the box from its start on: also where it only touches a side,
+    /// an edge or a corner, whatever rounding makes of that.
+    #[inline]
+    pub(crate) fn met(&self, origin: DVec3, reciprocal: DVec3) -> Option<[f64; 2]> {
+        let [near, far] = self.part(origin, reciprocal);
+        // A difference, a reciprocal and a product have been rounded.
+        let slack = 4.0 * f64::EPSILON * (near.abs() + far.abs());
+        (near - far <= slack && far >= -slack).then_some([near, far])
+    }
+
     /// The part of a line inside, in its parameter; empty where the first exceeds the second.
     #[inline]
     pub(crate) fn part(&self, origin: DVec3, reciprocal: DVec3) -> [f64; 2] {

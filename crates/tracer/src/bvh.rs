@@ -24,6 +24,13 @@ struct BoxNode {
     count: u32,
 }
 
+/// A part of the hierarchy that a ray meets, with the parameter at which it enters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MetBox {
+    id: u32,
+    entry: f64,
+}
+
 /// The number of boxes that are not divided.
 const FEW: usize = 4;
 
@@ -84,6 +91,53 @@ impl Hierarchy {
         self.nodes
             .first()
             .map_or(BoundingBox::EMPTY, |node| node.bounds)
+    }
+
+    /// Hands the boxes that the ray meets from its start on to `found`, about from the nearest on. `found` receives how far the
+    /// ray reaches, as a parameter, and returns how far it reaches from then on: boxes beyond are left out. Returns the last
+    /// reach.
+    pub(crate) fn each_met(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        mut reach: f64,
+        stack: &mut Vec<MetBox>,
+        found: &mut dyn FnMut(usize, f64) -> f64,
+    ) -> f64 {
+        let reciprocal = direction.recip();
+        let entry = |bounds: &BoundingBox| Some(bounds.met(origin, reciprocal)?[0]);
+        stack.clear();
+        if let Some(root) = self.nodes.first()
+            && let Some(entry) = entry(&root.bounds)
+        {
+            stack.push(MetBox { id: 0, entry });
+        }
+        while let Some(met) = stack.pop() {
+            if met.entry > reach {
+                continue;
+            }
+            let node = &self.nodes[met.id as usize];
+            if node.count == 0 {
+                let children = [met.id + 1, node.place];
+                let [a, b] = children.map(|id| {
+                    let entry = entry(&self.nodes[id as usize].bounds)?;
+                    Some(MetBox { id, entry })
+                });
+                // The nearer one is taken first.
+                let is_first = |a: MetBox, b: MetBox| a.entry <= b.entry;
+                match (a, b) {
+                    (Some(a), Some(b)) if is_first(a, b) => stack.extend([b, a]),
+                    (a, b) => stack.extend([a, b].into_iter().flatten()),
+                }
+                continue;
+            }
+            for &k in &self.order[node.place as usize..][..node.count as usize] {
+                if entry(&self.boxes[k as usize]).is_some_and(|entry| entry <= reach) {
+                    reach = found(k as usize, reach);
+                }
+            }
+        }
+        reach
     }
 
     /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit.

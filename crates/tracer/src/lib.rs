@@ -74,6 +74,6 @@ pub use cast::{Caster, Crossing};
 pub use contour::{SolidMesh, contour};
 pub use line::{Ray, SurfaceId};
 pub use look::{PictureLook, decoded, encoded, gamma_encoded};
-pub use sheet::{Sheet, SheetHit, SheetScratch};
-pub use sheets::Sheets;
+pub use sheet::{Sheet, SheetCounters, SheetHit, SheetScratch};
+pub use sheets::{Sheets, SheetsRay};
 pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder};

@@ -15,7 +15,7 @@ use crate::line::{Ray, SurfaceId};
 use crate::look::PictureLook;
 use crate::optics::{fresnel, reflected, refracted};
 use crate::sheet::{SheetHit, SheetScratch};
-use crate::sheets::Sheets;
+use crate::sheets::{Sheets, SheetsRay};
 use crate::world::World;
 
 /// The look of a face at a place; colours are linear.
@@ -287,18 +287,19 @@ impl<'a> LightTracer<'a> {
         let sheets = scenery.sheets;
         let mut reach = crossings.first().map_or(f64::INFINITY, |first| first.t);
         let mut found = None;
-        sheets.cast(
-            &mut self.sheets,
+        let ray = SheetsRay {
             origin,
             direction,
-            start.sheet(),
-            &mut |sheet, hit| {
-                if hit.t < reach && scenery.sees(hit) {
-                    reach = hit.t;
-                    found = Some((sheet, *hit));
-                }
-            },
-        );
+            leaving: start.sheet(),
+            reach,
+        };
+        sheets.cast(&mut self.sheets, ray, &mut |sheet, hit| {
+            if hit.t < reach && scenery.sees(hit) {
+                reach = hit.t;
+                found = Some((sheet, *hit));
+            }
+            reach
+        });
         if let Some((sheet, hit)) = found {
             crossings.clear();
             return Some(Face {
@@ -429,8 +430,14 @@ impl<'a> LightTracer<'a> {
         });
         let sheets = self.scenery.sheets;
         if share > 0.0 {
-            let found = &mut |sheet: usize, hit: &SheetHit| {
-                if hit.t < distance && share > 0.0 && scenery.sees(hit) {
+            let ray = SheetsRay {
+                origin: face.position,
+                direction: towards,
+                leaving: start.sheet(),
+                reach: distance,
+            };
+            sheets.cast(&mut self.sheets, ray, &mut |sheet, hit| {
+                if scenery.sees(hit) {
                     let face = Face {
                         t: hit.t,
                         position: hit.position,
@@ -439,14 +446,9 @@ impl<'a> LightTracer<'a> {
                     };
                     share *= look(&face).balanced().glass;
                 }
-            };
-            sheets.cast(
-                &mut self.sheets,
-                face.position,
-                towards,
-                start.sheet(),
-                found,
-            );
+                // Behind what is opaque nothing changes.
+                if share > 0.0 { distance } else { 0.0 }
+            });
         }
         share
     }

@@ -1,18 +1,22 @@
 //! Parametric surfaces.
 //!
 //! Input: three expressions in u and v over a rectangle, then rays. Output: where a ray meets the surface. The rectangle is
-//! divided into cells, each with a box that contains its image, by interval arithmetic. In a cell that a ray meets, either
-//! the boxes of its parts no longer do, or the determinant of (σu, σv, −d) excludes 0 for all derivatives on it: then the
-//! ray meets it once at most, and Newton's method decides where. Else it is divided.
+//! divided into cells, each with a box that contains its image, by interval arithmetic. A ray takes the cells whose boxes it
+//! meets from its start on. Of each the linear map (`patch.rs`) says that the ray passes it by, or that it meets it once at
+//! most: then Newton's method decides where. Else the cell is divided.
+
+mod patch;
+
+use std::sync::OnceLock;
 
 use expr::interval::Interval;
-use expr::ops::{Binary, Unary};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId, TooLarge};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::bounds::BoundingBox;
-use crate::bvh::Hierarchy;
+use crate::bvh::{Hierarchy, MetBox};
+use patch::{MARGIN, Meetings, Patch, ROUNDING, SheetRay, middle};
 
 /// A surface over a rectangle.
 #[derive(Debug)]
@@ -21,7 +25,13 @@ pub struct Sheet {
     /// σ, σu, σv.
     frame: Tape,
     uniforms: Vec<(Input, f64)>,
+    /// The inputs of the frame: the uniforms have their values, and the variables stand at these positions.
+    inputs: Vec<f64>,
+    variables: [Option<usize>; 2],
+    domain: [[f64; 2]; 2],
     cells: Vec<Cell>,
+    /// The patches of the cells that rays have met.
+    patches: Vec<OnceLock<Option<Box<Patch>>>>,
     hierarchy: Hierarchy,
 }
 
@@ -50,10 +60,22 @@ struct Cell {
 #[derive(Debug, Default)]
 pub struct SheetScratch {
     registers: Registers,
-    stack: Vec<u32>,
-    met: Vec<u32>,
+    inputs: Vec<f64>,
+    stack: Vec<MetBox>,
     parts: Vec<(Cell, u32)>,
+    /// The places that the ray has met, as they are found.
     hits: Vec<SheetHit>,
+    /// The numbers of evaluations of the surface so far.
+    pub(crate) counters: SheetCounters,
+}
+
+/// The work of casting.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SheetCounters {
+    /// Evaluations of σ, σu and σv at a place.
+    pub places: u64,
+    /// Evaluations of them on a cell.
+    pub cells: u64,
 }
 
 /// A rectangle is divided into this many cells, if their boxes are not small before.
@@ -64,8 +86,6 @@ const SMALL: f64 = 1.0 / 48.0;
 const DEEPEST: u32 = 44;
 /// The number of parts of cells that are looked at for a ray.
 const MOST_PARTS: usize = 1 << 14;
-/// Cells are taken to be larger by this share, so that none is missed where two meet.
-const MARGIN: f64 = 1e-9;
 
 impl Sheet {
     /// Prepares the surface with these components over u in `domain[0]` and v in `domain[1]` (the variables 0 and 1).
@@ -88,10 +108,21 @@ impl Sheet {
             position: Tape::new(&graph, &roots),
             frame: Tape::new(&graph, &all),
             uniforms: inputs.map(|input| (input, uniform(input))).collect(),
+            inputs: Vec::new(),
+            variables: [None; 2],
+            domain,
             cells: Vec::new(),
+            patches: Vec::new(),
             hierarchy: Hierarchy::default(),
         };
-        sheet.divide(domain);
+        let inputs = sheet.frame.inputs().iter();
+        sheet.inputs = inputs.map(|input| sheet.uniform(*input)).collect();
+        let position = |k: u32| {
+            let mut inputs = sheet.frame.inputs().iter();
+            inputs.position(|input| *input == Input::Variable(k))
+        };
+        sheet.variables = [position(0), position(1)];
+        sheet.divide();
         Ok(sheet)
     }
 
@@ -109,40 +140,114 @@ impl Sheet {
         direction: DVec3,
         leaving: Option<[f64; 2]>,
     ) -> &'s [SheetHit] {
-        let SheetScratch {
-            stack, met, hits, ..
-        } = scratch;
-        met.clear();
-        hits.clear();
-        if !(origin.is_finite() && direction.is_finite()) || direction == DVec3::ZERO {
-            return &scratch.hits;
-        }
-        self.hierarchy
-            .met(origin, direction, stack, &mut |k, _| met.push(k as u32));
-        for k in 0..scratch.met.len() {
-            let cell = self.cells[scratch.met[k] as usize];
-            self.search(scratch, cell, origin, direction, leaving);
-        }
+        self.each(
+            scratch,
+            origin,
+            direction,
+            leaving,
+            f64::INFINITY,
+            &mut |_| f64::INFINITY,
+        );
         let hits = &mut scratch.hits;
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t));
-        // Where cells meet, both find the place.
-        hits.dedup_by(|b, a| {
-            let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
-            close(a.t, b.t)
-                && a.position.distance(b.position) <= 1e-9 * (1.0 + a.position.length())
-                && close(a.uv[0], b.uv[0])
-                && close(a.uv[1], b.uv[1])
-        });
-        &scratch.hits
+        hits
     }
 
-    fn divide(&mut self, domain: [[f64; 2]; 2]) {
-        let mut registers = Registers::default();
+    /// Hands the places with 0 < t < `reach` where the ray meets the surface to `found`, each once, and about from the ray's
+    /// start on. `found` returns the reach from then on. Returns the last one.
+    pub(crate) fn each(
+        &self,
+        scratch: &mut SheetScratch,
+        origin: DVec3,
+        direction: DVec3,
+        leaving: Option<[f64; 2]>,
+        reach: f64,
+        found: &mut dyn FnMut(&SheetHit) -> f64,
+    ) -> f64 {
+        scratch.hits.clear();
+        if !(origin.is_finite() && direction.is_finite()) || direction == DVec3::ZERO {
+            return reach;
+        }
+        scratch.inputs.clone_from(&self.inputs);
+        let ray = SheetRay::new(origin, direction);
+        let mut stack = std::mem::take(&mut scratch.stack);
+        let reach =
+            self.hierarchy
+                .each_met(origin, direction, reach, &mut stack, &mut |k, mut reach| {
+                    let before = scratch.hits.len();
+                    self.meet(scratch, k, &ray, leaving, reach);
+                    for k in before..scratch.hits.len() {
+                        if scratch.hits[k].t < reach {
+                            reach = reach.min(found(&scratch.hits[k]));
+                        }
+                    }
+                    reach
+                });
+        scratch.stack = stack;
+        reach
+    }
+
+    /// Adds the places where the ray meets a cell.
+    fn meet(
+        &self,
+        scratch: &mut SheetScratch,
+        k: usize,
+        ray: &SheetRay,
+        leaving: Option<[f64; 2]>,
+        reach: f64,
+    ) {
+        let cell = self.cells[k];
+        let patch = self.patches[k].get_or_init(|| {
+            let frame = self.frame_on(scratch, &cell);
+            self.patch(scratch, &cell, &frame).map(Box::new)
+        });
+        if let Some(patch) = patch
+            && self.meet_patch(scratch, &cell, patch, ray, leaving)
+        {
+            return;
+        }
+        self.search(scratch, cell, ray, leaving, reach);
+    }
+
+    /// Adds the place where the ray meets a patch; returns false if the cell has to be divided.
+    fn meet_patch(
+        &self,
+        scratch: &mut SheetScratch,
+        cell: &Cell,
+        patch: &Patch,
+        ray: &SheetRay,
+        leaving: Option<[f64; 2]>,
+    ) -> bool {
+        let start = match patch.meetings(ray) {
+            Meetings::None => return true,
+            Meetings::Unknown => return false,
+            Meetings::AtMostOne(start) => start,
+        };
+        if leaving.is_some_and(|uv| cell.contains(uv)) {
+            return true;
+        }
+        match self.newton(scratch, cell, start, ray) {
+            Newton::Ahead(hit) => {
+                scratch.add(hit);
+                true
+            }
+            Newton::Behind => true,
+            Newton::Beyond(edge) => {
+                let sides = edge.at.map(|at| [at, at]);
+                let place = self.place_on(&mut scratch.registers, &Cell { sides });
+                patch.is_passed(ray, edge.beyond, &place)
+            }
+            Newton::Unknown => false,
+        }
+    }
+
+    fn divide(&mut self) {
+        let mut scratch = SheetScratch::default();
         let mut done: Vec<(Cell, BoundingBox)> = Vec::new();
-        let mut rest = std::collections::VecDeque::from([Cell { sides: domain }]);
+        let mut rest = std::collections::VecDeque::from([Cell { sides: self.domain }]);
         let mut whole: Option<f64> = None;
         while let Some(cell) = rest.pop_front() {
-            let bounds = self.on_cell(&mut registers, &cell);
+            let bounds = self.on_cell(&mut scratch.registers, &cell);
             if bounds.is_empty() {
                 continue;
             }
@@ -152,170 +257,203 @@ impl Sheet {
             if count == CELLS / 16 {
                 whole = rest
                     .iter()
-                    .map(|cell| self.on_cell(&mut registers, cell))
+                    .map(|cell| self.on_cell(&mut scratch.registers, cell))
                     .reduce(|a, b| a.union(&b))
                     .map(|all| (all.upper - all.lower).max_element());
             }
             if count >= CELLS || whole.is_some_and(|whole| size <= SMALL * whole) {
                 done.push((cell, bounds));
             } else {
-                rest.extend(cell.halves(self.longer(&mut registers, &cell)));
+                rest.extend(cell.halves(self.longer(&mut scratch, &cell)));
             }
         }
         let (cells, boxes): (Vec<Cell>, Vec<BoundingBox>) = done.into_iter().unzip();
+        self.patches = cells.iter().map(|_| OnceLock::new()).collect();
         self.cells = cells;
         self.hierarchy = Hierarchy::new(boxes);
     }
 
-    /// The side of a cell along which its image is longer.
-    fn longer(&self, registers: &mut Registers, cell: &Cell) -> usize {
-        let [[u0, u1], [v0, v1]] = cell.sides;
-        let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-        let at = |registers: &mut Registers, u, v| self.frame_at(registers, [u, v])[0];
-        let along_u = at(registers, u0, v).distance(at(registers, u, v))
-            + at(registers, u, v).distance(at(registers, u1, v));
-        let along_v = at(registers, u, v0).distance(at(registers, u, v))
-            + at(registers, u, v).distance(at(registers, u, v1));
-        usize::from(along_v > along_u)
+    /// The side of a cell along which its image may be longer: where nothing is known, that which has been halved less.
+    fn longer(&self, scratch: &mut SheetScratch, cell: &Cell) -> usize {
+        let frame = self.frame_on(scratch, cell);
+        let longest = |side: usize| {
+            let slope = &frame[3 + 3 * side..][..3];
+            let sizes = slope
+                .iter()
+                .map(|it| it.lower().abs().max(it.upper().abs()));
+            let [a, b] = cell.sides[side];
+            sizes.fold(0.0f64, |most, size| most.max(size)) * (b - a)
+        };
+        let share = |side: usize| {
+            let [[a, b], [c, d]] = [cell.sides[side], self.domain[side]];
+            (b - a) / (d - c)
+        };
+        let [u, v] = [longest(0), longest(1)];
+        if u.is_finite() && v.is_finite() && u != v {
+            usize::from(v > u)
+        } else {
+            usize::from(share(1) > share(0))
+        }
     }
 
     /// A box that contains the image of a cell.
     fn on_cell(&self, registers: &mut Registers, cell: &Cell) -> BoundingBox {
+        around(&self.place_on(registers, cell))
+    }
+
+    /// Intervals that contain σ on a cell.
+    fn place_on(&self, registers: &mut Registers, cell: &Cell) -> [Interval; 3] {
         let mut out = [Interval::WHOLE; 3];
         let inputs = self.intervals(&self.position, cell);
         self.position.eval_intervals(registers, &inputs, &mut out);
-        if out.iter().any(|side| side.is_empty()) {
-            return BoundingBox::EMPTY;
-        }
-        BoundingBox {
-            lower: DVec3::from_array(out.map(Interval::lower)),
-            upper: DVec3::from_array(out.map(Interval::upper)),
-        }
+        out
     }
 
+    /// Intervals that contain σ, σu and σv on a cell.
+    fn frame_on(&self, scratch: &mut SheetScratch, cell: &Cell) -> [Interval; 9] {
+        scratch.counters.cells += 1;
+        let mut out = [Interval::WHOLE; 9];
+        let inputs = self.intervals(&self.frame, cell);
+        self.frame
+            .eval_intervals(&mut scratch.registers, &inputs, &mut out);
+        out
+    }
+
+    /// The patch of a cell on which the frame lies in these intervals.
+    fn patch(
+        &self,
+        scratch: &mut SheetScratch,
+        cell: &Cell,
+        frame: &[Interval; 9],
+    ) -> Option<Patch> {
+        let sides = cell.sides.map(middle).map(|at| [at, at]);
+        let place = self.place_on(&mut scratch.registers, &Cell { sides });
+        Patch::new(cell.sides, frame, &place)
+    }
+
+    /// Adds the places where the ray meets a cell that has to be divided.
     fn search(
         &self,
         scratch: &mut SheetScratch,
         cell: Cell,
-        origin: DVec3,
-        direction: DVec3,
+        ray: &SheetRay,
         leaving: Option<[f64; 2]>,
+        reach: f64,
     ) {
-        let reciprocal = direction.recip();
         scratch.parts.clear();
-        scratch.parts.push((cell, 0));
+        let side = self.longer(scratch, &cell);
+        scratch
+            .parts
+            .extend(cell.halves(side).map(|half| (half, 1)));
         let mut budget = MOST_PARTS;
         while let Some((cell, depth)) = scratch.parts.pop() {
             if budget == 0 {
                 return;
             }
             budget -= 1;
-            let mut out = [Interval::WHOLE; 9];
-            let inputs = self.intervals(&self.frame, &cell);
-            self.frame
-                .eval_intervals(&mut scratch.registers, &inputs, &mut out);
-            if out[..3].iter().any(|side| side.is_empty()) {
+            let frame = self.frame_on(scratch, &cell);
+            let bounds = around(&[frame[0], frame[1], frame[2]]);
+            if bounds.is_empty() {
                 continue;
             }
-            let bounds = BoundingBox {
-                lower: DVec3::new(out[0].lower(), out[1].lower(), out[2].lower()),
-                upper: DVec3::new(out[0].upper(), out[1].upper(), out[2].upper()),
-            };
-            let [near, far] = bounds.part(origin, reciprocal);
-            if near > far || far < 0.0 {
+            let met = bounds.met(ray.origin, ray.reciprocal);
+            if met.is_none_or(|[near, _]| near >= reach) {
                 continue;
             }
-            let regular =
-                excludes_zero(&out, direction) && !out.iter().any(|part| part.is_partial());
-            if regular {
-                if leaving.is_some_and(|uv| cell.contains(uv)) {
+            let mut side = usize::from(depth % 2 == 1);
+            if let Some(patch) = self.patch(scratch, &cell, &frame) {
+                if self.meet_patch(scratch, &cell, &patch, ray, leaving) {
                     continue;
                 }
-                match self.newton(scratch, &cell, origin, direction) {
-                    Newton::Ahead(hit) => {
-                        scratch.hits.push(hit);
-                        continue;
-                    }
-                    Newton::Behind => continue,
-                    Newton::Unknown => {}
-                }
+                side = patch.longer();
             }
-            if depth >= DEEPEST {
-                continue;
+            if depth < DEEPEST {
+                let halves = cell.halves(side);
+                scratch.parts.extend(halves.map(|half| (half, depth + 1)));
             }
-            let side = usize::from(depth % 2 == 1);
-            scratch
-                .parts
-                .extend(cell.halves(side).map(|half| (half, depth + 1)));
         }
     }
 
-    /// Solves σ(u, v) = origin + t·direction from the middle of a cell on which there is one solution at most.
+    /// Solves σ(u, v) = origin + t·direction on a cell on which there is one solution at most.
     fn newton(
         &self,
         scratch: &mut SheetScratch,
         cell: &Cell,
-        origin: DVec3,
-        direction: DVec3,
+        start: [f64; 2],
+        ray: &SheetRay,
     ) -> Newton {
         let [[u0, u1], [v0, v1]] = cell.sides;
-        let (mut u, mut v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
+        let [mut u, mut v] = start;
         let (du, dv) = (u1 - u0, v1 - v0);
         let mut last = f64::INFINITY;
         for _ in 0..24 {
-            let [s, su, sv] = self.frame_at(&mut scratch.registers, [u, v]);
-            let matrix = DMat3::from_cols(su, sv, -direction);
-            let step = matrix.inverse() * (origin - s);
-            if !step.is_finite() {
+            let [s, su, sv] = self.frame_at(scratch, [u, v]);
+            let normal = su.cross(sv);
+            let determinant = normal.dot(ray.direction);
+            let turned = ray.direction.cross(ray.origin - s);
+            let step_u = sv.dot(turned) / determinant;
+            let step_v = -su.dot(turned) / determinant;
+            // The steps as shares of the cell.
+            let size = (step_u / du).abs().max((step_v / dv).abs());
+            if !size.is_finite() {
                 return Newton::Unknown;
             }
-            // The steps as shares of the cell.
-            let size = (step.x / du).abs().max((step.y / dv).abs());
-            (u, v) = (u + step.x, v + step.y);
+            (u, v) = (u + step_u, v + step_v);
             let away = [(u - u0) / du, (v - v0) / dv]
                 .iter()
                 .fold(0.0f64, |most, share| most.max(-share).max(share - 1.0));
-            if size <= 1e-14 || size <= 1e-9 && size >= last {
-                if away > MARGIN {
-                    // Where the solution lies is known, but only within the cell is it the only one.
-                    return Newton::Unknown;
+            // Rounding moves a solution by so much: one on the common edge of two cells perhaps outside of both.
+            let rounded = ROUNDING
+                * (ray.origin.abs().max_element() + s.abs().max_element())
+                * ray.square().sqrt()
+                / determinant.abs();
+            let rounded = rounded * (sv.length() / du).max(su.length() / dv);
+            // Steps shrink by their squares: the next one would be about size³/last².
+            let is_last = size * size * size <= 1e-15 * last * last;
+            if size <= rounded.max(1e-14) || size <= 1e-7 && (is_last || size >= last) {
+                if away > MARGIN + rounded {
+                    // Only within the cell is the solution known to be the only one.
+                    return Newton::Beyond(cell.nearest([u, v]));
                 }
-                let [s, su, sv] = self.frame_at(&mut scratch.registers, [u, v]);
-                let t = (s - origin).dot(direction) / direction.length_squared();
+                let position = s + step_u * su + step_v * sv;
+                let t = (position - ray.origin).dot(ray.direction) / ray.square();
                 if t <= 0.0 {
                     return Newton::Behind;
                 }
-                let normal = su.cross(sv).normalize_or(-direction.normalize_or(DVec3::Z));
-                let faces = normal.dot(direction) < 0.0;
+                let against = -ray.direction.normalize_or(DVec3::Z);
+                let normal = normal.normalize_or(against);
+                let is_front = normal.dot(ray.direction) < 0.0;
                 return Newton::Ahead(SheetHit {
                     t,
                     uv: [u, v],
-                    position: s,
-                    normal: if faces { normal } else { -normal },
-                    is_front: faces,
+                    position,
+                    normal: if is_front { normal } else { -normal },
+                    is_front,
                 });
             }
             if away > 4.0 {
-                return Newton::Unknown;
+                return Newton::Beyond(cell.nearest([u, v]));
             }
             last = size;
         }
         Newton::Unknown
     }
 
-    /// σ, σu and σv.
-    fn frame_at(&self, registers: &mut Registers, uv: [f64; 2]) -> [DVec3; 3] {
-        let inputs: Vec<f64> = self
-            .frame
-            .inputs()
-            .iter()
-            .map(|input| match *input {
-                Input::Variable(k @ 0..2) => uv[k as usize],
-                input => self.uniform(input),
-            })
-            .collect();
+    /// σ, σu and σv at a place.
+    #[inline]
+    fn frame_at(&self, scratch: &mut SheetScratch, uv: [f64; 2]) -> [DVec3; 3] {
+        scratch.counters.places += 1;
+        if scratch.inputs.len() != self.inputs.len() {
+            scratch.inputs.clone_from(&self.inputs);
+        }
+        for (position, at) in self.variables.iter().zip(uv) {
+            if let Some(position) = *position {
+                scratch.inputs[position] = at;
+            }
+        }
         let mut out = [f64::NAN; 9];
-        self.frame.eval(registers, &inputs, &mut out);
+        self.frame
+            .eval(&mut scratch.registers, &scratch.inputs, &mut out);
         [0, 3, 6].map(|k| DVec3::new(out[k], out[k + 1], out[k + 2]))
     }
 
@@ -344,11 +482,29 @@ enum Newton {
     Ahead(SheetHit),
     /// The solution is behind the start.
     Behind,
+    /// The steps lead out of the cell.
+    Beyond(CellEdge),
     /// It has not been found on the cell.
     Unknown,
 }
 
+/// The place of a cell that is nearest to one outside of it.
+struct CellEdge {
+    at: [f64; 2],
+    /// For u and v: 1 where that is beyond the cell's greatest, −1 where it is below its least, else 0.
+    beyond: [f64; 2],
+}
+
 impl Cell {
+    fn nearest(&self, uv: [f64; 2]) -> CellEdge {
+        let beyond = [0, 1].map(|k| {
+            let [a, b] = self.sides[k];
+            f64::from(u8::from(uv[k] > b)) - f64::from(u8::from(uv[k] < a))
+        });
+        let at = [0, 1].map(|k| uv[k].clamp(self.sides[k][0], self.sides[k][1]));
+        CellEdge { at, beyond }
+    }
+
     fn halves(&self, side: usize) -> [Self; 2] {
         let [a, b] = self.sides[side];
         let middle = 0.5 * (a + b);
@@ -368,18 +524,34 @@ impl Cell {
     }
 }
 
-/// True if det(σu, σv, d) excludes 0 for all values of the derivatives.
-fn excludes_zero(frame: &[Interval; 9], direction: DVec3) -> bool {
-    let product = |a, b| Interval::binary(Binary::Mul, a, b);
-    let difference = |a, b| Interval::binary(Binary::Sub, a, b);
-    let [su, sv] = [&frame[3..6], &frame[6..9]];
-    let mut sum = Interval::point(0.0);
-    for k in 0..3 {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let cross = difference(product(su[i], sv[j]), product(su[j], sv[i]));
-        let term = product(cross, Interval::point(direction[k]));
-        sum = Interval::binary(Binary::Add, sum, term);
+/// The box of three sides, empty if one of them is.
+fn around(sides: &[Interval; 3]) -> BoundingBox {
+    if sides.iter().any(|side| side.is_empty()) {
+        return BoundingBox::EMPTY;
     }
-    let size = Interval::unary(Unary::Abs, sum);
-    size.lower() > 0.0 && !size.is_empty()
+    BoundingBox {
+        lower: DVec3::from_array(sides.map(Interval::lower)),
+        upper: DVec3::from_array(sides.map(Interval::upper)),
+    }
+}
+
+impl SheetScratch {
+    /// The work so far.
+    pub fn counters(&self) -> SheetCounters {
+        self.counters
+    }
+
+    /// Adds a place, unless it is one that a neighbouring cell has found: both have their common edge.
+    fn add(&mut self, hit: SheetHit) {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
+        let is_same = |known: &SheetHit| {
+            close(known.t, hit.t)
+                && known.position.distance(hit.position) <= 1e-9 * (1.0 + known.position.length())
+                && close(known.uv[0], hit.uv[0])
+                && close(known.uv[1], hit.uv[1])
+        };
+        if !self.hits.iter().any(is_same) {
+            self.hits.push(hit);
+        }
+    }
 }

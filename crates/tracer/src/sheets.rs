@@ -36,30 +36,43 @@ impl Sheets {
         self.hierarchy.bounds()
     }
 
-    /// Hands the places with t > 0 where the ray meets a surface to `found`, those of each surface by t. With `leaving`, the
-    /// ray starts on that surface at these parameters.
+    /// Hands the places with 0 < t < `reach` where the ray meets a surface to `found`, each once. `found` returns the reach from
+    /// then on. With `leaving`, the ray starts on that surface at these parameters.
     pub fn cast(
         &self,
         scratch: &mut SheetScratch,
-        origin: DVec3,
-        direction: DVec3,
-        leaving: Option<(usize, [f64; 2])>,
-        found: &mut dyn FnMut(usize, &SheetHit),
+        ray: SheetsRay,
+        found: &mut dyn FnMut(usize, &SheetHit) -> f64,
     ) {
+        let SheetsRay {
+            origin,
+            direction,
+            leaving,
+            reach,
+        } = ray;
         if self.boxed.is_empty() {
             return;
         }
-        let (mut stack, mut met) = (Vec::new(), Vec::new());
+        let mut stack = Vec::new();
         self.hierarchy
-            .met(origin, direction, &mut stack, &mut |k, _| {
-                met.push(self.boxed[k])
+            .each_met(origin, direction, reach, &mut stack, &mut |k, reach| {
+                let sheet = self.boxed[k] as usize;
+                let uv = leaving.and_then(|(other, uv)| (other == sheet).then_some(uv));
+                let found = &mut |hit: &SheetHit| found(sheet, hit);
+                self.all[sheet].each(scratch, origin, direction, uv, reach, found)
             });
-        for k in met {
-            let sheet = k as usize;
-            let uv = leaving.and_then(|(other, uv)| (other == sheet).then_some(uv));
-            for hit in self.all[sheet].cast(scratch, origin, direction, uv) {
-                found(sheet, hit);
-            }
-        }
     }
+}
+
+/// A ray among surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct SheetsRay {
+    /// The start.
+    pub origin: DVec3,
+    /// The direction.
+    pub direction: DVec3,
+    /// The surface that it starts on, with the parameters there.
+    pub leaving: Option<(usize, [f64; 2])>,
+    /// The parameter up to which places are looked for.
+    pub reach: f64,
 }

@@ -143,3 +143,171 @@ fn a_sheet_that_is_undefined_or_degenerate_has_an_answer() {
     assert_eq!(hits.len(), 1);
     assert!((hits[0].t - 3.0625).abs() < 1e-12);
 }
+
+/// Surfaces with folds, poles, tips, pinches and waves, each with its domain.
+fn shapes() -> Vec<(&'static str, [Formula; 3], [[f64; 2]; 2])> {
+    let [u, v, _] = &variables();
+    let tube = &(1.0 + 0.4 * v.cos());
+    let half = &(0.5 * u);
+    let klein = &(2.0 + half.cos() * v.sin() - half.sin() * (2.0 * v).sin());
+    let waves = &(0.3 * (3.0 * u).sin() * (5.0 * v).cos());
+    let far = &(1e6 + u.cos());
+    vec![
+        (
+            "torus",
+            [tube * u.cos(), tube * u.sin(), 0.4 * v.sin()],
+            [[0.0, TAU]; 2],
+        ),
+        (
+            "ball",
+            [u.sin() * v.cos(), u.sin() * v.sin(), u.cos()],
+            [[0.0, PI], [0.0, TAU]],
+        ),
+        (
+            "klein",
+            [
+                klein * u.cos(),
+                klein * u.sin(),
+                half.sin() * v.sin() + half.cos() * (2.0 * v).sin(),
+            ],
+            [[0.0, TAU]; 2],
+        ),
+        (
+            "waves",
+            [u.clone(), v.clone(), waves.clone()],
+            [[-2.0, 2.0]; 2],
+        ),
+        (
+            "cone",
+            [v * u.cos(), v * u.sin(), v.clone()],
+            [[0.0, TAU], [-1.0, 1.0]],
+        ),
+        (
+            "umbrella",
+            [u * v, u.clone(), v.squared()],
+            [[-1.0, 1.0], [-1.0, 1.0]],
+        ),
+        (
+            "thin",
+            [u.cos(), 1e-3 * u.sin(), v.clone()],
+            [[0.0, TAU], [-1.0, 1.0]],
+        ),
+        (
+            "far",
+            [far.clone(), u.sin(), v.clone()],
+            [[0.0, TAU], [-1.0, 1.0]],
+        ),
+    ]
+}
+
+#[test]
+fn no_place_is_lost_between_cells_or_by_what_leaves_them_out() {
+    let mut random = Random(77);
+    let mut scratch = SheetScratch::default();
+    for (name, components, domain) in shapes() {
+        let surface = sheet(&components, domain);
+        let bounds = surface.bounds();
+        let size = (bounds.upper - bounds.lower).length();
+        let graph = components[0].graph().clone();
+        let tape = expr::tape::Tape::new(&graph, &[0, 1, 2].map(|k| components[k].node()));
+        let mut registers = expr::tape::Registers::default();
+        let mut place = |uv: [f64; 2]| {
+            let inputs: Vec<f64> = tape
+                .inputs()
+                .iter()
+                .map(|input| match input {
+                    Input::Variable(k) => uv[*k as usize],
+                    Input::Uniform(_) => f64::NAN,
+                })
+                .collect();
+            let mut out = [0.0; 3];
+            tape.eval(&mut registers, &inputs, &mut out);
+            DVec3::from_array(out)
+        };
+        let sheets = tracer::Sheets::new(vec![sheet(&components, domain)]);
+        let mut tangent = 0;
+        for k in 0..4000 {
+            // Every fourth place lies where cells meet: at a share with a small power of two below it.
+            let uv = domain.map(|[a, b]| match k % 4 {
+                0 => a + (b - a) * f64::from(random.below(65) as u32) / 64.0,
+                _ => random.between(a, b),
+            });
+            let target = place(uv);
+            let direction = random.direction();
+            let origin = target - random.between(0.1, 3.0) * size * direction;
+            let distance = (target - origin).dot(direction);
+            let hits = surface.cast(&mut scratch, origin, direction, None).to_vec();
+            assert!(hits.windows(2).all(|pair| pair[0].t <= pair[1].t));
+            let slack = 1e-9 * (1.0 + distance.abs()) + 4.0 * f64::EPSILON * origin.length();
+            let found = hits
+                .iter()
+                .any(|hit| (hit.t - distance).abs() <= 1e3 * slack);
+            if !found {
+                // Only where the ray touches the surface may rounding decide, or at the rim.
+                let step = 1e-5;
+                let mut near = |du: f64, dv: f64| place([uv[0] + du, uv[1] + dv]);
+                let su = near(step, 0.0) - near(-step, 0.0);
+                let sv = near(0.0, step) - near(0.0, -step);
+                let normal = su.cross(sv);
+                let cosine = normal.normalize_or_zero().dot(direction).abs();
+                let at_rim = (0..2).any(|k| uv[k] == domain[k][0] || uv[k] == domain[k][1]);
+                assert!(
+                    cosine < 1e-3 || at_rim || normal.length() < 1e-14,
+                    "{name} at {uv:?}, {cosine}: {hits:?}, not {distance}"
+                );
+                tangent += 1;
+            }
+            // The first of all is the first that is handed out when only that is wanted.
+            let mut first = f64::INFINITY;
+            let ray = tracer::SheetsRay {
+                origin,
+                direction,
+                leaving: None,
+                reach: f64::INFINITY,
+            };
+            sheets.cast(&mut scratch, ray, &mut |_, hit| {
+                first = first.min(hit.t);
+                first
+            });
+            let least = hits.first().map_or(f64::INFINITY, |hit| hit.t);
+            let same = first == least || (first - least).abs() <= 1e-6;
+            assert!(same, "{name}: {first}, not {least}");
+        }
+        assert!(tangent < 200, "{name}: {tangent} of 4000");
+    }
+}
+
+#[test]
+fn a_ray_costs_few_evaluations() {
+    let rays = rays(2000);
+    for (name, components, domain) in shapes() {
+        let surface = sheet(&components, domain);
+        let bounds = surface.bounds();
+        let (center, size) = (
+            0.5 * (bounds.lower + bounds.upper),
+            0.3 * (bounds.upper - bounds.lower).length(),
+        );
+        let mut scratch = SheetScratch::default();
+        let cast = |scratch: &mut SheetScratch| {
+            let mut hits = 0;
+            for ray in &rays {
+                let origin = center + size * ray.origin;
+                hits += surface.cast(scratch, origin, ray.direction, None).len();
+            }
+            hits
+        };
+        // The first time the patches of the cells are made.
+        cast(&mut scratch);
+        let before = scratch.counters();
+        let hits = cast(&mut scratch);
+        let after = scratch.counters();
+        let [places, cells] = [after.places - before.places, after.cells - before.cells];
+        let (places, cells) = (
+            places as f64 / hits as f64,
+            cells as f64 / rays.len() as f64,
+        );
+        assert!(hits > 1000, "{name}: {hits}");
+        assert!(places < 8.0, "{name}: {places} evaluations for a hit");
+        assert!(cells < 8.0, "{name}: {cells} cells are divided for a ray");
+    }
+}
