@@ -144,8 +144,11 @@ fn a_sheet_that_is_undefined_or_degenerate_has_an_answer() {
     assert!((hits[0].t - 3.0625).abs() < 1e-12);
 }
 
-/// Surfaces with folds, poles, tips, pinches and waves, each with its domain.
-fn shapes() -> Vec<(&'static str, [Formula; 3], [[f64; 2]; 2])> {
+/// A surface with its name and its domain.
+type NamedShape = (&'static str, [Formula; 3], [[f64; 2]; 2]);
+
+/// Surfaces with folds, poles, tips, pinches and waves.
+fn shapes() -> Vec<NamedShape> {
     let [u, v, _] = &variables();
     let tube = &(1.0 + 0.4 * v.cos());
     let half = &(0.5 * u);

@@ -115,6 +115,9 @@ impl Patch {
             difference(product(su[i], sv[j]), product(su[j], sv[i]))
         });
         let half = sides.map(|[a, b]| 0.5 * (b - a));
+        if !normal.iter().all(is_sound) {
+            return None;
+        }
         Some(Self {
             middle: sides.map(middle),
             half,
@@ -145,7 +148,7 @@ impl Patch {
         }
         let [determinant, unsure] = self.normal.dot(ray.direction, ray.sizes);
         let size = determinant.abs();
-        if !(size > unsure) {
+        if size <= unsure {
             return Meetings::Unknown;
         }
         let steps = self.steps(ray, offset, slack);
