@@ -127,7 +127,7 @@ fn all_that_a_script_states_is_in_the_program() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("all.crt"), ALL).expect("written");
     let text = expect_same(folder.path(), "all", "200x150", &[]);
-    for taken in ["solid x ", "solid light ", "solid sin "] {
+    for taken in ["solid x ", "solid sin "] {
         assert!(!text.contains(taken), "`{taken}` is no free name\n{text}");
     }
     assert!(text.contains("solid ring = "), "{text}");

@@ -27,7 +27,7 @@ use syntax::crt::tree::{Expression, Script};
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
-pub use convert::{Converted, MAX_CONVERTED_LEAVES};
+pub use convert::{Converted, MAX_CONVERTED_LEAVES, NameTest};
 
 use crate::rerun::Rerun;
 use crate::scene::Scene;
@@ -136,14 +136,14 @@ pub fn evaluate(
 }
 
 /// Makes a program in Geotrace's language of a script at a value of `t`; `None` if it has more than
-/// [`MAX_CONVERTED_LEAVES`] leaves. What has an error is left out.
-pub fn convert(script: &Script, text: &str, t: f64) -> Option<Converted> {
+/// [`MAX_CONVERTED_LEAVES`] leaves. What has an error is left out. `is_free` tells the names that a program may declare.
+pub fn convert(script: &Script, text: &str, t: f64, is_free: NameTest<'_>) -> Option<Converted> {
     let lines = ScriptLines::new(text);
     on_stack(|| {
         let mut interpreter = Interpreter::new(&lines, t);
         interpreter.script(script);
         let (settings, drawn) = interpreter.left();
-        convert::program(&settings, &drawn)
+        convert::program(&settings, &drawn, is_free)
     })?
 }
 

@@ -20,7 +20,7 @@ mod affine;
 mod apply;
 mod assembler;
 mod attributes;
-pub(crate) mod builtin;
+mod builtin;
 mod code;
 mod compile;
 mod declarations;

@@ -13,7 +13,7 @@
 //! Every handler takes what it needs from the session before it waits for anything: handlers run beside each other,
 //! and only so does the state change in the order of the messages. What takes time runs on workers over a snapshot.
 
-pub(crate) mod conversion;
+mod conversion;
 mod documents;
 mod lifecycle;
 mod places;

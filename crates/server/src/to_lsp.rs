@@ -15,7 +15,6 @@ use tower_lsp::ls_types as lsp;
 
 use crate::documents::{Open, Places, Snapshot};
 use crate::encoding::{Encoding, Place};
-use crate::incoming::conversion;
 use crate::preview;
 use crate::tokens::Encoded;
 
@@ -94,7 +93,7 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
         folding_range_provider: Some(lsp::FoldingRangeProviderCapability::Simple(true)),
         selection_range_provider: Some(lsp::SelectionRangeProviderCapability::Simple(true)),
         execute_command_provider: Some(lsp::ExecuteCommandOptions {
-            commands: [preview::COMMAND, conversion::COMMAND]
+            commands: [preview::COMMAND, CONVERT_COMMAND]
                 .map(str::to_owned)
                 .to_vec(),
             work_done_progress_options: no_progress(),
@@ -336,7 +335,9 @@ pub(crate) fn fix_all(
     })
 }
 
-/// The kind of the action that writes a document in another language.
+/// The command that writes a document in another language into a new file: its argument is the document's URI.
+pub(crate) const CONVERT_COMMAND: &str = "geotrace.convert";
+/// The kind of the action that does.
 pub(crate) const CONVERT: lsp::CodeActionKind = lsp::CodeActionKind::new("source.convert");
 
 /// The action that writes a document in Geotrace's language, into a new file.
@@ -347,7 +348,7 @@ pub(crate) fn conversion(uri: &lsp::Uri) -> lsp::CodeActionOrCommand {
         kind: Some(CONVERT),
         command: Some(lsp::Command {
             title,
-            command: conversion::COMMAND.to_owned(),
+            command: CONVERT_COMMAND.to_owned(),
             arguments: Some(vec![lsp::LSPAny::String(uri.to_string())]),
         }),
         ..lsp::CodeAction::default()

@@ -2,10 +2,10 @@
 //!
 //! Input: three expressions in u and v over a rectangle, then rays. Output: where a ray meets the surface. The rectangle is
 //! divided into cells, each with a box that contains its image, by interval arithmetic. A ray takes the cells whose boxes it
-//! meets from its start on. Of each the linear map (`patch.rs`) says that the ray passes it by, or that it meets it once at
+//! meets from its start on. Of each the linear map (`linear.rs`) says that the ray passes it by, or that it meets it once at
 //! most: then Newton's method decides where. Else the cell is divided.
 
-mod patch;
+mod linear;
 
 use std::sync::OnceLock;
 
@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use crate::bounds::BoundingBox;
 use crate::bvh::{Hierarchy, MetBox};
-use patch::{MARGIN, Meetings, Patch, ROUNDING, SheetRay, middle};
+use linear::{LinearCell, MARGIN, Meetings, ROUNDING, SheetRay, middle};
 
 /// A surface over a rectangle.
 #[derive(Debug)]
@@ -30,8 +30,8 @@ pub struct Sheet {
     variables: [Option<usize>; 2],
     domain: [[f64; 2]; 2],
     cells: Vec<Cell>,
-    /// The patches of the cells that rays have met.
-    patches: Vec<OnceLock<Option<Box<Patch>>>>,
+    /// The linear maps of the cells that rays have met.
+    linear: Vec<OnceLock<Option<Box<LinearCell>>>>,
     hierarchy: Hierarchy,
 }
 
@@ -112,7 +112,7 @@ impl Sheet {
             variables: [None; 2],
             domain,
             cells: Vec::new(),
-            patches: Vec::new(),
+            linear: Vec::new(),
             hierarchy: Hierarchy::default(),
         };
         let inputs = sheet.frame.inputs().iter();
@@ -197,28 +197,28 @@ impl Sheet {
         reach: f64,
     ) {
         let cell = self.cells[k];
-        let patch = self.patches[k].get_or_init(|| {
+        let linear = self.linear[k].get_or_init(|| {
             let frame = self.frame_on(scratch, &cell);
-            self.patch(scratch, &cell, &frame).map(Box::new)
+            self.linear_cell(scratch, &cell, &frame).map(Box::new)
         });
-        if let Some(patch) = patch
-            && self.meet_patch(scratch, &cell, patch, ray, leaving)
+        if let Some(linear) = linear
+            && self.meet_linear(scratch, &cell, linear, ray, leaving)
         {
             return;
         }
         self.search(scratch, cell, ray, leaving, reach);
     }
 
-    /// Adds the place where the ray meets a patch; returns false if the cell has to be divided.
-    fn meet_patch(
+    /// Adds the place where the ray meets a cell with its linear map; returns false if the cell has to be divided.
+    fn meet_linear(
         &self,
         scratch: &mut SheetScratch,
         cell: &Cell,
-        patch: &Patch,
+        linear: &LinearCell,
         ray: &SheetRay,
         leaving: Option<[f64; 2]>,
     ) -> bool {
-        let start = match patch.meetings(ray) {
+        let start = match linear.meetings(ray) {
             Meetings::None => return true,
             Meetings::Unknown => return false,
             Meetings::AtMostOne(start) => start,
@@ -235,7 +235,7 @@ impl Sheet {
             Newton::Beyond(edge) => {
                 let sides = edge.at.map(|at| [at, at]);
                 let place = self.place_on(&mut scratch.registers, &Cell { sides });
-                patch.is_passed(ray, edge.beyond, &place)
+                linear.is_passed(ray, edge.beyond, &place)
             }
             Newton::Unknown => false,
         }
@@ -268,7 +268,7 @@ impl Sheet {
             }
         }
         let (cells, boxes): (Vec<Cell>, Vec<BoundingBox>) = done.into_iter().unzip();
-        self.patches = cells.iter().map(|_| OnceLock::new()).collect();
+        self.linear = cells.iter().map(|_| OnceLock::new()).collect();
         self.cells = cells;
         self.hierarchy = Hierarchy::new(boxes);
     }
@@ -319,16 +319,16 @@ impl Sheet {
         out
     }
 
-    /// The patch of a cell on which the frame lies in these intervals.
-    fn patch(
+    /// The linear map of a cell on which the frame lies in these intervals.
+    fn linear_cell(
         &self,
         scratch: &mut SheetScratch,
         cell: &Cell,
         frame: &[Interval; 9],
-    ) -> Option<Patch> {
+    ) -> Option<LinearCell> {
         let sides = cell.sides.map(middle).map(|at| [at, at]);
         let place = self.place_on(&mut scratch.registers, &Cell { sides });
-        Patch::new(cell.sides, frame, &place)
+        LinearCell::new(cell.sides, frame, &place)
     }
 
     /// Adds the places where the ray meets a cell that has to be divided.
@@ -361,11 +361,11 @@ impl Sheet {
                 continue;
             }
             let mut side = usize::from(depth % 2 == 1);
-            if let Some(patch) = self.patch(scratch, &cell, &frame) {
-                if self.meet_patch(scratch, &cell, &patch, ray, leaving) {
+            if let Some(linear) = self.linear_cell(scratch, &cell, &frame) {
+                if self.meet_linear(scratch, &cell, &linear, ray, leaving) {
                     continue;
                 }
-                side = patch.longer();
+                side = linear.longer();
             }
             if depth < DEEPEST {
                 let halves = cell.halves(side);

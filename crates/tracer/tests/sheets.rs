@@ -299,7 +299,7 @@ fn a_ray_costs_few_evaluations() {
             }
             hits
         };
-        // The first time the patches of the cells are made.
+        // The first time the linear maps of the cells are made.
         cast(&mut scratch);
         let before = scratch.counters();
         let hits = cast(&mut scratch);

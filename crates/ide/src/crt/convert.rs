@@ -10,6 +10,7 @@ use super::CrtAnalysis;
 use crate::conversion::ConvertError;
 use crate::edit;
 use crate::geotrace::GeotraceAnalysis;
+use crate::geotrace::rename::is_free;
 use crate::language::Analysis;
 
 /// The program that shows what a script shows at a value of `t`, in the canonical layout. Its first comment is the command that
@@ -23,7 +24,9 @@ pub fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, Con
         return Err(ConvertError::HasErrors);
     }
     let whole = analysis.slice(Span::new(0, analysis.text().len()));
-    let converted = scene::crt::convert(&analysis.script(), &whole, t);
+    let empty = GeotraceAnalysis::new("");
+    let converted =
+        scene::crt::convert(&analysis.script(), &whole, t, &|name| is_free(&empty, name));
     let Converted {
         declarations,
         options,

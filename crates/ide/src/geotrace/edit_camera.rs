@@ -9,7 +9,7 @@ use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
 use super::item::Item;
-use super::rename::{is_name, is_reserved};
+use super::rename::is_free;
 use crate::edit::Edit;
 use crate::edit_camera::{EditCameraError, short_numbers};
 
@@ -70,11 +70,6 @@ fn replace(
     let span = value.iter().map(|token| token.span).reduce(Span::to);
     span.map(|span| Edit::replace(span, view))
         .ok_or(EditCameraError::Faulty { name })
-}
-
-/// Returns true if a camera can have a name that no declaration has.
-fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
-    is_name(name) && !is_reserved(name) && analysis.document().named(name).is_none()
 }
 
 /// A new camera behind the last line.

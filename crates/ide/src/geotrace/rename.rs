@@ -93,6 +93,11 @@ pub(crate) fn is_reserved(word: &str) -> bool {
     DeclarationKeyword::from_text(word).is_some_and(|keyword| !keyword.is_soft())
 }
 
+/// Returns true if a new declaration can have a name.
+pub(crate) fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
+    is_name(name) && !is_reserved(name) && analysis.document().named(name).is_none()
+}
+
 /// Returns true if the name is one, and free.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
     if !is_name(name) {

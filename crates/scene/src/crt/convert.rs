@@ -8,13 +8,9 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::Arc;
 
-use expr::ops::CONSTANTS;
-use syntax::geotrace::declarations::DeclarationKeyword;
-
 use super::build;
 use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
-use crate::geotrace::builtin;
 
 /// The most leaves of a program.
 pub const MAX_CONVERTED_LEAVES: u64 = 10_000;
@@ -24,6 +20,12 @@ const MAX_BRACKETS: u32 = 16;
 const LINE: usize = 80;
 /// A plane reaches so many times as far as the places of the script.
 const PLANE_REACH: f64 = 1e5;
+
+/// Returns true for a name that a program may declare.
+pub type NameTest<'n> = &'n (dyn Fn(&str) -> bool + Sync);
+
+/// The parameters of functions, which no name may hide.
+const PARAMETERS: [&str; 5] = ["x", "y", "z", "u", "v"];
 
 /// A program that was made of a script.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,12 +37,16 @@ pub struct Converted {
 }
 
 /// The program of a run; `None` if it has too many leaves.
-pub(super) fn program(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Option<Converted> {
+pub(super) fn program(
+    settings: &ScriptSettings,
+    drawn: &[Arc<Entity>],
+    is_free: NameTest<'_>,
+) -> Option<Converted> {
     let leaves: u64 = drawn.iter().map(|entity| entity.leaves).sum();
     if leaves > MAX_CONVERTED_LEAVES {
         return None;
     }
-    let mut writer = Writer::new(settings, drawn);
+    let mut writer = Writer::new(settings, drawn, is_free);
     for entity in drawn {
         writer.object(entity);
     }
@@ -79,8 +85,8 @@ pub(super) fn program(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Optio
 /// A part of a set as text.
 struct SetText {
     text: String,
-    /// What binds its parts.
-    binding: Binding,
+    /// The binding of its parts.
+    binding: SetBinding,
     /// The brackets within it.
     brackets: u32,
     /// The look of all its leaves; `None` if they state their own.
@@ -91,7 +97,7 @@ struct SetText {
 
 /// The operations that stand outside of all brackets of a set, the loosest of them.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Binding {
+enum SetBinding {
     /// Nothing but unions.
     Union,
     /// Differences, and unions perhaps.
@@ -113,8 +119,9 @@ struct HalfSpace {
     offset: f64,
 }
 
-#[derive(Default)]
-struct Writer {
+struct Writer<'w> {
+    /// Returns true for what the language leaves free as a name.
+    is_free: NameTest<'w>,
     /// The functions of shapes.
     functions: String,
     declarations: String,
@@ -126,12 +133,8 @@ struct Writer {
     reach: f64,
 }
 
-impl Writer {
-    fn new(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Self {
-        let constants = CONSTANTS.into_iter().map(|(name, ..)| name);
-        let functions = builtin::Builtin::all().map(|(name, _)| name);
-        let parameters = ["x", "y", "z", "u", "v", "scale", "rotate"].into_iter();
-        let taken = constants.chain(functions).chain(parameters);
+impl<'w> Writer<'w> {
+    fn new(settings: &ScriptSettings, drawn: &[Arc<Entity>], is_free: NameTest<'w>) -> Self {
         let camera = settings.camera.as_ref().map(|camera| camera.position);
         let mut farthest = 1.0f64;
         let translations = drawn.iter().map(|entity| entity.map.0.map(|row| row[3]));
@@ -143,9 +146,12 @@ impl Writer {
             farthest = place.iter().fold(farthest, |most, x| most.max(x.abs()));
         }
         Self {
-            names: taken.map(str::to_owned).collect(),
+            is_free,
+            names: PARAMETERS.map(str::to_owned).into(),
+            functions: String::new(),
+            declarations: String::new(),
+            known: HashMap::new(),
             reach: PLANE_REACH * 10f64.powf(farthest.log10().ceil()),
-            ..Self::default()
         }
     }
 
@@ -153,7 +159,7 @@ impl Writer {
     fn free(&mut self, like: &str) -> String {
         let mut name = like.to_owned();
         let mut count = 1;
-        while self.names.contains(&name) || DeclarationKeyword::from_text(&name).is_some() {
+        while self.names.contains(&name) || !(self.is_free)(&name) {
             count += 1;
             name = format!("{like}{count}");
         }
@@ -229,7 +235,7 @@ impl Writer {
         let name = set.name.clone();
         SetText {
             text: self.named(set),
-            binding: Binding::Leaf,
+            binding: SetBinding::Leaf,
             brackets: 0,
             material: None,
             name,
@@ -246,22 +252,27 @@ impl Writer {
         }
         let (sign, binding, closed) = match operation {
             SetOperation::Union => {
-                let both = a.binding != Binding::Difference;
+                let both = a.binding != SetBinding::Difference;
                 let binding = if both {
-                    Binding::Union
+                    SetBinding::Union
                 } else {
-                    Binding::Difference
+                    SetBinding::Difference
                 };
-                ("|", binding, [false, b.binding == Binding::Difference])
+                ("|", binding, [false, b.binding == SetBinding::Difference])
             }
             SetOperation::Difference => {
-                let is_joined = matches!(b.binding, Binding::Union | Binding::Difference);
-                ("\\", Binding::Difference, [false, is_joined])
+                let is_joined = matches!(b.binding, SetBinding::Union | SetBinding::Difference);
+                ("\\", SetBinding::Difference, [false, is_joined])
             }
             SetOperation::Intersection => {
-                let is_joined =
-                    |set: &SetText| matches!(set.binding, Binding::Union | Binding::Difference);
-                ("&", Binding::Intersection, [is_joined(&a), is_joined(&b)])
+                let is_joined = |set: &SetText| {
+                    matches!(set.binding, SetBinding::Union | SetBinding::Difference)
+                };
+                (
+                    "&",
+                    SetBinding::Intersection,
+                    [is_joined(&a), is_joined(&b)],
+                )
             }
         };
         [a, b] = [(a, closed[0]), (b, closed[1])].map(|(mut set, closed)| {
@@ -312,7 +323,7 @@ impl Writer {
         };
         SetText {
             text,
-            binding: Binding::Leaf,
+            binding: SetBinding::Leaf,
             brackets: 0,
             material: Some(object.material.clone()),
             name,

@@ -9,10 +9,7 @@ use tower_lsp::ls_types as lsp;
 use super::Backend;
 use super::work::{failed, not_open};
 use crate::documents::Open;
-use crate::to_lsp;
-
-/// The name of the command: its argument is a document's URI.
-pub(crate) const COMMAND: &str = "geotrace.convert";
+use crate::to_lsp::{self, CONVERT_COMMAND};
 
 /// Names that are tried for the new file before it is given up.
 const MOST_NAMES: u32 = 100;
@@ -23,7 +20,7 @@ pub(super) async fn convert(
     params: lsp::ExecuteCommandParams,
 ) -> Result<Option<lsp::LSPAny>> {
     let Some(lsp::LSPAny::String(uri)) = params.arguments.into_iter().next() else {
-        let message = format!("{COMMAND} needs the URI of a document");
+        let message = format!("{CONVERT_COMMAND} needs the URI of a document");
         return Err(failed(ErrorCode::InvalidParams, message));
     };
     let Ok(uri) = uri.parse::<lsp::Uri>() else {

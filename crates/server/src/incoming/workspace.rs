@@ -89,7 +89,7 @@ pub(super) async fn execute_command(
     server: &Backend,
     params: lsp::ExecuteCommandParams,
 ) -> Result<Option<lsp::LSPAny>> {
-    if params.command == conversion::COMMAND {
+    if params.command == to_lsp::CONVERT_COMMAND {
         return conversion::convert(server, params).await;
     }
     if params.command != preview::COMMAND {

@@ -75,7 +75,7 @@ pub(super) const MARGIN: f64 = 1e-9;
 
 /// A cell of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patch {
+pub(super) struct LinearCell {
     middle: [f64; 2],
     half: [f64; 2],
     /// σ in the middle, and how far it may be from that.
@@ -84,7 +84,7 @@ pub(super) struct Patch {
     normal: VectorRange,
 }
 
-/// The number of times that a ray meets a cell, as far as a patch tells.
+/// The number of times that a ray meets a cell, as far as its linear map tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meetings {
     None,
@@ -93,7 +93,7 @@ pub(super) enum Meetings {
     Unknown,
 }
 
-impl Patch {
+impl LinearCell {
     /// The cell between these sides. `frame` contains σ, σu and σv on it, `place` σ in its middle. `None` where one of them may
     /// be undefined or endless.
     pub(super) fn new(
@@ -202,7 +202,7 @@ impl Patch {
         [u, [-v[0], v[1]]]
     }
 
-    /// How far the offset of a ray's start from a place may be off.
+    /// The error of the offset of a ray's start from a place, at most.
     #[inline]
     fn slack(&self, ray: &SheetRay, place: &VectorRange, offset: DVec3) -> DVec3 {
         place.reach + ROUNDING * (ray.origin.abs() + place.middle.abs() + offset.abs())
