@@ -12,15 +12,15 @@
 mod active_ray;
 mod border;
 mod build;
-mod cell;
-mod coordinates;
+pub(crate) mod cell;
+pub(crate) mod coordinates;
 mod driver;
 mod error_indicator;
 mod event;
 mod group;
 mod lanes;
 mod polar;
-mod ray;
+pub(crate) mod ray;
 mod refine;
 mod sectors;
 mod start;

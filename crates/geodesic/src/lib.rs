@@ -14,6 +14,9 @@
 //!
 //! What is measured along geodesics (distances, circles, triangles, holonomy) stands in `measure.rs`, above all of it.
 //!
+//! Surfaces that are given by a field in space and have no chart have rays of their own in `implicit.rs`, with the same steps,
+//! and give ends with three coordinates.
+//!
 //! Beside them stands `moved.rs`, coordinates that count from the camera, for deep zooms.
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
@@ -23,6 +26,7 @@ pub mod ends;
 pub mod fan;
 pub mod field;
 pub mod frame;
+pub mod implicit;
 mod integrate;
 mod interpolate;
 pub mod intrinsic;

@@ -14,29 +14,33 @@ mod tableau;
 pub(crate) use tableau::{DOP853, DOPRI5, RK4, Tableau};
 
 /// A number of rays' states: point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at the
-/// step's start.
-pub(crate) type States<const N: usize> = [[f64; N]; 8];
+/// step's start. Eight components in a chart, where points have two coordinates; ten in space, where they have three.
+pub(crate) type States<const N: usize, const C: usize = 8> = [[f64; N]; C];
 
 /// The geodesic equation of `N` rays in common coordinates.
-pub(crate) trait GeodesicEquation<const N: usize> {
+pub(crate) trait GeodesicEquation<const N: usize, const C: usize = 8> {
     /// The local data of the surface at the rays' points.
-    type Local: RatesOfChange<N>;
+    type Local: RatesOfChange<N, C>;
 
     /// The failure of an evaluation that no step goes on from. Rays side by side have none: one of them may be undefined.
     type Undefined;
 
     /// Evaluates the local data at the states' points.
-    fn evaluate(&self, states: &States<N>, local: &mut Self::Local) -> Result<(), Self::Undefined>;
+    fn evaluate(
+        &self,
+        states: &States<N, C>,
+        local: &mut Self::Local,
+    ) -> Result<(), Self::Undefined>;
 }
 
 /// The rates of change that a step needs of the local data.
-pub(crate) trait RatesOfChange<const N: usize>: Default {
-    /// The second derivatives of the coordinates.
-    fn acceleration(&self) -> [[f64; N]; 2];
-    /// The Gaussian curvatures.
-    fn curvature(&self) -> [f64; N];
-    /// The lengths of tangent vectors.
-    fn length(&self, vectors: [[f64; N]; 2]) -> [f64; N];
+pub(crate) trait RatesOfChange<const N: usize, const C: usize = 8>: Default {
+    /// The derivatives of the states by arc length.
+    fn slope(&self, states: &States<N, C>) -> States<N, C>;
+    /// The lengths of the states' points, taken as tangent vectors: of differences of points.
+    fn way(&self, states: &States<N, C>) -> [f64; N];
+    /// The lengths of the states' velocities.
+    fn speed(&self, states: &States<N, C>) -> [f64; N];
 }
 
 /// The parameter in which a step's size is measured.
@@ -51,8 +55,8 @@ pub(crate) enum StepParameter {
 }
 
 /// The result of a step.
-pub(crate) struct Step<const N: usize, L> {
-    pub(crate) end: States<N>,
+pub(crate) struct Step<const N: usize, L, const C: usize = 8> {
+    pub(crate) end: States<N, C>,
     /// Its arc lengths.
     pub(crate) length: [f64; N],
     /// The estimated errors of the points, in the surface's units.
@@ -60,14 +64,14 @@ pub(crate) struct Step<const N: usize, L> {
     /// The estimated errors of the unit velocities.
     pub(crate) direction_error: [f64; N],
     /// Its estimated error, component by component.
-    pub(crate) error: States<N>,
+    pub(crate) error: States<N, C>,
     /// The local data of the last evaluation.
     pub(crate) local: L,
     /// True if that was one at the end.
     pub(crate) evaluated_end: bool,
 }
 
-impl<L> Step<1, L> {
+impl<L, const C: usize> Step<1, L, C> {
     /// The estimated relative error of the one ray's Jacobi fields.
     pub(crate) fn field_error(&self, h: f64) -> f64 {
         field_size(h, &self.error, 0) / field_size(h, &self.end, 0).max(1.0)
@@ -77,18 +81,23 @@ impl<L> Step<1, L> {
 /// Takes one step of size `h`, as `pace` measures it, from points with their local data. `SLOPES` is at least the number of
 /// the pair's evaluations with that at the start.
 #[inline(always)]
-pub(crate) fn step<const N: usize, const SLOPES: usize, E: GeodesicEquation<N>>(
+pub(crate) fn step<
+    const N: usize,
+    const C: usize,
+    const SLOPES: usize,
+    E: GeodesicEquation<N, C>,
+>(
     equation: &E,
     tableau: &Tableau,
-    start: &States<N>,
+    start: &States<N, C>,
     local: &E::Local,
     h: f64,
     pace: StepParameter,
-) -> Result<Step<N, E::Local>, E::Undefined> {
+) -> Result<Step<N, E::Local, C>, E::Undefined> {
     let even = pace == StepParameter::Length;
     let mut rates = [[1.0; N]; SLOPES];
-    let mut slopes = [[[0.0; N]; 8]; SLOPES];
-    slopes[0] = slope(start, local);
+    let mut slopes = [[[0.0; N]; C]; SLOPES];
+    slopes[0] = local.slope(start);
     let mut state = *start;
     let mut last = E::Local::default();
     let stages = tableau.stages.len();
@@ -105,10 +114,10 @@ pub(crate) fn step<const N: usize, const SLOPES: usize, E: GeodesicEquation<N>>(
             break;
         }
         equation.evaluate(&state, &mut last)?;
-        slopes[stage + 1] = slope(&state, &last);
+        slopes[stage + 1] = last.slope(&state);
         if !even {
-            let before = local.length([start[2], start[3]]);
-            let way = local.length([state[2], state[3]]);
+            let before = local.speed(start);
+            let way = local.speed(&state);
             for ray in 0..N {
                 let rate = before[ray] / way[ray];
                 rates[stage + 1][ray] = rate;
@@ -118,19 +127,19 @@ pub(crate) fn step<const N: usize, const SLOPES: usize, E: GeodesicEquation<N>>(
             }
         }
     }
-    let nothing = [[0.0; N]; 8];
+    let nothing = [[0.0; N]; C];
     let mut error = add(&nothing, h, tableau.error, &slopes);
-    let mut position_error = local.length([error[0], error[1]]);
-    let mut direction_error = local.length([error[2], error[3]]);
+    let mut position_error = local.way(&error);
+    let mut direction_error = local.speed(&error);
     if !tableau.low_error.is_empty() {
         let low = add(&nothing, h, tableau.low_error, &slopes);
-        let position = local.length([low[0], low[1]]);
-        let direction = local.length([low[2], low[3]]);
+        let position = local.way(&low);
+        let direction = local.speed(&low);
         for ray in 0..N {
             position_error[ray] = tempered(position_error[ray], position[ray]);
             direction_error[ray] = tempered(direction_error[ray], direction[ray]);
             let (high, low) = (field_size(h, &error, ray), field_size(h, &low, ray));
-            for field in 4..8 {
+            for field in C - 4..C {
                 error[field][ray] *= tempered(high, low) / high.max(f64::MIN_POSITIVE);
             }
         }
@@ -172,16 +181,20 @@ fn tempered(high: f64, low: f64) -> f64 {
 
 /// The size of a ray's fields after a step of length `h`: lengths in units of the step, so that all four count alike.
 #[inline(always)]
-fn field_size<const N: usize>(h: f64, [.., m, m1, n, n1]: &States<N>, ray: usize) -> f64 {
-    let ends = (m[ray] / h).abs().max((n1[ray] * h).abs());
-    ends.max(m1[ray].abs()).max(n[ray].abs())
+fn field_size<const N: usize, const C: usize>(h: f64, state: &States<N, C>, ray: usize) -> f64 {
+    let [m, m1, n, n1] = [4, 3, 2, 1].map(|k| state[C - k][ray]);
+    let ends = (m / h).abs().max((n1 * h).abs());
+    ends.max(m1.abs()).max(n.abs())
 }
 
-/// The derivatives of the states by arc length.
+/// The derivatives of states by arc length, in the coordinates of a chart.
 #[inline(always)]
-fn slope<const N: usize>(state: &States<N>, local: &impl RatesOfChange<N>) -> States<N> {
+pub(crate) fn chart_slope<const N: usize>(
+    state: &States<N>,
+    [a, b]: [[f64; N]; 2],
+    curvature: [f64; N],
+) -> States<N> {
     let [_, _, x, y, m, m1, n, n1] = *state;
-    let ([a, b], curvature) = (local.acceleration(), local.curvature());
     let (mut bent_m, mut bent_n) = ([0.0; N], [0.0; N]);
     for ray in 0..N {
         bent_m[ray] = -curvature[ray] * m[ray];
@@ -192,16 +205,16 @@ fn slope<const N: usize>(state: &States<N>, local: &impl RatesOfChange<N>) -> St
 
 /// `state` and the slopes with their weights, times `h`.
 #[inline(always)]
-fn add<const N: usize>(
-    state: &States<N>,
+fn add<const N: usize, const C: usize>(
+    state: &States<N, C>,
     h: f64,
     weights: &[f64],
-    slopes: &[States<N>],
-) -> States<N> {
-    let mut sum = [[0.0; N]; 8];
+    slopes: &[States<N, C>],
+) -> States<N, C> {
+    let mut sum = [[0.0; N]; C];
     for (&weight, slope) in weights.iter().zip(slopes) {
         if weight != 0.0 {
-            for k in 0..8 {
+            for k in 0..C {
                 for ray in 0..N {
                     sum[k][ray] += weight * slope[k][ray];
                 }
@@ -209,7 +222,7 @@ fn add<const N: usize>(
         }
     }
     let mut end = *state;
-    for k in 0..8 {
+    for k in 0..C {
         for ray in 0..N {
             end[k][ray] += h * sum[k][ray];
         }

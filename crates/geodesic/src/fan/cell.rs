@@ -25,15 +25,15 @@ pub(super) enum Found {
 
 /// An end with its derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
-    pub(super) chart: FanChart,
-    pub(super) at: [f64; 2],
+pub(crate) struct Point<const D: usize = 2> {
+    pub(crate) chart: FanChart,
+    pub(crate) at: [f64; D],
     /// The unit tangent.
-    pub(super) along: [f64; 2],
+    pub(crate) along: [f64; D],
     /// The derivative by the angle.
-    pub(super) turning: [f64; 2],
+    pub(crate) turning: [f64; D],
     /// The unit normal, roughly.
-    pub(super) normal: [f64; 2],
+    pub(crate) normal: [f64; D],
 }
 
 impl Point {
@@ -235,27 +235,32 @@ pub(super) fn between(
 }
 
 #[inline(always)]
-fn mix(x: [f64; 2], y: [f64; 2], t: f64) -> [f64; 2] {
+fn mix<const D: usize>(x: [f64; D], y: [f64; D], t: f64) -> [f64; D] {
     let rest = 1.0 - t;
-    [rest * x[0] + t * y[0], rest * x[1] + t * y[1]]
+    std::array::from_fn(|k| rest * x[k] + t * y[k])
 }
 
 /// Between two samples in common coordinates, by their positions and Jacobi fields.
 #[inline(always)]
-fn hermite(a: &Sample, b: &Sample, width: f64, t: f64) -> Point {
+pub(crate) fn hermite<const D: usize>(
+    a: &Sample<D>,
+    b: &Sample<D>,
+    width: f64,
+    t: f64,
+) -> Point<D> {
     let rest = 1.0 - t;
     let (h00, h10) = ((1.0 + 2.0 * t) * rest * rest, width * t * rest * rest);
     let (h01, h11) = (t * t * (3.0 - 2.0 * t), -width * t * t * rest);
     let (d0, d1) = (6.0 * t * rest / width, 1.0 - t * (4.0 - 3.0 * t));
     let d2 = t * (3.0 * t - 2.0);
     let (j, k) = (&a.jacobi, &b.jacobi);
-    let (mut at, mut along, mut turning) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-    for n in 0..2 {
+    let (mut at, mut along, mut turning) = ([0.0; D], [0.0; D], [0.0; D]);
+    for n in 0..D {
         at[n] = h00 * a.at[n] + h01 * b.at[n] + h10 * j[0][n] + h11 * k[0][n];
         along[n] = h00 * a.along[n] + h01 * b.along[n] + h10 * j[1][n] + h11 * k[1][n];
         turning[n] = d0 * (b.at[n] - a.at[n]) + d1 * j[0][n] + d2 * k[0][n];
     }
-    if !(along[0] + along[1]).is_finite() {
+    if !along.iter().sum::<f64>().is_finite() {
         along = mix(a.along, b.along, t);
     }
     Point {

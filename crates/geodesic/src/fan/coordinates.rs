@@ -10,13 +10,13 @@ use crate::ends::Coordinates;
 /// Coordinates with what the a-axis points at: the other parameter's value there. It is the domain's minimum at a
 /// smooth pole, and a ray's own at the tip of a cone, which no two rays need share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FanChart {
-    pub(super) kind: Coordinates,
-    pub(super) reference: f64,
+pub(crate) struct FanChart {
+    pub(crate) kind: Coordinates,
+    pub(crate) reference: f64,
 }
 
 impl FanChart {
-    pub(super) const PLAIN: Self = Self {
+    pub(crate) const PLAIN: Self = Self {
         kind: Coordinates::Plain,
         reference: 0.0,
     };

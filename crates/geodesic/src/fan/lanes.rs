@@ -68,24 +68,18 @@ impl<S: Surface + ?Sized> GeodesicEquation<LANES> for Field<'_, S> {
 
 impl RatesOfChange<LANES> for LaneLocals {
     #[inline(always)]
-    fn acceleration(&self) -> [Lanes; 2] {
-        self.acceleration
+    fn slope(&self, states: &States<LANES>) -> States<LANES> {
+        runge_kutta::chart_slope(states, self.acceleration, self.curvature)
     }
 
     #[inline(always)]
-    fn curvature(&self) -> Lanes {
-        self.curvature
+    fn way(&self, states: &States<LANES>) -> Lanes {
+        self.length(&[states[0], states[1]])
     }
 
     #[inline(always)]
-    fn length(&self, vectors: [Lanes; 2]) -> Lanes {
-        let mut out = [0.0; LANES];
-        for lane in 0..LANES {
-            let [x, y] = self.turned(lane, &vectors);
-            let vector = combine(x, self.jets.lane(lane).du, y, self.jets.lane(lane).dv);
-            out[lane] = dot(vector, vector).sqrt();
-        }
-        out
+    fn speed(&self, states: &States<LANES>) -> Lanes {
+        self.length(&[states[2], states[3]])
     }
 }
 
@@ -93,7 +87,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
     /// One step of the length `h` from `start`, where `local` holds.
     #[inline(always)]
     pub(super) fn step(&self, start: &States<LANES>, local: &LaneLocals, h: f64) -> LaneStep {
-        let Ok(mut step) = runge_kutta::step::<LANES, { STAGES as usize + 1 }, _>(
+        let Ok(mut step) = runge_kutta::step::<LANES, 8, { STAGES as usize + 1 }, _>(
             self,
             &DOPRI5,
             start,
@@ -103,8 +97,8 @@ impl<S: Surface + ?Sized> Field<'_, S> {
         );
         // Geodesics keep their speed, the method does not: what it has lost shows errors that the pair's difference
         // misses where a step is too long for it.
-        let before = local.length([start[2], start[3]]);
-        let after = step.local.length([step.end[2], step.end[3]]);
+        let before = local.speed(start);
+        let after = step.local.speed(&step.end);
         for lane in 0..LANES {
             let lost = (after[lane] - before[lane]).abs();
             let error = &mut step.direction_error[lane];
@@ -186,6 +180,18 @@ impl<S: Surface + ?Sized> Field<'_, S> {
 }
 
 impl LaneLocals {
+    /// The lengths of the lanes' tangent vectors.
+    #[inline(always)]
+    fn length(&self, vectors: &[Lanes; 2]) -> Lanes {
+        let mut out = [0.0; LANES];
+        for lane in 0..LANES {
+            let [x, y] = self.turned(lane, vectors);
+            let vector = combine(x, self.jets.lane(lane).du, y, self.jets.lane(lane).dv);
+            out[lane] = dot(vector, vector).sqrt();
+        }
+        out
+    }
+
     /// A lane's vector in the coordinates of its jet.
     #[inline(always)]
     fn turned(&self, lane: usize, [x, y]: &[Lanes; 2]) -> [f64; 2] {

@@ -8,18 +8,18 @@ use crate::status::Status;
 
 /// A ray's state at a step's end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Knot {
-    pub(super) s: f64,
-    pub(super) at: [f64; 2],
-    pub(super) velocity: [f64; 2],
-    pub(super) acceleration: [f64; 2],
+pub(crate) struct Knot<const D: usize = 2> {
+    pub(crate) s: f64,
+    pub(crate) at: [f64; D],
+    pub(crate) velocity: [f64; D],
+    pub(crate) acceleration: [f64; D],
     /// The Jacobi field m and its derivative.
-    pub(super) m: [f64; 2],
+    pub(crate) m: [f64; 2],
     /// The unit normal and its derivative.
-    pub(super) normal: [[f64; 2]; 2],
+    pub(crate) normal: [[f64; D]; 2],
 }
 
-impl Knot {
+impl<const D: usize> Knot<D> {
     /// The k-th component of the field J = m·N, and of J'.
     fn jacobi(&self, k: usize) -> [f64; 2] {
         let [m, m1] = self.m;
@@ -30,81 +30,81 @@ impl Knot {
 
 /// Knots in common coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Segment {
-    pub(super) chart: FanChart,
-    pub(super) knots: Vec<Knot>,
+pub(crate) struct Segment<const D: usize = 2> {
+    pub(crate) chart: FanChart,
+    pub(crate) knots: Vec<Knot<D>>,
 }
 
 /// The end of a ray before its length.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stop {
-    pub(super) s: f64,
-    pub(super) status: Status,
+pub(crate) struct Stop {
+    pub(crate) s: f64,
+    pub(crate) status: Status,
     /// The edge that it leaves through.
-    pub(super) edge: Option<(usize, usize)>,
+    pub(crate) edge: Option<(usize, usize)>,
     /// ds/dθ along the edge; NaN where it is not known.
-    pub(super) slope: f64,
+    pub(crate) slope: f64,
     /// True if the slope follows from the ray itself, and not from its neighbours.
-    pub(super) told: bool,
+    pub(crate) told: bool,
 }
 
 /// Between two knots: polynomials in the share x ∈ [0,1].
 #[derive(Clone, Debug)]
-struct Interval {
+struct Interval<const D: usize> {
     from: f64,
     length: f64,
     chart: FanChart,
-    /// `[power][γ0, γ1, J0, J1]`.
-    main: [[f64; 4]; 6],
-    /// `[power][N0, N1]`.
-    normal: [[f64; 2]; 4],
+    /// `[power][γ, J]`.
+    main: [[[f64; D]; 2]; 6],
+    /// `[power]` of N.
+    normal: [[f64; D]; 4],
 }
 
 /// A whole ray.
 #[derive(Clone, Debug)]
-pub(super) struct Ray {
+pub(crate) struct Ray<const D: usize = 2> {
     /// In the frame's plane, from X towards Y.
-    pub(super) angle: f64,
+    pub(crate) angle: f64,
     /// The arc lengths at which the intervals begin.
     starts: Vec<f64>,
-    intervals: Vec<Interval>,
+    intervals: Vec<Interval<D>>,
     /// For each of equal parts of the way the last interval that begins before it.
     parts: Vec<u32>,
     by_part: f64,
     /// The arc length up to which the intervals reach.
-    pub(super) end: f64,
+    pub(crate) end: f64,
     /// The length beyond that up to which they are reliable.
-    pub(super) slack: f64,
-    pub(super) stop: Option<Stop>,
+    pub(crate) slack: f64,
+    pub(crate) stop: Option<Stop>,
     /// The estimated error of its position in each range of radius, but for a factor that is much the same for all rays
     /// of a fan.
-    pub(super) off: Profile,
+    pub(crate) off: Profile,
     /// The share of the usual error that it was allowed.
-    pub(super) tolerance_share: f64,
+    pub(crate) tolerance_share: f64,
 }
 
 /// A ray at an arc length.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
-    pub(super) chart: FanChart,
-    pub(super) at: [f64; 2],
-    pub(super) along: [f64; 2],
+pub(crate) struct Sample<const D: usize = 2> {
+    pub(crate) chart: FanChart,
+    pub(crate) at: [f64; D],
+    pub(crate) along: [f64; D],
     /// J and J'.
-    pub(super) jacobi: [[f64; 2]; 2],
-    pub(super) normal: [f64; 2],
+    pub(crate) jacobi: [[f64; D]; 2],
+    pub(crate) normal: [f64; D],
 }
 
 /// The most steps of a ray in which it is compared with others.
 const PROBES: usize = 24;
 
-impl Ray {
-    pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>) -> Self {
+impl<const D: usize> Ray<D> {
+    pub(crate) fn new(angle: f64, segments: &[Segment<D>], stop: Option<Stop>) -> Self {
         let count = segments.iter().map(|segment| segment.knots.len()).sum();
         let mut starts = Vec::with_capacity(count);
         let mut intervals = Vec::with_capacity(count);
         for segment in segments {
             let knots = &segment.knots;
-            let seconds: Vec<[f64; 2]> = (0..knots.len()).map(|n| second(knots, n)).collect();
+            let seconds: Vec<[f64; D]> = (0..knots.len()).map(|n| second(knots, n)).collect();
             for (n, pair) in knots.windows(2).enumerate() {
                 let [a, b] = [&pair[0], &pair[1]];
                 starts.push(a.s);
@@ -148,11 +148,11 @@ impl Ray {
     }
 
     /// Radii at which to compare it with others: these shares of its steps, and its end.
-    pub(super) fn probes(&self, shares: &[f64]) -> impl Iterator<Item = f64> {
+    pub(crate) fn probes(&self, shares: &[f64]) -> impl Iterator<Item = f64> {
         let reach = self.stop.map_or(self.end, |stop| stop.s.min(self.end));
         let stride = self.intervals.len().div_ceil(PROBES).max(1);
         let steps = self.intervals.iter().skip(stride - 1).step_by(stride);
-        let of = |interval: &Interval| (interval.from, interval.length);
+        let of = |interval: &Interval<D>| (interval.from, interval.length);
         let inside = steps
             .map(of)
             .flat_map(move |(from, length)| shares.iter().map(move |share| from + share * length));
@@ -160,18 +160,18 @@ impl Ray {
     }
 
     /// The estimated error of its position where it is the largest, but for the factor.
-    pub(super) fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         f64::from(most(&self.off))
     }
 
     /// The arc length for which it goes on the surface.
     #[inline(always)]
-    pub(super) fn limit(&self) -> f64 {
+    pub(crate) fn limit(&self) -> f64 {
         self.stop.map_or(f64::INFINITY, |stop| stop.s)
     }
 
     /// The arc length up to which places beside it follow from it: beyond an edge as far as it was followed.
-    pub(super) fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         match &self.stop {
             None => f64::INFINITY,
             Some(stop) if stop.status == Status::LeftDomain => stop.s.max(self.end),
@@ -181,7 +181,7 @@ impl Ray {
 
     /// The ray at an arc length; `None` where it is not known.
     #[inline(always)]
-    pub(super) fn at(&self, s: f64) -> Option<Sample> {
+    pub(crate) fn at(&self, s: f64) -> Option<Sample<D>> {
         if s > self.end + self.slack {
             return None;
         }
@@ -205,12 +205,12 @@ impl Ray {
     }
 }
 
-impl Interval {
-    fn between(chart: FanChart, a: &Knot, b: &Knot, j2: [f64; 2], k2: [f64; 2]) -> Self {
+impl<const D: usize> Interval<D> {
+    fn between(chart: FanChart, a: &Knot<D>, b: &Knot<D>, j2: [f64; D], k2: [f64; D]) -> Self {
         let h = b.s - a.s;
-        let mut main = [[0.0; 4]; 6];
-        let mut normal = [[0.0; 2]; 4];
-        for k in 0..2 {
+        let mut main = [[[0.0; D]; 2]; 6];
+        let mut normal = [[0.0; D]; 4];
+        for k in 0..D {
             let from = [a.at[k], a.velocity[k], a.acceleration[k]];
             let to = [b.at[k], b.velocity[k], b.acceleration[k]];
             let [j, j1] = a.jacobi(k);
@@ -218,8 +218,8 @@ impl Interval {
             let gamma = quintic(h, from, to);
             let field = quintic(h, [j, j1, j2[k]], [l, l1, k2[k]]);
             for power in 0..6 {
-                main[power][k] = gamma[power];
-                main[power][2 + k] = field[power];
+                main[power][0][k] = gamma[power];
+                main[power][1][k] = field[power];
             }
             let (n, n1) = (a.normal[0][k], h * a.normal[1][k]);
             let rise = b.normal[0][k] - n - n1;
@@ -241,14 +241,16 @@ impl Interval {
     }
 
     #[inline(always)]
-    fn at(&self, s: f64) -> Sample {
+    fn at(&self, s: f64) -> Sample<D> {
         let x = (s - self.from) / self.length;
         let mut value = self.main[5];
-        let mut rate = [0.0; 4];
+        let mut rate = [[0.0; D]; 2];
         for power in (0..5).rev() {
-            for k in 0..4 {
-                rate[k] = rate[k] * x + value[k];
-                value[k] = value[k] * x + self.main[power][k];
+            for of in 0..2 {
+                for k in 0..D {
+                    rate[of][k] = rate[of][k] * x + value[of][k];
+                    value[of][k] = value[of][k] * x + self.main[power][of][k];
+                }
             }
         }
         let mut normal = self.normal[3];
@@ -260,9 +262,9 @@ impl Interval {
         let by_s = 1.0 / self.length;
         Sample {
             chart: self.chart,
-            at: [value[0], value[1]],
-            along: [rate[0] * by_s, rate[1] * by_s],
-            jacobi: [[value[2], value[3]], [rate[2] * by_s, rate[3] * by_s]],
+            at: value[0],
+            along: rate[0].map(|x| x * by_s),
+            jacobi: [value[1], rate[1].map(|x| x * by_s)],
             normal,
         }
     }
@@ -270,7 +272,7 @@ impl Interval {
 
 /// J'' at a knot. At the centre m'' = 0, so that it is 2N'; elsewhere that of the quintic through J and J' at three
 /// knots, as it takes the derivative of the curvature.
-fn second(knots: &[Knot], n: usize) -> [f64; 2] {
+fn second<const D: usize>(knots: &[Knot<D>], n: usize) -> [f64; D] {
     let knot = &knots[n];
     if knot.s == 0.0 {
         return knot.normal[1].map(|x| 2.0 * x);
@@ -281,7 +283,7 @@ fn second(knots: &[Knot], n: usize) -> [f64; 2] {
         n if n == last => [last.saturating_sub(1), last.saturating_sub(2)],
         n => [n - 1, n + 1],
     };
-    [0, 1].map(|k| {
+    std::array::from_fn(|k| {
         let node = |n: usize| {
             let knot = &knots[n.min(last)];
             let [value, rate] = knot.jacobi(k);

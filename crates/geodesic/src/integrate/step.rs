@@ -31,18 +31,19 @@ impl<S: Surface + ?Sized> GeodesicEquation<1> for Equation<'_, '_, S> {
 
 impl RatesOfChange<1> for Local {
     #[inline(always)]
-    fn acceleration(&self) -> [[f64; 1]; 2] {
-        self.acceleration.map(|x| [x])
+    fn slope(&self, states: &States<1>) -> States<1> {
+        let acceleration = self.acceleration.map(|x| [x]);
+        runge_kutta::chart_slope(states, acceleration, [self.curvature])
     }
 
     #[inline(always)]
-    fn curvature(&self) -> [f64; 1] {
-        [self.curvature]
+    fn way(&self, [[x], [y], ..]: &States<1>) -> [f64; 1] {
+        [norm(combine(*x, self.tangents[0], *y, self.tangents[1]))]
     }
 
     #[inline(always)]
-    fn length(&self, [[x], [y]]: [[f64; 1]; 2]) -> [f64; 1] {
-        [norm(combine(x, self.tangents[0], y, self.tangents[1]))]
+    fn speed(&self, [_, _, [x], [y], ..]: &States<1>) -> [f64; 1] {
+        [norm(combine(*x, self.tangents[0], *y, self.tangents[1]))]
     }
 }
 
@@ -78,7 +79,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => pace,
             Chart::Apex(_) => StepParameter::Length,
         };
-        let step = runge_kutta::step::<1, SLOPES, _>(
+        let step = runge_kutta::step::<1, 8, SLOPES, _>(
             &equation,
             self.plan.tableau,
             &start,

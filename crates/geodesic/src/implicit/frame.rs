@@ -1,0 +1,144 @@
+//! The camera of a surface in space: a place on it, and two tangent vectors.
+
+use super::ray::State;
+use super::{ImplicitSurface, PlaceError, SpaceTrace, SpaceTraceError};
+use crate::metric::{combine, cross, dot, norm};
+use crate::point::PicturePoint;
+use crate::trace::Options;
+
+/// A place on a surface with two orthogonal tangent vectors of equal length, which is the zoom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpaceFrame {
+    /// The place.
+    pub at: [f64; 3],
+    /// To the right in the picture.
+    pub x: [f64; 3],
+    /// Up in the picture.
+    pub y: [f64; 3],
+}
+
+/// ẑ×n below this length is no direction.
+const UPRIGHT: f64 = 1e-9;
+
+/// X = ẑ×n and Y = n×X at a place with the unit normal n; X is x̂ where that is 0.
+fn axes(n: [f64; 3]) -> [[f64; 3]; 2] {
+    let x = cross([0.0, 0.0, 1.0], n);
+    let length = norm(x);
+    let x = match length > UPRIGHT {
+        true => x.map(|x| x / length),
+        false => {
+            let x = combine(1.0, [1.0, 0.0, 0.0], -n[0], n);
+            let length = norm(x);
+            x.map(|x| x / length)
+        }
+    };
+    [x, cross(n, x)]
+}
+
+impl SpaceFrame {
+    /// The frame at a place, which is brought onto the surface: X along ẑ×n, turned by `angle` radians towards Y = n×X. It
+    /// sees the surface from outside.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn new(
+        surface: &ImplicitSurface,
+        near: [f64; 3],
+        angle: f64,
+        zoom: f64,
+    ) -> Result<Self, PlaceError> {
+        let at = surface.place(near)?;
+        let normal = surface.normal(at).ok_or(PlaceError::NoGradient)?;
+        let [x, y] = axes(normal);
+        let (sin, cos) = angle.sin_cos();
+        Ok(Self {
+            at,
+            x: combine(zoom * cos, x, zoom * sin, y),
+            y: combine(-zoom * sin, x, zoom * cos, y),
+        })
+    }
+
+    /// The length of both vectors.
+    pub fn zoom(&self) -> f64 {
+        norm(self.x)
+    }
+
+    /// The frame with vectors of another length.
+    #[must_use]
+    pub fn zoomed(&self, zoom: f64) -> Self {
+        let factor = zoom / self.zoom();
+        Self {
+            x: self.x.map(|x| factor * x),
+            y: self.y.map(|y| factor * y),
+            ..*self
+        }
+    }
+
+    /// The frame turned by an angle from X towards Y.
+    #[must_use]
+    pub fn turned(&self, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self {
+            at: self.at,
+            x: combine(cos, self.x, sin, self.y),
+            y: combine(-sin, self.x, cos, self.y),
+        }
+    }
+
+    /// The angle of X from ẑ×n (x̂ if that is 0) towards n×(ẑ×n), in radians.
+    pub fn angle(&self, surface: &ImplicitSurface) -> f64 {
+        let [x, y] = axes(surface.normal(self.at).unwrap_or([1.0, 0.0, 0.0]));
+        dot(self.x, y).atan2(dot(self.x, x))
+    }
+
+    /// The vector x X + y Y of a place (x, y) of the picture.
+    pub fn velocity(&self, place: impl Into<PicturePoint>) -> [f64; 3] {
+        let PicturePoint([x, y]) = place.into();
+        combine(x, self.x, y, self.y)
+    }
+
+    /// The unit start towards a place of the picture.
+    pub(super) fn start(&self, angle: f64) -> State {
+        let (sin, cos) = angle.sin_cos();
+        let zoom = self.zoom();
+        State {
+            at: self.at,
+            velocity: combine(cos / zoom, self.x, sin / zoom, self.y),
+        }
+    }
+
+    /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, which X and Y follow by
+    /// parallel transport. The trace says whether it got there; the frame stands where that ended.
+    ///
+    /// # Errors
+    /// [`SpaceTraceError`].
+    pub fn advance(
+        &self,
+        surface: &ImplicitSurface,
+        step: impl Into<PicturePoint>,
+        options: &Options,
+    ) -> Result<(Self, SpaceTrace), SpaceTraceError> {
+        let PicturePoint([x, y]) = step.into();
+        let share = x.hypot(y);
+        let zoom = self.zoom();
+        let towards = if share > 0.0 { [x, y] } else { [1.0, 0.0] };
+        let direction = self.velocity(towards);
+        let trace = surface.trace(self.at, direction, share * zoom, options)?;
+        let normal = surface
+            .normal(trace.position)
+            .unwrap_or_else(|| cross(self.x, self.y).map(|n| n / (zoom * zoom)));
+        let along = trace.direction.map(|x| zoom * x);
+        let left = cross(normal, along);
+        let [cos, sin] = if share > 0.0 {
+            [x / share, y / share]
+        } else {
+            [1.0, 0.0]
+        };
+        let frame = Self {
+            at: trace.position,
+            x: combine(cos, along, -sin, left),
+            y: combine(sin, along, cos, left),
+        };
+        Ok((frame, trace))
+    }
+}

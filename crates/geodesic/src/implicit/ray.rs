@@ -1,0 +1,552 @@
+//! A ray in space, step by step.
+//!
+//! In: a piece of a field, a start on it at unit speed, a length. Out: [`RayEnd`]. A step is one of the same pairs as in a
+//! chart. Behind it one step of Newton's method leads back onto the surface, and the velocity back into the tangent plane, to
+//! unit length; both corrections count as error. Every ray ends, within its number of evaluations.
+
+use std::cell::Cell;
+
+use super::{ImplicitSurface, Piece, Shape};
+use crate::fan::coordinates::FanChart;
+use crate::fan::ray::{Knot, Segment};
+use crate::field::{self, FieldKnot};
+use crate::interpolate::{cubic, quintic, value};
+use crate::metric::{combine, dot, norm};
+use crate::runge_kutta::{
+    self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
+};
+use crate::status::Status;
+use crate::step_control::{ErrorSum, StepControl, UNDEFINED, step_after, step_to_try};
+
+/// The components of a state in space.
+const COMPONENTS: usize = 10;
+/// The largest number of a pair's evaluations in a step, with that at its start.
+const SLOPES: usize = 13;
+/// A step shorter than this share of the ray's own scale is not worth taking.
+const SHORTEST: f64 = 1e-13;
+/// The tolerance is for steps no shorter than this share of the ray's scale.
+const SMALL_STEP: f64 = 0.005;
+/// Steps shorter than this share of the ray's scale have something singular near by.
+const SHORT: f64 = 0.01;
+/// The cosine of the largest angle by which the normal turns in one step.
+const LEAST_TURN: f64 = 0.3;
+/// The longest step of a surface that has edges, as a share of its size: edges are looked for four times in each.
+const BESIDE_EDGES: f64 = 0.05;
+/// The relative error that an evaluation's rounding may add to a step.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// The relative error of the Jacobi fields over that of the step where they are to be as exact as the ray.
+const SHARP: f64 = 1e-14;
+/// Evaluations that are kept back for the end.
+const AT_END: usize = 8;
+
+/// A point on a surface in space with its velocity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub(crate) at: [f64; 3],
+    pub(crate) velocity: [f64; 3],
+}
+
+/// The plan of an integration.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    pub(crate) tableau: &'static Tableau,
+    /// The error allowed, per length.
+    pub(crate) tolerance: f64,
+    /// The error allowed to a step however short it is, over its size and the tolerance.
+    pub(crate) step: f64,
+    /// The most evaluations.
+    pub(crate) limit: usize,
+    /// True if the Jacobi fields are to be as exact as the ray.
+    pub(crate) fields: bool,
+    /// True if conjugate points are looked for.
+    pub(crate) conjugates: bool,
+    /// True if the Jacobi field is kept after each step, and steps are short beside 1/√|K|.
+    pub(crate) field_knots: bool,
+    /// True if the ends of the steps are kept, for a dense output.
+    pub(crate) knots: bool,
+    /// True if it goes on beyond edges, on the piece that it began on.
+    pub(crate) beyond: bool,
+}
+
+/// The end of a ray.
+#[derive(Clone, Debug)]
+pub(crate) struct RayEnd {
+    pub(crate) state: State,
+    pub(crate) length: f64,
+    pub(crate) speed_drift: f64,
+    pub(crate) error: f64,
+    pub(crate) steps: usize,
+    pub(crate) rejected: usize,
+    pub(crate) evaluations: usize,
+    pub(crate) status: Status,
+    pub(crate) field: [f64; 2],
+    pub(crate) conjugates: Vec<f64>,
+    pub(crate) fields: Vec<FieldKnot>,
+    pub(crate) segment: Segment<3>,
+    /// The arc length at which it met an edge first, where it went on beyond.
+    pub(crate) edge: Option<f64>,
+}
+
+/// The local data of a ray.
+#[derive(Clone, Copy, Debug)]
+struct Local(Option<Shape>);
+
+impl Default for Local {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+struct Equation<'a> {
+    piece: &'a Piece,
+    evaluations: &'a Cell<usize>,
+}
+
+/// The field is undefined at a stage of a step.
+struct Undefined;
+
+impl Equation<'_> {
+    fn shape(&self, at: [f64; 3]) -> Option<Shape> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        self.piece.shape(at)
+    }
+}
+
+impl GeodesicEquation<1, COMPONENTS> for Equation<'_> {
+    type Local = Local;
+    type Undefined = Undefined;
+
+    fn evaluate(
+        &self,
+        [[x], [y], [z], ..]: &States<1, COMPONENTS>,
+        local: &mut Local,
+    ) -> Result<(), Undefined> {
+        *local = Local(Some(self.shape([*x, *y, *z]).ok_or(Undefined)?));
+        Ok(())
+    }
+}
+
+impl RatesOfChange<1, COMPONENTS> for Local {
+    fn slope(&self, states: &States<1, COMPONENTS>) -> States<1, COMPONENTS> {
+        let [_, _, _, [x], [y], [z], [m], [m1], [n], [n1]] = *states;
+        let Some(shape) = &self.0 else {
+            return [[f64::NAN]; COMPONENTS];
+        };
+        let [a, b, c] = shape.acceleration([x, y, z]);
+        let k = shape.curvature;
+        [x, y, z, a, b, c, m1, -k * m, n1, -k * n].map(|x| [x])
+    }
+
+    fn way(&self, [[x], [y], [z], ..]: &States<1, COMPONENTS>) -> [f64; 1] {
+        [norm([*x, *y, *z])]
+    }
+
+    fn speed(&self, [_, _, _, [x], [y], [z], ..]: &States<1, COMPONENTS>) -> [f64; 1] {
+        [norm([*x, *y, *z])]
+    }
+}
+
+/// A step that has been tried, corrected.
+struct Tried {
+    end: State,
+    shape: Shape,
+    /// The estimated errors, with the corrections.
+    position_error: f64,
+    direction_error: f64,
+    field_error: f64,
+    /// By how much the speed was off.
+    drift: f64,
+    propagator: [[f64; 2]; 2],
+}
+
+struct Ray<'a> {
+    surface: &'a ImplicitSurface,
+    equation: Equation<'a>,
+    plan: Plan,
+    state: State,
+    shape: Shape,
+    s: f64,
+    field: [f64; 2],
+    errors: ErrorSum,
+    drift: f64,
+    control: StepControl,
+    steps: usize,
+    rejected: usize,
+    conjugates: Vec<f64>,
+    fields: Vec<FieldKnot>,
+    segment: Segment<3>,
+    edge: Option<f64>,
+}
+
+/// Integrates the geodesic from a start on a piece, at unit speed.
+pub(crate) fn integrate(
+    surface: &ImplicitSurface,
+    piece: &Piece,
+    start: State,
+    length: f64,
+    plan: Plan,
+) -> RayEnd {
+    let evaluations = Cell::new(0);
+    let equation = Equation {
+        piece,
+        evaluations: &evaluations,
+    };
+    let segment = Segment {
+        chart: FanChart::PLAIN,
+        knots: Vec::new(),
+    };
+    let Some(shape) = equation.shape(start.at) else {
+        return RayEnd {
+            state: start,
+            length: 0.0,
+            speed_drift: 0.0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+            evaluations: evaluations.get(),
+            status: why(&equation, start.at),
+            field: [0.0, 1.0],
+            conjugates: Vec::new(),
+            fields: Vec::new(),
+            segment,
+            edge: None,
+        };
+    };
+    let mut ray = Ray {
+        surface,
+        equation,
+        plan,
+        state: start,
+        shape,
+        s: 0.0,
+        field: [0.0, 1.0],
+        errors: ErrorSum::default(),
+        drift: 0.0,
+        control: StepControl::default(),
+        steps: 0,
+        rejected: 0,
+        conjugates: Vec::new(),
+        fields: Vec::new(),
+        segment,
+        edge: None,
+    };
+    let status = ray.run(length);
+    RayEnd {
+        state: ray.state,
+        length: if status == Status::Complete {
+            length
+        } else {
+            ray.s
+        },
+        speed_drift: ray.drift,
+        error: ray.errors.bound(),
+        steps: ray.steps,
+        rejected: ray.rejected,
+        status,
+        field: ray.field,
+        conjugates: ray.conjugates,
+        fields: ray.fields,
+        segment: ray.segment,
+        edge: ray.edge,
+        evaluations: evaluations.get(),
+    }
+}
+
+/// The reason why nothing goes on at a place: the field is undefined, or has no gradient.
+fn why(equation: &Equation<'_>, at: [f64; 3]) -> Status {
+    if equation.piece.value(at).is_finite() {
+        Status::Degenerate
+    } else {
+        Status::Undefined
+    }
+}
+
+impl Ray<'_> {
+    fn run(&mut self, length: f64) -> Status {
+        self.note();
+        let scale = self.surface.size().min(length);
+        let mut h = self.plan.step;
+        loop {
+            let remaining = length - self.s;
+            if remaining <= 1e-15 * length {
+                return Status::Complete;
+            }
+            let each = self.plan.tableau.stages.len() + 2;
+            if self.equation.evaluations.get() + each + AT_END > self.plan.limit {
+                return Status::WorkLimit;
+            }
+            h = h.min(self.longest());
+            let tried = step_to_try(h, remaining);
+            match self.attempt(tried, scale) {
+                Ok((next, ended)) => {
+                    h = step_after(h, tried, next);
+                    self.note();
+                    if let Some(status) = ended {
+                        return status;
+                    }
+                }
+                Err(shorter) => {
+                    self.rejected += 1;
+                    h = shorter;
+                }
+            }
+            let shortest = SHORTEST * scale.max(self.s);
+            if h < shortest && length - self.s > shortest {
+                return self.stalled(shortest);
+            }
+        }
+    }
+
+    /// The reason why the steps have shrunk to nothing.
+    fn stalled(&self, shortest: f64) -> Status {
+        // Far enough ahead for it to be seen through rounding.
+        let ahead =
+            [1.0, 1e2, 1e4].map(|k| combine(1.0, self.state.at, k * shortest, self.state.velocity));
+        let undefined = |at: &[f64; 3]| why(&self.equation, *at) == Status::Undefined;
+        if ahead.iter().any(undefined) {
+            Status::Undefined
+        } else {
+            Status::Degenerate
+        }
+    }
+
+    fn longest(&self) -> f64 {
+        let mut longest = f64::INFINITY;
+        if self.plan.field_knots {
+            longest = field::longest_step(self.shape.curvature);
+        }
+        if self.surface.has_edges() {
+            let size = self.surface.size();
+            let size = if size.is_finite() {
+                size
+            } else {
+                // The place itself, and how the surface bends there, tell of its size.
+                let radius = self.shape.radius();
+                let reach = norm(self.state.at).max(1e-300);
+                if radius.is_finite() {
+                    radius.max(reach)
+                } else {
+                    reach
+                }
+            };
+            longest = longest.min(BESIDE_EDGES * size);
+        }
+        longest
+    }
+
+    fn note(&mut self) {
+        let [m, rate] = self.field;
+        if self.plan.field_knots {
+            self.fields.push(FieldKnot {
+                length: self.s,
+                m,
+                rate,
+                curvature: self.shape.curvature,
+            });
+        }
+        if self.plan.knots {
+            self.segment
+                .knots
+                .push(self.knot(&self.state, &self.shape, self.s, self.field));
+        }
+    }
+
+    fn knot(&self, state: &State, shape: &Shape, s: f64, m: [f64; 2]) -> Knot<3> {
+        let velocity = state.velocity;
+        let normal = shape.left(velocity);
+        // N' = −(n'·N)… the normal is parallel along the geodesic: only the surface's own bend turns it.
+        let turn = dot(normal, shape.bent(velocity));
+        Knot {
+            s,
+            at: state.at,
+            velocity,
+            acceleration: shape.acceleration(velocity),
+            m,
+            normal: [normal, shape.normal.map(|n| -turn * n)],
+        }
+    }
+
+    /// One step, corrected; `None` where a stage is undefined.
+    fn step(&self, h: f64) -> Option<Tried> {
+        let State { at, velocity } = self.state;
+        let [x, y, z] = at;
+        let [a, b, c] = velocity;
+        let start = [x, y, z, a, b, c, 0.0, 1.0, 1.0, 0.0].map(|x| [x]);
+        let step: Step<1, Local, COMPONENTS> = runge_kutta::step::<1, COMPONENTS, SLOPES, _>(
+            &self.equation,
+            self.plan.tableau,
+            &start,
+            &Local(Some(self.shape)),
+            h,
+            StepParameter::Length,
+        )
+        .ok()?;
+        if !step.end.as_flattened().iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let [[x], [y], [z], [a], [b], [c], [m], [m1], [n], [n1]] = step.end;
+        let (at, velocity) = ([x, y, z], [a, b, c]);
+        let rough = match step.evaluated_end {
+            true => step.local.0?,
+            false => self.equation.shape(at)?,
+        };
+        // One step of Newton's method back onto the surface, …
+        let at = combine(1.0, at, -rough.distance, rough.normal);
+        let shape = self.equation.shape(at)?;
+        // … and the velocity into its tangent plane, at unit length.
+        let tangential = shape.tangential(velocity);
+        let speed = norm(tangential);
+        if !(speed > 0.0 && speed.is_finite()) {
+            return None;
+        }
+        let velocity_now = tangential.map(|x| x / speed);
+        let turned = norm(combine(1.0, velocity_now, -1.0, velocity));
+        Some(Tried {
+            end: State {
+                at,
+                velocity: velocity_now,
+            },
+            shape,
+            position_error: step.position_error[0] + rough.distance.abs(),
+            direction_error: step.direction_error[0] + turned,
+            field_error: step.field_error(h),
+            drift: norm(velocity) - 1.0,
+            propagator: [[n, m], [n1, m1]],
+        })
+    }
+
+    /// Tries a step. What comes back is the next one's length, with the status of a ray that has ended, or the length of
+    /// another attempt.
+    fn attempt(&mut self, h: f64, scale: f64) -> Result<(f64, Option<Status>), f64> {
+        let tried = self.step(h).ok_or(UNDEFINED * h)?;
+        if dot(tried.shape.normal, self.shape.normal) < LEAST_TURN {
+            return Err(0.5 * h);
+        }
+        let rounding = ROUNDING * norm(self.state.at);
+        let tolerance = self.plan.tolerance;
+        let floor = (2.0 * rounding).max(SMALL_STEP * tolerance * scale);
+        let allowed = (tolerance * h).max(floor);
+        let mut excess = tried.position_error / allowed + scale * tried.direction_error / allowed;
+        if self.plan.fields {
+            excess = excess.max(scale * tried.field_error / allowed);
+        }
+        let root = excess.powf(-1.0 / self.plan.tableau.error_order);
+        let most = self.control.foreseen(h, root);
+        let next = match self.control.judge(root, most) {
+            Ok(factor) => h * factor * self.control.trend(h, SHORT * scale),
+            Err(factor) => return Err(h * factor),
+        };
+        if let Some(share) = self.edge_within(&tried, h) {
+            match self.plan.beyond {
+                true => self.edge = Some(self.s + share * h),
+                false => return Ok((h, Some(self.end_at(share * h, scale)))),
+            }
+        }
+        self.accept(&tried, h, scale, rounding);
+        Ok((next, None))
+    }
+
+    fn accept(&mut self, tried: &Tried, h: f64, scale: f64, rounding: f64) {
+        if self.plan.conjugates {
+            self.note_conjugates(tried, h);
+        }
+        self.steps += 1;
+        self.control.accept(h);
+        self.s += h;
+        self.state = tried.end;
+        self.shape = tried.shape;
+        self.drift += tried.drift;
+        let [m, m1] = self.field;
+        self.field = tried.propagator.map(|[n, k]| n * m + k * m1);
+        let position = tried.position_error.max(h * tried.direction_error);
+        let direction = tried.direction_error + ROUNDING * (1.0 + h / scale);
+        self.errors
+            .add(tried.propagator, position + rounding, direction);
+    }
+
+    /// The share of a step at which it meets the first edge.
+    fn edge_within(&self, tried: &Tried, h: f64) -> Option<f64> {
+        if !self.surface.has_edges() || self.edge.is_some() {
+            return None;
+        }
+        let path: [[f64; 6]; 3] = std::array::from_fn(|k| {
+            let of = |state: &State, shape: &Shape| {
+                [
+                    state.at[k],
+                    state.velocity[k],
+                    shape.acceleration(state.velocity)[k],
+                ]
+            };
+            quintic(
+                h,
+                of(&self.state, &self.shape),
+                of(&tried.end, &tried.shape),
+            )
+        });
+        let beyond = |x: f64| {
+            let at = std::array::from_fn(|k| value(&path[k], x));
+            self.surface.is_beyond(self.equation.piece, at)
+        };
+        let first = [0.25, 0.5, 0.75, 1.0].into_iter().find(|x| beyond(*x))?;
+        let (mut low, mut high) = (first - 0.25, first);
+        for _ in 0..48 {
+            let middle = 0.5 * (low + high);
+            if beyond(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        Some(high)
+    }
+
+    /// Ends at an edge that a step of this length meets.
+    fn end_at(&mut self, h: f64, scale: f64) -> Status {
+        let rounding = ROUNDING * norm(self.state.at);
+        if let Some(tried) = self.step(h) {
+            self.accept(&tried, h, scale, rounding);
+        }
+        Status::LeftDomain
+    }
+
+    /// Adds the arc lengths of the conjugate points within a step that is about to be taken, by Newton's method on the step's
+    /// length, kept within a bracket: as exact as the steps are.
+    fn note_conjugates(&mut self, tried: &Tried, h: f64) {
+        let before = self.field;
+        let carried = |tried: &Tried| tried.propagator.map(|[n, k]| n * before[0] + k * before[1]);
+        let after = carried(tried);
+        let m = |share: f64| cubic(share, h, before, after);
+        for pair in [0.0, 0.25, 0.5, 0.75, 1.0].windows(2) {
+            let (from, to) = (m(pair[0]), m(pair[1]));
+            // The start itself, where m = 0, is none.
+            if from == 0.0 || (from > 0.0) == (to > 0.0) {
+                continue;
+            }
+            let (mut low, mut high) = (pair[0] * h, pair[1] * h);
+            let mut at = low + (high - low) * from / (from - to);
+            for _ in 0..40 {
+                let Some(part) = self.step(at) else {
+                    break;
+                };
+                let [value, rate] = carried(&part);
+                if (value > 0.0) == (from > 0.0) {
+                    low = at;
+                } else {
+                    high = at;
+                }
+                let newton = at - value / rate;
+                let next = if newton >= low && newton <= high {
+                    newton
+                } else {
+                    0.5 * (low + high)
+                };
+                let moved = (next - at).abs();
+                at = next;
+                if moved <= SHARP * h || value == 0.0 {
+                    break;
+                }
+            }
+            self.conjugates.push(self.s + at);
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! One geodesic on a surface in space, followed adaptively in f64.
+
+use std::fmt;
+
+use super::ray::{self, Plan, RayEnd, State};
+use super::{ImplicitSurface, PlaceError};
+use crate::field::FieldKnot;
+use crate::metric::{combine, norm};
+use crate::runge_kutta::{DOP853, DOPRI5};
+use crate::status::Status;
+use crate::trace::{LOOSE, Options};
+
+/// A geodesic's end in space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceTrace {
+    /// Its start, on the surface.
+    pub start: [f64; 3],
+    /// Its end.
+    pub position: [f64; 3],
+    /// The unit tangent there.
+    pub direction: [f64; 3],
+    /// The arc length that it reached.
+    pub length: f64,
+    /// The change of its speed over all steps, before each correction.
+    pub speed_drift: f64,
+    /// The estimated distance of the true end: as [`Trace::error_estimate`](crate::trace::Trace::error_estimate).
+    pub error_estimate: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// Steps tried and not taken.
+    pub rejected: usize,
+    /// Evaluations of the field and its derivatives.
+    pub evaluations: usize,
+    /// The reason why it ended.
+    pub status: Status,
+    /// (m, m') at the end: the Jacobi field across the geodesic with m = 0, m' = 1 at its start.
+    pub jacobi: [f64; 2],
+    /// The arc lengths of the conjugate points, where m = 0, in ascending order, if the options request them; else empty.
+    pub conjugates: Vec<f64>,
+    /// The Jacobi field after each step, the start first, if it was asked for; else empty.
+    pub fields: Vec<FieldKnot>,
+}
+
+/// The reason why a geodesic in space cannot be begun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpaceTraceError {
+    /// The start is not brought onto the surface.
+    Place {
+        /// The start.
+        at: [f64; 3],
+        /// The reason.
+        why: PlaceError,
+    },
+    /// A component of the direction is no finite number.
+    DirectionNotFinite,
+    /// The direction is zero.
+    ZeroDirection,
+    /// The direction is the surface's normal: it has no component in the tangent plane.
+    NormalDirection,
+    /// The length is negative, or no finite number.
+    BadLength {
+        /// The length.
+        length: f64,
+    },
+    /// The tolerance is not a positive number.
+    BadTolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// The derivatives of the field exceed the limit for expressions.
+    TooLarge,
+}
+
+/// The tightest tolerance: beneath it rounding keeps the error control from ever being content.
+const TIGHTEST: f64 = 50.0 * f64::EPSILON;
+/// By what a run that another is compared with is more exact.
+const FINER: f64 = 1000.0;
+/// The component in the tangent plane over the direction's length below which it counts for nothing.
+const NORMAL: f64 = 1e-12;
+/// The first step over the ray's scale.
+const FIRST: f64 = 0.04;
+
+impl fmt::Display for SpaceTraceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Place { at: [x, y, z], why } => {
+                write!(
+                    f,
+                    "the start ({x}, {y}, {z}) is not brought onto the surface: {why}"
+                )
+            }
+            Self::DirectionNotFinite => f.write_str("the direction is not three numbers"),
+            Self::ZeroDirection => f.write_str("the direction is zero"),
+            Self::NormalDirection => {
+                f.write_str("the direction is normal to the surface: it has no component along it")
+            }
+            Self::BadLength { length } => {
+                write!(f, "the length {length} is not a number of at least 0")
+            }
+            Self::BadTolerance { tolerance } => {
+                write!(f, "the tolerance {tolerance} is not a positive number")
+            }
+            Self::TooLarge => f.write_str("the derivatives of the solid are too large"),
+        }
+    }
+}
+
+impl std::error::Error for SpaceTraceError {}
+
+impl ImplicitSurface {
+    /// The start of a geodesic: the place brought onto the surface, and the unit vector of the direction in its tangent plane.
+    ///
+    /// # Errors
+    /// [`SpaceTraceError`].
+    pub fn start(
+        &self,
+        near: [f64; 3],
+        direction: [f64; 3],
+    ) -> Result<([f64; 3], [f64; 3]), SpaceTraceError> {
+        let largest = direction.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        if direction.iter().any(|x| !x.is_finite()) {
+            return Err(SpaceTraceError::DirectionNotFinite);
+        }
+        if largest == 0.0 {
+            return Err(SpaceTraceError::ZeroDirection);
+        }
+        let failed = |why| SpaceTraceError::Place { at: near, why };
+        let at = self.place(near).map_err(failed)?;
+        let piece = self.piece_at(at).map_err(|_| SpaceTraceError::TooLarge)?;
+        let shape = piece.shape(at).ok_or(failed(PlaceError::NoGradient))?;
+        let direction = direction.map(|x| x / largest);
+        let tangential = shape.tangential(direction);
+        let length = norm(tangential);
+        if length <= NORMAL * norm(direction) {
+            return Err(SpaceTraceError::NormalDirection);
+        }
+        // Once more: what was nearly normal has lost digits.
+        let unit = shape.tangential(tangential.map(|x| x / length));
+        let length = norm(unit);
+        Ok((at, unit.map(|x| x / length)))
+    }
+
+    /// Follows the geodesic from a place, which is brought onto the surface, in a direction, which is brought into the tangent
+    /// plane, for the arc length `length`. Its method and its path are not options here: the steps are adaptive.
+    ///
+    /// # Errors
+    /// [`SpaceTraceError`]: bad numbers, or no surface near the start. All that happens later is a [`Status`].
+    pub fn trace(
+        &self,
+        near: [f64; 3],
+        direction: [f64; 3],
+        length: f64,
+        options: &Options,
+    ) -> Result<SpaceTrace, SpaceTraceError> {
+        if !(length >= 0.0 && length.is_finite()) {
+            return Err(SpaceTraceError::BadLength { length });
+        }
+        let tolerance = options.tolerance;
+        if tolerance.is_nan() || tolerance <= 0.0 {
+            return Err(SpaceTraceError::BadTolerance { tolerance });
+        }
+        let (at, velocity) = self.start(near, direction)?;
+        let piece = self.piece_at(at).map_err(|_| SpaceTraceError::TooLarge)?;
+        let start = State { at, velocity };
+        let fields = options.conjugates || options.keep_fields;
+        let plan = Plan {
+            tableau: if tolerance >= LOOSE { &DOPRI5 } else { &DOP853 },
+            tolerance: tolerance.max(TIGHTEST),
+            step: self.first_step(at, length),
+            limit: options.max_evaluations,
+            fields,
+            conjugates: options.conjugates,
+            field_knots: options.keep_fields,
+            knots: false,
+            beyond: false,
+        };
+        let mut end = ray::integrate(self, &piece, start, length, plan);
+        if options.compare
+            && let Some((error, evaluations)) = self.compared(&piece, start, length, &plan, &end)
+        {
+            end.error = error;
+            end.evaluations += evaluations;
+        }
+        Ok(SpaceTrace {
+            start: at,
+            position: end.state.at,
+            direction: end.state.velocity,
+            length: end.length,
+            speed_drift: end.speed_drift,
+            error_estimate: end.error,
+            steps: end.steps,
+            rejected: end.rejected,
+            evaluations: end.evaluations,
+            status: end.status,
+            jacobi: end.field,
+            conjugates: end.conjugates,
+            fields: end.fields,
+        })
+    }
+
+    /// A first step that is surely not too long for the tolerance to be judged.
+    pub(super) fn first_step(&self, at: [f64; 3], length: f64) -> f64 {
+        let shape = self.piece_at(at).ok().and_then(|piece| piece.shape(at));
+        let radius = shape.map_or(f64::INFINITY, |shape| shape.radius());
+        length.min(FIRST * self.size().min(radius))
+    }
+
+    /// The error of a ray's end, by following it once more with a fraction of the tolerance, with the evaluations that it
+    /// took; `None` where that cannot be afforded, or ends for another reason.
+    fn compared(
+        &self,
+        piece: &super::Piece,
+        start: State,
+        length: f64,
+        plan: &Plan,
+        end: &RayEnd,
+    ) -> Option<(f64, usize)> {
+        let tolerance = plan.tolerance / FINER;
+        let left = plan.limit.saturating_sub(end.evaluations);
+        if tolerance < TIGHTEST || left < 2 * end.evaluations || end.status == Status::WorkLimit {
+            return None;
+        }
+        let finer = Plan {
+            tableau: &DOP853,
+            tolerance,
+            step: 0.3 * plan.step,
+            limit: left,
+            fields: false,
+            conjugates: false,
+            field_knots: false,
+            ..*plan
+        };
+        let finer = ray::integrate(self, piece, start, length, finer);
+        if finer.status != end.status {
+            return None;
+        }
+        let gap = norm(combine(1.0, end.state.at, -1.0, finer.state.at));
+        let rounding = 32.0 * f64::EPSILON * (norm(end.state.at) + length);
+        Some((gap + rounding, finer.evaluations))
+    }
+}
