@@ -409,16 +409,15 @@ impl<'s> SpaceFan<'s> {
             rays[0].edge.max(rays[1].edge),
         );
         let beyond = |at| self.surface.is_beyond(&self.piece, at);
-        if s > last {
-            return true;
-        }
-        if beyond(at) {
+        // A corner lies farther out than where the rays beside it meet the edges.
+        let bulge = (last - first).max(width * last);
+        if s > last + bulge || beyond(at) {
             return true;
         }
         if s <= first {
             return false;
         }
-        (0..ON_THE_WAY).any(|k| {
+        (1..ON_THE_WAY).any(|k| {
             let s = first + (s - first) * k as f64 / ON_THE_WAY as f64;
             let point = self.between(rays, width, t, s);
             point.is_some_and(|point| beyond(point.at))

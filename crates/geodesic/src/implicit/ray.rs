@@ -36,6 +36,8 @@ const BESIDE_EDGES: f64 = 0.05;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The relative error of the Jacobi fields over that of the step where they are to be as exact as the ray.
 const SHARP: f64 = 1e-14;
+/// A step that is off by less than this share of the ray's scale leaves nothing but rounding once it is corrected.
+const GOOD: f64 = 1e-9;
 /// Evaluations that are kept back for the end.
 const AT_END: usize = 8;
 
@@ -169,6 +171,8 @@ struct Ray<'a> {
     field: [f64; 2],
     errors: ErrorSum,
     drift: f64,
+    /// The distance from the surface at which the field's rounding leaves a place that has been corrected.
+    noise: f64,
     control: StepControl,
     steps: usize,
     rejected: usize,
@@ -222,6 +226,7 @@ pub(crate) fn integrate(
         field: [0.0, 1.0],
         errors: ErrorSum::default(),
         drift: 0.0,
+        noise: 0.0,
         control: StepControl::default(),
         steps: 0,
         rejected: 0,
@@ -422,9 +427,14 @@ impl Ray<'_> {
         if dot(tried.shape.normal, self.shape.normal) < LEAST_TURN {
             return Err(0.5 * h);
         }
-        let rounding = ROUNDING * norm(self.state.at);
+        // Where the step is good, what is left of the distance after its correction is rounding.
+        if tried.position_error < GOOD * scale {
+            self.noise = self.noise.max(tried.shape.distance.abs());
+        }
+        let rounding = self.rounding();
         let tolerance = self.plan.tolerance;
-        let floor = (2.0 * rounding).max(SMALL_STEP * tolerance * scale);
+        let turned = scale * rounding / tried.shape.radius();
+        let floor = (2.0 * (rounding + turned)).max(SMALL_STEP * tolerance * scale);
         let allowed = (tolerance * h).max(floor);
         let mut excess = tried.position_error / allowed + scale * tried.direction_error / allowed;
         if self.plan.fields {
@@ -446,6 +456,11 @@ impl Ray<'_> {
         Ok((next, None))
     }
 
+    /// The distance that rounding makes of no step at all.
+    fn rounding(&self) -> f64 {
+        ROUNDING * norm(self.state.at) + 2.0 * self.noise
+    }
+
     fn accept(&mut self, tried: &Tried, h: f64, scale: f64, rounding: f64) {
         if self.plan.conjugates {
             self.note_conjugates(tried, h);
@@ -459,7 +474,8 @@ impl Ray<'_> {
         let [m, m1] = self.field;
         self.field = tried.propagator.map(|[n, k]| n * m + k * m1);
         let position = tried.position_error.max(h * tried.direction_error);
-        let direction = tried.direction_error + ROUNDING * (1.0 + h / scale);
+        let turned = rounding / self.shape.radius();
+        let direction = tried.direction_error + turned + ROUNDING * (1.0 + h / scale);
         self.errors
             .add(tried.propagator, position + rounding, direction);
     }
@@ -502,7 +518,7 @@ impl Ray<'_> {
 
     /// Ends at an edge that a step of this length meets.
     fn end_at(&mut self, h: f64, scale: f64) -> Status {
-        let rounding = ROUNDING * norm(self.state.at);
+        let rounding = self.rounding();
         if let Some(tried) = self.step(h) {
             self.accept(&tried, h, scale, rounding);
         }
