@@ -1,12 +1,15 @@
 //! Declared geodesics: a scene's declarations and the values of its params flow in, knots of all instances flow out.
 
+use expr::Input;
+use expr::tape::{Registers, Tape};
+use geodesic::implicit::ImplicitSurface;
 use rayon::prelude::*;
 use scene::InitialConditionsEvaluator;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Sampling, Scene};
+use scene::{Object, ObjectId, Sampling, Scene, SpacePath};
 
-use crate::manifold::Manifold;
-use crate::polyline::{GeodesicStart, Knot, knots_at};
+use crate::manifold::{Manifold, ManifoldError};
+use crate::polyline::{GeodesicStart, Knot, knots_at, space_knots_at};
 
 /// The most points of all instances of a declared geodesic; further instances are not drawn.
 pub const MAX_POINTS: u64 = 2_000_000;
@@ -24,6 +27,11 @@ pub struct FollowedGeodesic {
 
 /// Follows all instances of a declared geodesic on all cores. The result is empty for other objects.
 pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> FollowedGeodesic {
+    if let Some(object) = scene.get(id)
+        && let Some((path, domain)) = object.shape.space_geodesic()
+    {
+        return follow_in_space(scene, params, object, path, domain);
+    }
     let Some((object, surface, domain)) = parts(scene, id) else {
         return FollowedGeodesic::default();
     };
@@ -31,14 +39,6 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
         return FollowedGeodesic::default();
     };
     let name = &object.name;
-    let instances = params.instance_count(scene, object);
-    let drawn = instances.min((MAX_POINTS / u64::from(domain.count.max(1))).max(1));
-    let mut notes = Vec::new();
-    if drawn < instances {
-        notes.push(format!(
-            "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
-        ));
-    }
     // Values of its parameter, in units of its speed.
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
     // Only a surface that depends on grids differs from instance to instance.
@@ -46,7 +46,7 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
     let shared = on
         .filter(|on| on.grids.is_empty())
         .map(|on| Manifold::new(scene, surface, &params.first_instance(scene, on)));
-    let line = |index: u64| -> (Vec<Option<Knot>>, Option<String>) {
+    let line = |index: u64| -> Line {
         let nowhere = || vec![None; lengths.len()];
         let uniforms = params.instance(scene, object, index);
         let own;
@@ -80,6 +80,69 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
             }
         }
     };
+    all_instances(scene, params, object, domain, &line)
+}
+
+/// A line of one instance, and the reason why it is not drawn.
+type Line = (Vec<Option<Knot>>, Option<String>);
+
+/// Follows all instances of a geodesic on a solid.
+fn follow_in_space(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+    path: SpacePath<'_>,
+    domain: &Sampling,
+) -> FollowedGeodesic {
+    let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
+    let start = Tape::new(&scene.graph, &[path.direction, path.start].concat());
+    let line = |index: u64| -> Line {
+        let uniforms = params.instance(scene, object, index);
+        let nowhere = |reason: String| (vec![None; lengths.len()], Some(reason));
+        let surface = ImplicitSurface::new(&scene.graph, path.field, &uniforms, None);
+        let Ok(surface) = surface else {
+            let name = path.solid.to_owned();
+            return nowhere(ManifoldError::TooLarge { name }.to_string());
+        };
+        let number = |input: &Input| match *input {
+            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+            Input::Variable(_) => f64::NAN,
+        };
+        let inputs: Vec<f64> = start.inputs().iter().map(number).collect();
+        let mut out = [f64::NAN; 6];
+        start.eval(&mut Registers::default(), &inputs, &mut out);
+        let [a, b, c, x, y, z] = out;
+        match space_knots_at(&surface, [x, y, z], [a, b, c], &lengths) {
+            Ok(knots) => (knots, None),
+            Err(fault) => {
+                let faults = scene.geodesic_faults(object, &uniforms);
+                nowhere(match faults.first() {
+                    Some((of, fault)) => format!("of `{of}`: {fault}"),
+                    None => fault.to_string(),
+                })
+            }
+        }
+    };
+    all_instances(scene, params, object, domain, &line)
+}
+
+/// The lines of all instances, on all cores.
+fn all_instances(
+    scene: &Scene,
+    params: &ParamValues,
+    object: &Object,
+    domain: &Sampling,
+    line: &(dyn Fn(u64) -> Line + Sync),
+) -> FollowedGeodesic {
+    let name = &object.name;
+    let instances = params.instance_count(scene, object);
+    let drawn = instances.min((MAX_POINTS / u64::from(domain.count.max(1))).max(1));
+    let mut notes = Vec::new();
+    if drawn < instances {
+        notes.push(format!(
+            "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
+        ));
+    }
     let (lines, faults): (Vec<_>, Vec<_>) = (0..drawn).into_par_iter().map(line).unzip();
     let faults: Vec<String> = faults.into_iter().flatten().collect();
     if let Some(first) = faults.first() {
@@ -97,8 +160,12 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
     }
 }
 
-/// Reports whether an object is a geodesic on a surface in space, so that the 3D view draws it.
+/// Reports whether an object is a geodesic on a surface in space or on a solid, so that the 3D view draws it.
 pub fn lies_in_space(scene: &Scene, id: ObjectId) -> bool {
+    let object = scene.get(id);
+    if object.is_some_and(|object| object.shape.space_geodesic().is_some()) {
+        return true;
+    }
     let surface = parts(scene, id).and_then(|(_, surface, _)| scene.get(surface));
     surface.is_some_and(|surface| surface.shape.is_surface())
 }

@@ -17,5 +17,5 @@ pub mod solids;
 
 pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
 pub use manifold::{Manifold, ManifoldError};
-pub use polyline::{GeodesicStart, Knot, knots_at};
+pub use polyline::{GeodesicStart, Knot, knots_at, space_knots_at};
 pub use polyline_cache::{ChartPolyline, GeodesicSegment};

@@ -4,13 +4,14 @@
 //! continued from a knot (in a pole, which has no direction), it is followed again from its start.
 
 use geodesic::frame::Frame;
+use geodesic::implicit::{ImplicitSurface, SpaceTraceError};
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError, trace};
 
 /// A point of a geodesic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
-    /// (u, v), brought back into the domain.
+    /// (u, v), brought back into the domain; NaN on a solid.
     pub uv: [f64; 2],
     /// The place in space; `None` on a metric.
     pub position: Option<[f64; 3]>,
@@ -55,6 +56,47 @@ pub fn knots_at(
     knots.reverse();
     knots.extend(one_way(surface, start, &lengths[ahead..]));
     knots
+}
+
+/// Follows a geodesic on a solid to ascending arc lengths, as [`knots_at`] does on a surface.
+///
+/// # Errors
+/// It cannot start.
+pub fn space_knots_at(
+    surface: &ImplicitSurface,
+    start: [f64; 3],
+    direction: [f64; 3],
+    lengths: &[f64],
+) -> Result<Vec<Option<Knot>>, SpaceTraceError> {
+    let (start, direction) = surface.start(start, direction)?;
+    let one_way = |lengths: &mut dyn Iterator<Item = f64>, sign: f64, count: usize| {
+        let mut knots = Vec::with_capacity(count);
+        let (mut at, mut towards, mut before) = (start, direction.map(|x| sign * x), 0.0);
+        for length in lengths {
+            let step = (length - before).abs();
+            let Ok(trace) = surface.trace(at, towards, step, &Options::default()) else {
+                break;
+            };
+            knots.push(Some(Knot {
+                uv: [f64::NAN; 2],
+                position: Some(trace.position),
+            }));
+            // A geodesic that ends early keeps the knot at its end.
+            if trace.status != Status::Complete {
+                break;
+            }
+            (at, towards, before) = (trace.position, trace.direction, length);
+        }
+        knots.resize(count, None);
+        knots
+    };
+    let ahead = lengths.partition_point(|&t| t < 0.0);
+    let behind = &lengths[..ahead];
+    let mut knots = one_way(&mut behind.iter().rev().copied(), -1.0, behind.len());
+    knots.reverse();
+    let rest = &lengths[ahead..];
+    knots.extend(one_way(&mut rest.iter().copied(), 1.0, rest.len()));
+    Ok(knots)
 }
 
 /// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before.

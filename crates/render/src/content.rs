@@ -12,7 +12,8 @@ use expr::graph::Node;
 use expr::{Graph, Input, NodeId};
 use scene::ParamValues;
 use scene::{
-    AttributeValue, GeodesicValue, Object, ObjectId, Sampling, Scene, Shape, Solid, SolidStep,
+    AttributeValue, GeodesicValue, Ground, Object, ObjectId, Sampling, Scene, Shape, Solid,
+    SolidStep,
 };
 
 use crate::placement::Placement;
@@ -55,6 +56,8 @@ impl Structure {
             if let Some(on) = scene.get(surface) {
                 writer.shape(&on.shape);
             }
+        }
+        if object.shape.is_geodesic() {
             // The notes on a geodesic name it.
             writer.text(&object.name);
         }
@@ -262,9 +265,12 @@ impl<'a> Writer<'a> {
     fn geodesic_value(&mut self, value: &GeodesicValue) {
         // Notes name the geodesic.
         self.text(&value.geodesic);
-        let metric = u64::from(value.manifold.is_metric);
-        self.words.extend([WordTag::Geodesic as u64, metric]);
-        let ends = value.manifold.domain.iter();
+        let (kind, domain) = match &value.ground {
+            Ground::Chart(manifold) => (u64::from(manifold.is_metric), manifold.domain.as_slice()),
+            Ground::Solid(_) => (2, [].as_slice()),
+        };
+        self.words.extend([WordTag::Geodesic as u64, kind]);
+        let ends = domain.iter();
         let ends = ends.flat_map(|axis| [axis.min.to_bits(), axis.max.to_bits()]);
         self.words.extend(ends);
         for root in value.nodes() {

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
+use geodesic::implicit::{ImplicitSurface, SpaceTraceError};
 use geodesic::intrinsic::MetricSurface;
 use geodesic::measure::{self, MeasureError};
 use geodesic::surface::{ParametricSurface, Surface};
@@ -29,6 +30,15 @@ pub struct ManifoldNodes {
     pub is_metric: bool,
     /// The intervals of the two parameters.
     pub domain: [Range; 2],
+}
+
+/// What a geodesic lies on, as far as it depends on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ground {
+    /// A surface or a metric.
+    Chart(ManifoldNodes),
+    /// A solid's surface: its field over `Variable(0)`, `Variable(1)` and `Variable(2)`.
+    Solid(NodeId),
 }
 
 /// The part of a geodesic that is a value.
@@ -53,15 +63,27 @@ pub enum ValueKind {
         /// The parameter.
         at: NodeId,
     },
+    /// A point of a geodesic on a solid's surface and its velocity there: (x, y, z) and (x', y', z'). Six numbers.
+    SpacePoint {
+        /// (x, y, z) near which the geodesic starts.
+        start: [NodeId; 3],
+        /// Its direction there.
+        direction: [NodeId; 3],
+        /// The parameter.
+        at: NodeId,
+    },
 }
+
+/// The most numbers of a value.
+pub(crate) const MOST_NUMBERS: usize = 6;
 
 /// A value of a geodesic.
 #[derive(Clone, Debug)]
 pub struct GeodesicValue {
     /// The geodesic's name.
     pub geodesic: Arc<str>,
-    /// The surface or metric that it lies on.
-    pub manifold: ManifoldNodes,
+    /// The surface, metric or solid that it lies on.
+    pub ground: Ground,
     /// The value.
     pub kind: ValueKind,
     /// The number of the input that is its first number; the others follow. A uniform, or along a curve a variable.
@@ -75,6 +97,8 @@ pub enum GeodesicFault {
     UndefinedInput,
     /// It cannot start.
     Start(InitialConditionsError),
+    /// It cannot start on a solid's surface.
+    SpaceStart(SpaceTraceError),
     /// A place between which it should run is none of the surface.
     Place(MeasureError),
     /// No geodesic between the two places was found.
@@ -93,6 +117,15 @@ pub enum GeodesicFault {
         /// The reason why it ends.
         status: Status,
     },
+    /// It ends on a solid's surface before the parameter.
+    EndsInSpace {
+        /// The parameter at which it ends.
+        end: f64,
+        /// The parameter that was given.
+        at: f64,
+        /// The reason why it ends.
+        status: Status,
+    },
     /// The derivatives of the surface exceed the limit for expressions.
     TooLarge,
 }
@@ -103,16 +136,24 @@ pub struct GeodesicCache(Arc<Mutex<KeptValues>>);
 
 #[derive(Default)]
 struct KeptValues {
-    surfaces: HashMap<ManifoldKey, Option<Arc<dyn Surface + Send>>>,
+    surfaces: HashMap<ManifoldKey, Option<KeptGround>>,
     values: HashMap<ValueKey, Solution>,
     integrated: u64,
+}
+
+/// What geodesics are integrated on.
+#[derive(Clone)]
+enum KeptGround {
+    Chart(Arc<dyn Surface + Send>, [Range; 2]),
+    Solid(Arc<ImplicitSurface>),
 }
 
 /// A manifold with the numbers that it reads.
 #[derive(Clone, Eq, Hash, PartialEq)]
 struct ManifoldKey {
     is_metric: bool,
-    components: [NodeId; 3],
+    /// Three of a surface or a metric, one of a solid.
+    components: Vec<NodeId>,
     numbers: Vec<u64>,
 }
 
@@ -125,7 +166,7 @@ struct ValueKey {
 }
 
 /// The numbers of a value.
-type Solution = Result<[f64; 5], GeodesicFault>;
+type Solution = Result<[f64; MOST_NUMBERS], GeodesicFault>;
 
 /// The most surfaces that are kept, and the most values.
 const MOST_SURFACES: usize = 1 << 8;
@@ -137,26 +178,41 @@ impl GeodesicValue {
         self.kind.width()
     }
 
-    /// The nodes that it is computed from. Those of the manifold, the first three, read the variables of the manifold.
+    /// The nodes that it is computed from. Those of what it lies on, which come first, read the variables of that.
     pub fn nodes(&self) -> Vec<NodeId> {
-        let mut all = self.manifold.components.to_vec();
+        let mut all = self.ground.nodes().to_vec();
         all.extend(self.kind.nodes());
         all
     }
 
     /// The nodes of [`GeodesicValue::nodes`], to be replaced.
     pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
-        let components = self.manifold.components.iter_mut();
-        let (first, second, rest) = match &mut self.kind {
-            ValueKind::Connection { from, to } => (from, to, vec![]),
+        let ground = match &mut self.ground {
+            Ground::Chart(manifold) => manifold.components.as_mut_slice(),
+            Ground::Solid(field) => std::slice::from_mut(field),
+        };
+        let mut all: Vec<&mut NodeId> = ground.iter_mut().collect();
+        match &mut self.kind {
+            ValueKind::Connection { from, to } => all.extend(from.iter_mut().chain(to)),
             ValueKind::Point {
                 start,
                 direction,
                 unit,
                 at,
-            } => (start, direction, unit.iter_mut().chain([at]).collect()),
-        };
-        components.chain(first).chain(second).chain(rest).collect()
+            } => {
+                all.extend(start.iter_mut().chain(direction).chain(unit));
+                all.push(at);
+            }
+            ValueKind::SpacePoint {
+                start,
+                direction,
+                at,
+            } => {
+                all.extend(start.iter_mut().chain(direction));
+                all.push(at);
+            }
+        }
+        all
     }
 
     /// Computes its numbers, as many as [`GeodesicValue::width`] says.
@@ -174,7 +230,7 @@ impl GeodesicValue {
         if inputs.iter().any(|x| !x.is_finite()) {
             return Err(GeodesicFault::UndefinedInput);
         }
-        let on = self.manifold.key(graph, uniforms);
+        let on = self.ground.key(graph, uniforms);
         let key = ValueKey {
             manifold: on.clone(),
             width: self.width(),
@@ -183,10 +239,11 @@ impl GeodesicValue {
         if let Some(known) = cache.lock().values.get(&key) {
             return known.clone();
         }
-        let solution = match self.manifold.surface(graph, uniforms, on, cache) {
-            Some(surface) => self
-                .kind
-                .integrate(&*surface, &inputs, self.manifold.domain),
+        let solution = match self.ground.kept(graph, uniforms, on, cache) {
+            Some(KeptGround::Chart(surface, domain)) => {
+                self.kind.integrate(&*surface, &inputs, domain)
+            }
+            Some(KeptGround::Solid(surface)) => follow_in_space(&surface, &inputs),
             None => Err(GeodesicFault::TooLarge),
         };
         let mut known = cache.lock();
@@ -207,7 +264,7 @@ impl GeodesicValue {
     ) -> Option<GeodesicFault> {
         let (numbers, fault) = match self.solve(graph, uniforms, &[], cache) {
             Ok(numbers) => (numbers, None),
-            Err(fault) => ([f64::NAN; 5], Some(fault)),
+            Err(fault) => ([f64::NAN; MOST_NUMBERS], Some(fault)),
         };
         let first = self.first as usize;
         let places = uniforms.iter_mut().skip(first).take(self.width() as usize);
@@ -224,6 +281,7 @@ impl ValueKind {
         match self {
             Self::Connection { .. } => 5,
             Self::Point { .. } => 4,
+            Self::SpacePoint { .. } => 6,
         }
     }
 
@@ -239,6 +297,15 @@ impl ValueKind {
                 .into_iter()
                 .flatten()
                 .chain(unit)
+                .chain([at])
+                .collect(),
+            Self::SpacePoint {
+                start,
+                direction,
+                at,
+            } => [start, direction]
+                .into_iter()
+                .flatten()
                 .chain([at])
                 .collect(),
         }
@@ -261,13 +328,13 @@ impl ValueKind {
 /// The start, the velocity and the length of the shortest geodesic between two places.
 fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
     if from == to {
-        return Ok([from[0], from[1], 0.0, 0.0, 0.0]);
+        return Ok([from[0], from[1], 0.0, 0.0, 0.0, 0.0]);
     }
     let found = measure::distance(surface, from, to).map_err(GeodesicFault::Place)?;
     let found = found.ok_or(GeodesicFault::NoConnection { from, to })?;
     let ([u, v], [a, b]) = (found.from.0, found.direction.0);
     let length = found.length;
-    Ok([u, v, length * a, length * b, length])
+    Ok([u, v, length * a, length * b, length, 0.0])
 }
 
 /// A point of a geodesic and its velocity there.
@@ -280,7 +347,7 @@ fn follow(
     domain: [Range; 2],
 ) -> Solution {
     if unit == 0.0 {
-        return Ok([start[0], start[1], 0.0, 0.0, 0.0]);
+        return Ok([start[0], start[1], 0.0, 0.0, 0.0, 0.0]);
     }
     let initial = InitialConditions::new(start, direction, unit, domain);
     let initial = initial.map_err(GeodesicFault::Start)?;
@@ -301,41 +368,97 @@ fn follow(
     }
     let ([u, v], [a, b]) = (end.uv.0, end.direction.0);
     let scale = sign * unit;
-    Ok([u, v, scale * a, scale * b, 0.0])
+    Ok([u, v, scale * a, scale * b, 0.0, 0.0])
+}
+
+/// A point of a geodesic on a solid's surface and its velocity there, from the start, the direction and the parameter.
+fn follow_in_space(surface: &ImplicitSurface, inputs: &[f64]) -> Solution {
+    let [x, y, z, a, b, c, at] = *inputs else {
+        return Err(GeodesicFault::UndefinedInput);
+    };
+    let (sign, length) = (at.signum(), at.abs());
+    let direction = [a, b, c].map(|x| sign * x);
+    let options = Options {
+        tolerance: TOLERANCE,
+        ..Options::default()
+    };
+    let end = surface.trace([x, y, z], direction, length, &options);
+    let end = end.map_err(GeodesicFault::SpaceStart)?;
+    if end.status != Status::Complete {
+        return Err(GeodesicFault::EndsInSpace {
+            end: sign * end.length,
+            at,
+            status: end.status,
+        });
+    }
+    let ([x, y, z], [a, b, c]) = (end.position, end.direction.map(|x| sign * x));
+    Ok([x, y, z, a, b, c])
 }
 
 /// The tolerance of a point: that of measures, as points are measured between.
 const TOLERANCE: f64 = 1e-12;
 
-impl ManifoldNodes {
+impl Ground {
+    /// Its nodes.
+    pub fn nodes(&self) -> &[NodeId] {
+        match self {
+            Self::Chart(manifold) => &manifold.components,
+            Self::Solid(field) => std::slice::from_ref(field),
+        }
+    }
+
     /// The key by which its surface is kept.
     fn key(&self, graph: &Graph, uniforms: &[f64]) -> ManifoldKey {
-        let ends = self.domain.iter().flat_map(|axis| [axis.min, axis.max]);
-        let read = graph.inputs(&self.components);
+        let domain = match self {
+            Self::Chart(manifold) => manifold.domain.as_slice(),
+            Self::Solid(_) => &[],
+        };
+        let ends = domain.iter().flat_map(|axis| [axis.min, axis.max]);
+        let read = graph.inputs(self.nodes());
         let read = read.iter().filter_map(|input| match *input {
             Input::Uniform(k) => uniforms.get(k as usize).copied(),
             Input::Variable(_) => None,
         });
         ManifoldKey {
-            is_metric: self.is_metric,
-            components: self.components,
+            is_metric: matches!(self, Self::Chart(manifold) if manifold.is_metric),
+            components: self.nodes().to_vec(),
             numbers: ends.chain(read).map(f64::to_bits).collect(),
         }
     }
 
     /// The surface; `None` if its derivatives are too large.
-    fn surface(
+    fn kept(
         &self,
         graph: &Graph,
         uniforms: &[f64],
         key: ManifoldKey,
         cache: &GeodesicCache,
-    ) -> Option<Arc<dyn Surface + Send>> {
+    ) -> Option<KeptGround> {
         if let Some(known) = cache.lock().surfaces.get(&key) {
             return known.clone();
         }
+        let made = match self {
+            Self::Chart(manifold) => manifold
+                .surface(graph, uniforms)
+                .map(|surface| KeptGround::Chart(surface, manifold.domain)),
+            Self::Solid(field) => ImplicitSurface::new(graph, *field, uniforms, None)
+                .ok()
+                .map(|surface| KeptGround::Solid(Arc::new(surface))),
+        };
+        let mut known = cache.lock();
+        if known.surfaces.len() >= MOST_SURFACES {
+            known.surfaces.clear();
+        }
+        known.surfaces.insert(key, made.clone());
+        made
+    }
+}
+
+impl ManifoldNodes {
+    /// The surface; `None` if its derivatives are too large.
+    fn surface(&self, graph: &Graph, uniforms: &[f64]) -> Option<Arc<dyn Surface + Send>> {
         let domain = self.domain.map(|axis| [axis.min, axis.max]);
-        let made: Option<Arc<dyn Surface + Send>> = match self.is_metric {
+        match self.is_metric {
             true => match MetricSurface::new(graph, self.components, domain, uniforms) {
                 Ok(metric) => Some(Arc::new(metric)),
                 Err(_) => None,
@@ -344,13 +467,7 @@ impl ManifoldNodes {
                 Ok(surface) => Some(Arc::new(surface)),
                 Err(_) => None,
             },
-        };
-        let mut known = cache.lock();
-        if known.surfaces.len() >= MOST_SURFACES {
-            known.surfaces.clear();
         }
-        known.surfaces.insert(key, made.clone());
-        made
     }
 }
 
@@ -379,6 +496,7 @@ impl fmt::Display for GeodesicFault {
         match self {
             Self::UndefinedInput => write!(f, "a number that it depends on is undefined"),
             Self::Start(error) => write!(f, "{error}"),
+            Self::SpaceStart(error) => write!(f, "{error}"),
             Self::Place(error) => write!(f, "{error}"),
             Self::NoConnection {
                 from: [a, b],
@@ -390,6 +508,17 @@ impl fmt::Display for GeodesicFault {
                     Status::ConePoint => "it runs into the tip of a cone",
                     Status::Degenerate => "σu and σv become parallel",
                     Status::Undefined => "the surface is undefined there",
+                    Status::WorkLimit | Status::Complete => "following it takes too many steps",
+                };
+                write!(f, "it ends at {end:.6}, before {at}: {why}")
+            }
+            Self::EndsInSpace { end, at, status } => {
+                let why = match status {
+                    Status::LeftDomain => "it meets an edge of the solid",
+                    Status::Degenerate | Status::ConePoint => {
+                        "the solid has no tangent plane there"
+                    }
+                    Status::Undefined => "the solid is undefined there",
                     Status::WorkLimit | Status::Complete => "following it takes too many steps",
                 };
                 write!(f, "it ends at {end:.6}, before {at}: {why}")

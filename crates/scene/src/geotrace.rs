@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! text ──syntax──▶ hooks ──▶ declarations.rs    the state between two declarations
-//!                              declare.rs, params.rs, intrinsic.rs, solids.rs, stage.rs   what each kind of declaration means
+//!                              declare.rs, params.rs, intrinsic.rs, space_geodesics.rs, solids.rs, stage.rs   what each kind of declaration means
 //!                              interval.rs, attributes.rs   the numbers between `[` and `]`, and the values of attributes
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
 //!                              sets.rs, affine.rs   sets of points as values, and where they are placed
@@ -41,6 +41,7 @@ mod operation;
 mod params;
 mod sets;
 mod solids;
+mod space_geodesics;
 mod stage;
 mod symbol;
 

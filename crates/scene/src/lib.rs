@@ -27,16 +27,22 @@ mod range;
 mod rerun;
 mod scene;
 mod solid;
+mod solid_field;
 mod stated_picture;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
-pub use geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind};
+pub use geodesic_value::{
+    GeodesicCache, GeodesicFault, GeodesicValue, Ground, ManifoldNodes, ValueKind,
+};
 pub use initial_conditions::{InitialConditions, InitialConditionsError};
 pub use initial_conditions_evaluator::InitialConditionsEvaluator;
 pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
 pub use rerun::Rerun;
-pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
+pub use scene::{
+    GeodesicPath, Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape,
+    SpacePath,
+};
 pub use solid::{
     AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Light, Solid, SolidLeaf,
     SolidStep, stated_word,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
-use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue};
+use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, MOST_NUMBERS};
 pub use crate::ids::{GridId, ObjectId, ParamId};
 pub use crate::range::{Range, Sampling};
 use crate::rerun::Rerun;
@@ -122,7 +122,7 @@ impl Scene {
         let mut variables = vec![parameter];
         for value in shape.followed() {
             let solved = value.solve(&self.graph, uniforms, &variables, &self.geodesic_cache);
-            let numbers = solved.unwrap_or([f64::NAN; 5]);
+            let numbers = solved.unwrap_or([f64::NAN; MOST_NUMBERS]);
             variables.extend_from_slice(&numbers[..value.width() as usize]);
         }
         variables
@@ -243,15 +243,8 @@ pub enum Shape {
     /// The curve γ(t) of constant speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
     /// its start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
     Geodesic {
-        /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
-        /// instance of the one determines the instance of the other.
-        surface: ObjectId,
-        /// (a, b); its length does not matter.
-        direction: [NodeId; 2],
-        /// (u, v), in the surface's parameters.
-        start: [NodeId; 2],
-        /// Its speed, the length of one unit of t: the distance, for a geodesic between two places; 1 if there is no node.
-        unit: Option<NodeId>,
+        /// What it lies on, where it starts, and in which direction.
+        path: GeodesicPath,
         /// The t that are drawn, and the number of samples.
         domain: Sampling,
         parameter: String,
@@ -264,6 +257,67 @@ pub enum Shape {
     Camera(Camera),
     /// The background.
     Background(Background),
+}
+
+/// The start of a geodesic on what it lies on.
+#[derive(Clone, Debug)]
+pub enum GeodesicPath {
+    /// On a surface or a metric.
+    Chart {
+        /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
+        /// instance of the one determines the instance of the other.
+        surface: ObjectId,
+        /// (a, b); its length does not matter.
+        direction: [NodeId; 2],
+        /// (u, v), in the surface's parameters.
+        start: [NodeId; 2],
+        /// Its speed, the length of one unit of t: the distance, for a geodesic between two places; 1 if there is no node.
+        unit: Option<NodeId>,
+    },
+    /// On the surface of a solid.
+    Space {
+        /// The solid's name.
+        solid: Arc<str>,
+        /// The solid's field, over `Variable(0)`, `Variable(1)` and `Variable(2)`.
+        field: NodeId,
+        /// (a, b, c); its component along the surface counts.
+        direction: [NodeId; 3],
+        /// (x, y, z), which is brought onto the surface.
+        start: [NodeId; 3],
+    },
+}
+
+/// The nodes of a geodesic on a solid.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)]
+pub struct SpacePath<'a> {
+    pub solid: &'a str,
+    pub field: NodeId,
+    pub direction: [NodeId; 3],
+    pub start: [NodeId; 3],
+}
+
+impl GeodesicPath {
+    fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
+        match self {
+            Self::Chart {
+                direction,
+                start,
+                unit,
+                ..
+            } => direction.iter_mut().chain(start).chain(unit).collect(),
+            Self::Space {
+                field,
+                direction,
+                start,
+                ..
+            } => {
+                let mut all = vec![field];
+                all.extend(direction.iter_mut().chain(start));
+                all
+            }
+        }
+    }
 }
 
 impl Shape {
@@ -365,23 +419,60 @@ impl Shape {
         }
     }
 
-    /// The manifold on which a geodesic lies, and the arc lengths that are drawn.
+    /// The surface or metric on which a geodesic lies, and the arc lengths that are drawn; `None` for one on a solid.
     pub fn geodesic(&self) -> Option<(ObjectId, &Sampling)> {
         match self {
             Self::Geodesic {
-                surface, domain, ..
+                path: GeodesicPath::Chart { surface, .. },
+                domain,
+                ..
             } => Some((*surface, domain)),
             _ => None,
         }
     }
 
-    /// The direction and the start of a geodesic, and its speed if that is not 1.
+    /// The way of a geodesic on a solid, and the arc lengths that are drawn.
+    pub fn space_geodesic(&self) -> Option<(SpacePath<'_>, &Sampling)> {
+        match self {
+            Self::Geodesic {
+                path:
+                    GeodesicPath::Space {
+                        solid,
+                        field,
+                        direction,
+                        start,
+                    },
+                domain,
+                ..
+            } => {
+                let path = SpacePath {
+                    solid,
+                    field: *field,
+                    direction: *direction,
+                    start: *start,
+                };
+                Some((path, domain))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns true if it has a geodesic view: a surface, a metric or a solid.
+    pub fn has_inside(&self) -> bool {
+        self.manifold().is_some() || self.solid().is_some()
+    }
+
+    /// The direction and the start of a geodesic on a surface or a metric, and its speed if that is not 1.
     pub fn initial_conditions(&self) -> Option<(&[NodeId; 2], &[NodeId; 2], Option<NodeId>)> {
         match self {
             Self::Geodesic {
-                direction,
-                start,
-                unit,
+                path:
+                    GeodesicPath::Chart {
+                        direction,
+                        start,
+                        unit,
+                        ..
+                    },
                 ..
             } => Some((direction, start, *unit)),
             _ => None,
@@ -433,7 +524,8 @@ impl Shape {
     }
 
     /// Its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the
-    /// origin's; for a geodesic the direction's two, then the start's, then its speed's if it has one.
+    /// origin's; for a geodesic the direction's two, then the start's, then its speed's if it has one; on a solid the field,
+    /// then the direction's three and the start's.
     pub fn roots(&self) -> Vec<NodeId> {
         match self {
             Self::Point { position }
@@ -441,17 +533,11 @@ impl Shape {
             | Self::Surface { position, .. } => position.to_vec(),
             Self::Metric { components, .. } => components.to_vec(),
             Self::Vector { direction, origin } => [*direction, *origin].concat(),
-            Self::Geodesic {
-                direction,
-                start,
-                unit,
-                ..
-            } => {
-                let mut nodes = [*direction, *start].concat();
-                nodes.extend(unit);
-                nodes
-            }
-            Self::Solid(_) | Self::Light(_) | Self::Camera(_) | Self::Background(_) => self
+            Self::Geodesic { .. }
+            | Self::Solid(_)
+            | Self::Light(_)
+            | Self::Camera(_)
+            | Self::Background(_) => self
                 .clone()
                 .nodes_mut()
                 .into_iter()
@@ -474,12 +560,7 @@ impl Shape {
             }
             Self::Metric { components, .. } => components.iter_mut().collect(),
             Self::Vector { direction, origin } => direction.iter_mut().chain(origin).collect(),
-            Self::Geodesic {
-                direction,
-                start,
-                unit,
-                ..
-            } => direction.iter_mut().chain(start).chain(unit).collect(),
+            Self::Geodesic { path, .. } => path.nodes_mut(),
             Self::Solid(solid) => {
                 let leaves = Arc::make_mut(solid).leaves.iter_mut();
                 leaves.flat_map(SolidLeaf::nodes_mut).collect()

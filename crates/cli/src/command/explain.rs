@@ -224,6 +224,8 @@ fn intrinsic(scene: &Scene, param_values: &ParamValues) -> Vec<IntrinsicEntry> {
     let entries = scene.objects.iter().filter_map(|object| {
         let (on, per_instance) = if object.shape.is_metric() {
             (None, None)
+        } else if let Some((path, domain)) = object.shape.space_geodesic() {
+            (Some(path.solid.to_owned()), Some(u64::from(domain.count)))
         } else {
             let (surface, domain) = object.shape.geodesic()?;
             let surface = scene.get(surface)?;

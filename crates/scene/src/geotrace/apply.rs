@@ -202,8 +202,8 @@ impl Lowerer {
                 let (graph, sets) = (&mut self.graph, &mut self.dependencies);
                 let place = self.geodesics.body(graph, sets, id);
                 Ok(
-                    place.map_or(BodyOutcome::Silent, |[u, v]| BodyOutcome::Ready {
-                        value: Value::Vector(vec![u, v]),
+                    place.map_or(BodyOutcome::Silent, |place| BodyOutcome::Ready {
+                        value: Value::Vector(place),
                         dependencies,
                     }),
                 )

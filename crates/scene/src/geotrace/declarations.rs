@@ -21,7 +21,7 @@ use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::geotrace::symbol::{Constant, Declared, Meaning, Symbols};
 use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
-use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Scene, Shape};
+use crate::scene::{GeodesicPath, Grid, GridId, Object, ObjectId, Param, ParamId, Scene, Shape};
 use crate::solid::Attribute;
 
 /// The compiler between two declarations: what has been declared, and what has been read of the next.
@@ -226,7 +226,10 @@ impl Declarations {
             }
         }
         for object in &mut scene.objects {
-            if let Shape::Geodesic { surface, .. } = &mut object.shape
+            if let Shape::Geodesic {
+                path: GeodesicPath::Chart { surface, .. },
+                ..
+            } = &mut object.shape
                 && let Some(number) = numbers.get(surface.0 as usize)
             {
                 *surface = *number;

@@ -51,7 +51,7 @@ pub(crate) const NOT_A_METRIC: Code = Code("not-a-metric");
 pub(crate) const DEGENERATE_METRIC: Code = Code("degenerate-metric");
 /// A geodesic is declared on something that is neither a surface nor a metric.
 pub(crate) const NOT_A_SURFACE: Code = Code("not-a-surface");
-/// A geodesic's direction or start has not two components.
+/// A geodesic's direction or start has not two components, or on a solid not three.
 pub(crate) const NOT_IN_CHART: Code = Code("not-in-chart");
 /// A geodesic that cannot start.
 pub(crate) const GEODESIC_NOT_DRAWN: Code = Code("geodesic-not-drawn");
@@ -165,15 +165,15 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         NOT_A_SURFACE,
-        "A geodesic lies on a surface or a metric that is declared above it.",
+        "A geodesic lies on a surface, a metric or a solid that is declared above it.",
     ),
     (
         NOT_IN_CHART,
-        "A geodesic's direction and start are vectors of dimension 2, in the parameters of its surface.",
+        "A geodesic's direction and start are vectors of dimension 2, in the parameters of its surface; on a solid they have dimension 3.",
     ),
     (
         GEODESIC_NOT_DRAWN,
-        "A geodesic starts inside the domain of its surface and has a direction that is not zero; another is not drawn.",
+        "A geodesic starts inside the domain of its surface, or near a solid, and has a direction along it; another is not drawn.",
     ),
     (
         NO_FORMULA,

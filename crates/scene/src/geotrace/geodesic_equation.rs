@@ -66,3 +66,39 @@ pub(crate) fn geodesic_equation(
         false => Ok(found),
     }
 }
+
+/// The right side of the geodesic equation on the surface where a field over `Variable(0..3)` is 0: x″ = −(x′ᵀHx′/|∇f|²)∇f,
+/// over `Variable(0..6)`, which stand for (x, y, z) and (x', y', z').
+pub(crate) fn space_geodesic_equation(
+    graph: &mut Graph,
+    field: NodeId,
+) -> Result<[NodeId; 3], TooLarge> {
+    let by = |graph: &mut Graph, node: NodeId, k: u32| {
+        let found = graph.derivatives(&[node], Input::Variable(k))?;
+        found.first().copied().ok_or(TooLarge)
+    };
+    let mut gradient = [field; 3];
+    for (k, slot) in (0..).zip(&mut gradient) {
+        *slot = by(graph, field, k)?;
+    }
+    let velocity = [3, 4, 5].map(|k| graph.input(Input::Variable(k)));
+    let zero = graph.constant(0.0);
+    let (mut bend, mut square) = (zero, zero);
+    for (i, slope) in gradient.into_iter().enumerate() {
+        let own = graph.mul(slope, slope);
+        square = graph.add(square, own);
+        for (j, towards) in (0..).zip(velocity) {
+            let second = by(graph, slope, j)?;
+            let product = graph.mul(velocity[i], towards);
+            let product = graph.mul(second, product);
+            bend = graph.add(bend, product);
+        }
+    }
+    let share = graph.div(bend, square);
+    let share = graph.neg(share);
+    let found = gradient.map(|slope| graph.mul(share, slope));
+    match graph.overflowed() {
+        true => Err(TooLarge),
+        false => Ok(found),
+    }
+}

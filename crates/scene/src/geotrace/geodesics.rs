@@ -13,23 +13,80 @@ use expr::{Graph, Input, NodeId, TooLarge};
 use rustc_hash::FxHashMap;
 
 use crate::geodesic_value::{
-    GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind,
+    GeodesicCache, GeodesicFault, GeodesicValue, Ground, MOST_NUMBERS, ManifoldNodes, ValueKind,
 };
 use crate::geotrace::dependencies::{Dependencies, DependencySets};
-use crate::geotrace::geodesic_equation::geodesic_equation;
+use crate::geotrace::geodesic_equation::{geodesic_equation, space_geodesic_equation};
 use crate::scene::Shape;
 
 /// A geodesic that is declared.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DeclaredGeodesic {
     pub(crate) name: Arc<str>,
-    pub(crate) manifold: ManifoldNodes,
-    pub(crate) start: [NodeId; 2],
-    pub(crate) direction: [NodeId; 2],
-    /// The length of one unit of its parameter; 1 if there is no node.
-    pub(crate) unit: Option<NodeId>,
+    pub(crate) way: DeclaredWay,
     /// The params and grids that it reads, with those of its surface.
     pub(crate) dependencies: Dependencies,
+}
+
+/// What a declared geodesic lies on, and where it starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DeclaredWay {
+    /// On a surface or a metric.
+    Chart {
+        manifold: ManifoldNodes,
+        start: [NodeId; 2],
+        direction: [NodeId; 2],
+        /// The length of one unit of its parameter; 1 if there is no node.
+        unit: Option<NodeId>,
+    },
+    /// On a solid with this field.
+    Space {
+        field: NodeId,
+        start: [NodeId; 3],
+        direction: [NodeId; 3],
+    },
+}
+
+impl DeclaredWay {
+    /// The number of coordinates of its points.
+    fn dimension(&self) -> u32 {
+        match self {
+            Self::Chart { .. } => 2,
+            Self::Space { .. } => 3,
+        }
+    }
+
+    /// What it lies on, and its point at a parameter as a value.
+    fn point(&self, at: NodeId) -> (Ground, ValueKind) {
+        match *self {
+            Self::Chart {
+                manifold,
+                start,
+                direction,
+                unit,
+            } => {
+                let kind = ValueKind::Point {
+                    start,
+                    direction,
+                    unit,
+                    at,
+                };
+                (Ground::Chart(manifold), kind)
+            }
+            Self::Space {
+                field,
+                start,
+                direction,
+            } => {
+                let kind = ValueKind::SpacePoint {
+                    start,
+                    direction,
+                    at,
+                };
+                (Ground::Solid(field), kind)
+            }
+        }
+    }
 }
 
 /// The geodesics that have no value, by their names, with the reasons.
@@ -49,8 +106,8 @@ pub(crate) struct Geodesics {
     connections: FxHashMap<([NodeId; 7], [u64; 4]), u32>,
     pending: Vec<Pending>,
     pending_ids: FxHashMap<(GeodesicId, NodeId), usize>,
-    /// (u'', v'') over `Variable(0..4)`, which stand for (u, v) and (u', v').
-    accelerations: FxHashMap<GeodesicId, [NodeId; 2]>,
+    /// The second derivatives of a point's coordinates over variables that stand for the coordinates, then for the velocity.
+    accelerations: FxHashMap<GeodesicId, Vec<NodeId>>,
     cache: GeodesicCache,
 }
 
@@ -63,8 +120,8 @@ struct Pending {
 
 /// The first pending variable: beyond the parameters of any function.
 const FIRST_PENDING: u32 = 1 << 30;
-/// The number of components of a point with its velocity.
-const WIDTH: u32 = 4;
+/// The variables that a pending point has: as many as the components of a point in space with its velocity.
+const WIDTH: u32 = MOST_NUMBERS as u32;
 
 impl Geodesics {
     /// Notes a geodesic; equal ones are one.
@@ -105,7 +162,8 @@ impl Geodesics {
         let known = self.connections.get(&key).copied();
         let first = known.unwrap_or_else(|| {
             let kind = ValueKind::Connection { from, to };
-            let first = self.add_value(sets, name.into(), manifold, kind, dependencies);
+            let on = Ground::Chart(manifold);
+            let first = self.add_value(sets, name.into(), on, kind, dependencies);
             self.connections.insert(key, first);
             first
         });
@@ -119,7 +177,9 @@ impl Geodesics {
         sets: &mut DependencySets,
         id: GeodesicId,
         at: NodeId,
-    ) -> Option<[NodeId; 4]> {
+    ) -> Option<Vec<NodeId>> {
+        let way = self.declared.get(id.0 as usize)?.way;
+        let width = 2 * way.dimension();
         let is_variable = |input: &Input| matches!(input, Input::Variable(_));
         if graph.inputs(&[at]).iter().any(is_variable) {
             let known = self.pending_ids.get(&(id, at)).copied();
@@ -128,7 +188,11 @@ impl Geodesics {
                 self.pending_ids.insert((id, at), self.pending.len() - 1);
                 self.pending.len() - 1
             });
-            return Some([0, 1, 2, 3].map(|k| graph.input(variable(index, k))));
+            return Some(
+                (0..width)
+                    .map(|k| graph.input(variable(index, k)))
+                    .collect(),
+            );
         }
         let first = match self.points.get(&(id, at)) {
             Some(&first) => first,
@@ -136,49 +200,45 @@ impl Geodesics {
                 let geodesic = self.declared.get(id.0 as usize)?.clone();
                 let own = sets.of_inputs(&graph.inputs(&[at]));
                 let dependencies = sets.union(geodesic.dependencies, own);
-                let kind = ValueKind::Point {
-                    start: geodesic.start,
-                    direction: geodesic.direction,
-                    unit: geodesic.unit,
-                    at,
-                };
-                let (name, on) = (geodesic.name, geodesic.manifold);
-                let first = self.add_value(sets, name, on, kind, dependencies);
+                let (on, kind) = geodesic.way.point(at);
+                let first = self.add_value(sets, geodesic.name, on, kind, dependencies);
                 self.points.insert((id, at), first);
                 first
             }
         };
-        Some([0, 1, 2, 3].map(|k| graph.input(Input::Uniform(first + k))))
+        let all = (0..width).map(|k| graph.input(Input::Uniform(first + k)));
+        Some(all.collect())
     }
 
     fn add_value(
         &mut self,
         sets: &mut DependencySets,
         geodesic: Arc<str>,
-        manifold: ManifoldNodes,
+        ground: Ground,
         kind: ValueKind,
         dependencies: Dependencies,
     ) -> u32 {
         let first = sets.add_uniforms(dependencies, kind.width());
         self.values.push(GeodesicValue {
             geodesic,
-            manifold,
+            ground,
             kind,
             first,
         });
         first
     }
 
-    /// (u, v) of a geodesic, over `Variable(0)`.
+    /// (u, v) of a geodesic, or (x, y, z) of one on a solid, over `Variable(0)`.
     pub(crate) fn body(
         &mut self,
         graph: &mut Graph,
         sets: &mut DependencySets,
         id: GeodesicId,
-    ) -> Option<[NodeId; 2]> {
+    ) -> Option<Vec<NodeId>> {
         let at = graph.input(Input::Variable(0));
-        let [u, v, ..] = self.point(graph, sets, id, at)?;
-        Some([u, v])
+        let mut place = self.point(graph, sets, id, at)?;
+        place.truncate(place.len() / 2);
+        Some(place)
     }
 
     /// The pending points that some nodes read, directly or not, each after those that its argument reads.
@@ -260,17 +320,18 @@ impl Geodesics {
             let Some(Pending { geodesic, .. }) = self.pending.get(index).copied() else {
                 continue;
             };
-            let own = [0, 1, 2, 3].map(|k| graph.input(variable(index, k)));
-            let [_, _, du, dv] = own;
+            let dimension = self.get(geodesic).map_or(2, |it| it.way.dimension());
+            let width = 2 * dimension;
+            let own: Vec<NodeId> = (0..width)
+                .map(|k| graph.input(variable(index, k)))
+                .collect();
             let read = graph.inputs(nodes);
             let reads = |k: u32| read.contains(&variable(index, k));
-            let slopes: [NodeId; 4] = if reads(2) || reads(3) {
-                let [ddu, ddv] = self.acceleration(graph, geodesic, own)?;
-                [du, dv, ddu, ddv]
-            } else {
-                [du, dv, du, dv]
-            };
-            for (k, slope) in (0..WIDTH).zip(slopes) {
+            let mut slopes = own[dimension as usize..].to_vec();
+            if (dimension..width).any(reads) {
+                slopes.extend(self.acceleration(graph, geodesic, &own)?);
+            }
+            for (k, slope) in (0..width).zip(slopes) {
                 if !reads(k) {
                     continue;
                 }
@@ -285,19 +346,26 @@ impl Geodesics {
         Ok(totals)
     }
 
-    /// (u'', v'') = −Γ(g′, g′) of a geodesic at a point with a velocity.
+    /// The second derivatives of a geodesic's coordinates at a point with a velocity: −Γ(g′, g′) in a chart.
     fn acceleration(
         &mut self,
         graph: &mut Graph,
         id: GeodesicId,
-        at: [NodeId; 4],
-    ) -> Result<[NodeId; 2], TooLarge> {
+        at: &[NodeId],
+    ) -> Result<Vec<NodeId>, TooLarge> {
         let formula = match self.accelerations.get(&id) {
-            Some(&known) => known,
+            Some(known) => known.clone(),
             None => {
-                let manifold = self.get(id).map(|geodesic| geodesic.manifold);
-                let formula = geodesic_equation(graph, &manifold.ok_or(TooLarge)?)?;
-                self.accelerations.insert(id, formula);
+                let way = self.get(id).map(|geodesic| geodesic.way);
+                let formula = match way.ok_or(TooLarge)? {
+                    DeclaredWay::Chart { manifold, .. } => {
+                        geodesic_equation(graph, &manifold)?.to_vec()
+                    }
+                    DeclaredWay::Space { field, .. } => {
+                        space_geodesic_equation(graph, field)?.to_vec()
+                    }
+                };
+                self.accelerations.insert(id, formula.clone());
                 formula
             }
         };
@@ -305,8 +373,7 @@ impl Geodesics {
             Input::Variable(k) => at.get(k as usize).copied(),
             Input::Uniform(_) => None,
         };
-        let found = graph.substitute(&formula, &replace)?;
-        <[NodeId; 2]>::try_from(found).map_err(|_| TooLarge)
+        graph.substitute(&formula, &replace)
     }
 
     /// Replaces variables, in the arguments of geodesics too: a point whose argument then depends on no parameter becomes
@@ -341,7 +408,8 @@ impl Geodesics {
     ) -> Result<Vec<GeodesicValue>, TooLarge> {
         let mut followed: Vec<GeodesicValue> = Vec::new();
         let mut points: FxHashMap<Input, NodeId> = FxHashMap::default();
-        for (number, index) in (0..).zip(self.reached(graph, position)) {
+        let mut first = 1;
+        for index in self.reached(graph, position) {
             let Some(Pending { geodesic, at }) = self.pending.get(index).copied() else {
                 continue;
             };
@@ -349,22 +417,19 @@ impl Geodesics {
             let (Some(geodesic), [at]) = (self.get(geodesic), &at[..]) else {
                 continue;
             };
-            let first = 1 + WIDTH * number;
+            let (ground, kind) = geodesic.way.point(*at);
+            let width = kind.width();
             followed.push(GeodesicValue {
                 geodesic: geodesic.name.clone(),
-                manifold: geodesic.manifold,
-                kind: ValueKind::Point {
-                    start: geodesic.start,
-                    direction: geodesic.direction,
-                    unit: geodesic.unit,
-                    at: *at,
-                },
+                ground,
+                kind,
                 first,
             });
-            for k in 0..WIDTH {
+            for k in 0..width {
                 let own = graph.input(Input::Variable(first + k));
                 points.insert(variable(index, k), own);
             }
+            first += width;
         }
         let nodes = replaced(graph, position, &[], &points)?;
         position.copy_from_slice(&nodes);

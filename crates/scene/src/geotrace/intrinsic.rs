@@ -15,14 +15,14 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, DeclaredManifold, Drawn, Understood, kind_of};
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::geodesics::DeclaredGeodesic;
+use crate::geotrace::geodesics::{DeclaredGeodesic, DeclaredWay};
 use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::metric::{Defect, Witness, witness};
 use crate::param_values::ParamValues;
-use crate::scene::Shape;
+use crate::scene::{GeodesicPath, Shape};
 
 /// The largest number of instances of a metric that are searched for a point where it is not positive definite.
 const SEARCHED_INSTANCES: u64 = 16;
@@ -77,6 +77,9 @@ impl Declarations {
         intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a geodesic has one parameter");
+        if let Some(solid) = self.solid_below(intervals) {
+            return self.space_geodesic(declaration, intervals, solid, domain);
+        }
         let (manifold, path) = match self.expressions(intervals) {
             Some([surface, direction, start]) => (
                 self.surface_of(surface),
@@ -105,10 +108,12 @@ impl Declarations {
             ..
         } = path;
         let shape = Shape::Geodesic {
-            surface: manifold.object,
-            direction,
-            start,
-            unit,
+            path: GeodesicPath::Chart {
+                surface: manifold.object,
+                direction,
+                start,
+                unit,
+            },
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),
         };
@@ -116,10 +121,12 @@ impl Declarations {
         let drawn = self.object(declaration, shape, all, attributes);
         let geodesic = self.lowerer.geodesics.declare(DeclaredGeodesic {
             name: declaration.name.into(),
-            manifold: manifold.nodes,
-            start,
-            direction,
-            unit,
+            way: DeclaredWay::Chart {
+                manifold: manifold.nodes,
+                start,
+                direction,
+                unit,
+            },
             dependencies,
         });
         Some(Understood::from(Meaning::Geodesic(geodesic)).drawn(drawn))
@@ -249,7 +256,8 @@ impl Declarations {
         }
         let what = self.what_else(symbol)?;
         let name = self.lowerer.symbols.name(symbol);
-        let message = format!("a geodesic lies on a surface or a metric, but `{name}` is {what}");
+        let message =
+            format!("a geodesic lies on a surface, a metric or a solid, but `{name}` is {what}");
         self.found
             .push(SemanticError::new(error::NOT_A_SURFACE, message).at(span));
         None

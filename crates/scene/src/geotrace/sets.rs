@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use expr::ops::Binary;
 use expr::value::Value;
 use expr::{Graph, Input, NodeId};
 use rustc_hash::FxHashMap;
@@ -64,6 +63,13 @@ impl DeclaredSolid {
             && self.set.size == other.set.size
             && self.set.closed == other.set.closed
             && self.set.solid.is_same(&other.set.solid)
+    }
+
+    /// The values of a grid at which a part of it closes.
+    fn axes_of(&self, bound: &BoundGrid) -> Vec<Sampling> {
+        let mut closed = self.set.closed.iter();
+        let closed = closed.find(|it| it.bound == *bound);
+        closed.map_or_else(Vec::new, |it| it.axes.clone())
     }
 
     /// The set that it stands for as a function.
@@ -452,45 +458,20 @@ impl Lowerer {
         &mut self,
         solid: &DeclaredSolid,
     ) -> Result<NodeId, SemanticError> {
+        let axes = |bound: &BoundGrid| solid.axes_of(bound);
         let set = solid.function_set();
-        let graph = &mut self.graph;
-        let mut stack: Vec<Option<NodeId>> = Vec::new();
-        for step in &set.steps {
-            let node = match step {
-                SolidStep::Leaf(leaf) => match set.leaves.get(*leaf as usize) {
-                    Some(leaf) if !leaf.is_cut_alone(graph) => Some(leaf_function(graph, leaf)?),
-                    _ => None,
-                },
-                SolidStep::Instances(grids) => {
-                    let node = stack.pop().flatten();
-                    let closed = solid.set.closed.iter();
-                    let closed: Vec<&ClosedGrid> =
-                        closed.filter(|it| grids.contains(&it.bound)).collect();
-                    match node {
-                        Some(node) => Some(least(graph, node, &closed)?),
-                        None => None,
-                    }
-                }
-                join => {
-                    let (second, first) = (stack.pop().flatten(), stack.pop().flatten());
-                    let negated = |graph: &mut Graph, node: NodeId| graph.neg(node);
-                    match (join, first, second) {
-                        (SolidStep::Union, Some(a), Some(b)) => {
-                            Some(graph.binary(Binary::Min, a, b))
-                        }
-                        (SolidStep::Difference, Some(a), Some(b)) => {
-                            let b = negated(graph, b);
-                            Some(graph.binary(Binary::Max, a, b))
-                        }
-                        (_, Some(a), Some(b)) => Some(graph.binary(Binary::Max, a, b)),
-                        // A part's cuts.
-                        (_, a, b) => a.or(b),
-                    }
-                }
-            };
-            stack.push(node);
-        }
-        stack.pop().flatten().ok_or_else(too_large)
+        let found = set.function(&mut self.graph, &axes);
+        found.map_err(|_| too_large())
+    }
+
+    /// The field whose surface, where it is 0, is a solid's: its function with its cuts.
+    ///
+    /// # Errors
+    /// As [`Lowerer::solid_function`].
+    pub(crate) fn solid_field(&mut self, solid: &DeclaredSolid) -> Result<NodeId, SemanticError> {
+        let axes = |bound: &BoundGrid| solid.axes_of(bound);
+        let found = solid.set.solid.field(&mut self.graph, &axes);
+        found.map_err(|_| too_large())
     }
 }
 
@@ -500,64 +481,6 @@ pub(crate) enum SetMotion {
     Move,
     Scale,
     Rotate,
-}
-
-/// f(M⁻¹q) of a leaf f under M, over the variables of q.
-fn leaf_function(graph: &mut Graph, leaf: &SolidLeaf) -> Result<NodeId, SemanticError> {
-    if leaf.map == AffineNodes::identity(graph) {
-        return Ok(leaf.field);
-    }
-    let place = leaf.map.preimage(graph);
-    let replace = |input| match input {
-        Input::Variable(k) => place.get(k as usize).copied(),
-        Input::Uniform(_) => None,
-    };
-    let found = graph.substitute(&[leaf.field], &replace);
-    let found = found.map_err(|_| too_large())?;
-    found.first().copied().ok_or_else(too_large)
-}
-
-/// The most values of grids over which a solid's least value is written out.
-const MOST_INSTANCES: u64 = 4_096;
-
-/// The least value of a node over all values of grids.
-fn least(graph: &mut Graph, node: NodeId, grids: &[&ClosedGrid]) -> Result<NodeId, SemanticError> {
-    let axes = grids
-        .iter()
-        .flat_map(|grid| (grid.bound.first_uniform..).zip(&grid.axes));
-    let axes: Vec<(u32, &Sampling)> = axes.collect();
-    let count = axes.iter().fold(1, |product: u64, (_, axis)| {
-        product.saturating_mul(u64::from(axis.count))
-    });
-    if count > MOST_INSTANCES {
-        return Err(too_large());
-    }
-    let mut all: Option<NodeId> = None;
-    for index in 0..count {
-        let mut rest = index;
-        let mut values: Vec<(u32, NodeId)> = Vec::with_capacity(axes.len());
-        for (uniform, axis) in axes.iter().rev() {
-            let value = axis.value((rest % u64::from(axis.count)) as u32);
-            rest /= u64::from(axis.count);
-            values.push((*uniform, graph.constant(value)));
-        }
-        let replace = |input| match input {
-            Input::Uniform(k) => values
-                .iter()
-                .find(|(uniform, _)| *uniform == k)
-                .map(|(_, node)| *node),
-            Input::Variable(_) => None,
-        };
-        let found = graph
-            .substitute(&[node], &replace)
-            .map_err(|_| too_large())?;
-        let found = found.first().copied().ok_or_else(too_large)?;
-        all = Some(match all {
-            Some(known) => graph.binary(Binary::Min, known, found),
-            None => found,
-        });
-    }
-    all.ok_or_else(too_large)
 }
 
 pub(crate) fn too_many_leaves(count: u64) -> SemanticError {
