@@ -44,6 +44,10 @@ pub(crate) struct Assignment {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pair(pub(crate) [Quantity; 2]);
 
+/// `U,V`, or `X,Y,Z`: a place on a surface or near a solid, or a direction there.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Place(pub(crate) Vec<Quantity>);
+
 /// `X,Y,Z`: a point of space.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Triple(pub(crate) [Quantity; 3]);
@@ -161,6 +165,17 @@ pub(crate) fn pair(text: &str) -> Result<Pair, String> {
     let given = values.len();
     let pair = values.try_into().map(Pair);
     pair.map_err(|_| format!("expected two numbers, such as 0.5,-pi/2, found {given}"))
+}
+
+/// Parses `U,V` or `X,Y,Z`.
+pub(crate) fn place(text: &str) -> Result<Place, String> {
+    let values = list(text)?;
+    match values.len() {
+        2 | 3 => Ok(Place(values)),
+        given => Err(format!(
+            "expected two numbers, such as 0.5,-pi/2, or three on a solid, found {given}"
+        )),
+    }
 }
 
 /// Parses `X,Y,Z`.

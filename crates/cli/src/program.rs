@@ -9,7 +9,7 @@ use ide::language::{Compiled, Scope};
 use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Value};
 use syntax::diagnostic::Diagnostic;
 
-use crate::argument::{Assignment, Format, Quantity};
+use crate::argument::{Assignment, Format, Place, Quantity};
 use crate::failure::Failure;
 use crate::output;
 use crate::registry::Context;
@@ -183,6 +183,61 @@ impl LoadedProgram {
             *number = self.number(option, quantity, params)?;
         }
         Ok(numbers)
+    }
+
+    /// Evaluates the numbers of a place or a direction on an object that takes so many, each as [`Program::number`] does.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`]: another count of numbers than the object takes, or those of [`Program::number`].
+    pub(crate) fn place<const N: usize>(
+        &self,
+        option: &str,
+        place: &Place,
+        params: &ParamValues,
+        object: &Object,
+    ) -> Result<[f64; N], Failure> {
+        let numbers = <&[Quantity; N]>::try_from(place.0.as_slice());
+        let Ok(numbers) = numbers else {
+            let (name, kind) = (&object.name, object.shape.kind());
+            let wanted = match N {
+                3 => "three numbers x,y,z",
+                _ => "two numbers u,v",
+            };
+            return Err(Failure::usage(format!(
+                "{option}: `{name}` is a {kind} and takes {wanted}, found {}",
+                place.0.len()
+            )));
+        };
+        self.numbers(option, numbers, params)
+    }
+
+    /// Finds a surface, a metric or a solid by its name; without a name the first surface or metric, else the first solid.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is none.
+    pub(crate) fn ground(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
+        let scene = self.scene();
+        let is_named = |object: &Object| name.is_none_or(|name| object.name == name);
+        let mut solids = scene
+            .numbered()
+            .filter(|(_, object)| object.shape.solid().is_some() && is_named(object));
+        let has_chart = |(_, object): (ObjectId, &Object)| {
+            object.shape.manifold().is_some() && is_named(object)
+        };
+        if !scene.numbered().any(has_chart)
+            && let Some(solid) = solids.next()
+        {
+            return Ok(solid);
+        }
+        if let Some(name) = name
+            && scene.parts.iter().any(|part| part.name == name)
+        {
+            return Err(Failure::Usage {
+                message: format!("`{name}` is a part of another solid, and is not drawn itself"),
+                hint: Some(format!("`solid copy = {name};` draws it")),
+            });
+        }
+        self.surface(name)
     }
 
     /// Finds an object by its name.

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use render::geodesic_view::PlacedCamera;
+use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing, Theme};
 use render::texture::Texture;
 use render::view::View;
@@ -245,6 +245,14 @@ fn geodesic_camera(
         }
         options.flag("mirrored", mirrored);
     }
+    if let Pose::InSpace { at, angle } = pose {
+        if let Some(at) = at {
+            options.numbers("at", &at);
+        }
+        if angle != 0.0 {
+            options.numbers("angle", &[degrees(angle)]);
+        }
+    }
     if let Some(zoom) = zoom {
         options.numbers("zoom", &[zoom]);
     }
@@ -253,8 +261,13 @@ fn geodesic_camera(
 /// The camera with its direction as an angle; as it is where it stands nowhere.
 fn by_angle(request: &PictureRequest, camera: &GeodesicCamera) -> GeodesicCamera {
     let placed = || PlacedCamera::new(&request.scene, &request.params, camera, request.size).ok();
+    let on_solid = || {
+        let (scene, params) = (&request.scene, &request.params);
+        PlacedSolidCamera::new(scene, params, camera, request.size).ok()
+    };
     match camera.pose {
-        Pose::At { .. } => *camera,
+        Pose::At { .. } | Pose::InSpace { .. } => *camera,
+        Pose::SpaceFrame(_) => on_solid().map_or(*camera, |placed| placed.by_angle()),
         Pose::Frame(_) => placed().map_or(*camera, |placed| placed.by_angle()),
     }
 }

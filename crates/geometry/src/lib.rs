@@ -4,6 +4,7 @@
 //! Scene + ObjectId + uniforms ──manifold.rs──▶ Manifold: a surface or a metric with its numbers in place
 //! Scene + ParamValues ──declared.rs──▶ the declared geodesics, as knots
 //! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
+//! Scene + ParamValues + ObjectId ──solid_surface.rs──▶ SolidSurface: a solid for geodesics in space
 //! Scene + ParamValues ──solids.rs──▶ RayScene: solids, surfaces, looks, lights and cameras for rays
 //! ```
 //!
@@ -13,9 +14,11 @@ mod declared;
 mod manifold;
 mod polyline;
 mod polyline_cache;
+mod solid_surface;
 pub mod solids;
 
 pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
 pub use manifold::{Manifold, ManifoldError};
 pub use polyline::{GeodesicStart, Knot, knots_at, space_knots_at};
 pub use polyline_cache::{ChartPolyline, GeodesicSegment};
+pub use solid_surface::SolidSurface;

@@ -31,7 +31,7 @@ enum ManifoldKind {
 /// The reason for which an object is no [`Manifold`].
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum ManifoldError {
-    /// The object is neither a surface nor a metric, or the scene has no such object.
+    /// The object is no surface, metric or solid, or not of the kind that is needed, or the scene has no such object.
     NoSurface {
         /// The object's name, if it is in the scene.
         name: Option<String>,
@@ -113,7 +113,7 @@ impl fmt::Display for ManifoldError {
             Self::NoSurface { name: Some(name) } => {
                 write!(
                     f,
-                    "`{name}` is not a surface, and only a surface has a geodesic view"
+                    "`{name}` is not a surface, and only surfaces, metrics and solids have a geodesic view"
                 )
             }
             Self::NoSurface { name: None } => write!(f, "there is no surface to see from inside"),

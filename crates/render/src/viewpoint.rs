@@ -1,6 +1,7 @@
 //! Cameras as data, as a request holds them. A view puts them into a scene; a window moves them.
 
 use geodesic::frame::Frame;
+use geodesic::implicit::SpaceFrame;
 use geometry::ManifoldError;
 use scene::{ObjectId, Scene};
 
@@ -30,10 +31,10 @@ pub enum Projection {
     Orthographic,
 }
 
-/// A camera on a surface or a metric.
+/// A camera on a surface, a metric or a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeodesicCamera {
-    /// The surface or metric.
+    /// The surface, metric or solid.
     pub surface: ObjectId,
     /// Its place and direction.
     pub pose: Pose,
@@ -55,6 +56,16 @@ pub enum Pose {
         /// side.
         mirrored: bool,
     },
+    /// Near a place in space, on a solid.
+    InSpace {
+        /// (x, y, z), which is brought onto the solid's surface; where the ray from the middle of its box along x leaves it
+        /// if not given.
+        at: Option<[f64; 3]>,
+        /// The angle from X = ẑ×n (x̂ if that is 0) to the picture's x axis, towards n×X, in radians.
+        angle: f64,
+    },
+    /// A frame on a solid that has been moved. Its vectors' length is the zoom.
+    SpaceFrame(SpaceFrame),
     /// A frame that has been moved: made by [`PlacedCamera::frame`](crate::geodesic_view::PlacedCamera) and moved by
     /// [`Frame`]'s methods. Its vectors' length is the zoom.
     Frame(Frame),
@@ -143,9 +154,16 @@ impl GeodesicCamera {
     /// [`RenderError::Manifold`], [`RenderError::Camera`].
     pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
         let object = scene.objects.get(self.surface.0 as usize);
-        if object.is_none_or(|object| object.shape.manifold().is_none()) {
+        if object.is_none_or(|object| !object.shape.has_inside()) {
             let name = object.map(|object| object.name.clone());
             return Err(ManifoldError::NoSurface { name }.into());
+        }
+        if let Pose::InSpace { at, angle } = self.pose
+            && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))
+        {
+            return Err(RenderError::Camera(
+                "the camera's place and angle must be finite".into(),
+            ));
         }
         if let Pose::At { at, angle, .. } = self.pose
             && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))

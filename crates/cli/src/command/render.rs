@@ -21,7 +21,7 @@ use scene::Scene;
 
 use super::animation;
 use crate::argument::{
-    self, Assignment, Choice, Format, ObjectColour, Pair, Quantity, Size, TextureFile, Triple,
+    self, Assignment, Choice, Format, ObjectColour, Place, Quantity, Size, TextureFile, Triple,
 };
 use crate::failure::Failure;
 use crate::output::{self, OutputTarget};
@@ -55,6 +55,7 @@ Examples:
   geotrace render circle.gtr -o circle.png --set r=0.7 --set o=1.5 --eye 0,-3,2 --target 0,0,0
   geotrace render torus.gtr -o inside.png --view geodesic:s --at 0,pi --angle 45 --zoom 2
   geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
+  geotrace render quartic.gtr -o face.png --view geodesic:q --at 1,1,1
   geotrace render lens.gtr -o lens.png --view traced:eye --samples 256
   geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
   geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
@@ -78,7 +79,7 @@ pub(super) struct Arguments {
     /// output
     #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
-    /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE; without a name, the program's first
+    /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE (or a metric, or a solid); without a name, the program's first
     #[arg(long, value_name = "VIEW", value_parser = argument::standard_view)]
     view: Option<ViewId>,
     /// The picture's size in pixels; unless given 800x800, of a CRT script 800x600
@@ -116,9 +117,10 @@ pub(super) struct Arguments {
     like_window: bool,
     #[command(flatten)]
     motion: animation::Arguments,
-    /// Where the camera stands; without it, in the middle of the domain
-    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, help_heading = "Geodesic view")]
-    at: Option<Pair>,
+    /// Where the camera stands: u,v, or near a solid x,y,z; without it, in the middle of the domain, or where the ray from
+    /// the middle of the solid's box along x leaves it
+    #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true, help_heading = "Geodesic view")]
+    at: Option<Place>,
     /// How far the picture's right is turned from σu towards σv
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,

@@ -4,19 +4,22 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 use geodesic::frame::trace_heading;
+use geodesic::implicit::{SpaceFrame, SpaceTrace, SpaceTraceError};
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
+use geometry::SolidSurface;
 use render::PictureMethod;
+use scene::{ObjectId, ParamValues};
 use serde::Serialize;
 
-use crate::argument::{self, Assignment, Choice, Format, Pair, Quantity};
+use crate::argument::{self, Assignment, Choice, Format, Place, Quantity};
 use crate::failure::Failure;
 use crate::number::{self, show};
 use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Follow one geodesic of a surface or a metric: the straightest line from a point in a direction.
+/// Follow one geodesic of a surface, a metric or a solid: the straightest line from a point in a direction.
 ///
 /// Follows it adaptively in double precision, through poles and where the surface closes on itself, and says
 /// where it ends, why it ends there, and how far to trust that.
@@ -27,30 +30,31 @@ use crate::registry::Context;
 Examples:
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 5
   geotrace trace torus.gtr --surface s --from -pi/2,0.3 --direction 1,-1 --length 5 --format json
+  geotrace trace quartic.gtr --surface q --from 1,1,1 --direction 1,-1,0 --length 5
 
 A number may be an expression in the program's names, such as pi/2.
 
 The status is one of
   complete      it has its full length
-  left_domain   it reached an edge of the surface
+  left_domain   it reached an edge of the surface or of the solid
   cone_point    it ran into the tip of a cone, from where no direction is straight on
-  degenerate    the parametrisation lost its rank: σu and σv are parallel there
+  degenerate    the parametrisation lost its rank: σu and σv are parallel there; the gradient of a solid is 0 there
   undefined     the surface is undefined there
   work_limit    it took more evaluations than allowed"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The surface's (or metric's) name; without it, the program's first
+    /// The surface's (or metric's, or solid's) name; without it, the program's first
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// Where it starts, in the surface's parameters
-    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true)]
-    from: Pair,
-    /// Where it goes: (u,v) components of any scale
-    #[arg(long, value_name = "A,B", value_parser = argument::pair, allow_hyphen_values = true)]
-    direction: Option<Pair>,
-    /// Where it goes: degrees from σu towards σv in the tangent plane
+    /// Where it starts: in the surface's parameters, or a place in space that is brought onto the solid's surface
+    #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
+    from: Place,
+    /// Where it goes: (u,v) components of any scale, or a direction in space whose component along the solid's surface counts
+    #[arg(long, value_name = "A,B|A,B,C", value_parser = argument::place, allow_hyphen_values = true)]
+    direction: Option<Place>,
+    /// Where it goes: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n from ẑ×n towards n×(ẑ×n)
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
     heading: Option<f64>,
     /// How far it goes, in the surface's units
@@ -92,10 +96,10 @@ const METHODS: [Choice<PictureMethod>; 4] = [
 /// The JSON document; numbers that do not exist are null.
 #[derive(Serialize)]
 struct TraceJson {
-    u: f64,
-    v: f64,
+    u: Option<f64>,
+    v: Option<f64>,
     position: Option<[f64; 3]>,
-    direction: [f64; 2],
+    direction: Vec<f64>,
     length: f64,
     speed_drift: f64,
     error_estimate: f64,
@@ -108,10 +112,7 @@ struct TraceJson {
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
-    let (id, _) = program.surface(arguments.surface.as_deref())?;
-    let manifold = program.manifold(id, &params)?;
-    let surface = manifold.surface();
-    let from = program.numbers("--from", &arguments.from.0, &params)?;
+    let (id, object) = program.ground(arguments.surface.as_deref())?;
     let length = program.number("--length", &arguments.length, &params)?;
     if length < 0.0 {
         return Err(Failure::Usage {
@@ -120,9 +121,19 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         });
     }
     let options = options(arguments)?;
+    if object.shape.solid().is_some() {
+        let (from, trace) = on_solid(arguments, &program, &params, id, length, &options)?;
+        return match arguments.format {
+            Format::Json => output::print_json(&document_in_space(&trace)),
+            Format::Human => output::print(&text_in_space(&trace, from)),
+        };
+    }
+    let manifold = program.manifold(id, &params)?;
+    let surface = manifold.surface();
+    let from = program.place("--from", &arguments.from, &params, object)?;
     let traced = match &arguments.direction {
         Some(direction) => {
-            let direction = program.numbers("--direction", &direction.0, &params)?;
+            let direction: [f64; 2] = program.place("--direction", direction, &params, object)?;
             trace::trace(surface, from, direction, length, &options)
         }
         None => {
@@ -138,6 +149,106 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Format::Json => output::print_json(&document(&trace)),
         Format::Human => output::print(&text(&trace, from)),
     }
+}
+
+/// Traces a geodesic on a solid. A start where the solid has no surface or is undefined is one of the arguments.
+fn on_solid(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+    id: ObjectId,
+    length: f64,
+    options: &Options,
+) -> Result<([f64; 3], SpaceTrace), Failure> {
+    if options.method != Method::Adaptive {
+        return Err(Failure::usage(
+            "--method: rk4-pixel takes steps in (u, v), and a solid has no parameters",
+        ));
+    }
+    let Some(object) = program.scene().get(id) else {
+        return Err(Failure::usage("there is no solid"));
+    };
+    let from: [f64; 3] = program.place("--from", &arguments.from, params, object)?;
+    let solid = SolidSurface::new(program.scene(), params, id);
+    let solid = solid.map_err(|error| Failure::Input {
+        message: error.to_string(),
+        hint: None,
+    })?;
+    let surface = solid.surface();
+    let unusable = |message: String| Failure::Usage {
+        message,
+        hint: Some("`--from` takes a place near the surface".into()),
+    };
+    let direction = match &arguments.direction {
+        Some(direction) => program.place("--direction", direction, params, object)?,
+        None => {
+            let angle = arguments.heading.unwrap_or(0.0).to_radians();
+            let frame = SpaceFrame::new(surface, from, angle, 1.0).map_err(|why| {
+                let [x, y, z] = from;
+                unusable(format!(
+                    "the start ({x}, {y}, {z}) is not brought onto the surface: {why}"
+                ))
+            })?;
+            frame.x
+        }
+    };
+    let traced = surface.trace(from, direction, length, options);
+    let trace = traced.map_err(|error| match error {
+        SpaceTraceError::Place { .. } => unusable(error.to_string()),
+        _ => Failure::usage(error.to_string()),
+    })?;
+    Ok((from, trace))
+}
+
+fn document_in_space(trace: &SpaceTrace) -> TraceJson {
+    TraceJson {
+        u: None,
+        v: None,
+        position: Some(trace.position),
+        direction: trace.direction.to_vec(),
+        length: trace.length,
+        speed_drift: trace.speed_drift,
+        error_estimate: trace.error_estimate,
+        steps: trace.steps,
+        evaluations: trace.evaluations,
+        status: status_word(trace.status),
+    }
+}
+
+fn text_in_space(trace: &SpaceTrace, from: [f64; 3]) -> String {
+    let length = show(trace.length);
+    let end = match trace.status {
+        Status::Complete => format!("it has its full length, {length}"),
+        Status::LeftDomain => format!("it reached an edge of the solid after {length}"),
+        Status::Degenerate | Status::ConePoint => {
+            format!("after {length} the solid has no tangent plane: its gradient is 0 there")
+        }
+        Status::Undefined => format!("after {length} the solid is undefined"),
+        Status::WorkLimit => format!("it used up its evaluations after {length}"),
+    };
+    let moved = if from == trace.start {
+        String::new()
+    } else {
+        format!("\n  on it      {}", number::show_all(&trace.start))
+    };
+    format!(
+        "\
+{}: {end}
+  from       {}{moved}
+  position   {}
+  direction  {}, at unit speed
+  trust      error estimate {}, speed drift {}
+  work       {}, {}
+",
+        status_word(trace.status),
+        number::show_all(&from),
+        number::show_all(&trace.position),
+        number::show_all(&trace.direction),
+        rough(trace.error_estimate),
+        rough(trace.speed_drift),
+        number::count(trace.steps, "step"),
+        number::count(trace.evaluations, "evaluation"),
+    )
 }
 
 fn options(arguments: &Arguments) -> Result<Options, Failure> {
@@ -174,10 +285,10 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
 
 fn document(trace: &Trace) -> TraceJson {
     TraceJson {
-        u: trace.uv[0],
-        v: trace.uv[1],
+        u: Some(trace.uv[0]),
+        v: Some(trace.uv[1]),
         position: trace.position,
-        direction: trace.direction.0,
+        direction: trace.direction.0.to_vec(),
         length: trace.length,
         speed_drift: trace.speed_drift,
         error_estimate: trace.error_estimate,

@@ -314,6 +314,11 @@ fn place(
             }
             return Ok((frame, zoom));
         }
+        Pose::InSpace { .. } | Pose::SpaceFrame(_) => {
+            return Err(RenderError::Camera(format!(
+                "`{name}` has two parameters: a camera on it stands at a place (u, v)"
+            )));
+        }
         Pose::At {
             at,
             angle,

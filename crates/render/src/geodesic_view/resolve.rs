@@ -66,7 +66,7 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
             });
         });
     hatch(&mut image, &map.status);
-    if let Some(ring) = Ring::of(paint, map.size) {
+    if let Some(ring) = Ring::of(paint.mark_centre, map.size) {
         ring.mark(&mut image, 0, |_| true);
     }
     image
@@ -88,7 +88,7 @@ pub(super) fn resolve_patchwork(
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
     let sampler = cover.sampler(patchwork.origin, paint.coarse);
     let (cover, sampler) = (&cover, &sampler);
-    let ring = Ring::of(paint, patchwork.size);
+    let ring = Ring::of(paint.mark_centre, patchwork.size);
     let processor = Processor::here();
     let band = BLOCK as usize * width;
     let buffers = || (vec![[0.0; 2]; band], vec![[0.0; 4]; band]);
@@ -144,7 +144,7 @@ pub(super) fn resolve_patchwork(
 }
 
 /// Hatches what is not seen.
-fn hatch(image: &mut RgbaImage, status: &[Status]) {
+pub(super) fn hatch(image: &mut RgbaImage, status: &[Status]) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
     let hatchings: OnceLock<Vec<(Status, Hatching)>> = OnceLock::new();
@@ -381,7 +381,7 @@ pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
 
 /// An open ring about the centre: white with a dark rim, so that it is seen on anything; what lies in the centre stays
 /// free.
-struct Ring {
+pub(super) struct Ring {
     size: [u32; 2],
     radius: f32,
     /// Half its width.
@@ -390,9 +390,9 @@ struct Ring {
 
 impl Ring {
     /// The requested ring. A picture of less than 32 pixels has no room for it.
-    fn of(paint: &Paint, size: [u32; 2]) -> Option<Self> {
+    pub(super) fn of(mark_centre: bool, size: [u32; 2]) -> Option<Self> {
         let unit = style::pixel_unit(size);
-        (paint.mark_centre && size[0].min(size[1]) >= 32).then_some(Self {
+        (mark_centre && size[0].min(size[1]) >= 32).then_some(Self {
             size,
             radius: (RING * unit).max(LEAST_RING),
             half: (0.75 * unit).max(0.6),
@@ -401,7 +401,7 @@ impl Ring {
 
     /// Lays it over some whole rows of the picture, the first of which is `top`, but only over the pixels that are
     /// wanted, by their index among these.
-    fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
+    pub(super) fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
         let [width, height] = self.size;
         let reach = (self.radius + 2.2 * self.half + 1.0).ceil() as u32;
         let around = |side: u32| (side / 2).saturating_sub(reach)..(side / 2 + reach).min(side);

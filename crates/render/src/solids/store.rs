@@ -143,7 +143,7 @@ impl SolidStore {
 }
 
 impl SolidScene {
-    fn new(request: &PictureRequest, shown: &(dyn Fn(ObjectId) -> bool + Sync)) -> Self {
+    pub(crate) fn new(request: &PictureRequest, shown: &(dyn Fn(ObjectId) -> bool + Sync)) -> Self {
         let rays = RayScene::new(
             &request.scene,
             &request.params,

@@ -23,7 +23,7 @@ use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::style;
 use crate::viewpoint::GeodesicCamera;
-use cache::{CachedMap, MapCache};
+use cache::{CachedMap, MapCache, SolidMapCache};
 
 /// The view's name.
 pub const NAME: &str = "geodesic";
@@ -114,11 +114,11 @@ impl View for GeodesicView {
     }
 
     fn purpose(&self) -> &'static str {
-        "a surface from inside: from the camera in the centre, each pixel looks along a geodesic"
+        "a surface or a solid from inside: from the camera in the centre, each pixel looks along a geodesic"
     }
 
     fn object_kind(&self) -> Option<&'static str> {
-        Some("surface or metric")
+        Some("surface, metric or solid")
     }
 
     fn shows(&self, _scene: &Scene, object: &Object) -> bool {
@@ -175,6 +175,7 @@ const KEYS: &[Key] = &[
 #[derive(Debug, Default)]
 struct GeodesicRenderer {
     maps: MapCache,
+    solids: SolidMapCache,
 }
 
 impl ViewRenderer for GeodesicRenderer {
@@ -188,6 +189,9 @@ impl ViewRenderer for GeodesicRenderer {
             return Err(ManifoldError::NoSurface { name: None }.into());
         };
         let followed = |share: f32| progress(FOLLOWING_SHARE * share);
+        if is_solid(request, options) {
+            return self.draw_solid(shared, request, options, &followed);
+        }
         let map = self.maps.get(shared, request, options, &followed)?;
         self.maps.next();
         let image = match &*map.ends {
@@ -213,6 +217,9 @@ impl ViewRenderer for GeodesicRenderer {
         let Some(options) = request.view.get::<GeodesicOptions>() else {
             return Err(ManifoldError::NoSurface { name: None }.into());
         };
+        if is_solid(request, options) {
+            return self.pick_solid(shared, request, options, at);
+        }
         let structures = shared.structures.get(request.scene.arc());
         let camera = self.maps.place(request, options, &structures)?;
         let [x, y] = camera.picture_place(at);
@@ -227,6 +234,65 @@ impl ViewRenderer for GeodesicRenderer {
             object: camera.surface,
             position: trace.position.map(WorldPoint),
             parameters: trace.uv.0,
+            instance: 0,
+            leaf: None,
+            polar: Some([distance, y.atan2(x)]),
+        }))
+    }
+}
+
+/// Returns true if a picture is of a solid.
+fn is_solid(request: &PictureRequest, options: &GeodesicOptions) -> bool {
+    let object = request.scene.get(options.camera.surface);
+    object.is_some_and(|object| object.shape.solid().is_some())
+}
+
+impl GeodesicRenderer {
+    /// Draws the view of a solid, on the CPU: there are few rays, and colours are expressions in space.
+    fn draw_solid(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &GeodesicOptions,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<RenderedImage, RenderError> {
+        let (camera, map) = &*self.solids.get(shared, request, options, progress)?;
+        let image = geodesic_view::resolve_solid(request, camera, map, options.mark_centre);
+        shared.pixels.count_ends(map.status.len());
+        let count = count(&map.status);
+        let mut notes = geodesic_view::notes(map.status.len(), count, &map.work, map.estimate);
+        if request.overlays.any() {
+            notes.push(
+                "what is measured around the camera is drawn on surfaces and metrics, not on solids"
+                    .to_owned(),
+            );
+        }
+        Ok(RenderedImage {
+            notes,
+            backend: SOFTWARE.to_owned(),
+            geodesics: Some((map.work, map.estimate)),
+            ..RenderedImage::new(Pixels::Image(image))
+        })
+    }
+
+    /// The end of the geodesic of a pixel of a solid's view.
+    fn pick_solid(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &GeodesicOptions,
+        at: PixelPoint,
+    ) -> Result<Option<Hit>, RenderError> {
+        let camera = self.solids.place(shared, request, options)?;
+        let [x, y] = camera.picture_place(at);
+        let distance = camera.frame.zoom() * x.hypot(y);
+        let surface = camera.solid().surface();
+        let walked = camera.frame.advance(surface, [x, y], &Options::default());
+        let reached = walked.ok().filter(|(_, it)| it.status == Status::Complete);
+        Ok(reached.map(|(_, trace)| Hit {
+            object: camera.object,
+            position: Some(WorldPoint(trace.position)),
+            parameters: [0.0; 2],
             instance: 0,
             leaf: None,
             polar: Some([distance, y.atan2(x)]),

@@ -84,7 +84,7 @@ fn view(
     let view = views.get(kind);
     let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
     let mut view = match (object, view.is_of_object()) {
-        (_, true) => view.options(Some(program.surface(object.as_deref())?.0)),
+        (_, true) => view.options(Some(program.ground(object.as_deref())?.0)),
         (None, false) => view.options(None),
         (Some(name), false) => view
             .options_of(program.scene(), name)
@@ -144,16 +144,35 @@ fn geodesic_camera(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<GeodesicCamera, Failure> {
+    let angle = arguments.angle.unwrap_or(0.0).to_radians();
+    let pose = match program.scene().get(surface) {
+        Some(object) if object.shape.solid().is_some() => {
+            if arguments.mirrored {
+                return Err(Failure::usage(
+                    "--mirrored: a solid is seen from outside, and has no other side",
+                ));
+            }
+            let at = arguments.at.as_ref();
+            let at = at.map(|at| program.place("--at", at, params, object));
+            Pose::InSpace {
+                at: at.transpose()?,
+                angle,
+            }
+        }
+        Some(object) => {
+            let at = arguments.at.as_ref();
+            let at = at.map(|at| program.place("--at", at, params, object));
+            Pose::At {
+                at: at.transpose()?,
+                angle,
+                mirrored: arguments.mirrored,
+            }
+        }
+        None => return Err(Failure::usage("there is no surface to see from inside")),
+    };
     Ok(GeodesicCamera {
         surface,
-        pose: Pose::At {
-            at: match &arguments.at {
-                Some(at) => Some(program.numbers("--at", &at.0, params)?),
-                None => None,
-            },
-            angle: arguments.angle.unwrap_or(0.0).to_radians(),
-            mirrored: arguments.mirrored,
-        },
+        pose,
         zoom: match &arguments.zoom {
             Some(zoom) => Some(program.number("--zoom", zoom, params)?),
             None => None,

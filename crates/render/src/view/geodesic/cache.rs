@@ -8,10 +8,11 @@ use super::GeodesicOptions;
 use crate::cache::Cache;
 use crate::content::{Content, Structure, first_instance};
 use crate::error::RenderError;
-use crate::geodesic_view::{PlacedCamera, RayEnds};
+use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera, RayEnds};
 use crate::request::PictureRequest;
 use crate::view::SharedState;
-use geometry::{Manifold, ManifoldError};
+use geodesic::pixels::Map;
+use geometry::{Manifold, ManifoldError, SolidSurface};
 
 /// Surfaces that are kept though no camera is on them.
 const SURFACES: usize = 4;
@@ -130,4 +131,114 @@ impl MapCache {
     pub(super) fn next(&mut self) {
         self.surfaces.next();
     }
+}
+
+/// A camera on a solid with the ends of its geodesics.
+type SolidMap = (PlacedSolidCamera, Map<3>);
+
+/// Maps of solids, and the solids that were compiled for them.
+#[derive(Debug, Default)]
+pub(super) struct SolidMapCache {
+    /// The one that was used last is the last one.
+    solids: Vec<(SolidKey, Arc<SolidSurface>)>,
+    maps: Vec<((MapKey, Vec<u64>), Arc<SolidMap>)>,
+}
+
+/// A solid with its numbers and the grids that have a value.
+type SolidKey = (Content, Vec<u64>);
+
+impl SolidMapCache {
+    /// The map of a request's camera, followed where it is not known.
+    ///
+    /// # Errors
+    /// Those of [`PlacedSolidCamera::new`] and [`PlacedSolidCamera::ends`].
+    pub(super) fn get(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &GeodesicOptions,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Arc<SolidMap>, RenderError> {
+        let (surface, fixed) = key(shared, request, options)?;
+        let key = MapKey {
+            surface,
+            options: GeodesicOptions {
+                mark_centre: true,
+                ..options.clone()
+            },
+            size: request.size,
+            moving: request.moving,
+        };
+        let key = (key, fixed);
+        if let Some(at) = self.maps.iter().position(|(known, _)| *known == key) {
+            let known = self.maps.remove(at);
+            let map = known.1.clone();
+            self.maps.push(known);
+            return Ok(map);
+        }
+        let camera = self.place(shared, request, options)?;
+        let map = camera.ends(progress)?;
+        shared.followed += 1;
+        let map = Arc::new((camera, map));
+        if self.maps.len() >= MAPS {
+            self.maps.remove(0);
+        }
+        self.maps.push((key, map.clone()));
+        Ok(map)
+    }
+
+    /// The camera of a request, on a solid that is kept.
+    ///
+    /// # Errors
+    /// Those of [`PlacedSolidCamera::new`].
+    pub(super) fn place(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &GeodesicOptions,
+    ) -> Result<PlacedSolidCamera, RenderError> {
+        let (scene, id) = (&request.scene, options.camera.surface);
+        let key = key(shared, request, options)?;
+        let known = self.solids.iter().find(|(known, _)| *known == key);
+        let solid = match known {
+            Some((_, solid)) => solid.clone(),
+            None => {
+                let solid = Arc::new(SolidSurface::new(scene, &request.params, id)?);
+                if self.solids.len() >= SURFACES {
+                    self.solids.remove(0);
+                }
+                self.solids.push((key, solid.clone()));
+                solid
+            }
+        };
+        let name = scene.get(id).map_or("", |object| &object.name);
+        let camera = PlacedSolidCamera::on(solid, name, &options.camera, request.size)?;
+        let camera = camera.with_method(options.method);
+        Ok(if request.moving {
+            camera.moving()
+        } else {
+            camera
+        })
+    }
+}
+
+/// What a solid depends on: its content, and the values to which grids have been fixed.
+fn key(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &GeodesicOptions,
+) -> Result<SolidKey, RenderError> {
+    let (scene, params) = (&request.scene, &request.params);
+    let structures = shared.structures.get(scene.arc());
+    let content = first_instance(scene, params, &structures, options.camera.surface);
+    let content = content.ok_or(ManifoldError::NoSurface { name: None })?;
+    let grids = (0..scene.grids.len() as u32).map(scene::GridId);
+    let fixed = grids.flat_map(|id| {
+        let values = params.fixed_grid(scene, id).unwrap_or(&[f64::NAN]);
+        values
+            .iter()
+            .map(|value| value.to_bits())
+            .collect::<Vec<_>>()
+    });
+    Ok((content, fixed.collect()))
 }

@@ -1,0 +1,241 @@
+//! The camera of the geodesic view on a solid, and the ends of its geodesics, in space.
+
+use std::sync::Arc;
+
+use geodesic::fan::{FanOptions, Interpolation};
+use geodesic::implicit::{SpaceFan, SpaceFrame};
+use geodesic::map::{self, MapOptions, pixel_place};
+use geodesic::patchwork::Patchwork;
+use geodesic::pixels::Map;
+use geodesic::trace::{Options, Status};
+use geometry::SolidSurface;
+use rayon::prelude::*;
+use scene::{ObjectId, ParamValues, Scene};
+
+use super::PictureMethod;
+use super::camera::{MOVING_TOLERANCE, TOLERANCE};
+use crate::error::RenderError;
+use crate::point::PixelPoint;
+use crate::viewpoint::{GeodesicCamera, Pose};
+
+/// The first zoom as a share of the longest side of the solid's box: on a ball as much of it is seen as on a sphere with
+/// parameters.
+const FIRST_ZOOM: f64 = 0.55 * std::f64::consts::FRAC_PI_2;
+/// The share of the tolerance that polynomials between the rays may add.
+const PATCHWORK_SHARE: f64 = 0.25;
+
+/// A geodesic camera on a solid, with the size of its picture.
+#[derive(Clone, Debug)]
+pub struct PlacedSolidCamera {
+    solid: Arc<SolidSurface>,
+    /// The solid, as an object of the scene.
+    pub object: ObjectId,
+    /// A place and two tangent vectors X ⟂ Y of the length of the zoom.
+    pub frame: SpaceFrame,
+    method: PictureMethod,
+    tolerance: f64,
+    size: [u32; 2],
+}
+
+impl PlacedSolidCamera {
+    /// Puts a camera on its solid.
+    ///
+    /// # Errors
+    /// [`RenderError::Manifold`], [`RenderError::Camera`].
+    pub fn new(
+        scene: &Scene,
+        params: &ParamValues,
+        camera: &GeodesicCamera,
+        size: [u32; 2],
+    ) -> Result<Self, RenderError> {
+        let solid = Arc::new(SolidSurface::new(scene, params, camera.surface)?);
+        let name = scene.get(camera.surface).map_or("", |object| &object.name);
+        Self::on(solid, name, camera, size)
+    }
+
+    /// Puts a camera on a solid that has been compiled.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`].
+    pub(crate) fn on(
+        solid: Arc<SolidSurface>,
+        name: &str,
+        camera: &GeodesicCamera,
+        size: [u32; 2],
+    ) -> Result<Self, RenderError> {
+        let usual = solid.bounds().map_or(1.0, |[lower, upper]| {
+            let sides = [0, 1, 2].map(|k| upper[k] - lower[k]);
+            FIRST_ZOOM * sides.into_iter().fold(0.0, f64::max)
+        });
+        let zoom = camera.zoom.unwrap_or(usual);
+        let (at, angle) = match camera.pose {
+            Pose::SpaceFrame(frame) => {
+                return Ok(Self {
+                    solid,
+                    object: camera.surface,
+                    frame,
+                    method: PictureMethod::Auto,
+                    tolerance: TOLERANCE,
+                    size,
+                });
+            }
+            Pose::InSpace { at, angle } => (at, angle),
+            Pose::At {
+                at: None, angle, ..
+            } => (None, angle),
+            Pose::At { at: Some(_), .. } | Pose::Frame(_) => {
+                return Err(RenderError::Camera(format!(
+                    "`{name}` is a solid: a camera on it stands at a place (x, y, z)"
+                )));
+            }
+        };
+        let Some(near) = at.or(solid.first_place()) else {
+            return Err(RenderError::Camera(format!(
+                "`{name}` has no surface that a ray from its middle meets, so the camera needs a place (x, y, z)"
+            )));
+        };
+        let frame = SpaceFrame::new(solid.surface(), near, angle, zoom).map_err(|why| {
+            let [x, y, z] = near;
+            RenderError::Camera(format!(
+                "the camera's place ({x}, {y}, {z}) is not brought onto `{name}`: {why}"
+            ))
+        })?;
+        Ok(Self {
+            solid,
+            object: camera.surface,
+            frame,
+            method: PictureMethod::Auto,
+            tolerance: TOLERANCE,
+            size,
+        })
+    }
+
+    /// Returns the camera with another method for its geodesics.
+    #[must_use]
+    pub fn with_method(self, method: PictureMethod) -> Self {
+        Self { method, ..self }
+    }
+
+    /// Returns the camera with the error that is allowed where a view moves.
+    #[must_use]
+    pub fn moving(self) -> Self {
+        Self {
+            tolerance: MOVING_TOLERANCE,
+            ..self
+        }
+    }
+
+    /// The camera by its place, its angle and its zoom.
+    pub fn by_angle(&self) -> GeodesicCamera {
+        let angle = self.frame.angle(self.solid.surface());
+        GeodesicCamera {
+            surface: self.object,
+            pose: Pose::InSpace {
+                at: Some(self.frame.at),
+                angle: angle.to_degrees().to_radians(),
+            },
+            zoom: Some(self.frame.zoom()),
+        }
+    }
+
+    /// The solid that it is on.
+    pub fn solid(&self) -> &SolidSurface {
+        &self.solid
+    }
+
+    /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
+    pub(crate) fn picture_place(&self, PixelPoint(at): PixelPoint) -> [f64; 2] {
+        let [width, height] = self.size.map(f64::from);
+        let per_pixel = 2.0 / width.min(height);
+        [
+            (at[0] - 0.5 * width) * per_pixel,
+            (0.5 * height - at[1]) * per_pixel,
+        ]
+    }
+
+    /// The ends of all pixels' geodesics, on all cores. `progress` receives the share that is done.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] for a method that needs parameters.
+    pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> Result<Map<3>, RenderError> {
+        let interpolation = match self.method {
+            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
+            PictureMethod::FanLinear => Interpolation::Linear,
+            PictureMethod::Adaptive => return Ok(self.pixel_by_pixel()),
+            PictureMethod::Rk4Pixel => {
+                return Err(RenderError::Camera(
+                    "the method rk4-pixel takes steps in (u, v), and a solid has no parameters"
+                        .into(),
+                ));
+            }
+        };
+        let defaults = FanOptions::default();
+        let options = FanOptions {
+            tolerance: self.tolerance,
+            interpolation,
+            max_evaluations: defaults.max_evaluations.min(self.most_evaluations()),
+        };
+        let surface = self.solid.surface();
+        let Some(fan) = SpaceFan::build(surface, &self.frame, self.size, &options) else {
+            return Err(RenderError::Camera(
+                "the solid has no tangent plane where the camera stands".into(),
+            ));
+        };
+        progress(0.5);
+        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
+        let mut map = patchwork.map(true);
+        map.work = fan.work();
+        map.estimate = Some(fan.estimate().with(patchwork.estimate));
+        progress(1.0);
+        Ok(map)
+    }
+
+    fn pixel_by_pixel(&self) -> Map<3> {
+        let (surface, frame) = (self.solid.surface(), &self.frame);
+        let zoom = frame.zoom();
+        let [width, height] = self.size;
+        let pixel = 2.0 * zoom / f64::from(width.min(height).max(1));
+        let share = MapOptions::default().evaluations_per_pixel(self.size);
+        let ends: Vec<_> = (0..width * height)
+            .into_par_iter()
+            .map(|index| {
+                let place = pixel_place(self.size, index % width, index / width);
+                let [x, y] = place.0;
+                let length = zoom * x.hypot(y);
+                if length == 0.0 {
+                    return (frame.at, Status::Complete, 0);
+                }
+                let options = Options {
+                    tolerance: (0.1 * self.tolerance * pixel / length).clamp(1e-13, 1e-3),
+                    max_evaluations: usize::try_from(share).unwrap_or(usize::MAX),
+                    ..Options::default()
+                };
+                match surface.trace(frame.at, frame.velocity(place), length, &options) {
+                    Ok(end) => (end.position, end.status, end.evaluations as u64),
+                    Err(_) => (frame.at, Status::Undefined, 0),
+                }
+            })
+            .collect();
+        let mut map = Map {
+            size: self.size,
+            origin: frame.at,
+            ..Map::default()
+        };
+        for (at, status, evaluations) in ends {
+            map.offset
+                .push(std::array::from_fn(|k| (at[k] - frame.at[k]) as f32));
+            map.status.push(status);
+            map.work.followed += 1;
+            map.work.evaluations += evaluations;
+        }
+        map
+    }
+
+    /// However the pixels are followed, they take no more than if each were by itself.
+    fn most_evaluations(&self) -> u64 {
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        MapOptions::default()
+            .max_evaluations
+            .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
+    }
+}
