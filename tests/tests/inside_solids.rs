@@ -8,8 +8,7 @@ use serde_json::Value;
 use testing::binary::geotrace;
 
 const BALL: &str = "solid ball(x,y,z) = x^2 + y^2 + z^2 - 4;";
-const CUBE: &str =
-    "function f(x,y,z) = x^2 + y^2 + z^2 - 3; solid cube(x,y,z) = max(abs x, abs y, abs z) - 1; solid all = cube & f;";
+const CUBE: &str = "function f(x,y,z) = x^2 + y^2 + z^2 - 3; solid cube(x,y,z) = max(abs x, abs y, abs z) - 1; solid all = cube & f;";
 
 /// Traces a geodesic of the first solid.
 #[track_caller]
@@ -20,7 +19,8 @@ fn trace(program: &str, more: &[&str]) -> Value {
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().expect("a list").iter();
-    list.map(|number| number.as_f64().expect("a number")).collect()
+    list.map(|number| number.as_f64().expect("a number"))
+        .collect()
 }
 
 #[track_caller]
@@ -45,7 +45,10 @@ fn a_trace_on_a_ball_is_a_great_circle() {
     let error = end["error_estimate"].as_f64().expect("an estimate");
     assert!(error < 1e-8, "{error}");
     // A heading counts from ẑ×n.
-    let end = trace(BALL, &["--from", "2,0,0", "--heading", "90", "--length", "pi"]);
+    let end = trace(
+        BALL,
+        &["--from", "2,0,0", "--heading", "90", "--length", "pi"],
+    );
     close(&numbers(&end["position"]), &[0.0, 0.0, 2.0], 1e-9);
 }
 
@@ -53,7 +56,16 @@ fn a_trace_on_a_ball_is_a_great_circle() {
 fn a_trace_on_a_set_ends_at_its_edge() {
     let end = trace(
         CUBE,
-        &["--surface", "all", "--from", "0,0,2", "--direction", "1,0.5,0", "--length", "9"],
+        &[
+            "--surface",
+            "all",
+            "--from",
+            "0,0,2",
+            "--direction",
+            "1,0.5,0",
+            "--length",
+            "9",
+        ],
     );
     assert_eq!(end["status"], "left_domain");
     close(&numbers(&end["position"]), &[1.0, 0.5, 1.0], 1e-9);
@@ -68,19 +80,44 @@ fn what_cannot_be_traced_is_refused_in_words() {
         run.stderr
     };
     let on = |from: &str| {
-        refused(BALL, &["--from", from, "--direction", "1,0,0", "--length", "1"])
+        refused(
+            BALL,
+            &["--from", from, "--direction", "1,0,0", "--length", "1"],
+        )
     };
     assert!(on("0,0,0").contains("gradient"), "{}", on("0,0,0"));
     assert!(on("1,0").contains("three numbers"), "{}", on("1,0"));
-    assert!(on("2,0,0").contains("normal to the surface"), "{}", on("2,0,0"));
+    assert!(
+        on("2,0,0").contains("normal to the surface"),
+        "{}",
+        on("2,0,0")
+    );
     let part = refused(
         CUBE,
-        &["--surface", "cube", "--from", "0,0,1", "--heading", "0", "--length", "1"],
+        &[
+            "--surface",
+            "cube",
+            "--from",
+            "0,0,1",
+            "--heading",
+            "0",
+            "--length",
+            "1",
+        ],
     );
     assert!(part.contains("part of another solid"), "{part}");
     let steps = refused(
         BALL,
-        &["--from", "2,0,0", "--heading", "0", "--length", "1", "--method", "rk4-pixel"],
+        &[
+            "--from",
+            "2,0,0",
+            "--heading",
+            "0",
+            "--length",
+            "1",
+            "--method",
+            "rk4-pixel",
+        ],
     );
     assert!(steps.contains("no parameters"), "{steps}");
     // A surface still takes two numbers.
@@ -98,7 +135,16 @@ fn picture(program: &str, more: &[&str]) -> (RgbaImage, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("out.png");
     let out = path.display().to_string();
-    let words = ["render", "-", "-o", &out, "--size", "80x80", "--backend", "software"];
+    let words = [
+        "render",
+        "-",
+        "-o",
+        &out,
+        "--size",
+        "80x80",
+        "--backend",
+        "software",
+    ];
     let words = [&words[..], more].concat();
     let run = geotrace(words).input(program).run();
     run.expect_status(0);
@@ -116,7 +162,10 @@ fn a_ball_of_one_colour_is_a_checker() {
     let count = |colour: [u8; 4]| colours.iter().filter(|&&it| it == colour).count();
     let [dark, light] = [colours[before / 5], colours[before - before / 5]];
     // Nearly all pixels have one of two colours.
-    assert!(dark != light && count(dark) + count(light) > before * 7 / 10, "{dark:?} {light:?}");
+    assert!(
+        dark != light && count(dark) + count(light) > before * 7 / 10,
+        "{dark:?} {light:?}"
+    );
 }
 
 #[test]
@@ -124,8 +173,15 @@ fn a_coloured_ball_shows_its_colour_at_the_ends_of_its_geodesics() {
     // Red above, blue below; from the side, as far as the poles.
     let program =
         "solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (max(0, z/abs z), 0, max(0, -z/abs z));";
-    let (image, _) = picture(program, &["--view", "geodesic", "--at", "1,0,0", "--zoom", "pi/2"]);
-    for (x, y, colour) in [(40, 10, [255, 0, 0]), (10, 20, [255, 0, 0]), (40, 70, [0, 0, 255])] {
+    let (image, _) = picture(
+        program,
+        &["--view", "geodesic", "--at", "1,0,0", "--zoom", "pi/2"],
+    );
+    for (x, y, colour) in [
+        (40, 10, [255, 0, 0]),
+        (10, 20, [255, 0, 0]),
+        (40, 70, [0, 0, 255]),
+    ] {
         let [r, g, b, a] = image.get_pixel(x, y).0;
         assert_eq!(([r, g, b], a), (colour, 255), "{x}, {y}");
     }
@@ -133,7 +189,10 @@ fn a_coloured_ball_shows_its_colour_at_the_ends_of_its_geodesics() {
 
 #[test]
 fn beyond_an_edge_a_picture_is_hatched() {
-    let (_, said) = picture(CUBE, &["--view", "geodesic:all", "--at", "0,0,1", "--zoom", "2"]);
+    let (_, said) = picture(
+        CUBE,
+        &["--view", "geodesic:all", "--at", "0,0,1", "--zoom", "2"],
+    );
     // A quarter of the picture is the face.
     assert!(said.contains("75.") && said.contains("hatched"), "{said}");
 }
@@ -144,7 +203,11 @@ fn geodesics_on_solids_are_drawn_in_space_and_traced() {
     for view in [&[][..], &["--view", "traced", "--samples", "1"]] {
         let (without, _) = picture(BALL, view);
         let (drawn, _) = picture(&with, view);
-        let differ = without.pixels().zip(drawn.pixels()).filter(|(a, b)| a != b).count();
+        let differ = without
+            .pixels()
+            .zip(drawn.pixels())
+            .filter(|(a, b)| a != b)
+            .count();
         assert!(differ > 20, "{view:?}: {differ}");
     }
 }
@@ -152,7 +215,11 @@ fn geodesics_on_solids_are_drawn_in_space_and_traced() {
 #[test]
 fn a_camera_that_has_no_place_is_refused_in_words() {
     let refused = |program: &str, words: &[&str]| {
-        let words = [&["render", "-", "-o", "never.png", "--view", "geodesic"], words].concat();
+        let words = [
+            &["render", "-", "-o", "never.png", "--view", "geodesic"],
+            words,
+        ]
+        .concat();
         let run = geotrace(words).input(program).run();
         run.expect_status(2);
         run.stderr

@@ -46,7 +46,7 @@ pub(crate) struct Pair(pub(crate) [Quantity; 2]);
 
 /// `U,V`, or `X,Y,Z`: a place on a surface or near a solid, or a direction there.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Place(pub(crate) Vec<Quantity>);
+pub(crate) struct PlaceArgument(pub(crate) Vec<Quantity>);
 
 /// `X,Y,Z`: a point of space.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,10 +168,10 @@ pub(crate) fn pair(text: &str) -> Result<Pair, String> {
 }
 
 /// Parses `U,V` or `X,Y,Z`.
-pub(crate) fn place(text: &str) -> Result<Place, String> {
+pub(crate) fn place(text: &str) -> Result<PlaceArgument, String> {
     let values = list(text)?;
     match values.len() {
-        2 | 3 => Ok(Place(values)),
+        2 | 3 => Ok(PlaceArgument(values)),
         given => Err(format!(
             "expected two numbers, such as 0.5,-pi/2, or three on a solid, found {given}"
         )),

@@ -9,7 +9,7 @@ use ide::language::{Compiled, Scope};
 use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Value};
 use syntax::diagnostic::Diagnostic;
 
-use crate::argument::{Assignment, Format, Place, Quantity};
+use crate::argument::{Assignment, Format, PlaceArgument, Quantity};
 use crate::failure::Failure;
 use crate::output;
 use crate::registry::Context;
@@ -192,7 +192,7 @@ impl LoadedProgram {
     pub(crate) fn place<const N: usize>(
         &self,
         option: &str,
-        place: &Place,
+        place: &PlaceArgument,
         params: &ParamValues,
         object: &Object,
     ) -> Result<[f64; N], Failure> {

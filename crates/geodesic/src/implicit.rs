@@ -43,7 +43,7 @@ pub struct ImplicitSurface {
     /// The field's value, then both operands of each kink.
     decisions: PlaceTape,
     size: f64,
-    pieces: Mutex<HashMap<Vec<u32>, Arc<Piece>>>,
+    pieces: Mutex<HashMap<Vec<u32>, Arc<FieldPiece>>>,
 }
 
 /// An operation that is not smooth, with the kinks that each of its operands reads through no other.
@@ -67,14 +67,14 @@ struct PlaceTape {
 
 /// A smooth piece of the field: its value, its gradient, and the second derivatives by xx, xy, xz, yy, yz, zz.
 #[derive(Debug)]
-pub(crate) struct Piece {
+pub(crate) struct FieldPiece {
     decisions: Decisions,
     tape: PlaceTape,
 }
 
 /// The data of a piece's surface at a place, in which the field's scale is lost.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shape {
+pub(crate) struct LocalShape {
     /// The field over its gradient's length: how far the surface is away, roughly.
     pub(crate) distance: f64,
     /// ∇f/|∇f|.
@@ -149,9 +149,9 @@ impl PlaceTape {
     }
 }
 
-impl Piece {
+impl FieldPiece {
     /// `None` where anything is undefined, or the gradient is 0.
-    pub(crate) fn shape(&self, at: [f64; 3]) -> Option<Shape> {
+    pub(crate) fn shape(&self, at: [f64; 3]) -> Option<LocalShape> {
         let (value, gradient, second) = self.tape.eval(at, |out| match *out {
             [f, x, y, z, xx, xy, xz, yy, yz, zz] => {
                 (f, [x, y, z], [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -165,7 +165,7 @@ impl Piece {
         }
         let normal = gradient.map(|x| x / slope);
         let bend = second.map(|row| row.map(|x| x / slope));
-        Some(Shape {
+        Some(LocalShape {
             distance: value / slope,
             normal,
             bend,
@@ -197,7 +197,7 @@ fn curvature(n: [f64; 3], h: &[[f64; 3]; 3]) -> f64 {
     sum
 }
 
-impl Shape {
+impl LocalShape {
     /// H v over |∇f|.
     pub(crate) fn bent(&self, v: [f64; 3]) -> [f64; 3] {
         self.bend.map(|row| dot(row, v))
@@ -322,7 +322,7 @@ impl ImplicitSurface {
     ///
     /// # Errors
     /// [`TooLarge`] where its derivatives exceed the graph's limit.
-    pub(crate) fn piece_at(&self, at: [f64; 3]) -> Result<Arc<Piece>, TooLarge> {
+    pub(crate) fn piece_at(&self, at: [f64; 3]) -> Result<Arc<FieldPiece>, TooLarge> {
         let decisions = match self.kinks.is_empty() {
             true => Decisions::new(),
             false => self.decided(at).1,
@@ -336,7 +336,7 @@ impl ImplicitSurface {
         Ok(piece)
     }
 
-    fn piece(&self, decisions: &Decisions) -> Result<Piece, TooLarge> {
+    fn piece(&self, decisions: &Decisions) -> Result<FieldPiece, TooLarge> {
         let (mut graph, roots) = self.graph.extract(&[self.root]);
         // Ids keep their order in an extract.
         let order = self.graph.order(&[self.root]);
@@ -390,14 +390,14 @@ impl ImplicitSurface {
         if graph.overflowed() {
             return Err(TooLarge);
         }
-        Ok(Piece {
+        Ok(FieldPiece {
             decisions: decisions.clone(),
             tape: PlaceTape::new(&graph, &all),
         })
     }
 
     /// Returns true if a place on a piece lies beyond an edge: another piece bounds the solid there, or none.
-    pub(crate) fn is_beyond(&self, piece: &Piece, at: [f64; 3]) -> bool {
+    pub(crate) fn is_beyond(&self, piece: &FieldPiece, at: [f64; 3]) -> bool {
         if self.kinks.is_empty() {
             return false;
         }

@@ -373,6 +373,30 @@ fn pictures_are_those_of_the_parametric_twins() {
 }
 
 #[test]
+fn pictures_of_any_size_are_alike() {
+    let size = [64, 64];
+    let ends = |scale: f64| {
+        let solid = ellipsoid([1.0, 2.0, 3.0].map(|a| scale * a), 1.0);
+        let near = [0.5, 1.0, 2.0].map(|x| scale * x);
+        let frame = SpaceFrame::new(&solid, near, 0.3, 1.5 * scale).expect("a frame");
+        let fan = SpaceFan::build(&solid, &frame, size, &FanOptions::default()).expect("a fan");
+        let map = Patchwork::cut(&fan, size, 0.05).map(false);
+        assert!(map.status.iter().all(|status| *status == Status::Complete));
+        let offsets = map.offset.into_iter();
+        offsets
+            .map(|at| at.map(|x| f64::from(x) / scale))
+            .collect::<Vec<[f64; 3]>>()
+    };
+    let unit = ends(1.0);
+    let pixel = 3.0 / 64.0;
+    for scale in [1e-6, 1e-3, 1e3, 1e6] {
+        for (a, b) in unit.iter().zip(ends(scale)) {
+            assert!(apart(*a, b) < 0.05 * pixel, "{scale:e}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
 fn a_picture_of_a_cube_shows_one_face() {
     let cube = cube(1.0);
     let frame = SpaceFrame::new(&cube, [0.3, 0.2, 1.1], 0.3, 2.0).expect("a frame");

@@ -46,7 +46,7 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
     let shared = on
         .filter(|on| on.grids.is_empty())
         .map(|on| Manifold::new(scene, surface, &params.first_instance(scene, on)));
-    let line = |index: u64| -> Line {
+    let line = |index: u64| -> InstanceLine {
         let nowhere = || vec![None; lengths.len()];
         let uniforms = params.instance(scene, object, index);
         let own;
@@ -84,7 +84,7 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
 }
 
 /// A line of one instance, and the reason why it is not drawn.
-type Line = (Vec<Option<Knot>>, Option<String>);
+type InstanceLine = (Vec<Option<Knot>>, Option<String>);
 
 /// Follows all instances of a geodesic on a solid.
 fn follow_in_space(
@@ -96,7 +96,7 @@ fn follow_in_space(
 ) -> FollowedGeodesic {
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
     let start = Tape::new(&scene.graph, &[path.direction, path.start].concat());
-    let line = |index: u64| -> Line {
+    let line = |index: u64| -> InstanceLine {
         let uniforms = params.instance(scene, object, index);
         let nowhere = |reason: String| (vec![None; lengths.len()], Some(reason));
         let surface = ImplicitSurface::new(&scene.graph, path.field, &uniforms, None);
@@ -132,7 +132,7 @@ fn all_instances(
     params: &ParamValues,
     object: &Object,
     domain: &Sampling,
-    line: &(dyn Fn(u64) -> Line + Sync),
+    line: &(dyn Fn(u64) -> InstanceLine + Sync),
 ) -> FollowedGeodesic {
     let name = &object.name;
     let instances = params.instance_count(scene, object);

@@ -10,7 +10,7 @@ const PROGRAM: &str = "\
 param r : [2, 3];
 grid k : [0, 1, 2];
 solid ball(x,y,z) = x^2 + y^2 + z^2 - r^2;
-solid dome = ball, z : [0, 5];
+solid dome(x,y,z) = x^2 + y^2 + z^2 - r^2, z : [0, 5];
 geodesic g(t) : ball = (0, 1, k) @ (5, 0, 0), t : [-1, 2, 4];
 geodesic h(t) : dome = (0, 0, -1) @ (2, 0, 1.2), t : [0, 3, 31];
 geodesic none(t) : ball = (1, 0, 0) @ (r, 0, 0), t : [0, 1, 3];
@@ -51,7 +51,11 @@ fn a_declared_geodesic_on_a_solid_has_a_line_for_each_instance() {
         assert!(followed.notes.is_empty(), "{:?}", followed.notes);
         assert_eq!((followed.count, followed.lines.len()), (4, 2));
         for (k, line) in followed.lines.iter().enumerate() {
-            let (b, c) = if k == 0 { (1.0, 0.0) } else { (0.5_f64.sqrt(), 0.5_f64.sqrt()) };
+            let (b, c) = if k == 0 {
+                (1.0, 0.0)
+            } else {
+                (0.5_f64.sqrt(), 0.5_f64.sqrt())
+            };
             for (n, knot) in line.iter().enumerate() {
                 let t = n as f64 - 1.0;
                 let (sin, cos) = (t / radius).sin_cos();
@@ -82,14 +86,17 @@ fn a_geodesic_that_cannot_start_says_why() {
     let followed = follow_declared(&scene, &ParamValues::initial(&scene), id);
     assert!(followed.lines.iter().flatten().all(Option::is_none));
     let note = followed.notes.first().expect("a note");
-    assert!(note.contains("`none`") && note.contains("normal to the surface"), "{note}");
+    assert!(
+        note.contains("`none`") && note.contains("normal to the surface"),
+        "{note}"
+    );
 }
 
 #[test]
 fn a_camera_stands_where_the_ray_along_x_leaves() {
     let scene = scene();
     for (name, place) in [
-        ("dome", Some([3.0_f64.sqrt(), 0.0, 1.0])),
+        ("ball", Some([2.0, 0.0, 0.0])),
         // Through the hole, and out on its other side.
         ("ring", Some([2.5, 0.0, 0.0])),
         ("pipe", Some([1.0, 0.0, 0.0])),
@@ -97,13 +104,19 @@ fn a_camera_stands_where_the_ray_along_x_leaves() {
     ] {
         let found = solid(&scene, name).expect("a solid").first_place();
         match (found, place) {
-            (Some(found), Some(place)) => assert!(apart(found, place) < 1e-9, "{name} {found:?}"),
+            // The middle of a box that is a little wider than the solid.
+            (Some(found), Some(place)) => assert!(apart(found, place) < 0.02, "{name} {found:?}"),
             (found, place) => assert_eq!(found, place, "{name}"),
         }
     }
     assert!(solid(&scene, "pipe").expect("a solid").bounds().is_none());
     let refused = solid(&scene, "p").expect_err("a point");
-    assert_eq!(refused, ManifoldError::NoSurface { name: Some("p".into()) });
+    assert_eq!(
+        refused,
+        ManifoldError::NoSurface {
+            name: Some("p".into())
+        }
+    );
 }
 
 #[test]
@@ -115,7 +128,9 @@ fn a_solid_is_the_union_over_its_grids_unless_they_have_a_value() {
     // About each ball once around.
     for middle in [0.0, 3.0] {
         let from = [middle, 0.0, 1.0];
-        let end = both.surface().trace(from, [1.0, 0.0, 0.0], PI, &Options::default());
+        let end = both
+            .surface()
+            .trace(from, [1.0, 0.0, 0.0], PI, &Options::default());
         let end = end.expect("a start");
         assert_eq!(end.status, Status::Complete);
         assert!(apart(end.position, [middle, 0.0, -1.0]) < 1e-8, "{end:?}");
@@ -123,7 +138,7 @@ fn a_solid_is_the_union_over_its_grids_unless_they_have_a_value() {
     params.set(&scene, "k", &[1.0]).expect("in range");
     let one = SolidSurface::new(&scene, &params, id).expect("a solid");
     let place = one.first_place().expect("a place");
-    assert!(apart(place, [4.0, 0.0, 0.0]) < 1e-9, "{place:?}");
+    assert!(apart(place, [4.0, 0.0, 0.0]) < 0.02, "{place:?}");
     let [lower, _] = one.bounds().expect("a box");
     assert!(lower[0] > 1.9, "{lower:?}");
 }

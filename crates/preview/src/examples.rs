@@ -26,6 +26,7 @@ pub(crate) const EXAMPLES: &[Example] = examples![
     "catenoid",
     "circle",
     "cone",
+    "cushion",
     "deformation",
     "dice",
     "disc",

@@ -21,7 +21,8 @@ use scene::Scene;
 
 use super::animation;
 use crate::argument::{
-    self, Assignment, Choice, Format, ObjectColour, Place, Quantity, Size, TextureFile, Triple,
+    self, Assignment, Choice, Format, ObjectColour, PlaceArgument, Quantity, Size, TextureFile,
+    Triple,
 };
 use crate::failure::Failure;
 use crate::output::{self, OutputTarget};
@@ -120,7 +121,7 @@ pub(super) struct Arguments {
     /// Where the camera stands: u,v, or near a solid x,y,z; without it, in the middle of the domain, or where the ray from
     /// the middle of the solid's box along x leaves it
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true, help_heading = "Geodesic view")]
-    at: Option<Place>,
+    at: Option<PlaceArgument>,
     /// How far the picture's right is turned from σu towards σv
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,

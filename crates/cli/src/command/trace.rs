@@ -12,7 +12,7 @@ use render::PictureMethod;
 use scene::{ObjectId, ParamValues};
 use serde::Serialize;
 
-use crate::argument::{self, Assignment, Choice, Format, Place, Quantity};
+use crate::argument::{self, Assignment, Choice, Format, PlaceArgument, Quantity};
 use crate::failure::Failure;
 use crate::number::{self, show};
 use crate::output;
@@ -50,10 +50,10 @@ pub(super) struct Arguments {
     surface: Option<String>,
     /// Where it starts: in the surface's parameters, or a place in space that is brought onto the solid's surface
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
-    from: Place,
+    from: PlaceArgument,
     /// Where it goes: (u,v) components of any scale, or a direction in space whose component along the solid's surface counts
     #[arg(long, value_name = "A,B|A,B,C", value_parser = argument::place, allow_hyphen_values = true)]
-    direction: Option<Place>,
+    direction: Option<PlaceArgument>,
     /// Where it goes: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n from ẑ×n towards n×(ẑ×n)
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
     heading: Option<f64>,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec2, DVec3};
 use render::bounds::Bounds;
-use render::geodesic_view::PlacedCamera;
+use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::point::{DrawingPoint, WorldPoint};
 use render::trail::Trail;
 use render::view::space;
@@ -195,6 +195,14 @@ impl Script {
             return Ok(());
         };
         camera.check(&request.scene)?;
+        let object = request.scene.get(camera.surface);
+        if object.is_some_and(|object| object.shape.solid().is_some()) {
+            let (scene, params) = (&request.scene, &request.params);
+            let placed = PlacedSolidCamera::new(scene, params, &camera, request.size)?;
+            let moved = placed.walked([length / placed.frame.zoom(), 0.0])?;
+            request.view.show_camera(moved);
+            return Ok(());
+        }
         let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
         let start = placed.frame;
         let mut trail = Trail::new(camera.surface, start.uv.0);

@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::ray::{self, Plan, RayEnd};
-use super::{ImplicitSurface, Piece, SpaceFrame};
+use super::ray::{self, SpacePlan, SpaceRayEnd};
+use super::{FieldPiece, ImplicitSurface, SpaceFrame};
 use crate::ends::{Coordinates, End, Ends, Estimate, GeodesicWork};
 use crate::fan::FanOptions;
 use crate::fan::Interpolation;
@@ -43,15 +43,15 @@ const ON_THE_WAY: usize = 8;
 /// Rays with what lies between them.
 pub struct SpaceFan<'s> {
     surface: &'s ImplicitSurface,
-    piece: Arc<Piece>,
+    piece: Arc<FieldPiece>,
     frame: SpaceFrame,
     zoom: f64,
     pixel: f64,
     options: FanOptions,
     /// By angle, the first at 0; the last is the first again, a turn on.
-    rays: Vec<Arc<SpaceRay>>,
+    rays: Vec<Arc<FollowedRay>>,
     /// The sector after each ray but the last.
-    sectors: Vec<Sector>,
+    sectors: Vec<SpaceSector>,
     work: GeodesicWork,
     estimate: Estimate,
     followed: AtomicU64,
@@ -59,7 +59,7 @@ pub struct SpaceFan<'s> {
 }
 
 /// A ray with the reason and the place of its end.
-struct SpaceRay {
+struct FollowedRay {
     angle: f64,
     ray: Ray<3>,
     evaluations: u64,
@@ -74,7 +74,7 @@ struct SpaceRay {
 
 /// What lies between two rays.
 #[derive(Clone, Copy, Debug)]
-struct Sector {
+struct SpaceSector {
     /// The estimated error in pixels.
     error: f64,
     /// From this arc length on its rays do not say where geodesics end.
@@ -135,9 +135,9 @@ impl<'s> SpaceFan<'s> {
         self.estimate
     }
 
-    fn plan(&self, reach: f64) -> Plan {
+    fn plan(&self, reach: f64) -> SpacePlan {
         let tolerance = ALONG * self.options.tolerance * self.pixel / reach;
-        Plan {
+        SpacePlan {
             tableau: &DOPRI5,
             tolerance: tolerance.clamp(1e-13, 1e-4),
             step: self.surface.first_step(self.frame.at, reach),
@@ -150,10 +150,10 @@ impl<'s> SpaceFan<'s> {
         }
     }
 
-    fn ray(&self, angle: f64, reach: f64) -> SpaceRay {
+    fn ray(&self, angle: f64, reach: f64) -> FollowedRay {
         let plan = self.plan(reach);
         let start = self.frame.start(angle);
-        let RayEnd {
+        let SpaceRayEnd {
             length,
             steps,
             rejected,
@@ -170,7 +170,7 @@ impl<'s> SpaceFan<'s> {
             slope: f64::NAN,
             told: false,
         });
-        SpaceRay {
+        FollowedRay {
             angle,
             ray: Ray::new(angle, &[segment], stop),
             evaluations: evaluations as u64,
@@ -189,9 +189,9 @@ impl<'s> SpaceFan<'s> {
     /// Adds rays until the sectors between them are good enough, or the evaluations are used up.
     fn fill(&mut self, reach: f64) {
         let angles: Vec<f64> = (0..BASE).map(|n| n as f64 * TAU / BASE as f64).collect();
-        let mut rays: Vec<Arc<SpaceRay>> = self.followed_rays(&angles, reach);
+        let mut rays: Vec<Arc<FollowedRay>> = self.followed_rays(&angles, reach);
         rays.extend(rays.first().cloned());
-        let unsettled = Sector {
+        let unsettled = SpaceSector {
             error: f64::INFINITY,
             unknown_from: f64::INFINITY,
             settled: false,
@@ -256,9 +256,9 @@ impl<'s> SpaceFan<'s> {
         (self.rays, self.sectors) = (rays, sectors);
     }
 
-    fn followed_rays(&mut self, angles: &[f64], reach: f64) -> Vec<Arc<SpaceRay>> {
+    fn followed_rays(&mut self, angles: &[f64], reach: f64) -> Vec<Arc<FollowedRay>> {
         let this = &*self;
-        let rays: Vec<Arc<SpaceRay>> = angles
+        let rays: Vec<Arc<FollowedRay>> = angles
             .par_iter()
             .map(|angle| Arc::new(this.ray(*angle, reach)))
             .collect();
@@ -272,7 +272,13 @@ impl<'s> SpaceFan<'s> {
     }
 
     /// The halves of a sector, by the ray in its middle.
-    fn judge(&self, rays: [&SpaceRay; 2], width: f64, middle: &SpaceRay, reach: f64) -> Sector {
+    fn judge(
+        &self,
+        rays: [&FollowedRay; 2],
+        width: f64,
+        middle: &FollowedRay,
+        reach: f64,
+    ) -> SpaceSector {
         let allowed = ACROSS * self.options.tolerance;
         let narrow = 0.5 * width * reach <= NARROWEST * self.pixel;
         let wide = self.surface.has_edges() && width * reach > 2.0 * BESIDE_EDGES * self.pixel;
@@ -306,7 +312,7 @@ impl<'s> SpaceFan<'s> {
         }
         // The halves interpolate over half the width: the error is of fourth order.
         let halves = error / 16.0;
-        Sector {
+        SpaceSector {
             error: halves,
             unknown_from,
             settled: narrow || (halves <= allowed && !wide),
@@ -380,7 +386,13 @@ impl<'s> SpaceFan<'s> {
         end_of(&point, s, sector.error)
     }
 
-    fn between(&self, [a, b]: [&Arc<SpaceRay>; 2], width: f64, t: f64, s: f64) -> Option<Point<3>> {
+    fn between(
+        &self,
+        [a, b]: [&Arc<FollowedRay>; 2],
+        width: f64,
+        t: f64,
+        s: f64,
+    ) -> Option<Point<3>> {
         let (a, b) = (a.ray.at(s)?, b.ray.at(s)?);
         let point = match self.options.interpolation {
             Interpolation::Hermite => hermite(&a, &b, width, t),
@@ -398,7 +410,7 @@ impl<'s> SpaceFan<'s> {
     /// Returns true if a place between two rays lies beyond an edge that its geodesic has met.
     fn is_hidden(
         &self,
-        rays: [&Arc<SpaceRay>; 2],
+        rays: [&Arc<FollowedRay>; 2],
         width: f64,
         t: f64,
         s: f64,
@@ -431,7 +443,7 @@ impl<'s> SpaceFan<'s> {
         if before > 2 * self.options.max_evaluations {
             return self.ended(Status::WorkLimit);
         }
-        let plan = Plan {
+        let plan = SpacePlan {
             tableau: &DOP853,
             tolerance: (0.1 * self.options.tolerance * self.pixel / s).clamp(1e-13, 1e-4),
             step: self.surface.first_step(self.frame.at, s),
@@ -462,7 +474,7 @@ impl<'s> SpaceFan<'s> {
 }
 
 /// The angle at which the sector after a ray ends.
-fn end_angle(rays: &[Arc<SpaceRay>], n: usize) -> f64 {
+fn end_angle(rays: &[Arc<FollowedRay>], n: usize) -> f64 {
     if n + 2 == rays.len() {
         TAU
     } else {

@@ -1,6 +1,6 @@
 //! The camera of a surface in space: a place on it, and two tangent vectors.
 
-use super::ray::State;
+use super::ray::SpaceState;
 use super::{ImplicitSurface, PlaceError, SpaceTrace, SpaceTraceError};
 use crate::metric::{combine, cross, dot, norm};
 use crate::point::PicturePoint;
@@ -98,10 +98,10 @@ impl SpaceFrame {
     }
 
     /// The unit start towards a place of the picture.
-    pub(super) fn start(&self, angle: f64) -> State {
+    pub(super) fn start(&self, angle: f64) -> SpaceState {
         let (sin, cos) = angle.sin_cos();
         let zoom = self.zoom();
-        State {
+        SpaceState {
             at: self.at,
             velocity: combine(cos / zoom, self.x, sin / zoom, self.y),
         }

@@ -1,12 +1,12 @@
 //! A ray in space, step by step.
 //!
-//! In: a piece of a field, a start on it at unit speed, a length. Out: [`RayEnd`]. A step is one of the same pairs as in a
+//! In: a piece of a field, a start on it at unit speed, a length. Out: [`SpaceRayEnd`]. A step is one of the same pairs as in a
 //! chart. Behind it one step of Newton's method leads back onto the surface, and the velocity back into the tangent plane, to
 //! unit length; both corrections count as error. Every ray ends, within its number of evaluations.
 
 use std::cell::Cell;
 
-use super::{ImplicitSurface, Piece, Shape};
+use super::{FieldPiece, ImplicitSurface, LocalShape};
 use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
 use crate::field::{self, FieldKnot};
@@ -43,14 +43,14 @@ const AT_END: usize = 8;
 
 /// A point on a surface in space with its velocity.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct State {
+pub(crate) struct SpaceState {
     pub(crate) at: [f64; 3],
     pub(crate) velocity: [f64; 3],
 }
 
 /// The plan of an integration.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct SpacePlan {
     pub(crate) tableau: &'static Tableau,
     /// The error allowed, per length.
     pub(crate) tolerance: f64,
@@ -72,8 +72,8 @@ pub(crate) struct Plan {
 
 /// The end of a ray.
 #[derive(Clone, Debug)]
-pub(crate) struct RayEnd {
-    pub(crate) state: State,
+pub(crate) struct SpaceRayEnd {
+    pub(crate) state: SpaceState,
     pub(crate) length: f64,
     pub(crate) speed_drift: f64,
     pub(crate) error: f64,
@@ -91,44 +91,44 @@ pub(crate) struct RayEnd {
 
 /// The local data of a ray.
 #[derive(Clone, Copy, Debug)]
-struct Local(Option<Shape>);
+struct SpaceLocal(Option<LocalShape>);
 
-impl Default for Local {
+impl Default for SpaceLocal {
     fn default() -> Self {
         Self(None)
     }
 }
 
-struct Equation<'a> {
-    piece: &'a Piece,
+struct SpaceEquation<'a> {
+    piece: &'a FieldPiece,
     evaluations: &'a Cell<usize>,
 }
 
 /// The field is undefined at a stage of a step.
-struct Undefined;
+struct UndefinedField;
 
-impl Equation<'_> {
-    fn shape(&self, at: [f64; 3]) -> Option<Shape> {
+impl SpaceEquation<'_> {
+    fn shape(&self, at: [f64; 3]) -> Option<LocalShape> {
         self.evaluations.set(self.evaluations.get() + 1);
         self.piece.shape(at)
     }
 }
 
-impl GeodesicEquation<1, COMPONENTS> for Equation<'_> {
-    type Local = Local;
-    type Undefined = Undefined;
+impl GeodesicEquation<1, COMPONENTS> for SpaceEquation<'_> {
+    type Local = SpaceLocal;
+    type Undefined = UndefinedField;
 
     fn evaluate(
         &self,
         [[x], [y], [z], ..]: &States<1, COMPONENTS>,
-        local: &mut Local,
-    ) -> Result<(), Undefined> {
-        *local = Local(Some(self.shape([*x, *y, *z]).ok_or(Undefined)?));
+        local: &mut SpaceLocal,
+    ) -> Result<(), UndefinedField> {
+        *local = SpaceLocal(Some(self.shape([*x, *y, *z]).ok_or(UndefinedField)?));
         Ok(())
     }
 }
 
-impl RatesOfChange<1, COMPONENTS> for Local {
+impl RatesOfChange<1, COMPONENTS> for SpaceLocal {
     fn slope(&self, states: &States<1, COMPONENTS>) -> States<1, COMPONENTS> {
         let [_, _, _, [x], [y], [z], [m], [m1], [n], [n1]] = *states;
         let Some(shape) = &self.0 else {
@@ -150,8 +150,8 @@ impl RatesOfChange<1, COMPONENTS> for Local {
 
 /// A step that has been tried, corrected.
 struct Tried {
-    end: State,
-    shape: Shape,
+    end: SpaceState,
+    shape: LocalShape,
     /// The estimated errors, with the corrections.
     position_error: f64,
     direction_error: f64,
@@ -161,12 +161,12 @@ struct Tried {
     propagator: [[f64; 2]; 2],
 }
 
-struct Ray<'a> {
+struct SpaceRay<'a> {
     surface: &'a ImplicitSurface,
-    equation: Equation<'a>,
-    plan: Plan,
-    state: State,
-    shape: Shape,
+    equation: SpaceEquation<'a>,
+    plan: SpacePlan,
+    state: SpaceState,
+    shape: LocalShape,
     s: f64,
     field: [f64; 2],
     errors: ErrorSum,
@@ -185,13 +185,13 @@ struct Ray<'a> {
 /// Integrates the geodesic from a start on a piece, at unit speed.
 pub(crate) fn integrate(
     surface: &ImplicitSurface,
-    piece: &Piece,
-    start: State,
+    piece: &FieldPiece,
+    start: SpaceState,
     length: f64,
-    plan: Plan,
-) -> RayEnd {
+    plan: SpacePlan,
+) -> SpaceRayEnd {
     let evaluations = Cell::new(0);
-    let equation = Equation {
+    let equation = SpaceEquation {
         piece,
         evaluations: &evaluations,
     };
@@ -200,7 +200,7 @@ pub(crate) fn integrate(
         knots: Vec::new(),
     };
     let Some(shape) = equation.shape(start.at) else {
-        return RayEnd {
+        return SpaceRayEnd {
             state: start,
             length: 0.0,
             speed_drift: 0.0,
@@ -216,7 +216,7 @@ pub(crate) fn integrate(
             edge: None,
         };
     };
-    let mut ray = Ray {
+    let mut ray = SpaceRay {
         surface,
         equation,
         plan,
@@ -236,7 +236,7 @@ pub(crate) fn integrate(
         edge: None,
     };
     let status = ray.run(length);
-    RayEnd {
+    SpaceRayEnd {
         state: ray.state,
         length: if status == Status::Complete {
             length
@@ -258,7 +258,7 @@ pub(crate) fn integrate(
 }
 
 /// The reason why nothing goes on at a place: the field is undefined, or has no gradient.
-fn why(equation: &Equation<'_>, at: [f64; 3]) -> Status {
+fn why(equation: &SpaceEquation<'_>, at: [f64; 3]) -> Status {
     if equation.piece.value(at).is_finite() {
         Status::Degenerate
     } else {
@@ -266,7 +266,7 @@ fn why(equation: &Equation<'_>, at: [f64; 3]) -> Status {
     }
 }
 
-impl Ray<'_> {
+impl SpaceRay<'_> {
     fn run(&mut self, length: f64) -> Status {
         self.note();
         let scale = self.surface.size().min(length);
@@ -356,7 +356,7 @@ impl Ray<'_> {
         }
     }
 
-    fn knot(&self, state: &State, shape: &Shape, s: f64, m: [f64; 2]) -> Knot<3> {
+    fn knot(&self, state: &SpaceState, shape: &LocalShape, s: f64, m: [f64; 2]) -> Knot<3> {
         let velocity = state.velocity;
         let normal = shape.left(velocity);
         // N' = −(n'·N)… the normal is parallel along the geodesic: only the surface's own bend turns it.
@@ -373,15 +373,15 @@ impl Ray<'_> {
 
     /// One step, corrected; `None` where a stage is undefined.
     fn step(&self, h: f64) -> Option<Tried> {
-        let State { at, velocity } = self.state;
+        let SpaceState { at, velocity } = self.state;
         let [x, y, z] = at;
         let [a, b, c] = velocity;
         let start = [x, y, z, a, b, c, 0.0, 1.0, 1.0, 0.0].map(|x| [x]);
-        let step: Step<1, Local, COMPONENTS> = runge_kutta::step::<1, COMPONENTS, SLOPES, _>(
+        let step: Step<1, SpaceLocal, COMPONENTS> = runge_kutta::step::<1, COMPONENTS, SLOPES, _>(
             &self.equation,
             self.plan.tableau,
             &start,
-            &Local(Some(self.shape)),
+            &SpaceLocal(Some(self.shape)),
             h,
             StepParameter::Length,
         )
@@ -407,7 +407,7 @@ impl Ray<'_> {
         let velocity_now = tangential.map(|x| x / speed);
         let turned = norm(combine(1.0, velocity_now, -1.0, velocity));
         Some(Tried {
-            end: State {
+            end: SpaceState {
                 at,
                 velocity: velocity_now,
             },
@@ -486,7 +486,7 @@ impl Ray<'_> {
             return None;
         }
         let path: [[f64; 6]; 3] = std::array::from_fn(|k| {
-            let of = |state: &State, shape: &Shape| {
+            let of = |state: &SpaceState, shape: &LocalShape| {
                 [
                     state.at[k],
                     state.velocity[k],

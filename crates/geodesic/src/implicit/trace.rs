@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::ray::{self, Plan, RayEnd, State};
+use super::ray::{self, SpacePlan, SpaceRayEnd, SpaceState};
 use super::{ImplicitSurface, PlaceError};
 use crate::field::FieldKnot;
 use crate::metric::{combine, norm};
@@ -161,9 +161,9 @@ impl ImplicitSurface {
         }
         let (at, velocity) = self.start(near, direction)?;
         let piece = self.piece_at(at).map_err(|_| SpaceTraceError::TooLarge)?;
-        let start = State { at, velocity };
+        let start = SpaceState { at, velocity };
         let fields = options.conjugates || options.keep_fields;
-        let plan = Plan {
+        let plan = SpacePlan {
             tableau: if tolerance >= LOOSE { &DOPRI5 } else { &DOP853 },
             tolerance: tolerance.max(TIGHTEST),
             step: self.first_step(at, length),
@@ -209,18 +209,18 @@ impl ImplicitSurface {
     /// took; `None` where that cannot be afforded, or ends for another reason.
     fn compared(
         &self,
-        piece: &super::Piece,
-        start: State,
+        piece: &super::FieldPiece,
+        start: SpaceState,
         length: f64,
-        plan: &Plan,
-        end: &RayEnd,
+        plan: &SpacePlan,
+        end: &SpaceRayEnd,
     ) -> Option<(f64, usize)> {
         let tolerance = plan.tolerance / FINER;
         let left = plan.limit.saturating_sub(end.evaluations);
         if tolerance < TIGHTEST || left < 2 * end.evaluations || end.status == Status::WorkLimit {
             return None;
         }
-        let finer = Plan {
+        let finer = SpacePlan {
             tableau: &DOP853,
             tolerance,
             step: 0.3 * plan.step,

@@ -37,7 +37,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
             let is_surface = |symbol: &&Symbol| {
                 matches!(
                     symbol.keyword.map(DeclarationKeyword::category),
-                    Some(Category::Surface | Category::Metric)
+                    Some(Category::Surface | Category::Metric | Category::Solid)
                 )
             };
             let all = names.list(analysis).into_iter();

@@ -23,7 +23,7 @@ pub(super) enum Expected {
     Word(&'static AttributeRow),
     /// A parameter of the function that this item declares: behind `f_`.
     ParameterOf(usize),
-    /// A surface or a metric: behind the colon of a geodesic.
+    /// A surface, a metric or a solid: behind the colon of a geodesic.
     Surface,
     /// A solid or a function that stands for one: in a set.
     Atom,

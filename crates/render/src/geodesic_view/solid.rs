@@ -138,6 +138,23 @@ impl PlacedSolidCamera {
         }
     }
 
+    /// Returns the camera after a step (x, y), in units of its frame, along a geodesic.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] where it cannot walk there.
+    pub fn walked(&self, step: [f64; 2]) -> Result<GeodesicCamera, RenderError> {
+        let surface = self.solid.surface();
+        let walked = self.frame.advance(surface, step, &Options::default());
+        let (frame, _) = walked.map_err(|error| {
+            RenderError::Camera(format!("the camera cannot walk there: {error}"))
+        })?;
+        Ok(GeodesicCamera {
+            surface: self.object,
+            pose: Pose::SpaceFrame(frame),
+            zoom: None,
+        })
+    }
+
     /// The solid that it is on.
     pub fn solid(&self) -> &SolidSurface {
         &self.solid

@@ -29,14 +29,14 @@ const SAMPLES: [[f32; 2]; 4] = [
 ];
 
 /// The boxes of space whose walls cut a surface into the squares of a checker.
-struct Checker {
+struct CheckerBoard {
     low: [f64; 3],
     /// The side of a box, and how many there are along each axis; none along an endless one.
     side: [f64; 3],
     count: [f64; 3],
 }
 
-impl Checker {
+impl CheckerBoard {
     /// About as many cubes as fit, so that the faces of the box never lie between two of them.
     fn new(bounds: Option<[[f64; 3]; 2]>) -> Self {
         let Some([low, high]) = bounds else {
@@ -103,7 +103,7 @@ pub(crate) fn resolve_solid(
         .map(|(_, colour)| style::linear(*colour));
     let one = (!varies(request, object)).then(|| colour(camera.frame.at));
     let one = one.map(|own| chosen.unwrap_or(own));
-    let checker = Checker::new(camera.solid().bounds());
+    let checker = CheckerBoard::new(camera.solid().bounds());
     let seen = |at: [f64; 3]| match one {
         Some(light) if checker.is_dark(at) => light.map(|c| DARK * c),
         Some(light) => light,

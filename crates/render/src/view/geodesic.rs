@@ -114,11 +114,11 @@ impl View for GeodesicView {
     }
 
     fn purpose(&self) -> &'static str {
-        "a surface or a solid from inside: from the camera in the centre, each pixel looks along a geodesic"
+        "a surface from inside: from the camera in the centre, each pixel looks along a geodesic"
     }
 
     fn object_kind(&self) -> Option<&'static str> {
-        Some("surface, metric or solid")
+        Some("surface or metric")
     }
 
     fn shows(&self, _scene: &Scene, object: &Object) -> bool {

@@ -327,7 +327,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// `":" func "="` of a geodesic: the surface or metric that it lies on, as a whole word.
+    /// `":" func "="` of a geodesic: the surface, metric or solid that it lies on, as a whole word.
     fn surface(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Colon {
             let diagnostic = self
@@ -342,7 +342,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.advance(Mode::Expression);
             }
             TokenKind::Undefined => self.undefined_function(),
-            _ => return Err(self.expected("the name of a surface or a metric after `:`")),
+            _ => return Err(self.expected("the name of a surface, a metric or a solid after `:`")),
         }
         if self.current.kind != TokenKind::Equals {
             let diagnostic = self
