@@ -108,11 +108,11 @@ const MOST_STEPS: usize = 200;
 const SAME: f64 = 1e-13;
 
 thread_local! {
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static SCRATCH: RefCell<TapeScratch> = RefCell::default();
 }
 
 #[derive(Default)]
-struct Scratch {
+struct TapeScratch {
     registers: Registers,
     inputs: Vec<f64>,
     out: Vec<f64>,
@@ -133,7 +133,7 @@ impl PlaceTape {
 
     fn eval<T>(&self, at: [f64; 3], read: impl FnOnce(&[f64]) -> T) -> T {
         SCRATCH.with_borrow_mut(|scratch| {
-            let Scratch {
+            let TapeScratch {
                 registers,
                 inputs,
                 out,

@@ -5,15 +5,13 @@ mod camera;
 mod ends;
 mod resolve;
 mod solid;
-mod solid_colours;
 
 pub use camera::{MOVING_TOLERANCE, PlacedCamera, TOLERANCE};
 pub use ends::RayEnds;
 pub(crate) use ends::{EndsOfRows, Layer};
-pub(crate) use resolve::{Cover, stripes};
+pub(crate) use resolve::{Cover, Ring, hatch, stripes};
 pub use resolve::{Paint, resolve};
 pub use solid::PlacedSolidCamera;
-pub(crate) use solid_colours::resolve_solid;
 
 use geodesic::ends::{Estimate, GeodesicWork};
 use geodesic::trace::Status;

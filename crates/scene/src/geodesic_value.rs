@@ -32,7 +32,7 @@ pub struct ManifoldNodes {
     pub domain: [Range; 2],
 }
 
-/// What a geodesic lies on, as far as it depends on it.
+/// The ground of a geodesic, as far as the geodesic depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ground {
     /// A surface or a metric.
@@ -141,7 +141,7 @@ struct KeptValues {
     integrated: u64,
 }
 
-/// What geodesics are integrated on.
+/// The ground that geodesics are integrated on.
 #[derive(Clone)]
 enum KeptGround {
     Chart(Arc<dyn Surface + Send>, [Range; 2]),

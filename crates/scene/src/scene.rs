@@ -243,7 +243,7 @@ pub enum Shape {
     /// The curve γ(t) of constant speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
     /// its start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
     Geodesic {
-        /// What it lies on, where it starts, and in which direction.
+        /// Its ground, its start and its direction.
         path: GeodesicPath,
         /// The t that are drawn, and the number of samples.
         domain: Sampling,

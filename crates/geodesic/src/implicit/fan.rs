@@ -72,7 +72,7 @@ struct FollowedRay {
     status: Status,
 }
 
-/// What lies between two rays.
+/// The stretch between two neighbouring rays.
 #[derive(Clone, Copy, Debug)]
 struct SpaceSector {
     /// The estimated error in pixels.

@@ -144,7 +144,7 @@ pub(super) fn resolve_patchwork(
 }
 
 /// Hatches what is not seen.
-pub(super) fn hatch(image: &mut RgbaImage, status: &[Status]) {
+pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
     let hatchings: OnceLock<Vec<(Status, Hatching)>> = OnceLock::new();
@@ -381,7 +381,7 @@ pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
 
 /// An open ring about the centre: white with a dark rim, so that it is seen on anything; what lies in the centre stays
 /// free.
-pub(super) struct Ring {
+pub(crate) struct Ring {
     size: [u32; 2],
     radius: f32,
     /// Half its width.
@@ -390,7 +390,7 @@ pub(super) struct Ring {
 
 impl Ring {
     /// The requested ring. A picture of less than 32 pixels has no room for it.
-    pub(super) fn of(mark_centre: bool, size: [u32; 2]) -> Option<Self> {
+    pub(crate) fn of(mark_centre: bool, size: [u32; 2]) -> Option<Self> {
         let unit = style::pixel_unit(size);
         (mark_centre && size[0].min(size[1]) >= 32).then_some(Self {
             size,
@@ -401,7 +401,7 @@ impl Ring {
 
     /// Lays it over some whole rows of the picture, the first of which is `top`, but only over the pixels that are
     /// wanted, by their index among these.
-    pub(super) fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
+    pub(crate) fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
         let [width, height] = self.size;
         let reach = (self.radius + 2.2 * self.half + 1.0).ceil() as u32;
         let around = |side: u32| (side / 2).saturating_sub(reach)..(side / 2 + reach).min(side);

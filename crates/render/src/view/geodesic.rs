@@ -5,6 +5,7 @@
 //! ```
 
 mod cache;
+mod solid_colours;
 
 use ::geodesic::patchwork::table::code_of;
 use ::geodesic::trace::{Options, Status};
@@ -24,6 +25,7 @@ use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::style;
 use crate::viewpoint::GeodesicCamera;
 use cache::{CachedMap, MapCache, SolidMapCache};
+use solid_colours::resolve_solid;
 
 /// The view's name.
 pub const NAME: &str = "geodesic";
@@ -257,7 +259,7 @@ impl GeodesicRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let (camera, map) = &*self.solids.get(shared, request, options, progress)?;
-        let image = geodesic_view::resolve_solid(request, camera, map, options.mark_centre);
+        let image = resolve_solid(request, camera, map, options.mark_centre);
         shared.pixels.count_ends(map.status.len());
         let count = count(&map.status);
         let mut notes = geodesic_view::notes(map.status.len(), count, &map.work, map.estimate);

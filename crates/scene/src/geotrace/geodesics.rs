@@ -28,7 +28,7 @@ pub(crate) struct DeclaredGeodesic {
     pub(crate) dependencies: Dependencies,
 }
 
-/// What a declared geodesic lies on, and where it starts.
+/// The ground of a declared geodesic, and its start there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum DeclaredWay {
     /// On a surface or a metric.
@@ -56,7 +56,7 @@ impl DeclaredWay {
         }
     }
 
-    /// What it lies on, and its point at a parameter as a value.
+    /// Its ground, and its point at a parameter as a value.
     fn point(&self, at: NodeId) -> (Ground, ValueKind) {
         match *self {
             Self::Chart {

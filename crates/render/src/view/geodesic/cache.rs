@@ -222,7 +222,7 @@ impl SolidMapCache {
     }
 }
 
-/// What a solid depends on: its content, and the values to which grids have been fixed.
+/// The content of a solid, and the values to which grids have been fixed: all that it depends on.
 fn key(
     shared: &mut SharedState,
     request: &PictureRequest,

@@ -10,8 +10,7 @@ use rayon::prelude::*;
 use scene::{AttributeValue, ObjectId, stated_word};
 use tracer::shade::Face;
 
-use super::resolve::{Ring, hatch};
-use super::solid::PlacedSolidCamera;
+use crate::geodesic_view::{PlacedSolidCamera, Ring, hatch};
 use crate::request::PictureRequest;
 use crate::solids::SolidScene;
 use crate::style;
@@ -71,7 +70,7 @@ impl CheckerBoard {
 }
 
 /// Colours a map of a solid, on all cores.
-pub(crate) fn resolve_solid(
+pub(super) fn resolve_solid(
     request: &PictureRequest,
     camera: &PlacedSolidCamera,
     map: &Map<3>,
