@@ -6,6 +6,7 @@
 //! - [`diagnostic`], [`codes`]: what is wrong with a text.
 //! - [`symbol`], [`trie`], [`spelling`]: names.
 //! - [`highlight`]: the kinds of coloured pieces.
+//! - [`productions`]: grammars as data, their sets and tables.
 //! - [`document`]: a text that is edited, read piece by piece.
 //! - [`attribute_range`]: the numbers that an attribute may have.
 //!
@@ -20,6 +21,7 @@ pub mod geotrace;
 pub mod highlight;
 pub mod line_index;
 mod persistent_vector;
+pub mod productions;
 pub mod span;
 pub mod spelling;
 pub mod symbol;

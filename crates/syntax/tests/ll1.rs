@@ -3,14 +3,15 @@
 #[path = "support/recorder.rs"]
 mod support;
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 use support::parse;
 use syntax::diagnostic::Severity;
 use syntax::geotrace::codes;
 use syntax::geotrace::declarations::{DeclarationKeyword, Syntax};
-use syntax::geotrace::grammar::{Item, Nonterminal, PRODUCTIONS, Production, Terminal};
+use syntax::geotrace::grammar::{Nonterminal, PRODUCTIONS, Terminal};
 use syntax::geotrace::token::TokenKind;
+use syntax::productions::{Item, Production, Productions};
 
 /// The grammar as the language's page states it, left recursion and all.
 fn original_text() -> String {
@@ -81,180 +82,92 @@ const TERMINALS: &[(&str, Terminal)] = &[
     ("\"@\"", Terminal::At),
 ];
 
-/// A set of terminals; `None` is the end of the input in FOLLOW, and the empty word in FIRST.
-type Set = BTreeSet<Option<Terminal>>;
-
-struct Sets {
-    first: BTreeMap<Nonterminal, Set>,
-    follow: BTreeMap<Nonterminal, Set>,
+fn factored() -> Productions<Nonterminal, Terminal> {
+    Productions::new(Nonterminal::Prog, PRODUCTIONS)
 }
 
-impl Sets {
-    /// Both by iteration to the least fixed point.
-    fn of(productions: &[Production]) -> Self {
-        let mut sets = Self {
-            first: BTreeMap::new(),
-            follow: BTreeMap::new(),
-        };
-        sets.follow
-            .entry(Nonterminal::Prog)
-            .or_default()
-            .insert(None);
-        loop {
-            let before = sets.size();
-            for Production { left, right } in productions {
-                let first = sets.first_of(right);
-                sets.first.entry(*left).or_default().extend(first);
-                for (k, item) in right.iter().enumerate() {
-                    if let Item::N(nonterminal) = item {
-                        let mut after = sets.first_of(&right[k + 1..]);
-                        if after.remove(&None) {
-                            after.extend(sets.follow.get(left).cloned().unwrap_or_default());
-                        }
-                        sets.follow.entry(*nonterminal).or_default().extend(after);
-                    }
-                }
-            }
-            if sets.size() == before {
-                return sets;
-            }
+/// The productions of the language's page, by numbered nonterminals; 0 is the start.
+fn original() -> Productions<usize, Terminal> {
+    let joined = original_text().replace("\n      |", " |");
+    let lines = joined.lines().filter_map(|line| line.split_once(" = "));
+    let lines: Vec<(&str, String)> = lines
+        .map(|(left, right)| (left.trim(), format!("{right} ")))
+        .collect();
+    let symbol = |word: &str| match TERMINALS.iter().find(|(text, _)| *text == word) {
+        Some((_, terminal)) => Item::T(*terminal),
+        None => {
+            let defined = lines.iter().position(|(left, _)| *left == word);
+            Item::N(defined.unwrap_or_else(|| {
+                panic!("{word} in docs/language.md is neither defined there nor in TERMINALS")
+            }))
+        }
+    };
+    let mut productions = Vec::new();
+    for (left, (_, right)) in lines.iter().enumerate() {
+        // The bar that is a terminal stands between quotes.
+        for alternative in right.split(" | ") {
+            let items: Vec<_> = alternative.split_whitespace().map(symbol).collect();
+            let right: &'static [_] = items.leak();
+            productions.push(Production { left, right });
         }
     }
-
-    fn size(&self) -> usize {
-        self.first
-            .values()
-            .chain(self.follow.values())
-            .map(Set::len)
-            .sum()
-    }
-
-    fn first_of(&self, items: &[Item]) -> Set {
-        let mut result = Set::new();
-        for item in items {
-            match item {
-                Item::T(terminal) => {
-                    result.insert(Some(*terminal));
-                    return result;
-                }
-                Item::N(nonterminal) => {
-                    let mut first = self.first.get(nonterminal).cloned().unwrap_or_default();
-                    let empty = first.remove(&None);
-                    result.extend(first);
-                    if !empty {
-                        return result;
-                    }
-                }
-            }
-        }
-        result.insert(None);
-        result
-    }
-
-    /// The lookaheads that choose a production.
-    fn predict(&self, production: &Production) -> Set {
-        let mut set = self.first_of(production.right);
-        if set.remove(&None) {
-            set.extend(self.follow[&production.left].clone());
-        }
-        set
-    }
-
-    /// The LL(1) table, and what stands in the way of there being one.
-    fn table(&self, productions: &'static [Production]) -> (Table, Vec<String>) {
-        let mut table = Table::new();
-        let mut conflicts = Vec::new();
-        for production in productions {
-            for lookahead in self.predict(production) {
-                let key = (production.left, lookahead);
-                if table.insert(key, production.right).is_some() {
-                    conflicts.push(format!("{key:?}"));
-                }
-            }
-        }
-        (table, conflicts)
-    }
-}
-
-type Table = BTreeMap<(Nonterminal, Option<Terminal>), &'static [Item]>;
-
-fn table() -> Table {
-    Sets::of(PRODUCTIONS).table(PRODUCTIONS).0
-}
-
-/// The table-driven recogniser.
-fn accepts(table: &Table, text: &[Terminal]) -> bool {
-    let mut stack = vec![Item::N(Nonterminal::Prog)];
-    let mut rest = text.iter().copied().peekable();
-    while let Some(item) = stack.pop() {
-        match item {
-            Item::T(terminal) if rest.peek() == Some(&terminal) => {
-                rest.next();
-            }
-            Item::T(_) => return false,
-            Item::N(nonterminal) => match table.get(&(nonterminal, rest.peek().copied())) {
-                Some(right) => stack.extend(right.iter().rev()),
-                None => return false,
-            },
-        }
-    }
-    rest.next().is_none()
+    Productions::new(0, productions.leak())
 }
 
 #[test]
 fn no_two_alternatives_of_a_nonterminal_begin_alike() {
-    let sets = Sets::of(PRODUCTIONS);
-    assert_eq!(sets.table(PRODUCTIONS).1, Vec::<String>::new());
+    let grammar = factored();
+    let table = grammar.table();
+    assert_eq!(
+        table.conflicts().keys().collect::<Vec<_>>(),
+        Vec::<&(_, _)>::new()
+    );
     // The sets themselves, where the language's page lets them be read off.
-    let first = |nonterminal| sets.first[&nonterminal].clone();
-    let unary = first(Nonterminal::Unary);
+    let unary = grammar.first(Nonterminal::Unary);
     assert_eq!(unary.len(), 4 + 7);
     assert!(!unary.contains(&Some(Terminal::Caret)) && !unary.contains(&None));
-    assert_eq!(first(Nonterminal::Tuple), unary);
-    assert_eq!(sets.follow[&Nonterminal::Prog], Set::from([None]));
-    assert!(sets.follow[&Nonterminal::Expr].contains(&Some(Terminal::At)));
+    assert_eq!(grammar.first(Nonterminal::Tuple), unary);
+    assert_eq!(grammar.follow(Nonterminal::Prog), BTreeSet::from([None]));
+    let behind = grammar.follow(Nonterminal::Expr);
+    assert!(behind.contains(&Some(Terminal::At)));
 }
 
 #[test]
 fn a_conflict_would_be_found() {
     use {Item::N, Item::T};
-    static AMBIGUOUS: [Production; 4] = [
+    // 0 = 1 0 | ; 1 = "+" | "+" num
+    static AMBIGUOUS: [Production<usize, char>; 4] = [
         Production {
-            left: Nonterminal::Prog,
-            right: &[N(Nonterminal::Add), N(Nonterminal::Prog)],
+            left: 0,
+            right: &[N(1), N(0)],
         },
         Production {
-            left: Nonterminal::Prog,
+            left: 0,
             right: &[],
         },
         Production {
-            left: Nonterminal::Add,
-            right: &[T(Terminal::Plus)],
+            left: 1,
+            right: &[T('+')],
         },
         Production {
-            left: Nonterminal::Add,
-            right: &[T(Terminal::Plus), T(Terminal::Num)],
+            left: 1,
+            right: &[T('+'), T('n')],
         },
     ];
+    let grammar = Productions::new(0, &AMBIGUOUS);
+    assert_eq!(grammar.first(0), BTreeSet::from([None, Some('+')]));
+    assert_eq!(grammar.follow(1), BTreeSet::from([None, Some('+')]));
+    let table = grammar.table();
     assert_eq!(
-        Sets::of(&AMBIGUOUS).table(&AMBIGUOUS).1,
-        ["(Add, Some(Plus))"]
+        table.conflicts().into_keys().collect::<Vec<_>>(),
+        [(1, Some('+'))]
     );
 }
 
 #[test]
 fn every_nonterminal_is_derived_and_reached() {
-    let defined: HashSet<_> = PRODUCTIONS
-        .iter()
-        .map(|production| production.left)
-        .collect();
-    let mut used = HashSet::from([Nonterminal::Prog]);
-    for item in PRODUCTIONS.iter().flat_map(|production| production.right) {
-        if let Item::N(nonterminal) = item {
-            used.insert(*nonterminal);
-        }
-    }
-    assert_eq!(defined, used);
+    let (defined, reached) = factored().nonterminals();
+    assert_eq!(defined, reached);
     assert_eq!((defined.len(), PRODUCTIONS.len()), (51, 112));
 }
 
@@ -271,99 +184,19 @@ impl Random {
     }
 }
 
-/// A symbol of a grammar, whichever it is.
-#[derive(Clone, Debug)]
-enum Symbol {
-    T(Terminal),
-    N(usize),
-}
+/// Earley's recogniser: any grammar, left-recursive or not.
+struct Earley(Vec<Vec<&'static [Item<usize, Terminal>]>>);
 
-/// A grammar by numbered nonterminals; 0 is the start.
-struct Grammar(Vec<Vec<Vec<Symbol>>>);
-
-impl Grammar {
-    fn factored() -> Self {
-        let mut names: Vec<Nonterminal> = Vec::new();
-        for production in PRODUCTIONS {
-            if !names.contains(&production.left) {
-                names.push(production.left);
-            }
-        }
-        let number = |name: &Nonterminal| names.iter().position(|n| n == name).expect("defined");
-        let mut rules = vec![Vec::new(); names.len()];
-        for production in PRODUCTIONS {
-            let right = production.right.iter().map(|item| match item {
-                Item::T(terminal) => Symbol::T(*terminal),
-                Item::N(name) => Symbol::N(number(name)),
-            });
-            rules[number(&production.left)].push(right.collect());
+impl Earley {
+    fn new(grammar: &Productions<usize, Terminal>) -> Self {
+        let mut rules = Vec::new();
+        for production in grammar.productions() {
+            rules.resize(rules.len().max(production.left + 1), Vec::new());
+            rules[production.left].push(production.right);
         }
         Self(rules)
     }
 
-    fn original() -> Self {
-        let joined = original_text().replace("\n      |", " |");
-        let lines = joined.lines().filter_map(|line| line.split_once(" = "));
-        let lines: Vec<(&str, String)> = lines
-            .map(|(left, right)| (left.trim(), format!("{right} ")))
-            .collect();
-        let symbol = |word: &str| match TERMINALS.iter().find(|(text, _)| *text == word) {
-            Some((_, terminal)) => Symbol::T(*terminal),
-            None => {
-                let defined = lines.iter().position(|(left, _)| *left == word);
-                Symbol::N(defined.unwrap_or_else(|| {
-                    panic!("{word} in docs/language.md is neither defined there nor in TERMINALS")
-                }))
-            }
-        };
-        let alternative = |text: &str| text.split_whitespace().map(symbol).collect();
-        // The bar that is a terminal stands between quotes.
-        let rules = lines
-            .iter()
-            .map(|(_, right)| right.split(" | ").map(alternative).collect());
-        Self(rules.collect())
-    }
-
-    /// The least number of steps in which each nonterminal ends.
-    fn heights(&self) -> Vec<usize> {
-        let mut heights = vec![usize::MAX; self.0.len()];
-        for _ in 0..self.0.len() {
-            for (nonterminal, alternatives) in self.0.iter().enumerate() {
-                for alternative in alternatives {
-                    let height = height(alternative, &heights);
-                    heights[nonterminal] = heights[nonterminal].min(height.saturating_add(1));
-                }
-            }
-        }
-        heights
-    }
-
-    /// A random sentence; once it is about `budget` long, the shortest ways out are taken.
-    fn sentence(&self, random: &mut Random, budget: usize) -> Vec<Terminal> {
-        let heights = self.heights();
-        let mut text = Vec::new();
-        let mut stack = vec![Symbol::N(0)];
-        while let Some(symbol) = stack.pop() {
-            match symbol {
-                Symbol::T(terminal) => text.push(terminal),
-                Symbol::N(nonterminal) => {
-                    let alternatives = &self.0[nonterminal];
-                    let chosen = if text.len() + stack.len() > budget {
-                        alternatives
-                            .iter()
-                            .min_by_key(|a| height(a, &heights))
-                            .expect("one")
-                    } else {
-                        &alternatives[random.below(alternatives.len())]
-                    };
-                    stack.extend(chosen.iter().rev().cloned());
-                }
-            }
-        }
-        text
-    }
-
-    /// Earley's recogniser: any grammar, left-recursive or not.
     fn accepts(&self, text: &[Terminal]) -> bool {
         // (nonterminal, alternative, position in it, where it began)
         type Step = (usize, usize, usize, usize);
@@ -382,7 +215,7 @@ impl Grammar {
             while let Some(&(nonterminal, alternative, dot, origin)) = sets[at].get(next) {
                 next += 1;
                 match self.0[nonterminal][alternative].get(dot) {
-                    Some(Symbol::T(terminal)) => {
+                    Some(Item::T(terminal)) => {
                         if text.get(at) == Some(terminal) {
                             add(
                                 &mut sets,
@@ -391,18 +224,18 @@ impl Grammar {
                             );
                         }
                     }
-                    Some(Symbol::N(wanted)) => {
+                    Some(Item::N(wanted)) => {
                         for k in 0..self.0[*wanted].len() {
                             add(&mut sets, at, (*wanted, k, 0, at));
                         }
-                        if self.0[*wanted].iter().any(Vec::is_empty) {
+                        if self.0[*wanted].iter().any(|it| it.is_empty()) {
                             add(&mut sets, at, (nonterminal, alternative, dot + 1, origin));
                         }
                     }
                     None => {
                         for (parent, k, dot, start) in sets[origin].clone() {
                             let awaits = self.0[parent][k].get(dot);
-                            if matches!(awaits, Some(Symbol::N(n)) if *n == nonterminal) {
+                            if matches!(awaits, Some(Item::N(n)) if *n == nonterminal) {
                                 add(&mut sets, at, (parent, k, dot + 1, start));
                             }
                         }
@@ -414,14 +247,6 @@ impl Grammar {
             .iter()
             .any(|&(n, a, dot, origin)| n == 0 && origin == 0 && dot == self.0[n][a].len())
     }
-}
-
-fn height(alternative: &[Symbol], heights: &[usize]) -> usize {
-    let height = |symbol: &Symbol| match symbol {
-        Symbol::T(_) => 0,
-        Symbol::N(nonterminal) => heights[*nonterminal],
-    };
-    alternative.iter().map(height).max().unwrap_or(0)
 }
 
 /// Changes a text in one place.
@@ -441,20 +266,24 @@ fn mutate(text: &mut Vec<Terminal>, random: &mut Random) {
 
 #[test]
 fn the_factored_grammar_is_the_language_s_own() {
-    let (original, factored, table) = (Grammar::original(), Grammar::factored(), table());
+    let (original, factored) = (original(), factored());
+    let (page, table) = (Earley::new(&original), factored.table());
     let mut random = Random(1);
     let (mut accepted, mut rejected) = (0, 0);
     for k in 0..6000 {
-        let grammar = if k % 2 == 0 { &original } else { &factored };
-        let mut text = grammar.sentence(&mut random, 5 + k % 25);
+        let below = |bound| random.below(bound);
+        let mut text = match k % 2 {
+            0 => original.sentence(5 + k % 25, below),
+            _ => factored.sentence(5 + k % 25, below),
+        };
         if text.len() > 60 {
             continue;
         }
         for _ in 0..random.below(3) {
             mutate(&mut text, &mut random);
         }
-        let expected = original.accepts(&text);
-        assert_eq!(accepts(&table, &text), expected, "{text:?}");
+        let expected = page.accepts(&text);
+        assert_eq!(table.accepts(&text), expected, "{text:?}");
         if expected {
             accepted += 1
         } else {
@@ -527,11 +356,11 @@ fn render(terminals: &[Terminal]) -> String {
 
 #[test]
 fn parser_and_table_agree_on_random_texts() {
-    let (original, table) = (Grammar::original(), table());
+    let (original, table) = (original(), factored().table());
     let mut random = Random(2);
     let (mut accepted, mut rejected) = (0, 0);
     for k in 0..20_000 {
-        let mut terminals = original.sentence(&mut random, 5 + k % 60);
+        let mut terminals = original.sentence(5 + k % 60, |bound| random.below(bound));
         for _ in 0..random.below(3) {
             mutate(&mut terminals, &mut random);
         }
@@ -551,7 +380,7 @@ fn parser_and_table_agree_on_random_texts() {
         });
         // A sign that is no token there is none of any sentence.
         let seen: Option<Vec<Terminal>> = seen.collect();
-        let expected = seen.is_some_and(|seen| accepts(&table, &seen));
+        let expected = seen.is_some_and(|seen| table.accepts(&seen));
         // Which name stands at a place is no business of the grammar.
         let of_names = [
             codes::UNKNOWN_TAG,

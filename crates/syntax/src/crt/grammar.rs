@@ -4,7 +4,8 @@
 //! Four cells of the LL(1) table have two productions, and the one that goes on with an expression is taken: behind an
 //! expression `+` and `-` are binary, `[` and `(` belong to it ([`GREEDY`]).
 
-use super::token::TokenKind;
+use super::token::TokenKind as Terminal;
+use crate::productions::{self, productions};
 
 /// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -49,47 +50,16 @@ pub enum Nonterminal {
     ParamsTail,
 }
 
-/// A step of a production.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Item {
-    /// A token.
-    T(TokenKind),
-    /// A text that a nonterminal derives.
-    N(Nonterminal),
-}
-
-/// One alternative of a nonterminal; an empty one derives nothing.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct Production {
-    /// The nonterminal.
-    pub left: Nonterminal,
-    /// The steps that it derives.
-    pub right: &'static [Item],
-}
+/// One alternative of a nonterminal.
+pub type Production = productions::Production<Nonterminal, Terminal>;
 
 /// The cells of the table with two productions: of these, the one that is not empty is taken.
-pub const GREEDY: [(Nonterminal, TokenKind); 4] = [
-    (Nonterminal::SumTail, TokenKind::Plus),
-    (Nonterminal::SumTail, TokenKind::Minus),
-    (Nonterminal::PostTail, TokenKind::BracketOpen),
-    (Nonterminal::PostTail, TokenKind::ParenOpen),
+pub const GREEDY: [(Nonterminal, Terminal); 4] = [
+    (Nonterminal::SumTail, Terminal::Plus),
+    (Nonterminal::SumTail, Terminal::Minus),
+    (Nonterminal::PostTail, Terminal::BracketOpen),
+    (Nonterminal::PostTail, Terminal::ParenOpen),
 ];
-
-/// In a production `T(While)` is a token and `N(Expr)` a nonterminal.
-macro_rules! productions {
-    ($($left:ident = $($item:ident($name:ident))*;)*) => {
-        &[$(Production {
-            left: Nonterminal::$left,
-            right: &[$(productions!($item $name)),*],
-        }),*]
-    };
-    (T $name:ident) => {
-        Item::T(TokenKind::$name)
-    };
-    (N $name:ident) => {
-        Item::N(Nonterminal::$name)
-    };
-}
 
 /// The grammar; [`Nonterminal::Script`] is its start.
 pub const PRODUCTIONS: &[Production] = {

@@ -2,8 +2,9 @@
 //! into tails, common prefixes factored. Tests compute FIRST and FOLLOW from this table, hold the parser to
 //! it on random texts, and hold it to the productions as the language's page states them.
 
-use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::declarations::DeclarationKeyword as Keyword;
 use crate::geotrace::token::{TokenKind, with_symbols};
+use crate::productions::{self, productions};
 
 macro_rules! terminals {
     ($($symbol:ident $byte:literal)*) => {
@@ -12,7 +13,7 @@ macro_rules! terminals {
         #[allow(missing_docs)]
         pub enum Terminal {
             /// A keyword that opens a declaration.
-            Keyword(DeclarationKeyword),
+            Keyword(Keyword),
             /// A new name.
             Id,
             Const,
@@ -123,42 +124,8 @@ pub enum Nonterminal {
     TupleTail,
 }
 
-/// A step of a production.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Item {
-    /// A token.
-    T(Terminal),
-    /// A text that a nonterminal derives.
-    N(Nonterminal),
-}
-
-/// One alternative of a nonterminal; an empty one derives nothing.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct Production {
-    /// The nonterminal.
-    pub left: Nonterminal,
-    /// The steps that it derives.
-    pub right: &'static [Item],
-}
-
-/// In a production `K(Param)` is a keyword, `T(Id)` another terminal and `N(Expr)` a nonterminal.
-macro_rules! productions {
-    ($($left:ident = $($item:ident($name:ident))*;)*) => {
-        &[$(Production {
-            left: Nonterminal::$left,
-            right: &[$(productions!($item $name)),*],
-        }),*]
-    };
-    (K $name:ident) => {
-        Item::T(Terminal::Keyword(DeclarationKeyword::$name))
-    };
-    (T $name:ident) => {
-        Item::T(Terminal::$name)
-    };
-    (N $name:ident) => {
-        Item::N(Nonterminal::$name)
-    };
-}
+/// One alternative of a nonterminal.
+pub type Production = productions::Production<Nonterminal, Terminal>;
 
 /// The grammar; [`Nonterminal::Prog`] is its start.
 pub const PRODUCTIONS: &[Production] = {
