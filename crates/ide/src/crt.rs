@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! syntax::crt::document ──▶ CrtProgram ──snapshot──▶ CrtAnalysis ─┬─▶ names        variables and objects, by scope
-//!                                                                 ├─▶ semantic, outline, hover, completion, color
+//!                                                                 ├─▶ semantic, outline, hover, signature, completion, color, links
 //!                                                                 ├─▶ rename, format, edit_settings   edits
 //!                                                                 └─▶ convert          a program in Geotrace's language
 //! ```
@@ -13,13 +13,17 @@ pub mod convert;
 mod edit_settings;
 pub mod format;
 pub mod hover;
+pub mod links;
 pub mod names;
 pub mod outline;
 pub mod rename;
 pub mod semantic;
+pub mod signature;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use scene::crt::Assignment;
 use scene::{Evaluation, Outcome, ParamValues, ProgramScene, Scene, Value};
 use syntax::crt::document::{Document, Snapshot};
 use syntax::crt::token::Token;
@@ -29,19 +33,14 @@ use syntax::span::Span;
 
 use names::ScriptNames;
 
-use crate::color::StatedColor;
-use crate::completion::Completions;
 use crate::conversion::ConvertError;
-use crate::description::Description;
 use crate::edit::Edit;
 use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
 use crate::highlight::Highlight;
-use crate::language::{Analysis, EditError, Language, Program};
+use crate::language::{Analysis, EditError, Language, Program, features_of_modules};
+use crate::link::FileLink;
 use crate::occurrence::Occurrence;
-use crate::outline::{Fold, OutlineEntry};
-use crate::rename::RenameError;
-use crate::semantic::SemanticToken;
 use crate::text::Text;
 
 /// The name of the language.
@@ -55,10 +54,8 @@ pub struct Crt;
 #[derive(Debug)]
 pub struct CrtProgram {
     document: Document,
-    /// The diagnostics, once they have been requested.
-    diagnostics: OnceLock<Arc<[Diagnostic]>>,
-    /// The run, once it has been requested; `None` for a script that cannot be read, which is not run.
-    run: OnceLock<Option<CrtRun>>,
+    /// The state of the document, once it has been requested.
+    analysis: OnceLock<Arc<CrtAnalysis>>,
 }
 
 /// A script that has been run.
@@ -66,13 +63,21 @@ pub struct CrtProgram {
 struct CrtRun {
     scene: Arc<Scene>,
     diagnostics: Vec<Diagnostic>,
+    assignments: Vec<Assignment>,
 }
 
-/// A CRT script at one version.
+/// A CRT script at one version. The first that asks for what only a run tells runs it; an edit of the program gives up a run
+/// that is under way.
 #[derive(Debug)]
 pub struct CrtAnalysis {
     snapshot: Snapshot,
-    diagnostics: Arc<[Diagnostic]>,
+    /// What reading the script has found.
+    findings: Arc<[Diagnostic]>,
+    given_up: AtomicBool,
+    /// The run; `None` for a script that cannot be read, which is not run, and for a run that was given up.
+    run: OnceLock<Option<CrtRun>>,
+    /// What reading and running have found.
+    diagnostics: OnceLock<Arc<[Diagnostic]>>,
     names: OnceLock<ScriptNames>,
 }
 
@@ -92,8 +97,7 @@ impl Language for Crt {
     fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError> {
         Ok(Box::new(CrtProgram {
             document: Document::new(text, &())?,
-            diagnostics: OnceLock::new(),
-            run: OnceLock::new(),
+            analysis: OnceLock::new(),
         }))
     }
 
@@ -111,24 +115,25 @@ impl Program for CrtProgram {
 
     fn edit(&mut self, range: Span, text: &str) -> Result<(), EditError> {
         self.document.edit(range, text)?;
-        self.diagnostics = OnceLock::new();
-        self.run = OnceLock::new();
+        if let Some(old) = self.analysis.take() {
+            old.given_up.store(true, Ordering::Relaxed);
+        }
         Ok(())
     }
 
     fn diagnostics(&self) -> Arc<[Diagnostic]> {
-        let diagnostics = || {
-            let mut all = self.document.findings();
-            all.extend(self.run().iter().flat_map(|run| run.diagnostics.clone()));
-            Diagnostic::sort(&mut all);
-            all.into()
-        };
-        self.diagnostics.get_or_init(diagnostics).clone()
+        Analysis::diagnostics(&**self.analysis())
+    }
+
+    fn findings(&self) -> Option<Arc<[Diagnostic]>> {
+        let analysis = self.analysis();
+        let is_at_hand = analysis.has_errors() || analysis.run.get().is_some();
+        (!is_at_hand).then(|| Arc::clone(&analysis.findings))
     }
 
     fn scene(&self) -> ProgramScene {
         ProgramScene {
-            scene: self.run().map(|run| run.scene.clone()),
+            scene: self.analysis().run().map(|run| run.scene.clone()),
             ..ProgramScene::default()
         }
     }
@@ -156,30 +161,22 @@ impl Program for CrtProgram {
     }
 
     fn snapshot(&self) -> Arc<dyn Analysis> {
-        Arc::new(CrtAnalysis {
-            snapshot: self.document.snapshot(),
-            diagnostics: self.diagnostics(),
-            names: OnceLock::new(),
-        })
+        self.analysis().clone()
     }
 }
 
 impl CrtProgram {
-    /// The run; `None` for a script that cannot be read.
-    fn run(&self) -> Option<&CrtRun> {
-        let run = self.run.get_or_init(|| {
-            let found = self.document.findings();
-            if found.iter().any(|it| it.severity == Severity::Error) {
-                return None;
-            }
-            let snapshot = self.document.snapshot();
-            let run = scene::crt::run(&snapshot.script(), &whole(&snapshot));
-            Some(CrtRun {
-                scene: Arc::new(run.scene),
-                diagnostics: run.diagnostics,
+    fn analysis(&self) -> &Arc<CrtAnalysis> {
+        self.analysis.get_or_init(|| {
+            Arc::new(CrtAnalysis {
+                snapshot: self.document.snapshot(),
+                findings: self.document.findings().into(),
+                given_up: AtomicBool::new(false),
+                run: OnceLock::new(),
+                diagnostics: OnceLock::new(),
+                names: OnceLock::new(),
             })
-        });
-        run.as_ref()
+        })
     }
 }
 
@@ -189,6 +186,33 @@ fn whole(snapshot: &Snapshot) -> String {
 }
 
 impl CrtAnalysis {
+    /// Returns true for a script that cannot be read, and is not run.
+    fn has_errors(&self) -> bool {
+        let mut findings = self.findings.iter();
+        findings.any(|it| it.severity == Severity::Error)
+    }
+
+    fn run(&self) -> Option<&CrtRun> {
+        let run = self.run.get_or_init(|| {
+            if self.has_errors() {
+                return None;
+            }
+            let (script, text) = (self.script(), whole(&self.snapshot));
+            let run = scene::crt::run_unless(&script, &text, &self.given_up)?;
+            Some(CrtRun {
+                scene: Arc::new(run.scene),
+                diagnostics: run.diagnostics,
+                assignments: run.assignments,
+            })
+        });
+        run.as_ref()
+    }
+
+    /// The places where the run assigns names, in the order of the text; `None` for a script that is not run.
+    pub fn assignments(&self) -> Option<&[Assignment]> {
+        self.run().map(|run| &run.assignments[..])
+    }
+
     /// The tree of the script.
     pub fn script(&self) -> Script {
         self.snapshot.script()
@@ -235,36 +259,19 @@ impl Analysis for CrtAnalysis {
     }
 
     fn diagnostics(&self) -> Arc<[Diagnostic]> {
-        Arc::clone(&self.diagnostics)
+        let diagnostics = || {
+            let Some(run) = self.run() else {
+                return Arc::clone(&self.findings);
+            };
+            let mut all = self.findings.to_vec();
+            all.extend(run.diagnostics.iter().cloned());
+            Diagnostic::sort(&mut all);
+            all.into()
+        };
+        self.diagnostics.get_or_init(diagnostics).clone()
     }
 
-    fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
-        semantic::semantic_tokens(self, range)
-    }
-
-    fn outline(&self) -> Vec<OutlineEntry> {
-        outline::outline(self)
-    }
-
-    fn folds(&self) -> Vec<Fold> {
-        outline::folds(self)
-    }
-
-    fn selection(&self, offset: u32) -> Vec<Span> {
-        outline::selection(self, offset)
-    }
-
-    fn hover(&self, offset: u32) -> Option<(Span, Description)> {
-        hover::hover(self, offset)
-    }
-
-    fn completions(&self, offset: u32, snippets: bool) -> Completions {
-        completion::completions(self, offset, snippets)
-    }
-
-    fn describe_completion(&self, offset: u32, label: &str) -> Option<Description> {
-        completion::describe(self, offset, label)
-    }
+    features_of_modules! {}
 
     fn definition(&self, offset: u32) -> Option<(Span, Span)> {
         let (span, variable) = self.names().variable_at(offset)?;
@@ -276,22 +283,6 @@ impl Analysis for CrtAnalysis {
             Some((_, variable)) => self.names().occurrences(variable),
             None => Vec::new(),
         }
-    }
-
-    fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
-        rename::prepare(self, offset)
-    }
-
-    fn rename(&self, offset: u32, name: &str) -> Result<Vec<Edit>, RenameError> {
-        rename::rename(self, offset, name)
-    }
-
-    fn format(&self, range: Option<Span>) -> Vec<Edit> {
-        format::format(self, range)
-    }
-
-    fn colors(&self) -> Vec<StatedColor> {
-        color::colors(self)
     }
 
     fn conversion(&self) -> Option<&'static str> {
@@ -316,7 +307,7 @@ impl Analysis for CrtAnalysis {
         edit_settings::edit_camera(self, direction, position)
     }
 
-    fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
-        color::color_texts(rgb)
+    fn links(&self) -> Vec<FileLink> {
+        links::links(self)
     }
 }

@@ -47,22 +47,18 @@ use syntax::span::Span;
 pub use analysis::{GeotraceAnalysis, Lexeme, Target};
 pub use item::Item;
 
-use crate::color::StatedColor;
-use crate::completion::Completions;
-use crate::description::Description;
 use crate::edit::Edit;
 use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
 use crate::highlight::Highlight;
 use crate::hint::Hint;
-use crate::language::{Analysis, Compiled, EditError, Language, Program, Scope};
+use crate::language::{
+    Analysis, Compiled, EditError, Language, Program, Scope, features_of_modules,
+};
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
-use crate::outline::{DeclarationRange, Fold, OutlineEntry};
+use crate::outline::DeclarationRange;
 use crate::overview::OverviewRow;
-use crate::rename::RenameError;
-use crate::semantic::SemanticToken;
-use crate::signature::Signature;
 use crate::text::Text;
 
 /// The name of the language.
@@ -205,37 +201,7 @@ impl Analysis for GeotraceAnalysis {
         self.diagnostics().clone()
     }
 
-    fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
-        semantic::semantic_tokens(self, range)
-    }
-
-    fn outline(&self) -> Vec<OutlineEntry> {
-        outline::outline(self)
-    }
-
-    fn folds(&self) -> Vec<Fold> {
-        outline::folds(self)
-    }
-
-    fn selection(&self, offset: u32) -> Vec<Span> {
-        outline::selection(self, offset)
-    }
-
-    fn hover(&self, offset: u32) -> Option<(Span, Description)> {
-        hover::hover(self, offset)
-    }
-
-    fn signature(&self, offset: u32) -> Option<Signature> {
-        signature::signature(self, offset)
-    }
-
-    fn completions(&self, offset: u32, snippets: bool) -> Completions {
-        completion::completions(self, offset, snippets)
-    }
-
-    fn describe_completion(&self, offset: u32, label: &str) -> Option<Description> {
-        completion::describe(self, offset, label)
-    }
+    features_of_modules! {}
 
     fn definition(&self, offset: u32) -> Option<(Span, Span)> {
         navigation::definition(self, offset)
@@ -243,18 +209,6 @@ impl Analysis for GeotraceAnalysis {
 
     fn occurrences(&self, offset: u32) -> Vec<Occurrence> {
         navigation::occurrences(self, offset)
-    }
-
-    fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
-        rename::prepare(self, offset)
-    }
-
-    fn rename(&self, offset: u32, name: &str) -> Result<Vec<Edit>, RenameError> {
-        rename::rename(self, offset, name)
-    }
-
-    fn format(&self, range: Option<Span>) -> Vec<Edit> {
-        format::format(self, range)
     }
 
     fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
@@ -286,13 +240,5 @@ impl Analysis for GeotraceAnalysis {
         position: [f64; 3],
     ) -> Result<Edit, EditCameraError> {
         edit_camera::edit_camera(self, name, direction, position)
-    }
-
-    fn colors(&self) -> Vec<StatedColor> {
-        color::colors(self)
-    }
-
-    fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
-        color::color_texts(rgb)
     }
 }

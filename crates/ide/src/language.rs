@@ -33,6 +33,7 @@ use crate::fix::{self, Fix};
 use crate::highlight::{self, Highlight};
 use crate::hint::Hint;
 use crate::lens::Lens;
+use crate::link::FileLink;
 use crate::occurrence::Occurrence;
 use crate::outline::{DeclarationRange, Fold, OutlineEntry};
 use crate::overview::OverviewRow;
@@ -154,6 +155,12 @@ pub trait Program: Debug + Send {
 
     /// Returns everything that is wrong or surprising, sorted by place.
     fn diagnostics(&self) -> Arc<[Diagnostic]>;
+
+    /// Returns what reading the text has found, if [`Program::diagnostics`] has to run the program for more; `None` if
+    /// that answers at once.
+    fn findings(&self) -> Option<Arc<[Diagnostic]>> {
+        None
+    }
 
     /// Returns the scene; of a program with errors, as much of it as can be shown.
     fn scene(&self) -> ProgramScene;
@@ -313,6 +320,11 @@ pub trait Analysis: Debug + Send + Sync {
         Vec::new()
     }
 
+    /// Returns the files that the text names, in the order of the text.
+    fn links(&self) -> Vec<FileLink> {
+        Vec::new()
+    }
+
     /// Returns the constant colours, in the order of the text.
     fn colors(&self) -> Vec<StatedColor> {
         Vec::new()
@@ -363,6 +375,76 @@ pub trait Analysis: Debug + Send + Sync {
         Err(EditCameraError::NoCameras)
     }
 }
+
+/// The methods of an [`Analysis`] that our languages have in common, each a function of a module of the language.
+macro_rules! features_of_modules {
+    () => {
+        fn semantic_tokens(&self, range: Span) -> Vec<$crate::semantic::SemanticToken> {
+            semantic::semantic_tokens(self, range)
+        }
+
+        fn outline(&self) -> Vec<$crate::outline::OutlineEntry> {
+            outline::outline(self)
+        }
+
+        fn folds(&self) -> Vec<$crate::outline::Fold> {
+            outline::folds(self)
+        }
+
+        fn selection(&self, offset: u32) -> Vec<Span> {
+            outline::selection(self, offset)
+        }
+
+        fn hover(&self, offset: u32) -> Option<(Span, $crate::description::Description)> {
+            hover::hover(self, offset)
+        }
+
+        fn signature(&self, offset: u32) -> Option<$crate::signature::Signature> {
+            signature::signature(self, offset)
+        }
+
+        fn completions(&self, offset: u32, snippets: bool) -> $crate::completion::Completions {
+            completion::completions(self, offset, snippets)
+        }
+
+        fn describe_completion(
+            &self,
+            offset: u32,
+            label: &str,
+        ) -> Option<$crate::description::Description> {
+            completion::describe(self, offset, label)
+        }
+
+        fn prepare_rename(
+            &self,
+            offset: u32,
+        ) -> Result<(Span, String), $crate::rename::RenameError> {
+            rename::prepare(self, offset)
+        }
+
+        fn rename(
+            &self,
+            offset: u32,
+            name: &str,
+        ) -> Result<Vec<$crate::edit::Edit>, $crate::rename::RenameError> {
+            rename::rename(self, offset, name)
+        }
+
+        fn format(&self, range: Option<Span>) -> Vec<$crate::edit::Edit> {
+            format::format(self, range)
+        }
+
+        fn colors(&self) -> Vec<$crate::color::StatedColor> {
+            color::colors(self)
+        }
+
+        fn color_texts(&self, _range: Span, rgb: [f64; 3]) -> Vec<String> {
+            color::color_texts(rgb)
+        }
+    };
+}
+
+pub(crate) use features_of_modules;
 
 /// The analysis of a text that its language does not even open empty.
 #[derive(Debug)]

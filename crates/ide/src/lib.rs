@@ -5,7 +5,7 @@
 //! language      the interface of a language: Language, Program, Analysis
 //! geotrace, crt the languages behind it
 //! text          a text by its lines
-//! color, completion, description, edit, fix, hint, lens, occurrence, outline, rename, semantic, signature, …
+//! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
 //!               what the features return
 //! ```
 //!
@@ -27,6 +27,7 @@ pub mod hint;
 pub mod language;
 mod languages;
 pub mod lens;
+pub mod link;
 pub mod occurrence;
 pub mod outline;
 pub mod overview;

@@ -10,11 +10,13 @@
 //! [`Scene::stated`] changes them back. The scene has the param `t`; for another value of it the script is run anew
 //! ([`Scene::at`]).
 
+mod assignment;
 mod build;
 mod call;
 pub mod codes;
 mod convert;
 mod entity;
+mod extent;
 mod object;
 mod operate;
 mod random;
@@ -22,12 +24,14 @@ mod run;
 mod value;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use syntax::crt::tree::{Expression, Script};
 use syntax::diagnostic::Diagnostic;
-use syntax::span::Span;
 
+pub use assignment::Assignment;
 pub use convert::{Converted, MAX_CONVERTED_LEAVES, NameTest};
+pub use extent::EntityExtent;
 
 use crate::rerun::Rerun;
 use crate::scene::Scene;
@@ -40,31 +44,21 @@ pub const MAX_CALLS: u32 = 200;
 /// The most characters of a string, elements of a list, and leaves of all entities.
 pub const MAX_SIZE: u64 = 1_000_000;
 
+/// Of a run that nobody gives up.
+static NEVER: AtomicBool = AtomicBool::new(false);
+
 /// The stack of a run: expressions within expressions, and calls within calls, are limited to less.
 const STACK: usize = 64 << 20;
 
 /// A script that has been run.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct ScriptRun {
     /// The scene.
     pub scene: Scene,
     /// Everything that is wrong or surprising, sorted by place.
     pub diagnostics: Vec<Diagnostic>,
-    /// The variables of the script at its end, in the order in which they were first assigned.
-    pub variables: Vec<Variable>,
-}
-
-/// A variable at the end of a script.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Variable {
-    /// Its name.
-    pub name: String,
-    /// The place where it was first assigned.
-    pub span: Span,
-    /// The type of its value; `None` where that had an error.
-    pub kind: Option<&'static str>,
-    /// Its value as a script writes it, as far as it is short.
-    pub text: String,
+    /// The places where names are assigned, parameters among them, that the run has come to; in the order of the text.
+    pub assignments: Vec<Assignment>,
 }
 
 /// The value of an expression at the end of a script.
@@ -106,14 +100,19 @@ impl ScriptLines {
 
 /// Runs a script at t = 0. `text` is that of the script.
 pub fn run(script: &Script, text: &str) -> ScriptRun {
+    run_unless(script, text, &NEVER).unwrap_or_default()
+}
+
+/// Runs a script at t = 0 unless `given_up` is, or becomes, true; `None` then.
+pub fn run_unless(script: &Script, text: &str, given_up: &AtomicBool) -> Option<ScriptRun> {
     let lines = Arc::new(ScriptLines::new(text));
-    let mut run = run_at(script, &lines, 0.0);
+    let mut run = run_at(script, &lines, 0.0, given_up)?;
     let script = script.clone();
     run.scene.rerun = Some(Rerun::new(vec![0.0], move |uniforms| {
         let t = uniforms.first().copied().unwrap_or(0.0);
-        Some(run_at(&script, &lines, t).scene)
+        Some(run_at(&script, &lines, t, &NEVER)?.scene)
     }));
-    run
+    Some(run)
 }
 
 /// Evaluates an expression at the end of a script.
@@ -128,7 +127,7 @@ pub fn evaluate(
 ) -> Result<Evaluated, Vec<Diagnostic>> {
     let lines = ScriptLines::new(text);
     on_stack(|| {
-        let mut interpreter = Interpreter::new(&lines, t);
+        let mut interpreter = Interpreter::new(&lines, t, &NEVER);
         interpreter.script(script);
         interpreter.value_at_end(expression)
     })
@@ -140,24 +139,26 @@ pub fn evaluate(
 pub fn convert(script: &Script, text: &str, t: f64, is_free: NameTest<'_>) -> Option<Converted> {
     let lines = ScriptLines::new(text);
     on_stack(|| {
-        let mut interpreter = Interpreter::new(&lines, t);
+        let mut interpreter = Interpreter::new(&lines, t, &NEVER);
         interpreter.script(script);
         let (settings, drawn) = interpreter.left();
         convert::program(&settings, &drawn, is_free)
     })?
 }
 
-fn run_at(script: &Script, lines: &ScriptLines, t: f64) -> ScriptRun {
+/// `None` for a run that is given up. Without a thread to run on, a script leaves nothing.
+fn run_at(
+    script: &Script,
+    lines: &ScriptLines,
+    t: f64,
+    given_up: &AtomicBool,
+) -> Option<ScriptRun> {
     let run = on_stack(|| {
-        let mut interpreter = Interpreter::new(lines, t);
+        let mut interpreter = Interpreter::new(lines, t, given_up);
         interpreter.script(script);
         interpreter.finish()
     });
-    run.unwrap_or_else(|| ScriptRun {
-        scene: Scene::default(),
-        diagnostics: Vec::new(),
-        variables: Vec::new(),
-    })
+    run.unwrap_or_else(|| Some(ScriptRun::default()))
 }
 
 /// Runs something on a thread with a stack of its own; `None` if the machine has no thread for it.

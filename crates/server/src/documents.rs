@@ -277,9 +277,12 @@ impl Open {
         made.clone()
     }
 
-    /// Returns the diagnostics.
-    pub(crate) fn diagnostics(&self) -> Arc<[Diagnostic]> {
-        self.program.diagnostics()
+    /// Returns the diagnostics that are known without running the program, and true if a run may find more.
+    pub(crate) fn findings(&self) -> (Arc<[Diagnostic]>, bool) {
+        match self.program.findings() {
+            Some(found) => (found, true),
+            None => (self.program.diagnostics(), false),
+        }
     }
 
     /// The text as it is now.

@@ -40,7 +40,8 @@ pub(crate) const CURSOR: &str = "geotrace/cursor";
 /// The number of features that run at once: more would only share the processors, and each needs its memory.
 const MOST_AT_WORK: usize = 2;
 
-/// The server as the protocol sees it.
+/// The server as the protocol sees it; cheap to clone.
+#[derive(Clone)]
 pub(crate) struct Backend {
     client: Client,
     session: Arc<Mutex<Session>>,
@@ -148,6 +149,7 @@ impl LanguageServer for Backend {
         places::rename(lsp::RenameParams) -> Result<Option<lsp::WorkspaceEdit>>;
         places::selection_range(lsp::SelectionRangeParams) -> Result<Option<Vec<lsp::SelectionRange>>>;
         ranges::code_action(lsp::CodeActionParams) -> Result<Option<lsp::CodeActionResponse>>;
+        ranges::document_link(lsp::DocumentLinkParams) -> Result<Option<Vec<lsp::DocumentLink>>>;
         ranges::document_color(lsp::DocumentColorParams) -> Result<Vec<lsp::ColorInformation>>;
         ranges::color_presentation(lsp::ColorPresentationParams) -> Result<Vec<lsp::ColorPresentation>>;
         ranges::range_formatting(lsp::DocumentRangeFormattingParams) -> Result<Option<Vec<lsp::TextEdit>>>;

@@ -13,7 +13,7 @@ use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::span::Span;
 use tower_lsp::ls_types as lsp;
 
-use crate::documents::{Open, Places, Snapshot};
+use crate::documents::{Places, Snapshot};
 use crate::encoding::{Encoding, Place};
 use crate::preview;
 use crate::tokens::Encoded;
@@ -116,6 +116,10 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
             ),
         ),
         inlay_hint_provider: Some(lsp::OneOf::Left(true)),
+        document_link_provider: Some(lsp::DocumentLinkOptions {
+            resolve_provider: Some(false),
+            work_done_progress_options: no_progress(),
+        }),
         diagnostic_provider: Some(lsp::DiagnosticServerCapabilities::Options(
             lsp::DiagnosticOptions {
                 identifier: Some("geotrace".to_owned()),
@@ -128,10 +132,13 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
     }
 }
 
-pub(crate) fn diagnostics(open: &Open, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
-    let found = open.diagnostics();
+pub(crate) fn diagnostics(
+    places: &impl Places,
+    uri: &lsp::Uri,
+    found: &[Diagnostic],
+) -> Vec<lsp::Diagnostic> {
     let found = found.iter();
-    found.map(|d| diagnostic(open, uri, d)).collect()
+    found.map(|d| diagnostic(places, uri, d)).collect()
 }
 
 fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> lsp::Diagnostic {

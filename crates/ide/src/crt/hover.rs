@@ -1,5 +1,6 @@
 //! Descriptions of the words of a script.
 
+use scene::crt::{Assignment, EntityExtent};
 use syntax::crt::objects::{FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
 use syntax::span::Span;
@@ -7,6 +8,8 @@ use syntax::span::Span;
 use super::CrtAnalysis;
 use super::names::{Origin, VariableId};
 use crate::description::Description;
+
+const FRAME: &str = "The frame: 0, the slider `t` of the window, `--set t=V`, or the frames of `--animate t=0:19`. The script is run anew for each value.";
 
 /// The description of the word at a place.
 pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Description)> {
@@ -20,6 +23,7 @@ pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Descri
             Some(place) => attribute(place.object?.attribute(&word)?),
             None => match names.variable_at(offset) {
                 Some((_, variable)) => describe_variable(analysis, variable),
+                None if word == "t" => describe("t", FRAME.to_owned()),
                 None => function(&word)?,
             },
         },
@@ -114,14 +118,96 @@ pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Descr
         Origin::Value => "A variable".to_owned(),
     };
     let line = analysis.snapshot_text().line(variable.assignment.start);
-    let occurrences = names.occurrences(id);
-    let bound = occurrences.iter().filter(|it| it.introduces).count();
+    let bound = names.bindings(id).count();
     let place = match (bound, variable.scope) {
         (0 | 1, _) if variable.origin == Origin::Parameter => String::new(),
         (0 | 1, _) => format!(", assigned in line {line}"),
-        (count, _) => format!(", assigned {count} times, first in line {line}"),
+        (count, _) => format!(", assigned in {count} places, first in line {line}"),
     };
-    describe(&code, format!("{what}{place}."))
+    let mut description = describe(&code, format!("{what}{place}."));
+    description.text.extend(last_value(analysis, id));
+    description
+}
+
+/// The value that the run leaves a variable, how often it is assigned, and by which assignment it comes last. `None` for a
+/// script that is not run.
+fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
+    let assignments = analysis.assignments()?;
+    let found = analysis.names().bindings(id).filter_map(|(name, whole)| {
+        let at = assignments.binary_search_by_key(&name, |it| it.span);
+        Some((&assignments[at.ok()?], whole))
+    });
+    let found: Vec<(&Assignment, Span)> = found.collect();
+    let Some((last, whole)) = found.iter().max_by_key(|(it, _)| it.last) else {
+        return Some("The run does not come here.".to_owned());
+    };
+    let times: u32 = found.iter().map(|(it, _)| it.count).sum();
+    let variable = analysis.names().variable(id);
+    let is_parameter = variable.origin == Origin::Parameter && *whole == variable.assignment;
+    let line = analysis.snapshot_text().line(whole.start);
+    let source = analysis.slice(*whole);
+    let source = source.lines().next().unwrap_or_default();
+    let mut text = match last.kind() {
+        None => "No value: the run ends in an error there".to_owned(),
+        Some(kind) => {
+            let word = if times == 1 { "Value" } else { "Last value" };
+            match last.entity() {
+                None => format!("{word}: `{}`, {} {kind}", last.text(), article(kind)),
+                Some(entity) => format!("{word}: {}", describe_entity(&entity)),
+            }
+        }
+    };
+    text.push_str(&match (is_parameter, times) {
+        (true, 1) => ", in the only call".to_owned(),
+        (true, times) => format!(", in the last of {times} calls"),
+        (false, 1) if found.len() == 1 && *whole == variable.assignment => String::new(),
+        (false, 1) => format!(", from `{source}` in line {line}"),
+        (false, times) => {
+            format!(", from `{source}` in line {line}; assigned {times} times in the run")
+        }
+    });
+    text.push('.');
+    Some(text)
+}
+
+fn article(kind: &str) -> &'static str {
+    match kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
+        true => "an",
+        false => "a",
+    }
+}
+
+/// `union of 3 leaves, x from −1 to 1, …`.
+fn describe_entity(entity: &EntityExtent) -> String {
+    let leaves = match entity.leaves {
+        1 => String::new(),
+        leaves => format!(" of {leaves} leaves"),
+    };
+    let what = &entity.what;
+    let Some(bounds) = entity.bounds else {
+        return format!("{} {what}{leaves}, which is empty", article(&capital(what)));
+    };
+    let sides = bounds
+        .iter()
+        .zip(["x", "y", "z"])
+        .map(
+            |([least, most], axis)| match (least.is_finite(), most.is_finite()) {
+                (true, true) => format!("{axis} from {} to {}", short(*least), short(*most)),
+                (true, false) => format!("{axis} from {}", short(*least)),
+                (false, true) => format!("{axis} to {}", short(*most)),
+                (false, false) => format!("{axis} without bounds"),
+            },
+        );
+    let sides: Vec<String> = sides.collect();
+    let article = article(&capital(what));
+    format!("{article} {what}{leaves}; in the box {}", sides.join(", "))
+}
+
+/// Six significant digits, without zeros at the end.
+fn short(number: f64) -> String {
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    // No minus before a zero.
+    (rounded + 0.0).to_string()
 }
 
 fn keyword(kind: TokenKind) -> Option<&'static str> {

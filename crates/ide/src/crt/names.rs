@@ -1,4 +1,4 @@
-//! The variables of a script by their scopes, and its objects, attributes, macros and colours with their places.
+//! The variables of a script by their scopes, and its objects, attributes, macros, colours and images with their places.
 //!
 //! Scopes are the script, and each macro. Reading looks outwards, assigning binds in the innermost. A reading that may come
 //! before the binding of its own scope may see the outer variable of the name too: the two count as one, so that renaming them
@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use syntax::crt::objects::ObjectName;
+use syntax::crt::objects::{ObjectName, ValueType};
 use syntax::crt::tree::{
     Arm, Attribute, BlockKind, Body, Expression, ExpressionKind, PrefixOperator, Script, Statement,
     StatementKind, SuffixKind,
@@ -45,6 +45,8 @@ pub struct Variable {
     pub scope: Option<Span>,
     /// When it was bound first, in the order of the text.
     order: usize,
+    /// The parameters of the macro that it is given first.
+    parameters: Option<Vec<Arc<str>>>,
     /// Another variable that counts as the same; itself if there is none.
     same: VariableId,
 }
@@ -56,7 +58,8 @@ struct NameUse {
     span: Span,
     scope: usize,
     order: usize,
-    binds: bool,
+    /// The place of the assignment that binds it, or of the parameter.
+    binds: Option<Span>,
     variable: Option<VariableId>,
 }
 
@@ -96,6 +99,8 @@ pub struct ScriptNames {
     pub modifier_ends: Vec<u32>,
     /// The calls of `rgb` and `rgba` with numbers.
     pub colors: Vec<(Span, [f64; 3])>,
+    /// The strings that name images, with the places between their quotes.
+    pub images: Vec<(Span, Arc<str>)>,
 }
 
 impl ScriptNames {
@@ -151,7 +156,7 @@ impl ScriptNames {
                     self.variables[inner.max(outer)].same = inner.min(outer);
                 }
                 found = found.or(Some(variable));
-                if self.uses[k].binds || self.variables[variable].order <= order {
+                if self.uses[k].binds.is_some() || self.variables[variable].order <= order {
                     break;
                 }
             }
@@ -180,6 +185,11 @@ impl ScriptNames {
         &self.variables[variable]
     }
 
+    /// The parameters of the macro that a variable is given first; `None` if that is no macro.
+    pub fn parameters(&self, variable: VariableId) -> Option<&[Arc<str>]> {
+        self.variables[variable].parameters.as_deref()
+    }
+
     /// The variables, those that count as the same once.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
         let all = self.variables.iter().enumerate();
@@ -199,9 +209,16 @@ impl ScriptNames {
         let uses = uses.filter(|it| it.variable.is_some_and(|it| self.same(it) == variable));
         let places = uses.map(|it| Occurrence {
             span: it.span,
-            introduces: it.binds,
+            introduces: it.binds.is_some(),
         });
         places.collect()
+    }
+
+    /// The places where a variable is bound, in the order of the text: of the name, and of the assignment.
+    pub fn bindings(&self, variable: VariableId) -> impl Iterator<Item = (Span, Span)> {
+        let uses = self.uses.iter();
+        let uses = uses.filter(move |it| it.variable.is_some_and(|it| self.same(it) == variable));
+        uses.filter_map(|it| Some((it.span, it.binds?)))
     }
 
     /// The first place where a name stands, whatever it means there.
@@ -247,13 +264,14 @@ impl Walk {
                 assignment: assignment.moved(self.base),
                 scope: scope.span,
                 order,
+                parameters: None,
                 same: fresh,
             });
         }
-        self.name(name, span, true);
+        self.name(name, span, Some(assignment.moved(self.base)));
     }
 
-    fn name(&mut self, name: &Arc<str>, span: Span, binds: bool) {
+    fn name(&mut self, name: &Arc<str>, span: Span, binds: Option<Span>) {
         let order = self.names.uses.len();
         self.names.uses.push(NameUse {
             name: Arc::clone(name),
@@ -310,6 +328,15 @@ impl Walk {
         });
         for attribute in attributes {
             self.expression(&attribute.value);
+            let row = object.and_then(|object| object.attribute(&attribute.name.text));
+            let value = attribute.value.ungrouped();
+            if let Some(ValueType::Image) = row.map(|row| row.value)
+                && let ExpressionKind::Text(text) = &value.kind
+            {
+                let quoted = value.span.moved(self.base);
+                let inside = Span::new(quoted.start + 1, quoted.end - 1);
+                self.names.images.push((inside, Arc::clone(text)));
+            }
         }
     }
 
@@ -320,7 +347,7 @@ impl Walk {
             | ExpressionKind::Float(_)
             | ExpressionKind::Text(_)
             | ExpressionKind::Boolean(_) => {}
-            ExpressionKind::Identifier(name) => self.name(name, expression.span, false),
+            ExpressionKind::Identifier(name) => self.name(name, expression.span, None),
             ExpressionKind::Object(object) => {
                 let known = ObjectName::from_text(&object.name.text);
                 self.object(known, object.name.span, object.braces, &object.attributes);
@@ -358,6 +385,12 @@ impl Walk {
                             _ => Origin::Value,
                         };
                         self.bind(name, target.span, origin, expression.span);
+                        let bound = self.names.scopes[self.scope].bound.get(name);
+                        if let (ExpressionKind::Macro(it), Some(&variable)) = (&value.kind, bound) {
+                            let words = it.parameters.iter().map(|it| it.text.clone());
+                            let own = &mut self.names.variables[variable].parameters;
+                            own.get_or_insert_with(|| words.collect());
+                        }
                     }
                     _ => self.expression(target),
                 }

@@ -1,7 +1,9 @@
 //! Semantic tokens of a script. Strings are left to the editor's own grammar.
 
+use syntax::crt::highlight;
 use syntax::crt::objects::FUNCTIONS;
 use syntax::crt::token::TokenKind;
+use syntax::highlight::HighlightKind;
 use syntax::span::Span;
 
 use super::CrtAnalysis;
@@ -14,16 +16,15 @@ pub(super) fn semantic_tokens(analysis: &CrtAnalysis, range: Span) -> Vec<Semant
     let mut tokens = Vec::new();
     for token in analysis.tokens(range) {
         let (token_type, modifiers) = match token.kind {
-            TokenKind::Comment => (TokenType::Comment, Modifiers::default()),
-            TokenKind::Integer | TokenKind::Float => (TokenType::Number, Modifiers::default()),
             TokenKind::Name => (TokenType::Function, Modifiers::DEFAULT_LIBRARY),
             TokenKind::Identifier if attributes.binary_search(&token.span).is_ok() => {
                 (TokenType::Property, Modifiers::default())
             }
             TokenKind::Identifier => identifier(analysis, token.span),
-            kind if is_word(kind) => (TokenType::Keyword, Modifiers::default()),
-            kind if is_operator(kind) => (TokenType::Operator, Modifiers::default()),
-            _ => continue,
+            kind => match highlight::kind(kind).and_then(token_type) {
+                Some(token_type) => (token_type, Modifiers::default()),
+                None => continue,
+            },
         };
         tokens.push(SemanticToken {
             span: token.span,
@@ -56,23 +57,13 @@ fn identifier(analysis: &CrtAnalysis, span: Span) -> (TokenType, Modifiers) {
     (token_type, modifiers)
 }
 
-fn is_word(kind: TokenKind) -> bool {
-    let text = kind.text().unwrap_or_default();
-    text.starts_with(|c: char| c.is_ascii_alphabetic())
-}
-
-fn is_operator(kind: TokenKind) -> bool {
-    !matches!(
-        kind,
-        TokenKind::ParenOpen
-            | TokenKind::ParenClose
-            | TokenKind::BracketOpen
-            | TokenKind::BracketClose
-            | TokenKind::BraceOpen
-            | TokenKind::BraceClose
-            | TokenKind::Comma
-            | TokenKind::Text
-            | TokenKind::Error
-            | TokenKind::Eoi
-    )
+/// The type of a token that says by itself what it is.
+fn token_type(kind: HighlightKind) -> Option<TokenType> {
+    match kind {
+        HighlightKind::Comment => Some(TokenType::Comment),
+        HighlightKind::Number => Some(TokenType::Number),
+        HighlightKind::Keyword | HighlightKind::Constant => Some(TokenType::Keyword),
+        HighlightKind::Operator => Some(TokenType::Operator),
+        _ => None,
+    }
 }

@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use syntax::crt::tree::{
     Arm, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement, StatementKind,
@@ -15,11 +16,12 @@ use syntax::diagnostic::{Code, Diagnostic, Severity};
 use syntax::span::Span;
 use syntax::spelling::nearest;
 
+use super::assignment::Assignment;
 use super::entity::Entity;
 use super::operate;
 use super::random::JavaRandom;
 use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
-use super::{Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, Variable, build, codes};
+use super::{Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, build, codes};
 use crate::limits::MAX_LEAVES;
 
 /// Expressions and statements within others, over all calls.
@@ -51,6 +53,14 @@ struct ScopeNames {
     names: HashMap<Arc<str>, Binding>,
 }
 
+/// The values that a name was given at a place.
+#[derive(Debug)]
+struct Assigned {
+    count: u32,
+    last: u32,
+    binding: Binding,
+}
+
 /// Runs a script.
 pub(super) struct Interpreter<'s> {
     pub(super) lines: &'s ScriptLines,
@@ -70,14 +80,18 @@ pub(super) struct Interpreter<'s> {
     emitted: Vec<Vec<Arc<Entity>>>,
     /// Variables to which others point, with the places where that is written.
     pointed: HashMap<(usize, Arc<str>), Span>,
-    /// The variables of the script, in the order of their first assignments.
-    assigned: Vec<(Arc<str>, Span)>,
+    /// The values that names were given, by the places of the names.
+    assigned: HashMap<Span, Assigned>,
+    /// The number of values that names were given.
+    assignments: u32,
+    /// True once nobody wants the run any more.
+    given_up: &'s AtomicBool,
     settings: ScriptSettings,
     drawn: Vec<Arc<Entity>>,
 }
 
 impl<'s> Interpreter<'s> {
-    pub(super) fn new(lines: &'s ScriptLines, t: f64) -> Self {
+    pub(super) fn new(lines: &'s ScriptLines, t: f64, given_up: &'s AtomicBool) -> Self {
         let mut names = ScopeNames::default();
         names
             .names
@@ -96,7 +110,9 @@ impl<'s> Interpreter<'s> {
             diagnostics: Vec::new(),
             emitted: Vec::new(),
             pointed: HashMap::new(),
-            assigned: Vec::new(),
+            assigned: HashMap::new(),
+            assignments: 0,
+            given_up,
             settings: ScriptSettings::default(),
             drawn: Vec::new(),
         }
@@ -106,7 +122,7 @@ impl<'s> Interpreter<'s> {
     pub(super) fn script(&mut self, script: &Script) {
         let (mut has_settings, mut has_scene) = (false, false);
         for (base, block) in script.blocks() {
-            if self.is_over {
+            if self.is_over || self.given_up.load(Ordering::Relaxed) {
                 break;
             }
             self.base = base;
@@ -131,26 +147,32 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    pub(super) fn finish(mut self) -> ScriptRun {
-        let variables = std::mem::take(&mut self.assigned);
-        let variables = variables.into_iter().map(|(name, span)| {
-            let value = self.known(&name);
-            Variable {
-                span,
-                kind: value.as_ref().map(ScriptValue::kind),
-                text: value.map_or_else(String::new, |value| value.text()),
-                name: name.to_string(),
-            }
+    /// What the script has left; `None` if it was given up.
+    pub(super) fn finish(mut self) -> Option<ScriptRun> {
+        if self.given_up.load(Ordering::Relaxed) {
+            return None;
+        }
+        let assigned = std::mem::take(&mut self.assigned).into_iter();
+        let assigned = assigned.map(|(span, it)| Assignment {
+            span,
+            count: it.count,
+            last: it.last,
+            value: match it.binding {
+                Binding::Value(value) => Some(value),
+                Binding::Pointer(other) => self.known(&other),
+                Binding::Faulty => None,
+            },
         });
-        let variables = variables.collect();
+        let mut assignments: Vec<Assignment> = assigned.collect();
+        assignments.sort_unstable_by_key(|it| it.span);
         let scene = build::scene(&self.settings, &self.drawn);
         let mut diagnostics = self.diagnostics;
         Diagnostic::sort(&mut diagnostics);
-        ScriptRun {
+        Some(ScriptRun {
             scene,
             diagnostics,
-            variables,
-        }
+            assignments,
+        })
     }
 
     /// The settings, and the entities that are drawn.
@@ -199,6 +221,10 @@ impl<'s> Interpreter<'s> {
     /// Counts a round of a loop, or a call.
     pub(super) fn count(&mut self, span: Span, what: &str) -> Result<(), Stopped> {
         self.work += 1;
+        if self.given_up.load(Ordering::Relaxed) {
+            self.is_over = true;
+            return Err(Stopped);
+        }
         if self.work <= MAX_WORK {
             return Ok(());
         }
@@ -405,10 +431,32 @@ impl<'s> Interpreter<'s> {
             self.report(hint.with_related(here, format!("`{name}` is assigned here")));
             self.base = base;
         }
-        let names = &mut self.scopes[self.scope].names;
-        if names.insert(name.clone(), binding).is_none() && self.scope == 0 {
-            self.assigned.push((name, span.moved(self.base)));
-        }
+        let place = span.moved(self.base);
+        let value = match &binding {
+            // The variables of a call end with it.
+            Binding::Pointer(other) if self.scope != 0 => {
+                self.known(other).map_or(Binding::Faulty, Binding::Value)
+            }
+            other => other.clone(),
+        };
+        self.assigned(place, value);
+        self.scopes[self.scope].names.insert(name, binding);
+    }
+
+    /// Records the value that a name is given at a place.
+    fn assigned(&mut self, place: Span, binding: Binding) {
+        self.assignments = self.assignments.saturating_add(1);
+        let last = self.assignments;
+        let known = self.assigned.get(&place).map_or(0, |it| it.count);
+        let count = known.saturating_add(1);
+        self.assigned.insert(
+            place,
+            Assigned {
+                count,
+                last,
+                binding,
+            },
+        );
     }
 
     /// Finds a name from a scope outwards, with the scope that has it.
@@ -615,8 +663,13 @@ impl<'s> Interpreter<'s> {
         arguments: Vec<ScriptValue>,
     ) -> Result<ScriptValue, Stopped> {
         let words = called.definition.parameters.iter();
-        let bound = words.zip(arguments);
-        let names = bound.map(|(word, value)| (word.text.clone(), Binding::Value(value)));
+        let bound: Vec<_> = words.zip(arguments).collect();
+        for (word, value) in &bound {
+            let place = word.span.moved(called.base);
+            self.assigned(place, Binding::Value(value.clone()));
+        }
+        let names = bound.into_iter();
+        let names = names.map(|(word, value)| (word.text.clone(), Binding::Value(value)));
         self.scopes.push(ScopeNames {
             parent: Some(called.scope),
             names: names.collect(),

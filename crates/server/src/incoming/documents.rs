@@ -1,11 +1,13 @@
 //! Documents are opened, changed and closed; their diagnostics are pushed or pulled.
 
-use tower_lsp::jsonrpc::Result;
+use std::sync::Arc;
+
+use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 
-use super::work::not_open;
+use super::work::{failed, not_open};
 use super::{Backend, places, window};
-use crate::documents::{ContentChange, Open};
+use crate::documents::{ContentChange, Open, Snapshot};
 use crate::raw_responses::{Answer, answer};
 use crate::to_lsp;
 
@@ -48,7 +50,7 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
         text: change.text,
     });
     let version = params.text_document.version;
-    let (changed, pulled) = {
+    let changed = {
         let mut session = server.session();
         let pulled = session.pulled.contains(uri.as_str());
         let previewed = session.previews.has(uri.as_str());
@@ -60,10 +62,10 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
             open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
         });
         session.preview_edit(uri.as_str());
-        (changed, pulled)
+        changed
     };
     match changed {
-        Some(Ok(Some(findings))) if !pulled => server.publish(uri, findings).await,
+        Some(Ok(Some(findings))) => server.publish(uri, findings).await,
         Some(Err(error)) => server.refuse(&uri, error).await,
         _ => {}
     }
@@ -105,28 +107,49 @@ pub(super) async fn diagnostic(
             client.publish_diagnostics(uri, Vec::new(), None).await;
         });
     }
-    let session = server.session();
-    let Some(open) = session.documents.get(uri.as_str()) else {
-        return Err(not_open(&uri));
+    let (revision, snapshot, known) = {
+        let session = server.session();
+        let Some(open) = session.documents.get(uri.as_str()) else {
+            return Err(not_open(&uri));
+        };
+        let (found, may_grow) = open.findings();
+        let known = (!may_grow).then_some(found);
+        (open.revision, open.snapshot(), known)
     };
-    let name = open.revision.to_string();
-    let report = if params.previous_result_id.as_ref() == Some(&name) {
-        lsp::DocumentDiagnosticReport::Unchanged(lsp::RelatedUnchangedDocumentDiagnosticReport {
-            related_documents: None,
-            unchanged_document_diagnostic_report: lsp::UnchangedDocumentDiagnosticReport {
-                result_id: name,
+    let name = revision.to_string();
+    if params.previous_result_id.as_ref() == Some(&name) {
+        let unchanged = lsp::UnchangedDocumentDiagnosticReport { result_id: name };
+        return answer(&lsp::DocumentDiagnosticReport::Unchanged(
+            lsp::RelatedUnchangedDocumentDiagnosticReport {
+                related_documents: None,
+                unchanged_document_diagnostic_report: unchanged,
             },
-        })
-    } else {
-        lsp::DocumentDiagnosticReport::Full(lsp::RelatedFullDocumentDiagnosticReport {
+        ));
+    }
+    let found = match known {
+        Some(found) => found,
+        None => {
+            let snapshot = snapshot.clone();
+            let run = server.work(move || snapshot.analysis().diagnostics());
+            let found = run.await?;
+            // The edit has ended the run.
+            let session = server.session();
+            if !session.documents.is_current(uri.as_str(), revision) {
+                let message = "the document has changed";
+                return Err(failed(ErrorCode::ContentModified, message));
+            }
+            found
+        }
+    };
+    answer(&lsp::DocumentDiagnosticReport::Full(
+        lsp::RelatedFullDocumentDiagnosticReport {
             related_documents: None,
             full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
                 result_id: Some(name),
-                items: to_lsp::diagnostics(open, &uri),
+                items: to_lsp::diagnostics(&*snapshot, &uri, &found),
             },
-        })
-    };
-    answer(&report)
+        },
+    ))
 }
 
 /// Returns true if a document's preview opens by itself: not that of an older version which an editor shows beside it.
@@ -136,39 +159,66 @@ pub(super) fn is_previewed(uri: &lsp::Uri) -> bool {
         .any(|scheme| uri.as_str().starts_with(scheme))
 }
 
-/// Publishes the diagnostics of a document, at a revision of it.
+/// What is wrong with a document, at a revision of it.
 struct Findings {
     revision: u64,
     version: i32,
     found: Vec<lsp::Diagnostic>,
+    /// The document, if a run of it may find more.
+    runs: Option<Arc<Snapshot>>,
 }
 
 impl Findings {
     fn of(open: &Open, uri: &lsp::Uri) -> Self {
+        let (found, may_grow) = open.findings();
         Self {
             revision: open.revision,
             version: open.version,
-            found: to_lsp::diagnostics(open, uri),
+            found: to_lsp::diagnostics(open, uri, &found),
+            runs: may_grow.then(|| open.snapshot()),
         }
     }
 }
 
 impl Backend {
-    /// Sends what was wrong with a document at a revision, unless it has changed meanwhile.
+    /// Sends what is wrong with a document at a revision, unless it has changed meanwhile; then what a run of it finds.
     async fn publish(&self, uri: lsp::Uri, findings: Findings) {
-        let Findings {
-            revision,
-            version,
-            found,
-        } = findings;
-        let _turn = self.publishing.lock().await;
-        let is_current = {
-            let session = self.session();
-            session.documents.is_current(uri.as_str(), revision)
+        self.publish_found(&uri, &findings).await;
+        let Some(snapshot) = findings.runs.clone() else {
+            return;
         };
-        if is_current {
+        // The handler ends: only a few may be under way.
+        let server = self.clone();
+        tokio::spawn(async move {
+            let place = uri.clone();
+            let run = server.work(move || {
+                let found = snapshot.analysis().diagnostics();
+                to_lsp::diagnostics(&*snapshot, &place, &found)
+            });
+            let Ok(found) = run.await else {
+                return;
+            };
+            if found != findings.found {
+                let findings = Findings { found, ..findings };
+                server.publish_found(&uri, &findings).await;
+            }
+        });
+    }
+
+    async fn publish_found(&self, uri: &lsp::Uri, findings: &Findings) {
+        let _turn = self.publishing.lock().await;
+        let is_wanted = {
+            let session = self.session();
+            let is_current = session
+                .documents
+                .is_current(uri.as_str(), findings.revision);
+            is_current && !session.pulled.contains(uri.as_str())
+        };
+        if is_wanted {
+            let found = findings.found.clone();
+            let version = Some(findings.version);
             self.client
-                .publish_diagnostics(uri, found, Some(version))
+                .publish_diagnostics(uri.clone(), found, version)
                 .await;
         }
     }

@@ -47,6 +47,30 @@ pub(super) async fn folding_range(
         .await
 }
 
+pub(super) async fn document_link(
+    server: &Backend,
+    params: lsp::DocumentLinkParams,
+) -> Result<Option<Vec<lsp::DocumentLink>>> {
+    let uri = params.text_document.uri;
+    server
+        .ask(&uri.clone(), move |snapshot| {
+            // Paths are relative to the folder of the document, which an untitled one does not have.
+            let file = uri.to_file_path()?;
+            let folder = file.parent()?;
+            let links = snapshot.analysis().links().into_iter();
+            let links = links.filter_map(|link| {
+                Some(lsp::DocumentLink {
+                    range: to_lsp::range(snapshot, link.span),
+                    target: Some(lsp::Uri::from_file_path(folder.join(&link.path))?),
+                    tooltip: None,
+                    data: None,
+                })
+            });
+            Some(links.collect())
+        })
+        .await
+}
+
 pub(super) async fn document_color(
     server: &Backend,
     params: lsp::DocumentColorParams,

@@ -59,7 +59,8 @@ impl Actions for Highlighter {
     }
 }
 
-fn kind(token: TokenKind) -> Option<HighlightKind> {
+/// The colour of a token by itself; `None` at the end of the text.
+pub fn kind(token: TokenKind) -> Option<HighlightKind> {
     use TokenKind::{
         And, Arrow, Assign, BraceClose, BraceOpen, BracketClose, BracketOpen, Caret, Colon, Comma,
         Comment, Else, Eoi, Equal, Error, False, Float, Greater, GreaterEqual, Identifier, If,

@@ -1,0 +1,12 @@
+//! Links from a text to files.
+
+use syntax::span::Span;
+
+/// A file that a text names.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct FileLink {
+    /// The place of the name, without quotes.
+    pub span: Span,
+    /// The path, relative to the folder of the text.
+    pub path: String,
+}

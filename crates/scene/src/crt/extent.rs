@@ -1,0 +1,113 @@
+//! Boxes around entities, in the coordinates of the script.
+//!
+//! The box of a shape is exact; that of a difference is its first operand's, that of an intersection the common part of two.
+
+use super::entity::{Entity, Map, Node, SetOperation, UnitShape};
+
+/// An entity in a few words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EntityExtent {
+    /// The object, "Sphere", or the operation that joins it: "union", "difference", "intersection".
+    pub what: String,
+    /// The number of leaves.
+    pub leaves: u64,
+    /// The least and the greatest coordinate along each axis, which may be infinite; `None` if no point is within.
+    pub bounds: Option<[[f64; 2]; 3]>,
+}
+
+/// The least and the greatest coordinate along each axis.
+type Bounds = [[f64; 2]; 3];
+
+/// The words and the box of an entity.
+pub(super) fn extent(entity: &Entity) -> EntityExtent {
+    let what = match entity.node() {
+        Some(Node::Object(object)) => object.made.split(' ').next().unwrap_or("Entity"),
+        Some(Node::Set(SetOperation::Union, ..)) => "union",
+        Some(Node::Set(SetOperation::Difference, ..)) => "difference",
+        Some(Node::Set(SetOperation::Intersection, ..)) => "intersection",
+        None => "Entity",
+    };
+    let bounds = bounds(entity);
+    let is_empty = bounds.iter().any(|[least, most]| least > most);
+    EntityExtent {
+        what: what.to_owned(),
+        leaves: entity.leaves,
+        bounds: (!is_empty).then_some(bounds),
+    }
+}
+
+enum Step<'e> {
+    Visit(&'e Entity, Map),
+    Join(SetOperation),
+}
+
+/// Sets are nested as deeply as a loop goes round: a stack instead of recursion.
+fn bounds(entity: &Entity) -> Bounds {
+    let mut steps = vec![Step::Visit(entity, Map::IDENTITY)];
+    let mut done: Vec<Bounds> = Vec::new();
+    while let Some(step) = steps.pop() {
+        match step {
+            Step::Join(operation) => {
+                if let (Some(second), Some(first)) = (done.pop(), done.pop()) {
+                    done.push(joined(operation, first, second));
+                }
+            }
+            Step::Visit(entity, outer) => {
+                let map = outer.after(&entity.map);
+                match entity.node() {
+                    Some(Node::Set(operation, a, b)) => steps.extend([
+                        Step::Join(*operation),
+                        Step::Visit(b, map),
+                        Step::Visit(a, map),
+                    ]),
+                    Some(Node::Object(object)) => {
+                        let (shape, own) = &object.first;
+                        let mut bounds = of_shape(*shape, &map.after(own));
+                        if let Some((operation, shape, own)) = &object.second {
+                            let second = of_shape(*shape, &map.after(own));
+                            bounds = joined(*operation, bounds, second);
+                        }
+                        done.push(bounds);
+                    }
+                    None => {}
+                }
+            }
+        }
+    }
+    done.pop()
+        .unwrap_or([[f64::INFINITY, f64::NEG_INFINITY]; 3])
+}
+
+fn joined(operation: SetOperation, a: Bounds, b: Bounds) -> Bounds {
+    std::array::from_fn(|k| match operation {
+        SetOperation::Union => [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])],
+        SetOperation::Intersection => [a[k][0].max(b[k][0]), a[k][1].min(b[k][1])],
+        SetOperation::Difference => a[k],
+    })
+}
+
+/// The box of a shape under a map, by the support of the shape along each axis.
+fn of_shape(shape: UnitShape, map: &Map) -> Bounds {
+    map.0.map(|[a, b, c, place]| {
+        let (across, along) = (a.hypot(b), a.hypot(b).hypot(c));
+        let [least, most] = match shape {
+            UnitShape::Ball => [-along, along],
+            UnitShape::Cube => {
+                let half = a.abs() + b.abs() + c.abs();
+                [-half, half]
+            }
+            // Bounded only along the normal.
+            UnitShape::HalfSpace if across > 0.0 => [f64::NEG_INFINITY, f64::INFINITY],
+            UnitShape::HalfSpace if c > 0.0 => [f64::NEG_INFINITY, 0.0],
+            UnitShape::HalfSpace if c < 0.0 => [0.0, f64::INFINITY],
+            UnitShape::HalfSpace => [0.0, 0.0],
+            UnitShape::Cylinder => [c.min(0.0) - across, c.max(0.0) + across],
+            UnitShape::Cone => [c.min(-across), c.max(across)],
+            UnitShape::Torus(tube) => {
+                let reach = across + tube * along;
+                [-reach, reach]
+            }
+        };
+        [place + least, place + most]
+    })
+}
