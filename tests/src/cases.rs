@@ -102,6 +102,8 @@ pub enum Outcome {
     Single(Tuple),
     /// For each instance the values of its grids, and the value.
     Instances(Vec<(Grids, Tuple)>),
+    /// A value as its language writes it.
+    Text(String),
 }
 
 /// Reads a file of cases.
@@ -277,13 +279,15 @@ fn setting(text: &str) -> Result<Action, String> {
     })
 }
 
-/// Reads `expression => value` or `expression => error code: fragment`.
+/// Reads `expression => value`, `expression => is text` or `expression => error code: fragment`.
 fn evaluation(text: &str) -> Result<Action, String> {
     let (text, result) = text.split_once("=>").ok_or("no `=>`")?;
     let result = result.trim();
     let result = if let Some(rest) = result.strip_prefix("error ") {
         let (code, message) = rest.split_once(':').ok_or("no `:` after the code")?;
         Err((code.trim().to_owned(), fragments(message)))
+    } else if let Some(text) = result.strip_prefix("is ") {
+        Ok(Outcome::Text(text.to_owned()))
     } else if result.contains(':') {
         let instances: Result<_, String> = result.split(';').map(instance).collect();
         Ok(Outcome::Instances(instances?))

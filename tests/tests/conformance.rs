@@ -248,6 +248,7 @@ fn check_value(
 
 fn outcome(outcome: scene::Outcome) -> Outcome {
     match outcome {
+        scene::Outcome::Single(scene::Value::Text(text)) => Outcome::Text(text),
         scene::Outcome::Single(value) => Outcome::Single(tuple(value)),
         scene::Outcome::Instances(instances) => Outcome::Instances(
             instances
@@ -269,6 +270,7 @@ fn tuple(value: scene::Value) -> Tuple {
 fn same_outcome(actual: &Outcome, expected: &Outcome) -> bool {
     match (actual, expected) {
         (Outcome::Single(actual), Outcome::Single(expected)) => same_tuple(actual, expected),
+        (Outcome::Text(actual), Outcome::Text(expected)) => actual == expected,
         (Outcome::Instances(actual), Outcome::Instances(expected)) => {
             actual.len() == expected.len()
                 && actual.iter().zip(expected).all(|(actual, expected)| {

@@ -157,3 +157,180 @@ fn a_certificate_is_left_alone() {
     assert_eq!(analysis.semantic_tokens(Span::new(0, 20)), []);
     assert_eq!(analysis.format(None), []);
 }
+
+/// The plain text of the description of a word.
+fn hover(text: &str, word: &str) -> String {
+    let found = read(text).hover(at(text, word));
+    found.expect("a description").1.plain()
+}
+
+#[test]
+fn a_variable_has_the_value_that_the_run_leaves_it() {
+    let text = "\
+i = 0
+total = \"\"
+while (i < 18) {
+    total = total + i % 10
+    i = i + 1
+}
+v = vec3(1, 2.5, i)
+w = v
+list = [1, \"a\", rgb(1, 0, 0)]
+bad = 1 / 0
+never = 1
+if (false) { unseen = 2 }
+later = never
+Scene { }
+";
+    let i = hover(text, "i = 0");
+    assert!(i.contains("assigned in 2 places, first in line 1"), "{i}");
+    assert!(
+        i.contains("Last value: 18, an Integer, from i = i + 1 in line 5; assigned 19 times"),
+        "{i}"
+    );
+    let total = hover(text, "total = total");
+    assert!(
+        total.contains("\"012345678901234567\", a String"),
+        "{total}"
+    );
+    // A use is described as its variable.
+    assert_eq!(hover(text, "i)\n"), i);
+    assert!(hover(text, "v = vec3").contains("Value: vec3(1.0, 2.5, 18.0), a Vector."));
+    assert!(hover(text, "w = v").contains("Value: vec3(1.0, 2.5, 18.0), a Vector."));
+    assert!(hover(text, "list").contains("Value: [1, \"a\", rgb(1.0, 0.0, 0.0)], a List."));
+    assert!(hover(text, "bad").contains("No value"));
+    assert!(hover(text, "unseen").contains("The run does not come here."));
+    // A script that cannot be read is not run.
+    let faulty = hover("a = 1\nb = )\n", "a = 1");
+    assert!(!faulty.contains("alue:"), "{faulty}");
+    assert!(hover("b = t", "t").contains("The frame"));
+}
+
+#[test]
+fn the_variables_of_a_macro_have_the_values_of_its_last_call() {
+    let text = "\
+s = Sphere { center -> vec3(0, 0, 0) radius -> 1 }
+m = Macro (size, place) {
+    twice = size * 2
+    alias = place
+    s <scale twice, translate alias>
+}
+Scene { m(1, vec3(0, 0, 0)) m(4, vec3(1, 0, 0)) }
+";
+    assert!(hover(text, "size,").contains("Last value: 4, an Integer, in the last of 2 calls."));
+    assert!(hover(text, "twice = ").contains("Last value: 8, an Integer"));
+    assert!(hover(text, "alias = ").contains("Last value: vec3(1.0, 0.0, 0.0), a Vector"));
+}
+
+#[test]
+fn an_entity_is_described_by_its_box() {
+    let text = "\
+ball = Sphere { center -> vec3(1, 2, 3) radius -> 2 }
+box = Box { cornerA -> vec3(1, -1, 0) cornerB -> vec3(-1, 1, 4) }
+cut = ball - box
+both = ball + box
+common = ball ^ box
+none = ball ^ (box <translate vec3(9, 0, 0)>)
+turned = box <rotate vec3(0, 0, 45)>
+wall = Plane { normal -> vec3(0, 1, 0) position -> vec3(0, -1, 0) }
+tower = Cylinder { base -> vec3(0, 0, 0) top -> vec3(0, 3, 0) radius -> 2 }
+spire = Cone { base -> vec3(0, 0, 0) apex -> vec3(5, 0, 0) radius -> 1 }
+ring = Torus { center -> vec3(0, 0, 0) radius -> 2 tube -> 0.5 }
+left = ball - box ^ box
+Scene { }
+";
+    let has = |word: &str, expected: &str| {
+        let text = hover(text, word);
+        assert!(text.contains(expected), "{text}");
+    };
+    has(
+        "ball = ",
+        "a Sphere; in the box x from -1 to 3, y from 0 to 4, z from 1 to 5",
+    );
+    has(
+        "box = ",
+        "a Box; in the box x from -1 to 1, y from -1 to 1, z from 0 to 4",
+    );
+    has(
+        "cut = ",
+        "a difference of 2 leaves; in the box x from -1 to 3",
+    );
+    has(
+        "both = ",
+        "a union of 2 leaves; in the box x from -1 to 3, y from -1 to 4, z from 0 to 5",
+    );
+    has(
+        "common = ",
+        "an intersection of 2 leaves; in the box x from -1 to 1, y from 0 to 1, z from 1 to 4",
+    );
+    has("none = ", "which is empty");
+    has(
+        "turned = ",
+        "x from -1.41421 to 1.41421, y from -1.41421 to 1.41421, z from 0 to 4",
+    );
+    has("wall = ", "x without bounds, y to -1, z without bounds");
+    has("tower = ", "x from -2 to 2, y from 0 to 3, z from -2 to 2");
+    has("spire = ", "x from 0 to 5, y from -1 to 1, z from -1 to 1");
+    has(
+        "ring = ",
+        "x from -2.5 to 2.5, y from -0.5 to 0.5, z from -2.5 to 2.5",
+    );
+    // Sums and intersections go from left to right.
+    has("left = ", "an intersection of 3 leaves");
+}
+
+#[test]
+fn arguments_are_written_beside_their_names() {
+    let text = "m = Macro (size, place) { }\na = m(vec3(1, 2";
+    let signature = |offset: usize| read(text).signature(offset as u32);
+    let inner = signature(text.len()).expect("a function");
+    assert_eq!((&*inner.label, inner.active), ("vec3(x, y, z)", 1));
+    assert_eq!(inner.what, "builtin function");
+    let (start, end) = inner.parameters[1];
+    assert_eq!(&inner.label[start as usize..end as usize], "y");
+    let outer = signature(text.find("vec3").expect("there")).expect("a macro");
+    assert_eq!((&*outer.label, outer.active), ("m(size, place)", 0));
+    assert_eq!(outer.what, "macro");
+    assert_eq!(signature(5), None);
+    let inside = "a = rand(1, Material { ";
+    assert_eq!(read(inside).signature(inside.len() as u32), None);
+    let commented = "a = rand(1, -- b";
+    assert_eq!(read(commented).signature(commented.len() as u32), None);
+    let list = "a = rgb(1, [2, ";
+    let found = read(list).signature(list.len() as u32).expect("a function");
+    assert_eq!((&*found.label, found.active), ("rgb(red, green, blue)", 1));
+}
+
+#[test]
+fn images_are_links() {
+    let text = "a = Background { image -> \"/sky/noon.png\" }\nb = Background { image -> \"../x.png\" }\nc = \"y.png\"\n";
+    let links = read(text).links();
+    assert_eq!(links.len(), 1);
+    assert_eq!(links[0].path, "sky/noon.png");
+    let span = links[0].span;
+    assert_eq!(
+        &text[span.start as usize..span.end as usize],
+        "/sky/noon.png"
+    );
+}
+
+#[test]
+fn reading_is_at_hand_before_the_run_and_an_edit_gives_the_run_up() {
+    let text = "i = 0\nwhile (i < 900000) { i = i + 1 }\n1\nScene { }\n";
+    let mut program = Crt.open(text).expect("small");
+    let findings = program.findings().expect("a run may find more");
+    assert_eq!(findings.len(), 0);
+    let old = program.snapshot();
+    program
+        .edit(Span::new(0, 0), "j = )\n")
+        .expect("in the text");
+    // The run of the old version has been given up before it began: nothing of it is known.
+    assert_eq!(old.diagnostics().len(), 0);
+    // A script that cannot be read is not run: all is known at once.
+    assert!(program.findings().is_none());
+    assert_eq!(program.diagnostics().len(), 1);
+    program.edit(Span::new(0, 6), "").expect("in the text");
+    assert!(program.findings().is_some());
+    assert_eq!(program.diagnostics()[0].code.0, "no-effect");
+    assert!(program.findings().is_none());
+}

@@ -184,8 +184,13 @@ fn describe_entity(entity: &EntityExtent) -> String {
         leaves => format!(" of {leaves} leaves"),
     };
     let what = &entity.what;
+    // A union is spoken with a consonant.
+    let article = match &**what {
+        "union" => "a",
+        what => article(&capital(what)),
+    };
     let Some(bounds) = entity.bounds else {
-        return format!("{} {what}{leaves}, which is empty", article(&capital(what)));
+        return format!("{article} {what}{leaves}, which is empty");
     };
     let sides = bounds
         .iter()
@@ -199,7 +204,6 @@ fn describe_entity(entity: &EntityExtent) -> String {
             },
         );
     let sides: Vec<String> = sides.collect();
-    let article = article(&capital(what));
     format!("{article} {what}{leaves}; in the box {}", sides.join(", "))
 }
 
