@@ -25,9 +25,10 @@ pub mod wanted;
 
 use syntax::diagnostic::Code;
 
-/// Every code that reading a CRT script can give, with what it means.
+/// Every code that reading and running a CRT script can give, with what it means.
 pub fn crt_codes() -> impl Iterator<Item = (Code, &'static str)> {
-    syntax::crt::codes::CODES.iter().copied()
+    let reading = syntax::crt::codes::CODES.iter();
+    reading.chain(scene::crt::codes::CODES).copied()
 }
 
 /// Every code that compiling a program can give, with what it means.
