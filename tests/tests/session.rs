@@ -82,6 +82,66 @@ async fn a_burst_of_ten_thousand_messages_ends_in_the_last_state() {
 }
 
 #[tokio::test]
+async fn a_script_runs_beside_the_edits_and_a_newer_edit_ends_the_run() {
+    const SCRIPT: &str = "file:///w/a.crt";
+    let looping = "i = 0\nwhile (i < 900000) { i = i + 1 }\n1\nScene { }\n";
+    for place in PLACES {
+        let mut editor = started(place, "script").await;
+        let found = |params: &Value| -> Vec<String> {
+            let all = params["diagnostics"].as_array().expect("a list").iter();
+            all.map(|it| it["code"].as_str().unwrap_or_default().to_owned())
+                .collect()
+        };
+        // What reading finds comes first, what running finds behind it.
+        let text = "a = 1\n- 2\n1\nScene { }\n";
+        editor.open(SCRIPT, text).await;
+        let of = |version: i64| move |p: &Value| p["uri"] == SCRIPT && p["version"] == version;
+        const PUBLISH: &str = "textDocument/publishDiagnostics";
+        let reading = editor.notified(PUBLISH, of(1)).await;
+        assert_eq!(found(&reading), ["continues-line"]);
+        let running = editor.notified(PUBLISH, of(1)).await;
+        assert_eq!(found(&running), ["continues-line", "no-effect"]);
+        // Ten runs that take long are given up, and only the last one has a second answer.
+        for version in 2..12 {
+            let change = json!([{ "text": looping }]);
+            editor.change(SCRIPT, version, change).await;
+        }
+        let change = json!([{ "range": range([0, 0], [0, 0]), "text": "2\n" }]);
+        editor.change(SCRIPT, 12, change).await;
+        let last = |p: &Value| p["version"] == 12 && p["diagnostics"] != json!([]);
+        let last = editor.notified(PUBLISH, last).await;
+        assert_eq!(found(&last), ["no-effect", "no-effect"]);
+        let early = editor.heard().filter(|m| {
+            let version = m["params"]["version"].as_i64();
+            let is_early = version.is_some_and(|it| (2..12).contains(&it));
+            is_early && m["params"]["diagnostics"] != json!([])
+        });
+        assert!(early.count() <= 1, "a run was not given up");
+        // The values of the run stand in a hover.
+        let place =
+            json!({ "textDocument": { "uri": SCRIPT }, "position": { "line": 1, "character": 0 } });
+        let hover = editor.ask("textDocument/hover", place).await;
+        let text = hover["contents"]["value"].as_str().unwrap_or_default();
+        assert!(text.contains("`900000`, an Integer"), "{text}");
+        // An editor that asks is answered when the run has ended.
+        let which = json!({ "textDocument": { "uri": SCRIPT } });
+        editor
+            .change(SCRIPT, 13, json!([{ "text": text_with_link() }]))
+            .await;
+        let report = editor.ask("textDocument/diagnostic", which.clone()).await;
+        assert_eq!(report["items"][0]["code"], "no-effect");
+        let links = editor.ask("textDocument/documentLink", which).await;
+        assert_eq!(links[0]["target"], "file:///w/sky/noon.png");
+        assert_eq!(editor.quit().await, 0);
+    }
+}
+
+/// A script with an image, and one statement without an effect.
+fn text_with_link() -> &'static str {
+    "b = Background { image -> \"sky/noon.png\" }\n1\nScene { }\n"
+}
+
+#[tokio::test]
 async fn what_is_no_message_is_answered_and_the_next_message_is_read() {
     for place in PLACES {
         let mut editor = started(place, "malformed").await;
