@@ -347,7 +347,7 @@ fn each_face_of_a_set_has_the_material_of_its_own_leaf() {
         Scene {
             Box { cornerA -> vec3(-9, -9, 2) cornerB -> vec3(9, 9, 6) material -> red }
                 - (Sphere { center -> vec3(0, 0, 2) radius -> 1 material -> green }
-                    + Box { cornerA -> vec3(2, -0.5, 1) cornerB -> vec3(3, 0.5, 3) material -> blue })
+                    + Box { cornerA -> vec3(1.5, -0.5, 1) cornerB -> vec3(3, 0.5, 3) material -> blue })
         }";
     expect(pixel_of(script, MIDDLE), [0.0, 1.0, 0.0]);
     // The bottom of the other hole, at z = 3: x is X·f·W/H·4.
@@ -450,20 +450,27 @@ fn roll_turns_up_towards_the_right() {
 
 #[test]
 fn supersampling_begins_at_the_pixel_and_goes_by_fractions_of_it() {
-    // Rows j + b/n below the horizon, where the height is Y·f/√(1 + (X·f·W/H)² + (Y·f)²).
-    let script = "Settings { supersampling -> 4 background -> Background { horizon -> rgb(1, 0, 0) sky -> rgb(0, 0, 1) } } Scene { }";
-    let at = [40, 31];
-    let mut sum = 0.0;
-    for a in 0..4 {
-        for b in 0..4 {
-            let x = 2.0 * (f64::from(at[0]) + f64::from(a) / 4.0 + 0.5) / 81.0 - 1.0;
-            let y = 1.0 - 2.0 * (f64::from(at[1]) + f64::from(b) / 4.0 + 0.5) / 61.0;
-            let (right, up) = (x * F * 81.0 / 61.0, y * F);
+    // Rows j + b/n below the horizon, where the height is Y·f/√(1 + (X·f·W/H)² + (Y·f)²), with f = tan 75°.
+    let script = "Settings {
+            supersampling -> 4
+            camera -> Camera { position -> vec3(0, 0, 0) pointing -> vec3(0, 0, 1) fov -> 150 }
+            background -> Background { horizon -> rgb(1, 0, 0) sky -> rgb(0, 0, 1) }
+        }
+        Scene { }";
+    let (column, row) = (40.0, 31.0);
+    let f = 75.0_f64.to_radians().tan();
+    // The mean over samples that begin at a share of the pixel.
+    let mean = |begin: f64| {
+        let mut sum = 0.0;
+        for k in 0..16 {
+            let [a, b] = [k / 4, k % 4].map(|it| begin + f64::from(it) / 4.0);
+            let right = (2.0 * (column + a) / 81.0 - 1.0) * f * 81.0 / 61.0;
+            let up = (1.0 - 2.0 * (row + b) / 61.0) * f;
             sum += up.abs() / (1.0 + right * right + up * up).sqrt();
         }
-    }
-    let height = sum / 16.0;
-    // Samples about the pixel's middle would give a third less.
-    assert!((255.0 * height) as u8 > (255.0 * 2.0 * F / 61.0) as u8);
-    expect(pixel_of(script, at), [1.0 - height, 0.0, height]);
+        sum / 16.0
+    };
+    let height = mean(0.0);
+    assert!(255.0 * (mean(0.125) - height).abs() > 2.5);
+    expect(pixel_of(script, [40, 31]), [1.0 - height, 0.0, height]);
 }

@@ -71,12 +71,12 @@ struct CrtRun {
 #[derive(Debug)]
 pub struct CrtAnalysis {
     snapshot: Snapshot,
-    /// What reading the script has found.
+    /// The diagnostics of reading.
     findings: Arc<[Diagnostic]>,
     given_up: AtomicBool,
     /// The run; `None` for a script that cannot be read, which is not run, and for a run that was given up.
     run: OnceLock<Option<CrtRun>>,
-    /// What reading and running have found.
+    /// Those of reading and running.
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
     names: OnceLock<ScriptNames>,
 }

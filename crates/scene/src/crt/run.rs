@@ -147,7 +147,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// What the script has left; `None` if it was given up.
+    /// Returns the scene, the diagnostics and the values of a script that has been run; `None` if it was given up.
     pub(super) fn finish(mut self) -> Option<ScriptRun> {
         if self.given_up.load(Ordering::Relaxed) {
             return None;

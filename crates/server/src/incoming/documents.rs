@@ -159,7 +159,7 @@ pub(super) fn is_previewed(uri: &lsp::Uri) -> bool {
         .any(|scheme| uri.as_str().starts_with(scheme))
 }
 
-/// What is wrong with a document, at a revision of it.
+/// The diagnostics of a document, at a revision of it.
 struct Findings {
     revision: u64,
     version: i32,
