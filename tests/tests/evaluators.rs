@@ -132,7 +132,8 @@ fn rows(scene: &Scene, shape: &Shape, uniforms: &[f64]) -> Vec<Vec<f64>> {
                 // A low-discrepancy sequence, another irrational step for each parameter.
                 let step = [0.618_033_988_749_895, 0.414_213_562_373_095][index as usize % 2];
                 let share = (f64::from(k) * step + 0.1).fract();
-                let range = domains[index as usize];
+                // A geodesic on a solid reads the solid's field, over places in space.
+                let range = *domains.get(index as usize).unwrap_or(&space);
                 f64::from((range.min + share * (range.max - range.min)) as f32)
             }
         });

@@ -43,10 +43,6 @@ const REPEATED: &[(&str, &str)] = &[
         "a parameter's as it is written, a part of a fan's ray, and the numbers of interval arithmetic",
     ),
     (
-        "Item",
-        "a step of a production in the grammar of each language, and a declaration in an editor",
-    ),
-    (
         "Lexeme",
         "a token as each language's lexer reads it, and as an editor sees it",
     ),

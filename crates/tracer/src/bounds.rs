@@ -87,9 +87,14 @@ impl BoundingBox {
     #[inline]
     pub(crate) fn met(&self, origin: DVec3, reciprocal: DVec3) -> Option<[f64; 2]> {
         let [near, far] = self.part(origin, reciprocal);
-        // A difference, a reciprocal and a product have been rounded.
-        let slack = 4.0 * f64::EPSILON * (near.abs() + far.abs());
-        (near - far <= slack && far >= -slack).then_some([near, far])
+        // A difference, a reciprocal and a product have been rounded; where they are endless, nothing has.
+        let size = near.abs() + far.abs();
+        let slack = if size.is_finite() {
+            4.0 * f64::EPSILON * size
+        } else {
+            0.0
+        };
+        (near <= far + slack && far >= -slack).then_some([near, far])
     }
 
     /// The part of a line inside, in its parameter; empty where the first exceeds the second.

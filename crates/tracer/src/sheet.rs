@@ -76,6 +76,8 @@ pub struct SheetCounters {
     pub places: u64,
     /// Evaluations of them on a cell.
     pub cells: u64,
+    /// Cells whose boxes rays have met.
+    pub met: u64,
 }
 
 /// A rectangle is divided into this many cells, if their boxes are not small before.
@@ -174,6 +176,7 @@ impl Sheet {
         let reach =
             self.hierarchy
                 .each_met(origin, direction, reach, &mut stack, &mut |k, mut reach| {
+                    scratch.counters.met += 1;
                     let before = scratch.hits.len();
                     self.meet(scratch, k, &ray, leaving, reach);
                     for k in before..scratch.hits.len() {

@@ -310,6 +310,17 @@ fn a_ray_costs_few_evaluations() {
             cells as f64 / rays.len() as f64,
         );
         assert!(hits > 1000, "{name}: {hits}");
+        // Along the axes most boxes are left out at once too.
+        for (k, ray) in rays.iter().enumerate() {
+            let direction = DVec3::AXES[k % 3];
+            let origin = center + size * (ray.origin - 3.0 * direction);
+            surface.cast(&mut scratch, origin, direction, None);
+        }
+        let met = (scratch.counters().met - after.met) as f64 / rays.len() as f64;
+        assert!(
+            met < 100.0,
+            "{name}: {met} boxes are met by a ray along an axis"
+        );
         assert!(places < 8.0, "{name}: {places} evaluations for a hit");
         assert!(cells < 8.0, "{name}: {cells} cells are divided for a ray");
     }

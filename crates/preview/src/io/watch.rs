@@ -25,6 +25,15 @@ pub(crate) struct Watch {
     _watcher: RecommendedWatcher,
 }
 
+/// The text of a watched file as it is now.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) struct ChangedFile {
+    /// The file, by the path that it was watched by: the window may show another one by now.
+    pub(crate) path: PathBuf,
+    /// Its text.
+    pub(crate) text: Result<String, Unreadable>,
+}
+
 /// The reason why a file has no text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum Unreadable {
@@ -65,8 +74,9 @@ impl Watch {
     pub(crate) fn start(
         path: &Path,
         known: String,
-        events: EventSender<Result<String, Unreadable>>,
+        events: EventSender<ChangedFile>,
     ) -> Result<Self, String> {
+        let watched_path = path.to_owned();
         let path = std::path::absolute(path).map_err(|error| error.to_string())?;
         let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
         let name = path.file_name().unwrap_or_default().to_owned();
@@ -105,7 +115,11 @@ impl Watch {
                     continue;
                 }
                 known.clone_from(&text);
-                if !events.send(text) {
+                let changed = ChangedFile {
+                    path: watched_path.clone(),
+                    text,
+                };
+                if !events.send(changed) {
                     return;
                 }
             }

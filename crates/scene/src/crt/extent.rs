@@ -36,29 +36,29 @@ pub(super) fn extent(entity: &Entity) -> EntityExtent {
     }
 }
 
-enum Step<'e> {
+enum ExtentStep<'e> {
     Visit(&'e Entity, Map),
     Join(SetOperation),
 }
 
 /// Sets are nested as deeply as a loop goes round: a stack instead of recursion.
 fn bounds(entity: &Entity) -> Bounds {
-    let mut steps = vec![Step::Visit(entity, Map::IDENTITY)];
+    let mut steps = vec![ExtentStep::Visit(entity, Map::IDENTITY)];
     let mut done: Vec<Bounds> = Vec::new();
     while let Some(step) = steps.pop() {
         match step {
-            Step::Join(operation) => {
+            ExtentStep::Join(operation) => {
                 if let (Some(second), Some(first)) = (done.pop(), done.pop()) {
                     done.push(joined(operation, first, second));
                 }
             }
-            Step::Visit(entity, outer) => {
+            ExtentStep::Visit(entity, outer) => {
                 let map = outer.after(&entity.map);
                 match entity.node() {
                     Some(Node::Set(operation, a, b)) => steps.extend([
-                        Step::Join(*operation),
-                        Step::Visit(b, map),
-                        Step::Visit(a, map),
+                        ExtentStep::Join(*operation),
+                        ExtentStep::Visit(b, map),
+                        ExtentStep::Visit(a, map),
                     ]),
                     Some(Node::Object(object)) => {
                         let (shape, own) = &object.first;

@@ -8,7 +8,7 @@ use crate::engine::render_thread::RenderEvent;
 use crate::engine::textures::TextureRead;
 use crate::io::file_dialogs::FileChoice;
 use crate::io::link::LinkEvent;
-use crate::io::watch::Unreadable;
+use crate::io::watch::ChangedFile;
 use crate::state::{Compiled, StatusMessage};
 
 /// An event that a thread sends to the window.
@@ -21,7 +21,7 @@ pub(crate) enum WindowEvent {
     /// Something has been measured.
     Measured(Box<MeasureAnswer>),
     /// The file on disk holds another text now, or cannot be read.
-    File(Result<String, Unreadable>),
+    File(ChangedFile),
     /// The server has sent something, or is gone.
     Link(LinkEvent),
     /// An image has been read.

@@ -10,7 +10,7 @@ use super::{Next, TextSource, Window};
 use crate::engine::render_thread::{Purpose, RenderEvent};
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
-use crate::io::watch::Unreadable;
+use crate::io::watch::ChangedFile;
 use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage, Step};
 use crate::ui::panes::settings::SettingsTab;
@@ -36,7 +36,7 @@ impl Window {
             }
             WindowEvent::Render(event) => self.take_rendered(*event),
             WindowEvent::Measured(answer) => crate::ui::measure::take(self, *answer),
-            WindowEvent::File(text) => self.take_changed(text),
+            WindowEvent::File(changed) => self.take_changed(changed),
             WindowEvent::Link(event) => self.take_link_event(event),
             WindowEvent::Texture(read) => {
                 if let Some(sentence) = self.pictures.library.take(read) {
@@ -166,11 +166,15 @@ impl Window {
         }
     }
 
-    fn take_changed(&mut self, text: Result<String, Unreadable>) {
+    fn take_changed(&mut self, changed: ChangedFile) {
         let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
         };
-        match text {
+        // It was on its way when another program took the place of the one that it is of.
+        if changed.path != editor.path {
+            return;
+        }
+        match changed.text {
             Ok(text) => {
                 if editor.take_changed(text) {
                     self.text.compile();
@@ -272,5 +276,31 @@ impl Window {
         let text = format!("There is no {kind} `{name}`: {known}{errors}.");
         self.status_message = Some(StatusMessage::error(text.clone()));
         self.text.say(Event::Message { error: true, text });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ide::Languages;
+    use render::Views;
+
+    use super::*;
+
+    #[test]
+    fn what_was_read_of_another_file_does_not_become_the_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("here.gtr");
+        std::fs::write(&path, "define a = 1;").expect("written");
+        let (context, languages) = (egui::Context::default(), Languages::standard());
+        let window = Window::of_file(&context, &languages, Views::standard(), path.clone(), false);
+        let mut window = window.expect("the file is there");
+        let changed = |path: PathBuf| ChangedFile {
+            path,
+            text: Ok("define b = 2;".to_owned()),
+        };
+        window.take_changed(changed(folder.path().join("before.gtr")));
+        assert_eq!(window.text(), Some("define a = 1;"));
+        window.take_changed(changed(path));
+        assert_eq!(window.text(), Some("define b = 2;"));
     }
 }
