@@ -52,10 +52,10 @@ impl Structure {
     pub(crate) fn new(scene: &Scene, object: &Object) -> Self {
         let mut writer = Writer::new(&scene.graph);
         writer.shape(&object.shape);
-        if let Some((surface, _)) = object.shape.geodesic() {
-            if let Some(on) = scene.get(surface) {
-                writer.shape(&on.shape);
-            }
+        if let Some((surface, _)) = object.shape.geodesic()
+            && let Some(on) = scene.get(surface)
+        {
+            writer.shape(&on.shape);
         }
         if object.shape.is_geodesic() {
             // The notes on a geodesic name it.

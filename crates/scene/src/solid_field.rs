@@ -12,6 +12,9 @@ use crate::solid::{AffineNodes, BoundGrid, Solid, SolidLeaf, SolidStep};
 /// The most values of grids over which a solid's least value is written out.
 const MOST_INSTANCES: u64 = 4_096;
 
+/// Makes the field of a leaf; `None` for one that is left out.
+type LeafField<'f> = dyn Fn(&mut Graph, &SolidLeaf) -> Result<Option<NodeId>, TooLarge> + 'f;
+
 impl Solid {
     /// The number that it is as a function of x, y and z; its cuts are not part of it. `axes` gives the values of the grids
     /// over which it is a union.
@@ -62,7 +65,7 @@ impl Solid {
         &self,
         graph: &mut Graph,
         axes: &dyn Fn(&BoundGrid) -> Vec<Sampling>,
-        of_leaf: &dyn Fn(&mut Graph, &SolidLeaf) -> Result<Option<NodeId>, TooLarge>,
+        of_leaf: &LeafField<'_>,
     ) -> Result<NodeId, TooLarge> {
         let mut stack: Vec<Option<NodeId>> = Vec::new();
         for step in &self.steps {

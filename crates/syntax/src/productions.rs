@@ -213,16 +213,19 @@ fn extend<T: Ord>(set: &mut Lookaheads<T>, more: Lookaheads<T>) -> bool {
     set.len() > before
 }
 
+/// The right side of a production.
+pub type Right<N, T> = &'static [Item<N, T>];
+
 /// An LL(1) table, with all productions of each cell.
 #[derive(Clone, Debug)]
 pub struct Table<N: 'static, T: 'static> {
     start: N,
-    cells: BTreeMap<Cell<N, T>, Vec<&'static [Item<N, T>]>>,
+    cells: BTreeMap<Cell<N, T>, Vec<Right<N, T>>>,
 }
 
 impl<N: Copy + Ord, T: Copy + Ord> Table<N, T> {
     /// The cells with several productions: none of an LL(1) grammar has.
-    pub fn conflicts(&self) -> BTreeMap<Cell<N, T>, &[&'static [Item<N, T>]]> {
+    pub fn conflicts(&self) -> BTreeMap<Cell<N, T>, &[Right<N, T>]> {
         let several = self.cells.iter().filter(|(_, all)| all.len() > 1);
         several.map(|(cell, all)| (*cell, &all[..])).collect()
     }

@@ -301,7 +301,7 @@ impl<'s> SpaceFan<'s> {
                 }
                 _ => f64::INFINITY,
             };
-            if !(off <= 16.0 * allowed) {
+            if off.is_nan() || off > 16.0 * allowed {
                 unknown_from = unknown_from.min(s - known / PROBES as f64);
             }
             error = if off.is_nan() {

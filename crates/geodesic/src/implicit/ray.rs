@@ -90,14 +90,8 @@ pub(crate) struct SpaceRayEnd {
 }
 
 /// The local data of a ray.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct SpaceLocal(Option<LocalShape>);
-
-impl Default for SpaceLocal {
-    fn default() -> Self {
-        Self(None)
-    }
-}
 
 struct SpaceEquation<'a> {
     piece: &'a FieldPiece,

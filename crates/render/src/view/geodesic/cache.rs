@@ -141,11 +141,14 @@ type SolidMap = (PlacedSolidCamera, Map<3>);
 pub(super) struct SolidMapCache {
     /// The one that was used last is the last one.
     solids: Vec<(SolidKey, Arc<SolidSurface>)>,
-    maps: Vec<((MapKey, Vec<u64>), Arc<SolidMap>)>,
+    maps: Vec<(SolidMapKey, Arc<SolidMap>)>,
 }
 
 /// A solid with its numbers and the grids that have a value.
 type SolidKey = (Content, Vec<u64>);
+
+/// A map's key, with the grids that have a value.
+type SolidMapKey = (MapKey, Vec<u64>);
 
 impl SolidMapCache {
     /// The map of a request's camera, followed where it is not known.
