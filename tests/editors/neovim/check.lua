@@ -17,11 +17,11 @@ local function equal(one, other, what)
   end
 end
 
--- A new file with this text in the current window, with the server attached.
+-- A new file with this text, of this language, in the current window, with the server attached.
 local files = 0
-local function open(text)
+local function open(text, extension)
   files = files + 1
-  local path = ("%s/%d.gtr"):format(scratch, files)
+  local path = ("%s/%d.%s"):format(scratch, files, extension or "gtr")
   vim.fn.writefile(vim.split(text, "\n"), path)
   vim.cmd.edit(path)
   eventually("the server", function()
@@ -211,6 +211,89 @@ test("solids are coloured by meaning, completed and described", function()
   assert(hover.contents.value:find("hexagon", 1, true), hover.contents.value)
   local colors = request("textDocument/documentColor", { textDocument = at(0, 0).textDocument })
   equal({ #colors, colors[1].color.green, colors[1].range.start.character }, { 1, 0.5, 49 })
+end)
+
+local script = [[
+ball = Sphere { center -> vec3(0, 0.5, 0)  radius -> 0.5  material -> Material { color -> rgb(1, 0.5, 0) } }
+n = 6 * 3
+row = Macro (step) {
+    i = 0
+    while (i < n) { ball <translate vec3(step * i, 0, 0)> i = i + 1 }
+}
+Scene { row(1.5) }]]
+
+test("a .crt file is a script, and a certificate is none", function()
+  local buffer = open(script, "crt")
+  equal({ vim.bo.filetype, vim.bo.commentstring }, { "crt", "-- %s" })
+  local function shown(line, column)
+    local tokens = vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}
+    return tokens[1] and tokens[1].type
+  end
+  eventually("tokens", function()
+    return shown(0, 0)
+  end)
+  equal({ shown(0, 0), shown(0, 16), shown(0, 26), shown(2, 6), shown(2, 13), shown(4, 4) },
+    { "variable", "property", "function", "keyword", "parameter", "keyword" })
+  equal(#diagnostics(), 0)
+  local certificate = scratch .. "/certificate.crt"
+  vim.fn.writefile({ "-----BEGIN CERTIFICATE-----", "MIIB==" }, certificate)
+  vim.cmd.edit(certificate)
+  equal(vim.bo.filetype == "crt", false)
+  equal(#vim.lsp.get_clients({ bufnr = 0, name = "geotrace" }), 0)
+end)
+
+test("the mistakes of a script come with their places, and go with an edit", function()
+  open(script:gsub("radius", "radios"), "crt")
+  eventually("diagnostics", function()
+    return #diagnostics() > 0
+  end)
+  local codes = vim.tbl_map(function(found)
+    return found.code
+  end, diagnostics())
+  assert(vim.tbl_contains(codes, "missing-attribute") and vim.tbl_contains(codes, "unknown-attribute"), vim.inspect(codes))
+  vim.api.nvim_buf_set_text(0, 0, 42, 0, 48, { "radius" })
+  eventually("all well again", function()
+    return #diagnostics() == 0
+  end)
+end)
+
+test("a script is described, renamed, laid out and completed", function()
+  open(script, "crt")
+  local hover = request("textDocument/hover", at(1, 0))
+  assert(hover.contents.value:find("18, an Integer", 1, true), hover.contents.value)
+  hover = request("textDocument/hover", at(0, 44))
+  assert(hover.contents.value:find("Required", 1, true), hover.contents.value)
+  local symbols = vim.tbl_map(function(symbol)
+    return symbol.name
+  end, request("textDocument/documentSymbol", { textDocument = at(0, 0).textDocument }))
+  equal(symbols, { "ball", "row", "Scene" })
+  local colors = request("textDocument/documentColor", { textDocument = at(0, 0).textDocument })
+  equal({ #colors, colors[1].color.green }, { 1, 0.5 })
+  vim.api.nvim_win_set_cursor(0, { 4, 4 })
+  vim.lsp.buf.rename("k")
+  eventually("the new name", function()
+    return text():find("vec3(step * k, 0, 0)> k = k + 1", 1, true)
+  end)
+  vim.lsp.buf.format({ timeout_ms = 8000 })
+  assert(text():find("ball = Sphere {\n    center -> vec3(0, 0.5, 0)\n    radius -> 0.5\n", 1, true), text())
+  local items = request("textDocument/completion", at(1, 0))
+  local labels = vim.tbl_map(function(item)
+    return item.label
+  end, items.items or items)
+  assert(vim.tbl_contains(labels, "material") or vim.tbl_contains(labels, "center"), vim.inspect(labels))
+end)
+
+test("a script is converted into a program beside it", function()
+  open(script, "crt")
+  local found = {}
+  for _, action in ipairs(request("textDocument/codeAction", {
+    textDocument = at(0, 0).textDocument,
+    range = { start = at(0, 0).position, ["end"] = at(0, 0).position },
+    context = { diagnostics = {}, only = { "source.convert" } },
+  })) do
+    table.insert(found, action.title)
+  end
+  equal(#found, 1)
 end)
 
 test("a missing semicolon at the end of the file is fixed from its line", function()

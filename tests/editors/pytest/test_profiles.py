@@ -78,29 +78,29 @@ def span(client, needle: str, text: str = TEXT) -> types.Range:
     return types.Range(place(client, needle, text), place(client, needle, text, behind=True))
 
 
-def document() -> types.TextDocumentIdentifier:
-    return types.TextDocumentIdentifier(URI)
+def document(uri: str = URI) -> types.TextDocumentIdentifier:
+    return types.TextDocumentIdentifier(uri)
 
 
-def open_document(client, text: str = TEXT):
-    item = types.TextDocumentItem(URI, "geotrace", 1, text)
+def open_document(client, text: str = TEXT, uri: str = URI, language: str = "geotrace"):
+    item = types.TextDocumentItem(uri, language, 1, text)
     client.text_document_did_open(types.DidOpenTextDocumentParams(item))
 
 
-def change(client, version: int, *changes):
+def change(client, version: int, *changes, uri: str = URI):
     params = types.DidChangeTextDocumentParams(
-        types.VersionedTextDocumentIdentifier(version=version, uri=URI), list(changes)
+        types.VersionedTextDocumentIdentifier(version=version, uri=uri), list(changes)
     )
     client.text_document_did_change(params)
 
 
-async def pushed(client, version: int):
+async def pushed(client, version: int, uri: str = URI):
     """The diagnostics that the server sends for a version."""
 
     async def found():
         while True:
             for params in client.published:
-                if params.uri == URI and params.version == version:
+                if params.uri == uri and params.version == version:
                     return list(params.diagnostics)
             await asyncio.sleep(0.005)
 
@@ -122,6 +122,19 @@ def splice(client, text: str, edits) -> str:
     for start, end, new in sorted(spans, reverse=True):
         text = text[:start] + new + text[end:]
     return text
+
+
+def colored(client, data, text: str) -> list[tuple[str, str]]:
+    """The words of a text and their types, from the numbers of its semantic tokens."""
+    legend = client.server.semantic_tokens_provider.legend.token_types
+    lines, line, column, tokens = text.split("\n"), 0, 0, []
+    for k in range(0, len(data), 5):
+        down, right, length, kind, _ = data[k : k + 5]
+        line, column = line + down, right if down else column + right
+        ends = [units(client, lines[line][:n]) for n in range(len(lines[line]) + 1)]
+        start, end = ends.index(column), ends.index(column + length)
+        tokens.append((lines[line][start:end], legend[kind]))
+    return tokens
 
 
 async def test_positions_are_in_the_encoding_that_the_client_prefers(client):
@@ -176,19 +189,7 @@ async def test_hover_stands_on_the_word(client):
 async def test_tokens_count_as_the_client_does(client):
     open_document(client)
     full = await client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document()))
-    legend = client.server.semantic_tokens_provider.legend.token_types
-
-    def read(data, text):
-        lines, line, column, tokens = text.split("\n"), 0, 0, []
-        for k in range(0, len(data), 5):
-            down, right, length, kind, _ = data[k : k + 5]
-            line, column = line + down, right if down else column + right
-            ends = [units(client, lines[line][:n]) for n in range(len(lines[line]) + 1)]
-            start, end = ends.index(column), ends.index(column + length)
-            tokens.append((lines[line][start:end], legend[kind]))
-        return tokens
-
-    tokens = read(full.data, TEXT)
+    tokens = colored(client, full.data, TEXT)
     assert ("# 𝛼é", "comment") in tokens
     assert tokens[3:8] == [
         ("pi", "variable"),
@@ -206,7 +207,7 @@ async def test_tokens_count_as_the_client_does(client):
         data[edit.start : edit.start + edit.delete_count] = edit.data or []
     now = await client.text_document_semantic_tokens_full_async(types.SemanticTokensParams(document()))
     assert data == list(now.data)
-    assert read(data, TEXT.replace("tau + sinn", "tau")) != tokens
+    assert colored(client, data, TEXT.replace("tau + sinn", "tau")) != tokens
 
 
 async def test_renaming_changes_every_use_and_nothing_else(client):

@@ -8,10 +8,10 @@ const vscode = require("vscode");
 const scratch = mkdtempSync(join(tmpdir(), "geotrace-suite-"));
 let files = 0;
 
-/** Opens a new document with this text. */
-async function open(text) {
+/** Opens a new document with this text, of the language with this extension. */
+async function open(text, extension = "gtr") {
     files += 1;
-    const path = join(scratch, `${files}.gtr`);
+    const path = join(scratch, `${files}.${extension}`);
     writeFileSync(path, text);
     const document = await vscode.workspace.openTextDocument(path);
     await vscode.window.showTextDocument(document);
@@ -213,6 +213,69 @@ exports["solids are coloured, completed and described, and colours are picked"] 
     const [first] = await ask("vscode.executeColorPresentationProvider", new vscode.Color(0, 0.25, 1, 1), place);
     await edit(document, first.textEdit.range, first.textEdit.newText);
     assert.match(document.lineAt(0).text, /color : \(0, 0\.25, 1\);$/);
+};
+
+exports["a script is coloured, described, completed, renamed and laid out"] = async () => {
+    const text = [
+        "ball = Sphere { center -> vec3(0, 0.5, 0)  radius -> 0.5  material -> Material { color -> rgb(1, 0.5, 0) } }",
+        "n = 6 * 3",
+        "row = Macro (step) { ball <translate vec3(step * n, 0, 0)> }",
+        "Scene { row(1.5) }",
+    ];
+    const document = await open(text.join("\n"), "crt");
+    assert.strictEqual(document.languageId, "crt");
+    const legend = await ask("vscode.provideDocumentSemanticTokensLegend", document.uri);
+    const tokens = await ask("vscode.provideDocumentSemanticTokens", document.uri);
+    assert.strictEqual(legend.tokenTypes[tokens.data[3]], "variable");
+    assert.deepStrictEqual(found(document), []);
+    const described = async (line, column) => {
+        const place = new vscode.Position(line, column);
+        const hovers = await ask("vscode.executeHoverProvider", document.uri, place);
+        return hovers.flatMap((hover) => hover.contents.map((content) => content.value)).join();
+    };
+    assert.match(await described(1, 0), /18, an Integer/);
+    assert.match(await described(0, 44), /Required/);
+    const symbols = await ask("vscode.executeDocumentSymbolProvider", document.uri);
+    assert.deepStrictEqual(
+        symbols.map((symbol) => symbol.name),
+        ["ball", "row", "Scene"],
+    );
+    const inside = new vscode.Position(0, text[0].indexOf("radius"));
+    const list = await ask("vscode.executeCompletionItemProvider", document.uri, inside);
+    assert.ok(list.items.length > 0);
+    const [color] = await ask("vscode.executeDocumentColorProvider", document.uri);
+    assert.deepStrictEqual([color.color.red, color.color.green, color.color.blue], [1, 0.5, 0]);
+    const step = new vscode.Position(2, text[2].indexOf("step"));
+    const change = await ask("vscode.executeDocumentRenameProvider", document.uri, step, "distance");
+    assert.ok(await vscode.workspace.applyEdit(change));
+    assert.match(document.lineAt(2).text, /^row = Macro \(distance\) \{ ball <translate vec3\(distance \* n, 0, 0\)> \}$/);
+    const edits = await ask("vscode.executeFormatDocumentProvider", document.uri, { tabSize: 4, insertSpaces: true });
+    const layout = new vscode.WorkspaceEdit();
+    layout.set(document.uri, edits);
+    assert.ok(await vscode.workspace.applyEdit(layout));
+    assert.match(document.getText(), /^ball = Sphere \{\n    center -> vec3\(0, 0\.5, 0\)\n    radius -> 0\.5\n/);
+};
+
+exports["the mistakes of a script come with their places, and a certificate has none"] = async () => {
+    const document = await open("ball = Spere { radius -> 1 }\nScene { ball }\n", "crt");
+    const list = await eventually("a diagnostic", () => found(document).length > 0 && found(document));
+    assert.strictEqual(list[0].code?.value ?? list[0].code, "unknown-object");
+    assert.deepStrictEqual([list[0].range.start.line, list[0].range.start.character], [0, 7]);
+    await edit(document, new vscode.Range(0, 7, 0, 12), "Sphere");
+    await eventually("another one", () => found(document)[0]?.message.includes("center"));
+    const certificate = await open("-----BEGIN CERTIFICATE-----\nMIIB==\n", "crt");
+    await new Promise((resolve) => setTimeout(resolve, 300));
+    assert.deepStrictEqual(found(certificate), []);
+};
+
+exports["a script becomes a program"] = async () => {
+    const document = await open(
+        "Scene { Sphere { center -> vec3(0, 0, 5) radius -> 1 } }\n",
+        "crt",
+    );
+    const range = new vscode.Range(0, 0, 0, 0);
+    const actions = await ask("vscode.executeCodeActionProvider", document.uri, range, "source.convert");
+    assert.strictEqual(actions.length, 1, actions.map((action) => action.title).join());
 };
 
 exports["formatting lays the text out"] = async () => {
