@@ -5,7 +5,8 @@
 //! (program.rs)                   │ (model.rs)           └─ history.rs, difference.rs: undo, redo
 //!                                ├─ view.rs: what is remembered by name, and between runs
 //!                                ├─ faults.rs: what is wrong with the text, and when that is shown
-//!                                ├─ camera.rs, motion.rs, path.rs: the cameras, their motions, the paths of the geodesic ones
+//!                                ├─ camera.rs, inside_camera.rs: the cameras in space and of the geodesic views
+//!                                ├─ motion.rs, path.rs: the motions and the paths of the geodesic ones
 //!                                ├─ measuring.rs: what is measured on a surface
 //!                                └─ pane.rs, layout.rs: the panes and their places
 //! ```
@@ -15,6 +16,7 @@ pub(crate) mod camera_controller;
 pub(crate) mod difference;
 pub(crate) mod faults;
 pub(crate) mod history;
+pub(crate) mod inside_camera;
 pub(crate) mod layout;
 pub(crate) mod measuring;
 pub(crate) mod model;
@@ -24,9 +26,10 @@ pub(crate) mod path;
 pub(crate) mod program;
 pub(crate) mod view;
 
-pub use camera::{InsideCamera, SpaceCamera};
+pub use camera::SpaceCamera;
 pub use faults::ProgramFaults;
 pub use history::{History, Step};
+pub use inside_camera::{ChartCamera, InsideCamera, SolidCamera};
 pub use model::Model;
 pub use path::CameraPath;
 pub(crate) use program::Compiled;

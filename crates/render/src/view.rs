@@ -56,6 +56,11 @@ pub trait View: fmt::Debug + Send + Sync {
     /// Returns true if it can be of this object, or whether this object is seen in it.
     fn shows(&self, scene: &Scene, object: &Object) -> bool;
 
+    /// Returns true if a window opens the view of an object that it shows by itself; else it waits until it is asked for.
+    fn opens_by_itself(&self, _object: &Object) -> bool {
+        true
+    }
+
     /// A sentence about a scene of which it shows no object.
     fn nothing(&self) -> &'static str {
         "Nothing to show"
@@ -298,6 +303,13 @@ impl Views {
             }
         }
         ids
+    }
+
+    /// Returns true if a window opens a view of a scene by itself.
+    pub fn opens_by_itself(&self, id: &ViewId, scene: &Scene) -> bool {
+        let object = id.object.as_ref().and_then(|name| scene.object(name));
+        let both = self.get(&id.kind).zip(object);
+        both.is_some_and(|(view, (_, object))| view.opens_by_itself(object))
     }
 
     /// The options of a first picture of a view; `None` if there is no such view of this scene.

@@ -19,6 +19,8 @@ pub struct SpaceFrame {
 
 /// ẑ×n below this length is no direction.
 const UPRIGHT: f64 = 1e-9;
+/// The share of the zoom by which a frame may miss its surface: what rounding leaves of a long walk.
+const FITS: f64 = 1e-9;
 
 /// X = ẑ×n and Y = n×X at a place with the unit normal n; X is x̂ where that is 0.
 fn axes(n: [f64; 3]) -> [[f64; 3]; 2] {
@@ -56,6 +58,36 @@ impl SpaceFrame {
             x: combine(zoom * cos, x, zoom * sin, y),
             y: combine(-zoom * sin, x, zoom * cos, y),
         })
+    }
+
+    /// The frame on a surface that has changed: at the place on it to which this one leads, with X as it was but for its part
+    /// along the normal, of the same length. A frame that fits is returned as it is, to the last digit.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn brought_onto(&self, surface: &ImplicitSurface) -> Result<Self, PlaceError> {
+        let at = surface.place(self.at)?;
+        let normal = surface.normal(at).ok_or(PlaceError::NoGradient)?;
+        let zoom = self.zoom();
+        let along = combine(1.0, self.x, -dot(self.x, normal), normal);
+        let length = norm(along);
+        let x = match length > UPRIGHT * zoom {
+            true => along.map(|x| x * zoom / length),
+            false => axes(normal)[0].map(|x| zoom * x),
+        };
+        let brought = Self {
+            at,
+            x,
+            y: cross(normal, x),
+        };
+        let misses = |a: [f64; 3], b: [f64; 3]| norm(combine(1.0, a, -1.0, b));
+        let fits = [
+            misses(brought.at, self.at),
+            misses(brought.x, self.x),
+            misses(brought.y, self.y),
+        ];
+        let fits = fits.iter().all(|miss| *miss <= FITS * zoom);
+        Ok(if fits { *self } else { brought })
     }
 
     /// The length of both vectors.

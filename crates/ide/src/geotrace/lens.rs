@@ -24,7 +24,7 @@ pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
             Category::Surface => vec![space, inside],
             Category::Metric => vec![inside],
             Category::Solid if solid::whole(analysis, &item).is_none() => {
-                vec![space, traced(None)]
+                vec![space, inside, traced(None)]
             }
             Category::Stage if item.keyword == DeclarationKeyword::Camera => {
                 vec![traced(Some(item.name.to_owned()))]

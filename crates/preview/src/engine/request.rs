@@ -1,17 +1,17 @@
 //! The request for a view's picture: all that it shows, as data that can be compared. A picture is requested again only
 //! where its request has changed.
 
-use render::geodesic_view::PlacedCamera;
+use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing, Theme};
 use render::shared::Shared;
 use render::texture::Texture;
-use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
+use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
 use scene::{Object, ObjectId};
 
 use crate::engine::textures::Library;
 use crate::state::model::Emphasis;
-use crate::state::{Choice, InsideCamera, Marks, Model};
+use crate::state::{Choice, Marks, Model};
 
 /// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to be seen. `active` is
 /// the surface whose geodesic camera the views in space show. While the view is `moving`, a picture at once is worth more
@@ -45,7 +45,7 @@ pub(crate) fn picture_request(
         && let Some(camera) = model.settle_camera(name, own.is_some())
         && let Some((surface, _)) = scene.object(name)
     {
-        view.show_camera(camera_on(surface, &camera));
+        view.show_camera(camera.on(surface));
     }
     let mut hidden = Vec::new();
     if let Some(space) = view.space_mut() {
@@ -127,11 +127,6 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
     scene.numbered().filter_map(colour).collect()
 }
 
-/// Returns a geodesic camera as a request has it.
-pub(crate) fn camera_on(surface: ObjectId, camera: &InsideCamera) -> GeodesicCamera {
-    GeodesicCamera::new(surface).with_frame(camera.frame())
-}
-
 fn overlays(marks: &Marks) -> Overlays {
     Overlays {
         legend: marks.legend,
@@ -172,6 +167,10 @@ pub(crate) fn at_rest(
     }
     let placed = |camera: GeodesicCamera| {
         let (scene, params) = (&request.scene, &request.params);
+        if let Pose::SpaceFrame(_) = camera.pose {
+            let placed = PlacedSolidCamera::new(scene, params, &camera, size);
+            return Some(placed.ok()?.by_angle());
+        }
         let placed = PlacedCamera::new(scene, params, &camera, size)
             .ok()?
             .by_angle();

@@ -243,7 +243,7 @@ impl Drop for ViewStore {
 fn kept(view: &View) -> View {
     let mut view = view.clone();
     view.space = view.space.filter(|camera| camera.moved);
-    view.inside.retain(|_, camera| camera.moved);
+    view.inside.retain(|_, camera| camera.is_moved());
     view
 }
 

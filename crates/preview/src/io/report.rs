@@ -50,7 +50,7 @@ pub struct Counters {
     /// The place of the 3D camera.
     pub eye: Option<[f64; 3]>,
     /// The places of the geodesic cameras.
-    pub inside: BTreeMap<String, [f64; 2]>,
+    pub inside: BTreeMap<String, Vec<f64>>,
     /// The lengths of the trails that geodesic cameras have left.
     pub trails: BTreeMap<String, f64>,
     /// The places of the panes' pictures in the window, in pixels: left, top, width, height.

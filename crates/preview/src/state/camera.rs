@@ -1,7 +1,5 @@
-//! The cameras: where they stand, and how they are moved.
+//! The camera of the views in space: where it stands, and how it is moved.
 
-use geodesic::ends::Coordinates;
-use geodesic::frame::Frame;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -191,66 +189,5 @@ impl SpaceCamera {
             near(target)
         };
         self.with(near(eye), ahead)
-    }
-}
-
-/// The camera of a geodesic view.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct InsideCamera {
-    /// Its (u, v).
-    pub at: [f64; 2],
-    /// X, in (u, v) or about the pole.
-    pub x: [f64; 2],
-    /// Y likewise.
-    pub y: [f64; 2],
-    /// The pole whose coordinates X and Y are in: axis and end, see `geodesic::ends::Coordinates`.
-    #[serde(default)]
-    pub pole: Option<[u8; 2]>,
-    /// The length of X and Y on the surface.
-    pub zoom: f64,
-    /// The user has moved it; otherwise it is put anew where its surface changes.
-    #[serde(default)]
-    pub moved: bool,
-}
-
-impl InsideCamera {
-    /// Makes the camera of a frame.
-    pub fn of(frame: &Frame, zoom: f64, moved: bool) -> Self {
-        Self {
-            at: frame.uv.0,
-            x: frame.x.0,
-            y: frame.y.0,
-            pole: match frame.coordinates {
-                Coordinates::Plain => None,
-                Coordinates::Apex { axis, end } => Some([axis, end]),
-            },
-            zoom,
-            moved,
-        }
-    }
-
-    /// Returns it as a frame.
-    pub fn frame(&self) -> Frame {
-        Frame {
-            uv: self.at.into(),
-            coordinates: self
-                .pole
-                .map_or(Coordinates::Plain, |[axis, end]| Coordinates::Apex {
-                    axis,
-                    end,
-                }),
-            x: self.x.into(),
-            y: self.y.into(),
-        }
-    }
-
-    /// Returns whether all its numbers are finite.
-    pub fn is_sane(&self) -> bool {
-        let all = [self.at, self.x, self.y].concat();
-        let pole = self.pole.unwrap_or_default();
-        all.iter().all(|x| x.is_finite())
-            && (1e-30..=1e30).contains(&self.zoom)
-            && pole.iter().all(|k| *k <= 1)
     }
 }

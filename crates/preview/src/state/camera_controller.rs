@@ -7,16 +7,18 @@
 use std::sync::Arc;
 
 use geodesic::frame::Frame;
+use geodesic::implicit::SpaceFrame;
 use geodesic::point::TangentVector;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError};
-use geometry::{Manifold, ManifoldError};
+use geometry::{Manifold, ManifoldError, SolidSurface};
 use render::RenderError;
-use render::geodesic_view::PlacedCamera;
-use render::viewpoint::GeodesicCamera;
+use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
+use render::view::Hit;
+use render::viewpoint::{GeodesicCamera, Pose};
 use scene::{ObjectId, ParamValues, Scene};
 
-use super::camera::InsideCamera;
+use super::inside_camera::{ChartCamera, InsideCamera, SolidCamera};
 use super::motion::Motion;
 use super::path::CameraPath;
 
@@ -28,7 +30,7 @@ pub(crate) struct CameraController {
     settled: Option<(Option<InsideCamera>, Result<InsideCamera, RenderError>)>,
 }
 
-/// A surface or metric of a scene with the params' values.
+/// A surface, metric or solid of a scene with the params' values.
 #[derive(Clone, Debug)]
 pub(crate) struct Subject {
     pub(crate) scene: Arc<Scene>,
@@ -40,7 +42,14 @@ pub(crate) struct Subject {
 #[derive(Debug)]
 struct Instance {
     subject: Subject,
-    manifold: Result<Manifold, ManifoldError>,
+    ground: Result<Ground, ManifoldError>,
+}
+
+/// An object that a camera stands on, ready for geodesics.
+#[derive(Debug)]
+enum Ground {
+    Manifold(Manifold),
+    Solid(Arc<SolidSurface>),
 }
 
 /// The difference between two subjects.
@@ -73,15 +82,15 @@ impl CameraController {
         {
             return result.clone();
         }
-        let surface = match self.instance.as_ref().map(|instance| &instance.manifold) {
-            Some(Ok(manifold)) => manifold.surface(),
+        let ground = match self.instance.as_ref().map(|instance| &instance.ground) {
+            Some(Ok(ground)) => ground,
             Some(Err(error)) => return Err(error.clone().into()),
             None => return Err(ManifoldError::NoSurface { name: None }.into()),
         };
         // A camera that was put there by other means may be of another time, and not fit the surface as it is.
-        let kept = camera.filter(|camera| camera.moved || change != SubjectChange::Scene);
-        let kept = kept.and_then(|camera| settled(surface, &camera));
-        let result = kept.map_or_else(|| first_place(subject), Ok);
+        let kept = camera.filter(|camera| camera.is_moved() || change != SubjectChange::Scene);
+        let kept = kept.and_then(|camera| ground.settled(camera));
+        let result = kept.map_or_else(|| ground.first_place(subject), Ok);
         let known = result.as_ref().ok().copied().or(camera);
         self.settled = Some((known, result.clone()));
         result
@@ -96,13 +105,12 @@ impl CameraController {
         path: Option<&mut Arc<CameraPath>>,
     ) -> InsideCamera {
         let Some(Instance {
-            manifold: Ok(manifold),
-            ..
+            ground: Ok(ground), ..
         }) = &self.instance
         else {
             return camera;
         };
-        let next = moved(manifold, camera, motion, path);
+        let next = ground.moved(camera, motion, path).unwrap_or(camera);
         self.settled = Some((Some(next), Ok(next)));
         next
     }
@@ -119,14 +127,14 @@ impl CameraController {
             Some(before) if before.settings != subject.settings => SubjectChange::Values,
             Some(_) => return SubjectChange::None,
         };
-        let manifold = subject.manifold();
+        let ground = subject.ground();
         if let (
             Some(Instance {
-                manifold: Ok(before),
+                ground: Ok(Ground::Manifold(before)),
                 ..
             }),
-            Ok(after),
-        ) = (&self.instance, &manifold)
+            Ok(Ground::Manifold(after)),
+        ) = (&self.instance, &ground)
             && let Some(walked) = &path
             && !walked.fits(before.surface(), after.surface())
         {
@@ -134,7 +142,7 @@ impl CameraController {
         }
         self.instance = Some(Instance {
             subject: subject.clone(),
-            manifold,
+            ground,
         });
         change
     }
@@ -161,46 +169,118 @@ impl Subject {
         Manifold::new(&self.scene, self.surface, &uniforms)
     }
 
-    /// Returns the camera at a chart point of the surface, with a zoom where one is given.
+    /// Makes the surface, metric or solid, ready for geodesics.
+    fn ground(&self) -> Result<Ground, ManifoldError> {
+        let object = self.scene.get(self.surface);
+        if object.is_some_and(|object| object.shape.solid().is_some()) {
+            let solid = SolidSurface::new(&self.scene, &self.settings, self.surface)?;
+            return Ok(Ground::Solid(Arc::new(solid)));
+        }
+        self.manifold().map(Ground::Manifold)
+    }
+
+    /// Returns the camera at a place that was found in a picture, with a zoom where one is given.
     ///
     /// # Errors
     /// [`RenderError`] if no camera can be there.
     pub(crate) fn camera_at(
         &self,
-        at: [f64; 2],
+        hit: &Hit,
         zoom: Option<f64>,
     ) -> Result<InsideCamera, RenderError> {
-        self.camera(Some(at), zoom, true)
+        let first = GeodesicCamera::new(self.surface);
+        match self.ground()? {
+            ground @ Ground::Manifold(_) => {
+                ground.camera(self, first.at(hit.parameters), zoom, true)
+            }
+            ground @ Ground::Solid(_) => {
+                let at = hit.position.map(|position| position.0);
+                let pose = Pose::InSpace { at, angle: 0.0 };
+                ground.camera(self, GeodesicCamera { pose, ..first }, zoom, true)
+            }
+        }
     }
+}
 
+impl Ground {
+    /// Returns a camera on a subject that this is.
     fn camera(
         &self,
-        place: Option<[f64; 2]>,
-        length: Option<f64>,
+        subject: &Subject,
+        camera: GeodesicCamera,
+        zoom: Option<f64>,
         moved: bool,
     ) -> Result<InsideCamera, RenderError> {
         // The picture's size does not matter to the camera.
-        let first = GeodesicCamera::new(self.surface);
-        let wanted = GeodesicCamera {
-            zoom: length,
-            ..place.map_or(first, |at| first.at(at))
-        };
-        let inside = PlacedCamera::new(&self.scene, &self.settings, &wanted, [256, 256])?;
-        Ok(InsideCamera::of(&inside.frame, inside.zoom, moved))
+        const SIZE: [u32; 2] = [256; 2];
+        let wanted = GeodesicCamera { zoom, ..camera };
+        match self {
+            Self::Manifold(_) => {
+                let (scene, params) = (&subject.scene, &subject.settings);
+                let placed = PlacedCamera::new(scene, params, &wanted, SIZE)?;
+                let camera = ChartCamera::of(&placed.frame, placed.zoom, moved);
+                Ok(InsideCamera::Chart(camera))
+            }
+            Self::Solid(solid) => {
+                let name = subject.scene.get(subject.surface);
+                let name = name.map_or("", |object| &object.name);
+                let placed = PlacedSolidCamera::on(Arc::clone(solid), name, &wanted, SIZE)?;
+                let camera = SolidCamera::of(&placed.frame, moved);
+                Ok(InsideCamera::Solid(camera))
+            }
+        }
+    }
+
+    /// Returns the camera's first place.
+    fn first_place(&self, subject: &Subject) -> Result<InsideCamera, RenderError> {
+        let first = GeodesicCamera::new(subject.surface);
+        self.camera(subject, first, None, false)
+    }
+
+    /// Returns the camera with X and Y orthogonal and as long as before, where the object has changed. A camera that fits
+    /// already is returned as it is; where it cannot stand, nothing is returned.
+    fn settled(&self, camera: InsideCamera) -> Option<InsideCamera> {
+        match (self, camera) {
+            (Self::Manifold(manifold), InsideCamera::Chart(camera)) => {
+                settled(manifold.surface(), &camera).map(InsideCamera::Chart)
+            }
+            (Self::Solid(solid), InsideCamera::Solid(camera)) => {
+                let frame = camera.frame().brought_onto(solid.surface()).ok()?;
+                let settled = InsideCamera::Solid(SolidCamera::of(&frame, camera.moved));
+                settled.is_sane().then_some(settled)
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the camera after a motion, or nothing where the motion cannot be made. A motion that was made extends the
+    /// path.
+    fn moved(
+        &self,
+        camera: InsideCamera,
+        motion: Motion,
+        path: Option<&mut Arc<CameraPath>>,
+    ) -> Option<InsideCamera> {
+        match (self, camera) {
+            (Self::Manifold(manifold), InsideCamera::Chart(camera)) => {
+                moved(manifold, camera, motion, path).map(InsideCamera::Chart)
+            }
+            (Self::Solid(solid), InsideCamera::Solid(camera)) => {
+                let frame = moved_on_solid(solid, &camera.frame(), motion)?;
+                let next = InsideCamera::Solid(SolidCamera::of(&frame, true));
+                next.is_sane().then_some(next)
+            }
+            _ => None,
+        }
     }
 }
 
 /// The share of their length by which X and Y may miss what they should be: what rounding leaves of a long walk.
 const FITS: f64 = 1e-9;
 
-/// Returns the camera's first place on a surface.
-fn first_place(subject: &Subject) -> Result<InsideCamera, RenderError> {
-    subject.camera(None, None, false)
-}
-
 /// Returns the camera with X and Y orthogonal and as long as before, on a surface that has changed. A camera that fits
 /// already is returned as it is; where the surface is degenerate, nothing is returned.
-fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera> {
+fn settled(surface: &dyn Surface, camera: &ChartCamera) -> Option<ChartCamera> {
     let mut frame = camera.frame();
     for (at, [low, high]) in frame.uv.0.iter_mut().zip(surface.domain()) {
         *at = at.clamp(low, high);
@@ -223,19 +303,19 @@ fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera>
         // Rounded once more, it would be another one.
         (frame.x, frame.y) = (x, y);
     }
-    let settled = InsideCamera::of(&frame, camera.zoom, camera.moved);
+    let settled = ChartCamera::of(&frame, camera.zoom, camera.moved);
     let works = frame.trace(surface, [1.0, 0.0], 0.0, &Options::default());
     (settled.is_sane() && works.is_ok()).then_some(settled)
 }
 
-/// Returns the camera after a motion, or as it was where the motion cannot be made. A motion that was made extends the
+/// Returns the camera after a motion, or nothing where the motion cannot be made. A motion that was made extends the
 /// path.
 fn moved(
     manifold: &Manifold,
-    camera: InsideCamera,
+    camera: ChartCamera,
     motion: Motion,
     path: Option<&mut Arc<CameraPath>>,
-) -> InsideCamera {
+) -> Option<ChartCamera> {
     let frame = camera.frame();
     let mut path = path.map(Arc::make_mut);
     let (frame, zoom): (Frame, f64) = match motion {
@@ -245,17 +325,30 @@ fn moved(
             Ok((frame, trace)) if trace.status == Status::Complete || trace.length > 0.0 => {
                 (frame, camera.zoom)
             }
-            _ => return camera,
+            _ => return None,
         },
     };
-    let next = InsideCamera::of(&frame, zoom, true);
+    let next = ChartCamera::of(&frame, zoom, true);
     if !next.is_sane() {
-        return camera;
+        return None;
     }
     if let Some(path) = path {
         path.note(motion);
     }
-    next
+    Some(next)
+}
+
+/// Returns a frame on a solid after a motion, or nothing where the motion cannot be made.
+fn moved_on_solid(solid: &SolidSurface, frame: &SpaceFrame, motion: Motion) -> Option<SpaceFrame> {
+    match motion {
+        Motion::Turn(angle) => Some(frame.turned(angle)),
+        Motion::Zoom(factor) => Some(frame.zoomed(factor * frame.zoom())),
+        Motion::Walk(step) => {
+            let walked = frame.advance(solid.surface(), step, &Options::default());
+            let (frame, trace) = walked.ok()?;
+            (trace.status == Status::Complete || trace.length > 0.0).then_some(frame)
+        }
+    }
 }
 
 /// Moves a frame, and its trail with it.
@@ -274,9 +367,9 @@ fn walk(
 #[cfg(test)]
 mod tests {
     use super::{CameraController, Subject};
-    use crate::state::InsideCamera;
     use crate::state::motion::Motion;
     use crate::state::path::{CameraPath, between};
+    use crate::state::{ChartCamera, InsideCamera, SolidCamera};
     use scene::{ObjectId, ParamValues};
     use std::sync::Arc;
 
@@ -313,7 +406,13 @@ mod tests {
     }
 
     impl Walker {
-        fn walk(&mut self, subject: &Subject, motions: &[Motion]) -> InsideCamera {
+        /// Walks on a surface.
+        fn walk(&mut self, subject: &Subject, motions: &[Motion]) -> ChartCamera {
+            let walked = self.go(subject, motions);
+            *walked.chart().expect("a surface")
+        }
+
+        fn go(&mut self, subject: &Subject, motions: &[Motion]) -> InsideCamera {
             let settled = self.controller.settle(subject, self.camera, &mut self.path);
             let mut camera = settled.expect("a place for a camera");
             for motion in motions {
@@ -368,7 +467,7 @@ mod tests {
         let expected = path.start.zoom * (0.5 + 1.5 * 0.6);
         assert!((path.trail.length - expected).abs() < 1e-9 * expected);
         let mut again = Walker {
-            camera: Some(path.start),
+            camera: Some(InsideCamera::Chart(path.start)),
             ..Walker::default()
         };
         again.leave_trail(&world);
@@ -377,7 +476,7 @@ mod tests {
             again.walk(&world, &between(path.motions(), shares));
         }
         let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-7);
-        let walked = again.camera.expect("a camera");
+        let walked = again.walk(&world, &[]);
         assert!(
             close(walked.at, end.at) && close(walked.x, end.x) && close(walked.y, end.y),
             "{walked:?} is not {end:?}"
@@ -420,7 +519,7 @@ mod tests {
         let mut walker = Walker::default();
         let old = walker.walk(&world, &[Motion::Walk([0.3, 0.2])]);
         walker.walk(&larger, &[Motion::Walk([0.1, 0.0])]);
-        walker.camera = Some(old);
+        walker.camera = Some(InsideCamera::Chart(old));
         let after = walker.walk(&larger, &[]);
         assert_eq!(after.at, old.at);
         for k in 0..2 {
@@ -429,7 +528,7 @@ mod tests {
         }
         // One that fits comes back as it was, to the last digit.
         walker.walk(&larger, &[Motion::Turn(0.1)]);
-        walker.camera = Some(after);
+        walker.camera = Some(InsideCamera::Chart(after));
         assert_eq!(walker.walk(&larger, &[]), after);
     }
 
@@ -447,5 +546,48 @@ mod tests {
             kept.at[0] > 5.0 && (kept.at[1] - 5.0).abs() < 1e-9,
             "{kept:?}"
         );
+    }
+
+    const BALL: &str = "param r : [1, 3]; solid s(x,y,z) = x^2 + y^2 + z^2 - r^2;";
+
+    fn on_solid(camera: InsideCamera) -> SolidCamera {
+        match camera {
+            InsideCamera::Solid(camera) => camera,
+            InsideCamera::Chart(_) => panic!("it is on a chart"),
+        }
+    }
+
+    #[test]
+    fn a_walk_around_a_ball_comes_back() {
+        let world = subject(BALL);
+        let mut walker = Walker::default();
+        let start = on_solid(walker.go(&world, &[Motion::Turn(0.4)]));
+        let around = 2.0 * std::f64::consts::PI / start.zoom();
+        let step = Motion::Walk([0.0, around / 8.0]);
+        let end = on_solid(walker.go(&world, &[step; 8]));
+        for k in 0..3 {
+            assert!((end.at[k] - start.at[k]).abs() < 1e-6, "{end:?}, {start:?}");
+            assert!((end.x[k] - start.x[k]).abs() < 1e-6, "{end:?}, {start:?}");
+        }
+    }
+
+    #[test]
+    fn a_camera_stays_on_a_ball_that_grows() {
+        let world = subject(BALL);
+        let mut walker = Walker::default();
+        let before = on_solid(walker.go(&world, &[Motion::Walk([0.3, 0.2])]));
+        assert_eq!(
+            on_solid(walker.go(&world, &[])),
+            before,
+            "to the last digit"
+        );
+        let after = on_solid(walker.go(&with_radius(&world, 2.0), &[]));
+        assert!((after.zoom() - before.zoom()).abs() < 1e-12);
+        for k in 0..3 {
+            assert!((after.at[k] - 2.0 * before.at[k]).abs() < 1e-9, "{after:?}");
+            assert!((after.x[k] - before.x[k]).abs() < 1e-9, "{after:?}");
+        }
+        // A name that means a surface from now on has no place for it.
+        walker.go(&subject(SPHERE), &[]).chart().expect("a surface");
     }
 }

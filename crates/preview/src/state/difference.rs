@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::camera::{InsideCamera, SpaceCamera};
+use super::camera::SpaceCamera;
+use super::inside_camera::InsideCamera;
 use super::view::{Animation, Choice, Look, Preferences, View};
 
 /// Entries by their keys; none where there is no such entry.
@@ -110,7 +111,7 @@ impl Difference {
     /// Drops the geodesic cameras that the user has not moved.
     pub(super) fn settle_anew(&mut self) {
         for camera in self.inside.values_mut() {
-            *camera = camera.filter(|camera| camera.moved);
+            *camera = camera.filter(InsideCamera::is_moved);
         }
     }
 }

@@ -8,7 +8,7 @@ use geodesic::surface::Surface;
 use render::trail::Trail;
 use scene::ObjectId;
 
-use crate::state::InsideCamera;
+use crate::state::ChartCamera;
 use crate::state::motion::{Motion, push};
 
 /// The greatest number of motions that are kept: a path of more can no longer be played again.
@@ -22,7 +22,7 @@ pub struct CameraPath {
     /// The path and its length.
     pub trail: Arc<Trail>,
     /// The camera as it was at the beginning.
-    pub start: InsideCamera,
+    pub start: ChartCamera,
     /// The motions since then, in order; empty if there were too many to be kept.
     motions: Vec<Motion>,
     full: bool,
@@ -30,7 +30,7 @@ pub struct CameraPath {
 
 impl CameraPath {
     /// Begins a path where a camera is.
-    pub(crate) fn begin(surface: ObjectId, camera: InsideCamera) -> Self {
+    pub(crate) fn begin(surface: ObjectId, camera: ChartCamera) -> Self {
         Self {
             trail: Arc::new(Trail::new(surface, camera.at)),
             start: camera,

@@ -9,7 +9,8 @@ use render::view::Setting;
 use scene::{Param, Range};
 use serde::{Deserialize, Serialize};
 
-use super::camera::{InsideCamera, SpaceCamera};
+use super::camera::SpaceCamera;
+use super::inside_camera::InsideCamera;
 use super::pane::saved_views;
 
 /// Everything that is chosen.
@@ -30,6 +31,8 @@ pub struct View {
     pub inside: BTreeMap<String, InsideCamera>,
     /// The views of objects that were closed, by their names: `geodesic:s`.
     pub closed: BTreeSet<String>,
+    /// The views that were opened of those that do not open by themselves, by their names.
+    pub opened: BTreeSet<String>,
     /// Image files that surfaces may show, in the order in which they were opened.
     pub textures: Vec<PathBuf>,
     /// The texture of surfaces without a choice of their own.

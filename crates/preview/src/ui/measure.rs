@@ -17,7 +17,7 @@ use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThrea
 use crate::state::camera_controller::Subject;
 use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity};
 use crate::state::motion::Motion;
-use crate::state::{CameraPath, InsideCamera, StatusMessage};
+use crate::state::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 
@@ -39,7 +39,7 @@ pub(crate) struct Measuring {
     found: Option<Measured>,
     pointer: Pointer,
     /// The walk that was asked for last, with its answer.
-    walk: Option<(Subject, Arc<CameraPath>, InsideCamera)>,
+    walk: Option<(Subject, Arc<CameraPath>, ChartCamera)>,
     walked: Vec<Quantity>,
 }
 
@@ -126,6 +126,7 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
         return;
     }
     let camera = window.model.settle_camera(surface, false);
+    let camera = camera.and_then(|camera| camera.chart().copied());
     let measuring = &mut window.dialogs.measuring;
     let tool = measuring.tool;
     let begun = measuring.figure.take().filter(|figure| {
@@ -155,7 +156,8 @@ pub(crate) fn point(window: &mut Window, surface: &str, hit: &Hit) {
     if !is_measurable(window) {
         return;
     }
-    let camera = window.model.view.inside.get(surface).copied();
+    let camera = window.model.view.inside.get(surface);
+    let camera = camera.and_then(InsideCamera::chart).copied();
     if let Some(subject) = window.model.subject(surface) {
         let pointer = &mut window.dialogs.measuring.pointer;
         surface.clone_into(&mut pointer.surface);
@@ -227,6 +229,7 @@ fn ask_pointer(window: &mut Window) {
         return;
     }
     let camera = window.model.view.inside.get(&surface);
+    let camera = camera.and_then(InsideCamera::chart);
     let question = MeasureQuestion::Pointer {
         uv,
         polar: None,
@@ -415,10 +418,10 @@ fn ask_walk(window: &mut Window) {
 }
 
 /// The trail of the surface in use, with its camera.
-fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, InsideCamera)> {
+fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, ChartCamera)> {
     let surface = window.focus.surface.clone()?;
     let path = window.model.paths.get(&surface)?.clone();
-    let camera = window.model.view.inside.get(&surface).copied()?;
+    let camera = *window.model.view.inside.get(&surface)?.chart()?;
     Some((window.model.subject(&surface)?, path, camera))
 }
 

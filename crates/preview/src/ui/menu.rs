@@ -1,8 +1,8 @@
 //! The menu bar.
 
 use egui::{Atom, Checkbox, Key, MenuBar, Panel, Response, RichText, Ui, ViewportCommand};
-use render::Views;
 use render::view::View;
+use render::{ViewId, Views};
 
 use crate::state::layout::Arrangement;
 use crate::state::pane::Pane;
@@ -192,24 +192,41 @@ fn edit(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-fn view(window: &mut Window, ui: &mut Ui) {
-    let views = window.offered().into_iter().map(Pane::View);
-    for pane in views.chain([Pane::Settings, Pane::Program]) {
-        let title = match &pane {
-            Pane::View(id) => window.views.title(id, " of "),
-            Pane::Settings => "Settings".to_owned(),
-            Pane::Program => "Program".to_owned(),
-        };
-        let mut open = window.panes.is_open(&pane);
-        if ui.checkbox(&mut open, title).changed() {
-            window.panes.arranged = true;
-            if open {
-                window.bring_forward(&pane);
-            } else {
-                window.panes.close(&pane);
-                window.note_closed(&pane);
-            }
+/// The entry that opens and closes a pane.
+fn open_pane(window: &mut Window, ui: &mut Ui, pane: &Pane) {
+    let title = match pane {
+        Pane::View(id) => window.views.title(id, " of "),
+        Pane::Settings => "Settings".to_owned(),
+        Pane::Program => "Program".to_owned(),
+    };
+    let mut open = window.panes.is_open(pane);
+    if ui.checkbox(&mut open, title).changed() {
+        window.panes.arranged = true;
+        if open {
+            window.bring_forward(pane);
+        } else {
+            window.panes.close(pane);
+            window.note_closed(pane);
         }
+    }
+}
+
+fn view(window: &mut Window, ui: &mut Ui) {
+    let views = window.offered().into_iter();
+    let (solids, views): (Vec<ViewId>, Vec<ViewId>) =
+        views.partition(|id| id.object.is_some() && !window.opens_by_itself(id));
+    let views = views.into_iter().map(Pane::View);
+    for pane in views.chain([Pane::Settings, Pane::Program]) {
+        open_pane(window, ui, &pane);
+    }
+    if !solids.is_empty() {
+        ui.menu_button("Inside a solid", |ui| {
+            egui::ScrollArea::vertical().show(ui, |ui| {
+                for id in solids {
+                    open_pane(window, ui, &Pane::View(id));
+                }
+            });
+        });
     }
     ui.menu_button("Layout", |ui| {
         for (title, arrangement) in Arrangement::ALL {

@@ -6,8 +6,6 @@ pub(crate) mod program;
 pub(crate) mod settings;
 mod tiles;
 
-use std::collections::BTreeSet;
-
 use egui::{Response, Ui, WidgetText};
 use egui_tiles::{
     Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tile,
@@ -222,9 +220,14 @@ impl Panes {
         }
     }
 
-    /// Opens the views of new objects, but for those that were closed, and closes views that the scene does not have; a
-    /// text with errors may only miss them.
-    pub(crate) fn follow(&mut self, views: &[ViewId], closed: &BTreeSet<String>, ok: bool) {
+    /// Opens the views of new objects that are wanted, and closes views that the scene does not have; a text with errors
+    /// may only miss them.
+    pub(crate) fn follow(
+        &mut self,
+        views: &[ViewId],
+        is_wanted: impl Fn(&ViewId) -> bool,
+        ok: bool,
+    ) {
         let gone: Vec<Pane> = self
             .tree
             .tiles
@@ -240,7 +243,7 @@ impl Panes {
             self.close(&pane);
         }
         let of_objects = views.iter().filter(|id| id.object.is_some());
-        let wanted = of_objects.filter(|id| !closed.contains(&id.to_string()));
+        let wanted = of_objects.filter(|id| is_wanted(id));
         for id in wanted.take(OPENED) {
             self.open(&Pane::View(id.clone()));
         }

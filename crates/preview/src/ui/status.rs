@@ -138,7 +138,7 @@ fn point_in_view(window: &Window, ui: &Ui) -> Option<f64> {
     let room = window.pictures.of_views.get(id)?.room?;
     let shorter = f64::from(room[0].min(room[1])) / f64::from(ui.ctx().pixels_per_point());
     let side = match &id.object {
-        Some(surface) => 2.0 * window.model.view.inside.get(surface)?.zoom,
+        Some(surface) => 2.0 * window.model.view.inside.get(surface)?.zoom(),
         None => window.model.view.space?.side_seen(),
     };
     let unit = side / shorter;

@@ -8,7 +8,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder, Node};
 use preview::Window;
-use preview::state::InsideCamera;
+use preview::state::{ChartCamera, InsideCamera, SolidCamera};
 use tempfile::TempDir;
 
 /// A sphere whose radius is a param, and a point beside it.
@@ -431,8 +431,17 @@ impl Hand {
     }
 
     /// The geodesic camera of a surface.
-    pub(crate) fn camera(&self, surface: &str) -> InsideCamera {
-        self.window().model().view.inside[surface]
+    pub(crate) fn camera(&self, surface: &str) -> ChartCamera {
+        let camera = &self.window().model().view.inside[surface];
+        *camera.chart().expect("a surface")
+    }
+
+    /// The geodesic camera of a solid.
+    pub(crate) fn solid_camera(&self, solid: &str) -> SolidCamera {
+        match self.window().model().view.inside[solid] {
+            InsideCamera::Solid(camera) => camera,
+            InsideCamera::Chart(_) => panic!("`{solid}` is no solid"),
+        }
     }
 
     /// The value of a param with one component.

@@ -22,5 +22,6 @@ mod remembered;
 mod scripts;
 mod settings;
 mod snapshots;
+mod solids;
 mod traced;
 mod trail;

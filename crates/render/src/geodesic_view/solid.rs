@@ -57,7 +57,7 @@ impl PlacedSolidCamera {
     ///
     /// # Errors
     /// [`RenderError::Camera`].
-    pub(crate) fn on(
+    pub fn on(
         solid: Arc<SolidSurface>,
         name: &str,
         camera: &GeodesicCamera,

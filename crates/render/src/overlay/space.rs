@@ -1,4 +1,4 @@
-//! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on the surface; and the
+//! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on its surface or solid; and the
 //! trails that cameras have walked.
 
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use scene::{ObjectId, Scene};
 use super::ink;
 use super::legend::Legend;
 use crate::error::RenderError;
-use crate::geodesic_view::PlacedCamera;
+use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use crate::placement::Placement;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples, line_samples, vector};
@@ -107,6 +107,9 @@ pub(super) fn key(
     key.line(X, "camera: right (X)");
     key.line(Y, "camera: up (Y)");
     key.line(BORDER, "border of its picture");
+    if is_solid(&request.scene, camera.surface) {
+        return Ok(());
+    }
     if let Some(spacing) = request.overlays.wavefronts {
         let zoom = place(request, camera)?.zoom;
         key.line(ink::WAVE, &super::wave_words(spacing.distance(zoom)));
@@ -126,6 +129,9 @@ pub(crate) fn camera_objects(
     camera: &GeodesicCamera,
     placement: &Placement,
 ) -> Result<Vec<OverlayObject>, RenderError> {
+    if is_solid(&request.scene, camera.surface) {
+        return solid_camera_objects(request, camera, placement);
+    }
     let placed = place(request, camera)?;
     let (surface, frame) = (placed.manifold().surface(), &placed.frame);
     if !surface.is_embedded() {
@@ -138,56 +144,19 @@ pub(crate) fn camera_objects(
         let trace = trace.ok().filter(|t| t.status == Status::Complete)?;
         trace.position
     };
+    let axis = |place: [f64; 2]| -> Vec<Option<Knot>> {
+        let length = zoom * place[0].hypot(place[1]);
+        let lengths: Vec<f64> = (0..=POINTS)
+            .map(|k| length * f64::from(k) / f64::from(POINTS))
+            .collect();
+        knots_at(surface, &GeodesicStart::Frame(frame, place), &lengths)
+    };
     let origin = surface.jet(frame.uv).position;
-    let mut all = Vec::new();
-    let length = zoom.min(LONGEST_ARROW * placement.radius);
-    for (place, colour) in [([NUDGE, 0.0], X), ([0.0, NUDGE], Y)] {
-        let Some(end) = at(place) else { continue };
-        let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
-        all.push(OverlayObject {
-            name: "camera",
-            painter: Painter::Vectors,
-            samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
-            colour: style::linear(colour),
-            line: FRAME,
-        });
-    }
-    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3], line: LineStyle| OverlayObject {
-        name: "camera",
-        painter: Painter::Curves,
-        samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
-        colour: style::linear(colour),
-        line,
+    let mut all = frame_objects(request, placement, (origin, zoom), &at, &axis);
+    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3], line: LineStyle| {
+        curves(placement, lines, colour, line)
     };
     let [right, up] = half_extent(request.size);
-    let axes: Vec<_> = [[right, 0.0], [-right, 0.0], [0.0, up], [0.0, -up]]
-        .into_par_iter()
-        .map(|place| {
-            let length = zoom * place[0].hypot(place[1]);
-            let lengths: Vec<f64> = (0..=POINTS)
-                .map(|k| length * f64::from(k) / f64::from(POINTS))
-                .collect();
-            knots_at(surface, &GeodesicStart::Frame(frame, place), &lengths)
-        })
-        .collect();
-    // Each axis has the colour of its arrow.
-    all.push(curve(&axes[..2], X, CAMERA_AXES));
-    all.push(curve(&axes[2..], Y, CAMERA_AXES));
-    let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
-    let border: Vec<Vec<Option<Knot>>> = (0..4)
-        .into_par_iter()
-        .map(|side| {
-            let (from, to) = (corners[side], corners[(side + 1) % 4]);
-            (0..=POINTS)
-                .map(|k| {
-                    let t = f64::from(k) / f64::from(POINTS);
-                    let place = [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
-                    at(place).map(knot)
-                })
-                .collect()
-        })
-        .collect();
-    all.push(curve(&border, BORDER, BORDERS));
     if let Some(spacing) = request.overlays.wavefronts {
         let spacing = spacing.distance(zoom);
         let waves = (right.min(up) * zoom / spacing).floor().min(MOST_WAVES);
@@ -229,6 +198,103 @@ pub(crate) fn camera_objects(
     Ok(all)
 }
 
+/// Returns the objects that show the camera of a solid.
+fn solid_camera_objects(
+    request: &PictureRequest,
+    camera: &GeodesicCamera,
+    placement: &Placement,
+) -> Result<Vec<OverlayObject>, RenderError> {
+    camera.check(&request.scene)?;
+    let (scene, params) = (&request.scene, &request.params);
+    let placed = PlacedSolidCamera::new(scene, params, camera, request.size)?;
+    let (surface, frame) = (placed.solid().surface(), &placed.frame);
+    let zoom = frame.zoom();
+    let at = |place: [f64; 2]| -> Option<[f64; 3]> {
+        let length = zoom * place[0].hypot(place[1]);
+        let trace = surface.trace(frame.at, frame.velocity(place), length, &Options::default());
+        let trace = trace.ok().filter(|t| t.status == Status::Complete)?;
+        Some(trace.position)
+    };
+    let axis = |place: [f64; 2]| -> Vec<Option<Knot>> {
+        let shares = (1..=POINTS).map(|k| f64::from(k) / f64::from(POINTS));
+        let others = shares.map(|share| at(place.map(|x| share * x)).map(knot));
+        std::iter::once(Some(knot(frame.at)))
+            .chain(others)
+            .collect()
+    };
+    Ok(frame_objects(
+        request,
+        placement,
+        (frame.at, zoom),
+        &at,
+        &axis,
+    ))
+}
+
+/// Returns the arrows of a frame, the axes and the border of its picture. `at` returns the place in space of a place of the
+/// picture, and `axis` the knots from the origin to one.
+fn frame_objects(
+    request: &PictureRequest,
+    placement: &Placement,
+    (origin, zoom): ([f64; 3], f64),
+    at: &(dyn Fn([f64; 2]) -> Option<[f64; 3]> + Sync),
+    axis: &(dyn Fn([f64; 2]) -> Vec<Option<Knot>> + Sync),
+) -> Vec<OverlayObject> {
+    let mut all = Vec::new();
+    let length = zoom.min(LONGEST_ARROW * placement.radius);
+    for (place, colour) in [([NUDGE, 0.0], X), ([0.0, NUDGE], Y)] {
+        let Some(end) = at(place) else { continue };
+        let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
+        all.push(OverlayObject {
+            name: "camera",
+            painter: Painter::Vectors,
+            samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
+            colour: style::linear(colour),
+            line: FRAME,
+        });
+    }
+    let [right, up] = half_extent(request.size);
+    let axes: Vec<_> = [[right, 0.0], [-right, 0.0], [0.0, up], [0.0, -up]]
+        .into_par_iter()
+        .map(axis)
+        .collect();
+    // Each axis has the colour of its arrow.
+    all.push(curves(placement, &axes[..2], X, CAMERA_AXES));
+    all.push(curves(placement, &axes[2..], Y, CAMERA_AXES));
+    let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
+    let border: Vec<Vec<Option<Knot>>> = (0..4)
+        .into_par_iter()
+        .map(|side| {
+            let (from, to) = (corners[side], corners[(side + 1) % 4]);
+            (0..=POINTS)
+                .map(|k| {
+                    let t = f64::from(k) / f64::from(POINTS);
+                    let place = [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+                    at(place).map(knot)
+                })
+                .collect()
+        })
+        .collect();
+    all.push(curves(placement, &border, BORDER, BORDERS));
+    all
+}
+
+/// Returns the curves of a camera.
+fn curves(
+    placement: &Placement,
+    lines: &[Vec<Option<Knot>>],
+    colour: [u8; 3],
+    line: LineStyle,
+) -> OverlayObject {
+    OverlayObject {
+        name: "camera",
+        painter: Painter::Curves,
+        samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
+        colour: style::linear(colour),
+        line,
+    }
+}
+
 /// Puts the camera on its surface, as the geodesic view would.
 fn place(request: &PictureRequest, camera: &GeodesicCamera) -> Result<PlacedCamera, RenderError> {
     camera.check(&request.scene)?;
@@ -238,9 +304,15 @@ fn place(request: &PictureRequest, camera: &GeodesicCamera) -> Result<PlacedCame
 /// The painters that the camera needs beside the scene's.
 pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
 
-/// Returns true if an object is a surface in space, whose camera can be shown there.
+/// Returns true if an object is a surface in space or a solid, whose camera can be shown there.
 pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
-    scene.get(object).is_some_and(|it| it.shape.is_surface())
+    let is_surface = scene.get(object).is_some_and(|it| it.shape.is_surface());
+    is_surface || is_solid(scene, object)
+}
+
+fn is_solid(scene: &Scene, object: ObjectId) -> bool {
+    let object = scene.get(object);
+    object.is_some_and(|object| object.shape.solid().is_some())
 }
 
 fn knot(position: [f64; 3]) -> Knot {

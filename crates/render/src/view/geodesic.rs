@@ -1,4 +1,4 @@
-//! The geodesic view of a surface or a metric: the exponential map, which is what a being inside it sees.
+//! The geodesic view of a surface, a metric or a solid: the exponential map, which is what a being inside it sees.
 //!
 //! ```text
 //! GeodesicCamera ──cache.rs──▶ PlacedCamera, RayEnds ──resolve (CPU, or a pass on the GPU)──▶ picture ──overlay──▶ picture
@@ -120,10 +120,15 @@ impl View for GeodesicView {
     }
 
     fn object_kind(&self) -> Option<&'static str> {
-        Some("surface or metric")
+        Some("surface, metric or solid")
     }
 
     fn shows(&self, _scene: &Scene, object: &Object) -> bool {
+        object.shape.has_inside()
+    }
+
+    /// A scene may have many solids, and most are seen from outside.
+    fn opens_by_itself(&self, object: &Object) -> bool {
         object.shape.manifold().is_some()
     }
 

@@ -18,7 +18,6 @@ use render::shared::Shared;
 use render::{PictureRequest, Renderer, Views};
 use scene::ObjectId;
 
-use crate::engine::request::camera_on;
 use crate::io::files;
 use crate::state::InsideCamera;
 use crate::state::camera_controller::{CameraController, Subject};
@@ -246,19 +245,20 @@ impl Pictures {
                 .settle(&subject, Some(before), &mut self.path);
             let mut camera = settled.map_err(|error| failed(error.to_string()))?;
             if film.trail
+                && let Some(camera) = camera.chart()
                 && !self
                     .path
                     .as_ref()
                     .is_some_and(|path| path.ends_at(camera.at))
             {
-                self.path = Some(Arc::new(CameraPath::begin(surface, camera)));
+                self.path = Some(Arc::new(CameraPath::begin(surface, *camera)));
             }
             for motion in between(&film.motions, [self.done, share]) {
                 camera = self.controller.apply(camera, motion, self.path.as_mut());
             }
             self.done = share;
             self.camera = Some(camera);
-            request.view.show_camera(camera_on(surface, &camera));
+            request.view.show_camera(camera.on(surface));
         }
         request.size = film.clip.size;
         let trail = self.path.iter().map(|path| Shared::from(&path.trail));

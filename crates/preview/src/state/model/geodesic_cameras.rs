@@ -32,14 +32,16 @@ impl Model {
             self.view.inside.insert(surface.to_owned(), camera);
         }
         let leaves_trail = self.view.preferences.marks.trail;
-        let path = path.filter(|path| path.ends_at(camera.at));
-        let path = match (is_own_view, leaves_trail) {
-            (true, true) => {
-                Some(path.unwrap_or_else(|| Arc::new(CameraPath::begin(subject.surface, camera))))
+        let path = camera.chart().and_then(|camera| {
+            let path = path.filter(|path| path.ends_at(camera.at));
+            match (is_own_view, leaves_trail) {
+                (true, true) => Some(
+                    path.unwrap_or_else(|| Arc::new(CameraPath::begin(subject.surface, *camera))),
+                ),
+                (true, false) => None,
+                (false, _) => path,
             }
-            (true, false) => None,
-            (false, _) => path,
-        };
+        });
         self.put_path(surface, path);
         Some(camera)
     }
@@ -95,7 +97,7 @@ impl Model {
         Some(EndedTrail { path, settings })
     }
 
-    /// Returns a surface or metric with the params' values.
+    /// Returns a surface, metric or solid with the params' values.
     pub(crate) fn subject(&mut self, surface: &str) -> Option<Subject> {
         Some(Subject {
             surface: self.object(surface)?.0,

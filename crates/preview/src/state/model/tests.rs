@@ -8,7 +8,7 @@ use super::{Animation, Model, Step, View, advanced};
 use crate::engine::reader::{Reader, SourceText};
 use crate::state::Compiled;
 use crate::state::motion::Motion;
-use crate::state::{InsideCamera, SpaceCamera};
+use crate::state::{ChartCamera, InsideCamera, SpaceCamera};
 
 fn compiled(text: &str) -> Compiled {
     read(&mut Reader::default(), text)
@@ -110,7 +110,11 @@ const SURFACE: &str = "param a : [0, 4]; surface s(u,v) = (u, v, a), u : [0,1], 
     surface t(u,v) = (u, v, 0), u : [0,1], v : [0,1];";
 
 fn inside(at: [f64; 2]) -> InsideCamera {
-    InsideCamera {
+    InsideCamera::Chart(chart(at))
+}
+
+fn chart(at: [f64; 2]) -> ChartCamera {
+    ChartCamera {
         at,
         x: [1.0, 0.0],
         y: [0.0, 1.0],
@@ -235,7 +239,7 @@ fn a_path_ends_where_its_camera_is_put_elsewhere_and_nowhere_else() {
     assert_eq!(paths(&model), [false, true]);
     walk(&mut model, "s");
     assert_eq!(model.undo(), Some("Move the geodesic camera"));
-    assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
+    assert_eq!(model.view.inside["s"].place(), [0.5, 0.5]);
     assert_eq!(paths(&model), [false, true], "the walk is taken back");
     model.reset("t");
     assert_eq!(paths(&model), [false, false]);
@@ -253,7 +257,7 @@ fn a_motion_that_cannot_be_made_is_no_step() {
         view.inside.insert("s".into(), at_edge);
     });
     model.move_camera("s", Motion::Walk([0.5, 0.0]));
-    assert_eq!(model.view.inside["s"].at, at_edge.at);
+    assert_eq!(model.view.inside["s"], at_edge);
     assert_eq!(model.undo(), None);
 }
 
@@ -284,7 +288,11 @@ fn a_placing_that_is_withdrawn_leaves_no_trace() {
     model.undo();
     let before = model.view.clone();
     model.place("s", inside([0.5, 0.5]));
-    assert_eq!(model.view.inside["s"].at, [0.5, 0.5], "it is there at once");
+    assert_eq!(
+        model.view.inside["s"].place(),
+        [0.5, 0.5],
+        "it is there at once"
+    );
     model.withdraw_placement();
     assert_eq!(model.view, before);
     assert_eq!(model.history.last(), None);
@@ -293,9 +301,9 @@ fn a_placing_that_is_withdrawn_leaves_no_trace() {
     model.place("s", inside([0.5, 0.5]));
     model.keep_placement();
     model.withdraw_placement();
-    assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
+    assert_eq!(model.view.inside["s"].place(), [0.5, 0.5]);
     assert_eq!(model.undo(), Some("Place the geodesic camera"));
-    assert_eq!(model.view.inside["s"].at, [0.25, 0.25]);
+    assert_eq!(model.view.inside["s"].place(), [0.25, 0.25]);
 }
 
 #[test]
@@ -316,10 +324,10 @@ fn another_program_has_its_own_view_and_no_steps_of_the_one_before() {
 #[test]
 fn a_camera_that_nobody_had_moved_is_put_anew_where_its_scene_is_another_one() {
     let mut model = model(SURFACE);
-    let unmoved = InsideCamera {
+    let unmoved = InsideCamera::Chart(ChartCamera {
         moved: false,
-        ..inside([0.25, 0.25])
-    };
+        ..chart([0.25, 0.25])
+    });
     model.adjust(|view| {
         view.inside.insert("s".into(), unmoved);
         view.space = Some(camera());
@@ -518,14 +526,11 @@ fn a_trail_comes_back_with_its_camera() {
     let walked = walk(&mut model, "s");
     assert!(walked > first && first > 0.0);
     let length = |model: &Model| model.paths.get("s").map(|path| path.trail.length);
-    let at = model.view.inside["s"].at;
+    let at = model.view.inside["s"];
     model.place("s", inside([0.5, 0.5]));
     assert_eq!(length(&model), None);
     assert_eq!(model.undo(), Some("Place the geodesic camera"));
-    assert_eq!(
-        (length(&model), model.view.inside["s"].at),
-        (Some(walked), at)
-    );
+    assert_eq!((length(&model), model.view.inside["s"]), (Some(walked), at));
     assert_eq!(model.redo(), Some("Place the geodesic camera"));
     assert_eq!(length(&model), None);
     model.undo();

@@ -61,10 +61,15 @@ impl CameraInput for GeodesicInput {
 
     fn place(&self, model: &Model, id: &ViewId) -> Option<String> {
         let camera = model.view.inside.get(surface(id))?;
-        let ([u, v], zoom) = (camera.at, camera.zoom);
-        Some(format!(
-            " from (u, v) = ({u:.3}, {v:.3}), {zoom:.3} from centre to edge"
-        ))
+        let zoom = camera.zoom();
+        let place = match camera.place() {
+            [u, v] => format!("(u, v) = ({u:.3}, {v:.3})"),
+            place => {
+                let numbers: Vec<String> = place.iter().map(|x| format!("{x:.3}")).collect();
+                format!("(x, y, z) = ({})", numbers.join(", "))
+            }
+        };
+        Some(format!(" from {place}, {zoom:.3} from centre to edge"))
     }
 }
 

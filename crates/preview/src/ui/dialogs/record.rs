@@ -82,7 +82,9 @@ pub(crate) fn ask(window: &mut Window) {
     if let Some((name, _)) = &camera {
         let way = window.model.paths.get(name);
         let way = way.filter(|way| view.preferences.marks.trail && !way.motions().is_empty());
-        moves.extend(way.map(|way| Moves::Again(way.start, way.motions().to_vec())));
+        moves.extend(
+            way.map(|way| Moves::Again(InsideCamera::Chart(way.start), way.motions().to_vec())),
+        );
         moves.push(Moves::Walk("forward", [0.0, 1.0]));
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
@@ -91,7 +93,7 @@ pub(crate) fn ask(window: &mut Window) {
         // Twice as far as what is seen.
         length: camera
             .as_ref()
-            .map_or(1.0, |(_, it)| rounded(2.0 * it.zoom)),
+            .map_or(1.0, |(_, it)| rounded(2.0 * it.zoom())),
         camera,
         pane,
         moves,
@@ -274,7 +276,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         Moves::Turntable => {}
         Moves::Param(it) => change = Some(it.clone()),
         Moves::Walk(_, [x, y]) => {
-            let zoom = camera.map_or(1.0, |(_, camera)| camera.zoom);
+            let zoom = camera.map_or(1.0, |(_, camera)| camera.zoom());
             let way = dialog.length / zoom;
             motions.push(Motion::Walk([x * way, y * way]));
         }

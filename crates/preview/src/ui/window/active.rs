@@ -58,12 +58,16 @@ impl Window {
     /// Opens a view, or brings it to the front; the keys stay where they are.
     pub(super) fn reveal(&mut self, id: &ViewId) {
         self.note_surface(id);
-        if self.model.view.closed.contains(&id.to_string()) {
-            self.model.adjust(|view| {
-                view.closed.remove(&id.to_string());
-            });
+        if !self.is_wanted(id) {
+            self.note_wanted(id, true);
         }
         self.panes.bring_forward(&Pane::View(id.clone()));
+    }
+
+    /// Returns whether a view of an object is open.
+    pub(super) fn has_view_of(&self, name: &str) -> bool {
+        let mut offered = self.offered().into_iter();
+        offered.any(|id| id.object.as_deref() == Some(name) && self.panes.is_open(&Pane::View(id)))
     }
 
     /// Opens the first view of an object, or brings it to the front; the keys stay where they are.
@@ -74,15 +78,42 @@ impl Window {
         }
     }
 
-    /// Remembers that a pane was closed, if it opens by itself.
+    /// Remembers that a pane was closed, if it is of an object.
     pub(crate) fn note_closed(&mut self, pane: &Pane) {
-        if let Pane::View(id) = pane
-            && id.object.is_some()
-        {
-            self.model.adjust(|view| {
-                view.closed.insert(id.to_string());
-            });
+        if let Pane::View(id) = pane {
+            self.note_wanted(id, false);
         }
+    }
+
+    /// Returns whether a view opens by itself, of those that the scene has.
+    pub(crate) fn opens_by_itself(&self, id: &ViewId) -> bool {
+        let scene = self.model.scene.as_ref();
+        scene.is_some_and(|scene| self.views.opens_by_itself(id, scene))
+    }
+
+    /// Returns whether a view of an object is to be open: by itself and not closed, or opened.
+    pub(super) fn is_wanted(&self, id: &ViewId) -> bool {
+        let (name, view) = (id.to_string(), &self.model.view);
+        match self.opens_by_itself(id) {
+            true => !view.closed.contains(&name),
+            false => view.opened.contains(&name),
+        }
+    }
+
+    fn note_wanted(&mut self, id: &ViewId, is_wanted: bool) {
+        if id.object.is_none() {
+            return;
+        }
+        let (name, by_itself) = (id.to_string(), self.opens_by_itself(id));
+        self.model.adjust(|view| {
+            view.closed.remove(&name);
+            view.opened.remove(&name);
+            match (by_itself, is_wanted) {
+                (true, false) => view.closed.insert(name),
+                (false, true) => view.opened.insert(name),
+                _ => false,
+            };
+        });
     }
 
     /// Gives the keys to a view that can be seen, where the one that has them was closed or covered; whether one has

@@ -14,8 +14,8 @@ use scene::{Object, SolidLeaf};
 
 use super::Window;
 use crate::engine::render_thread::Purpose;
-use crate::state::StatusMessage;
 use crate::state::camera_controller::Subject;
+use crate::state::{InsideCamera, StatusMessage};
 
 /// The longest time between two clicks that are a double click, in seconds.
 pub(super) const DOUBLE_CLICK: f64 = 0.5;
@@ -142,8 +142,12 @@ impl Window {
             },
         };
         self.status_message = Some(StatusMessage::info(sentence));
-        if object.shape.manifold().is_none() {
-            // It has no camera to be put there.
+        // A solid's declaration is what most want of it, unless they look from inside it.
+        let has_camera = match object.shape.solid() {
+            Some(_) => self.has_view_of(&name),
+            None => object.shape.manifold().is_some(),
+        };
+        if !has_camera {
             self.show_declaration(&name);
             if let Some(leaf) = leaf_of(object, hit) {
                 self.show_leaf(request, leaf);
@@ -155,9 +159,13 @@ impl Window {
             settings: Arc::clone(&request.params),
             surface: hit.object,
         };
-        let zoom = self.model.view.inside.get(&name).map(|camera| camera.zoom);
-        let Ok(camera) = subject.camera_at(hit.parameters, zoom) else {
-            return;
+        let zoom = self.model.view.inside.get(&name).map(InsideCamera::zoom);
+        let camera = match subject.camera_at(hit, zoom) {
+            Ok(camera) => camera,
+            Err(error) => {
+                self.status_message = Some(StatusMessage::error(error.to_string()));
+                return;
+            }
         };
         self.model.place(&name, camera);
         self.focus.surface = Some(name.clone());

@@ -92,17 +92,24 @@ impl Window {
         }
         // A camera that the user has not moved shows everything of a new scene too.
         self.model.reframe();
-        let surfaces = self.model.surfaces();
-        let known = |name: &String| surfaces.contains(name);
-        if !self.focus.surface.as_ref().is_some_and(known) {
-            self.focus.surface = surfaces.into_iter().next();
+        let has_inside = |name: &String| {
+            let object = self.model.object(name);
+            object.is_some_and(|(_, object)| object.shape.has_inside())
+        };
+        if !self.focus.surface.as_ref().is_some_and(has_inside) {
+            self.focus.surface = self.model.surfaces().into_iter().next();
         }
         let offered = self.offered();
         if !offered.contains(&self.focus.view) {
             self.focus.view = ViewId::of_scene(self.views.first().name());
         }
-        let (closed, ok) = (&self.model.view.closed, self.model.ok);
-        self.panes.follow(&offered, closed, ok);
+        let wanted: Vec<ViewId> = offered
+            .iter()
+            .filter(|id| self.is_wanted(id))
+            .cloned()
+            .collect();
+        self.panes
+            .follow(&offered, |id| wanted.contains(id), self.model.ok);
         if !self.model.is_unseen_in(self.views.first()) {
             self.panes.bring_back_first();
         } else if first {

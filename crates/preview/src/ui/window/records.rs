@@ -46,5 +46,7 @@ fn count(counters: &mut Counters, model: &mut Model) {
     counters.trails = paths
         .map(|(name, path)| (name.clone(), path.trail.length))
         .collect();
-    counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
+    counters.inside = inside
+        .map(|(name, it)| (name.clone(), it.place().to_vec()))
+        .collect();
 }
