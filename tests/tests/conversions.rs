@@ -245,7 +245,8 @@ async fn actions(editor: &mut Editor, uri: &str, text: &str, only: &[&str]) -> V
 const GOOD: &str = "Scene { Sphere { center -> vec3(0, 0, 0)  radius -> 1 } }";
 
 fn creating_files() -> Value {
-    let edit = json!({ "documentChanges": true, "resourceOperations": ["create", "rename"] });
+    // As Neovim has it: it does not say that it takes lists of changes.
+    let edit = json!({ "resourceOperations": ["create", "rename"] });
     json!({
         "workspace": { "applyEdit": true, "workspaceEdit": edit },
         "window": { "showDocument": { "support": true } },

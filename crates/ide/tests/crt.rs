@@ -103,6 +103,12 @@ fn attributes_objects_and_variables_are_completed() {
     };
     let attributes = labels("a = Torus { radius -> 1 ");
     assert_eq!(attributes, ["center", "tube", "normal", "material"]);
+    // What is stated behind the place is not offered either.
+    let text =
+        "a = Torus { \n radius -> 1 material -> Material { color -> 2 } } b = Torus { tube -> 1 }";
+    let list = read(text).completions(12, false).list;
+    let names: Vec<&str> = list.iter().map(|it| &*it.label).collect();
+    assert_eq!(names, ["center", "tube", "normal"]);
     assert_eq!(labels("a = Camera { projection -> ")[1], "\"spherical\"");
     let values = labels("ball = 3\na = Torus { radius -> b");
     assert!(values.contains(&"ball".to_owned()) && values.contains(&"Sphere".to_owned()));

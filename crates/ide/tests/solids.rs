@@ -313,6 +313,11 @@ fn lenses_offer_the_traced_view_of_what_is_drawn_and_from_each_camera() {
         .collect();
     assert_eq!(
         shown,
-        ["die 3d of all", "die traced of all", "eye traced of eye"]
+        [
+            "die 3d of all",
+            "die geodesic of die",
+            "die traced of all",
+            "eye traced of eye"
+        ]
     );
 }

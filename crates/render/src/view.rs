@@ -42,7 +42,7 @@ pub trait View: fmt::Debug + Send + Sync {
     /// A line of help.
     fn purpose(&self) -> &'static str;
 
-    /// The objects that it is of, in words: "surface or metric"; `None` for a view of the whole scene. A view of an
+    /// The objects that it is of, in words: "surface, metric or solid"; `None` for a view of the whole scene. A view of an
     /// object has a pane for each object that it shows, and a name may follow the view's: `geodesic:s`.
     fn object_kind(&self) -> Option<&'static str> {
         None

@@ -198,7 +198,7 @@ test("a view of no surface is answered with a sentence", function()
   messages = {}
   vim.cmd.GeotracePreview("inside", "nosuch")
   eventually("the message", function()
-    return messages[1] == "There is no surface or metric `nosuch`: the program has s."
+    return messages[1] == "There is no surface, metric or solid `nosuch`: the program has s."
   end)
 end)
 

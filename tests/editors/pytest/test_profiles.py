@@ -95,14 +95,20 @@ def change(client, version: int, *changes, uri: str = URI):
 
 
 async def pushed(client, version: int, uri: str = URI):
-    """The diagnostics that the server sends for a version."""
+    """The diagnostics that the server sends first for a version."""
+    sent = await eventually(
+        lambda: next((it for it in client.published if it.uri == uri and it.version == version), None)
+    )
+    return list(sent.diagnostics)
+
+
+async def eventually(condition):
+    """Waits until a condition gives a value."""
 
     async def found():
-        while True:
-            for params in client.published:
-                if params.uri == uri and params.version == version:
-                    return list(params.diagnostics)
+        while not (value := condition()):
             await asyncio.sleep(0.005)
+        return value
 
     return await asyncio.wait_for(found(), PATIENCE)
 

@@ -226,17 +226,10 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
             | TokenKind::Greater
     );
     if ends_value {
-        let mut depth = 0;
-        let inside = before[open + 1..].windows(2).filter(|pair| {
-            match pair[0].kind {
-                TokenKind::BraceOpen => depth += 1,
-                TokenKind::BraceClose => depth -= 1,
-                _ => {}
-            }
-            depth == 0 && pair[1].kind == TokenKind::Arrow
-        });
-        let stated = inside.map(|pair| analysis.slice(pair[0].span)).collect();
-        return CompletionPlace::Attribute(object, stated);
+        return CompletionPlace::Attribute(
+            object,
+            stated_attributes(analysis, before[open].span.end),
+        );
     }
     let word = before.len().checked_sub(2).map(|at| before[at].span);
     let row = word.and_then(|word| object.attribute(&analysis.slice(word)));
@@ -246,4 +239,31 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
         }
         _ => CompletionPlace::Value,
     }
+}
+
+/// The attributes that are stated between the braces of the object whose first one ends at an offset.
+fn stated_attributes(analysis: &CrtAnalysis, start: u32) -> Vec<String> {
+    let tokens = analysis.all_tokens();
+    let from = tokens.partition_point(|token| token.span.end <= start);
+    let inside: Vec<&Token> = tokens[from..]
+        .iter()
+        .filter(|token| token.kind != TokenKind::Comment)
+        .collect();
+    let mut depth = 0;
+    let mut stated = Vec::new();
+    for (at, token) in inside.iter().enumerate() {
+        match token.kind {
+            TokenKind::BraceOpen => depth += 1,
+            TokenKind::BraceClose if depth == 0 => break,
+            TokenKind::BraceClose => depth -= 1,
+            TokenKind::Identifier if depth == 0 => {
+                let next = inside.get(at + 1);
+                if next.is_some_and(|next| next.kind == TokenKind::Arrow) {
+                    stated.push(analysis.slice(token.span));
+                }
+            }
+            _ => {}
+        }
+    }
+    stated
 }

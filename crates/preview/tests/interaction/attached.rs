@@ -256,7 +256,7 @@ fn a_view_of_no_surface_is_answered_with_a_sentence_and_opens_nothing() {
         desk.until("it is shown", |desk| desk.shown(version) == Some(true));
         assert!(!desk.shows("Geodesic view – nosuch"));
     }
-    let wanted = "There is no surface or metric `nosuch`: the program has s.";
+    let wanted = "There is no surface, metric or solid `nosuch`: the program has s.";
     assert_eq!(desk.messages(), [wanted; 2]);
     assert!(desk.shows(wanted), "and in the window");
     // What is no surface is none, and a program may have none at all.
@@ -265,7 +265,7 @@ fn a_view_of_no_surface_is_answered_with_a_sentence_and_opens_nothing() {
     desk.text(3, &SPHERE.replace("r + 1)", ""));
     desk.show_inside("t");
     desk.until("it is told", |desk| desk.messages().len() == 4);
-    let wanted = "There is no surface or metric `t`: the program has s, and errors.";
+    let wanted = "There is no surface, metric or solid `t`: the program has s, and errors.";
     assert_eq!(desk.messages()[3], wanted);
 }
 

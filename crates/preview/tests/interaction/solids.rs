@@ -5,8 +5,8 @@ use egui::{Key, Modifiers};
 use crate::hand::Hand;
 
 const EGG: &str = "param r = 2 : [1.5, 3];
-solid egg(x,y,z) = x^2/4 + y^2 + z^2/r^2 - 1, color : 0.6 + 0.4(sin(6x), sin(6y), sin(6z));
-solid cap(x,y,z) = z - 1.5;
+solid egg(x,y,z) = x^2/4 + y^2 + z^2/r^2 - 1, color : (0.6, 0.6, 0.6) + 0.4(sin(6x), sin(6y), sin(6z));
+solid cap(x,y,z) = z + 0.5;
 solid dish = egg \\ cap @ (0,0,0.2);
 point p = (3, 0, 0);
 ";

@@ -87,10 +87,10 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
             .and_then(|c| c.documentation_format.as_ref())
             .map(|formats| formats.contains(&lsp::MarkupKind::Markdown)),
         snippets: completion.and_then(|c| c.snippet_support).unwrap_or(false),
+        // Operations on files stand in the list of changes: who takes them takes that too, though Neovim does not say so.
         creates_files: edit.is_some_and(|edit| {
-            let operations = edit.resource_operations.iter().flatten();
-            let mut operations = operations.map(|it| *it == lsp::ResourceOperationKind::Create);
-            edit.document_changes == Some(true) && operations.any(|creates| creates)
+            let mut operations = edit.resource_operations.iter().flatten();
+            operations.any(|it| *it == lsp::ResourceOperationKind::Create)
         }),
         versioned_edits: edit.and_then(|edit| edit.document_changes).unwrap_or(false),
         configuration: workspace.and_then(|w| w.configuration).unwrap_or(false),

@@ -233,7 +233,7 @@ exports["a script is coloured, described, completed, renamed and laid out"] = as
         const hovers = await ask("vscode.executeHoverProvider", document.uri, place);
         return hovers.flatMap((hover) => hover.contents.map((content) => content.value)).join();
     };
-    assert.match(await described(1, 0), /18, an Integer/);
+    assert.match(await described(1, 0), /`18`, an Integer/);
     assert.match(await described(0, 44), /Required/);
     const symbols = await ask("vscode.executeDocumentSymbolProvider", document.uri);
     assert.deepStrictEqual(
@@ -276,6 +276,13 @@ exports["a script becomes a program"] = async () => {
     const range = new vscode.Range(0, 0, 0, 0);
     const actions = await ask("vscode.executeCodeActionProvider", document.uri, range, "source.convert");
     assert.strictEqual(actions.length, 1, actions.map((action) => action.title).join());
+    const { command, arguments: given } = actions[0].command;
+    await ask(command, ...given);
+    const path = document.uri.fsPath.replace(/\.crt$/, ".gtr");
+    const program = await eventually("the program", () =>
+        vscode.workspace.textDocuments.find((other) => other.uri.fsPath === path && other.lineCount > 3),
+    );
+    assert.match(program.getText(), /^# geotrace render [^]*\nsolid /);
 };
 
 exports["formatting lays the text out"] = async () => {
