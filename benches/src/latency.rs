@@ -18,12 +18,16 @@ const HOVERS: usize = 100;
 /// For at most how long.
 const ENOUGH: Duration = Duration::from_secs(5);
 pub(crate) const URI: &str = "file:///bench.gtr";
+/// A document in the second language.
+pub(crate) const SCRIPT_URI: &str = "file:///bench.crt";
 
 /// The server and the editor's ends of its streams.
 pub(crate) struct Session {
     child: Child,
     input: ChildStdin,
     output: BufReader<ChildStdout>,
+    /// The document that is edited.
+    uri: &'static str,
     version: u32,
     request: u32,
 }
@@ -49,6 +53,7 @@ impl Session {
             child,
             input,
             output: BufReader::new(output),
+            uri: URI,
             version: 0,
             request: 0,
         };
@@ -110,10 +115,21 @@ impl Session {
     }
 
     pub(crate) fn open(&mut self, text: &str) -> std::io::Result<String> {
+        self.open_as(URI, text)
+    }
+
+    /// Opens the document that is edited from now on.
+    pub(crate) fn open_as(&mut self, uri: &'static str, text: &str) -> std::io::Result<String> {
+        self.uri = uri;
         self.version += 1;
+        let text = text.replace('\\', "\\\\").replace('"', "\\\"");
         let text = text.replace('\n', "\\n");
+        let language = match uri {
+            SCRIPT_URI => "crt",
+            _ => "geotrace",
+        };
         let document = format!(
-            r#"{{"uri":"{URI}","languageId":"geotrace","version":{},"text":"{text}"}}"#,
+            r#"{{"uri":"{uri}","languageId":"{language}","version":{},"text":"{text}"}}"#,
             self.version
         );
         self.tell(
@@ -134,7 +150,8 @@ impl Session {
         let [start, end] =
             columns.map(|column| format!(r#"{{"line":{line},"character":{column}}}"#));
         let change = format!(r#"{{"range":{{"start":{start},"end":{end}}},"text":"{text}"}}"#);
-        let document = format!(r#"{{"uri":"{URI}","version":{}}}"#, self.version);
+        let uri = self.uri;
+        let document = format!(r#"{{"uri":"{uri}","version":{}}}"#, self.version);
         self.tell(
             "textDocument/didChange",
             &format!(r#"{{"textDocument":{document},"contentChanges":[{change}]}}"#),

@@ -7,7 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::latency::{Session, URI, behind, memory_of, print, print_within};
+use crate::latency::{SCRIPT_URI, Session, URI, behind, memory_of, print, print_within};
 use crate::measure::megabytes;
 
 /// Edits of each kind.
@@ -30,6 +30,20 @@ param r = 0.5 : [0.4, 0.9];
 surface s(u,v) = ((1 + r cos v) cos u, (1 + r cos v) sin u, r sin v), u : [0, 2pi], v : [0, 2pi];
 ";
 
+/// A die on a mirror under two lights.
+const DIE: &str = "\
+param ball = 0.65 : [0.5, 0.8];
+solid cube(x,y,z) = max(abs x, abs y, abs z) - 1/2, color : (0.9, 0.8, 0.6);
+solid round(x,y,z) = x^2 + y^2 + z^2 - ball^2, color : (0.8, 0.2, 0.3);
+solid die = cube \\ round;
+solid ground(x,y,z) = z + 0.5, mirror : 0.3;
+light lamp = @ (2, -3, 4);
+light other = @ (-3, -2, 3), power : 0.4;
+camera front = (0, 1, -0.4) @ (0.8, -3, 1.4);
+";
+/// The example of a carved box, a script.
+const CARVED: &str = include_str!("../../examples/carved_box.crt");
+
 /// So many waves, one above the other.
 fn waves(count: usize) -> String {
     (0..count)
@@ -43,12 +57,17 @@ fn waves(count: usize) -> String {
 
 /// A server, a window that shows a text, and how long both took to its first frame.
 fn opened(text: &str) -> std::io::Result<(Session, Duration)> {
+    opened_in(URI, text, "3d")
+}
+
+/// As [`opened`], of a document in either language, in a view of the whole scene.
+fn opened_in(uri: &'static str, text: &str, view: &str) -> std::io::Result<(Session, Duration)> {
     let (mut session, _) = Session::start_as(CAPABILITIES)?;
-    session.open(text)?;
+    session.open_as(uri, text)?;
     let start = Instant::now();
     session.ask(
         "workspace/executeCommand",
-        &format!(r#"{{"command":"geotrace.preview","arguments":["{URI}"]}}"#),
+        &format!(r#"{{"command":"geotrace.preview","arguments":["{uri}",{{"view":"{view}"}}]}}"#),
     )?;
     shown(&mut session)?;
     Ok((session, start.elapsed()))
@@ -145,6 +164,20 @@ fn measure() -> std::io::Result<()> {
         "+0",
     );
     session.quit()?;
+
+    for (uri, text, place, what) in [
+        (URI, DIE, "ball = 0.65", "a number of a traced solid"),
+        (
+            SCRIPT_URI,
+            CARVED,
+            "radius -> 1.38",
+            "a number of a traced script",
+        ),
+    ] {
+        let (mut session, _) = opened_in(uri, text, "traced")?;
+        edits(&mut session, what, behind(text, place), "1");
+        session.quit()?;
+    }
 
     let text = waves(20);
     let (mut session, _) = opened(&text)?;

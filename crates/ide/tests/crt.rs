@@ -210,6 +210,8 @@ Scene { }
     let faulty = hover("a = 1\nb = )\n", "a = 1");
     assert!(!faulty.contains("alue:"), "{faulty}");
     assert!(hover("b = t", "t").contains("The frame"));
+    let long = hover("a = \"x\" * 9000 Scene { }", "a = ");
+    assert!(long.contains("xxx…") && long.len() < 500, "{long}");
 }
 
 #[test]

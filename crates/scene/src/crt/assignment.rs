@@ -3,7 +3,7 @@
 use syntax::span::Span;
 
 use super::extent::{EntityExtent, extent};
-use super::value::ScriptValue;
+use super::value::{LONGEST, ScriptValue};
 
 /// A place where a name is assigned, or a parameter is given a value, as the run has left it.
 #[derive(Clone, Debug)]
@@ -27,7 +27,12 @@ impl Assignment {
     /// The value as a script writes it, as far as it is short; empty where it had an error.
     pub fn text(&self) -> String {
         let value = self.value.as_ref();
-        value.map_or_else(String::new, ScriptValue::text)
+        let mut text = value.map_or_else(String::new, ScriptValue::text);
+        if let Some((end, _)) = text.char_indices().nth(LONGEST) {
+            text.truncate(end);
+            text.push('…');
+        }
+        text
     }
 
     /// The entity that is the value.

@@ -150,8 +150,8 @@ impl Default for ScriptSettings {
     }
 }
 
-/// The longest text of a value that is written out.
-const LONGEST: usize = 200;
+/// The longest text of a value that is written out, in characters; of a list, about.
+pub(super) const LONGEST: usize = 200;
 
 impl ScriptValue {
     /// The name of its type.
@@ -237,7 +237,7 @@ impl ScriptValue {
         })
     }
 
-    /// The value as a script writes it, as far as it is short.
+    /// The value as a script writes it; a long list is cut.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
