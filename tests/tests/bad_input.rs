@@ -837,6 +837,67 @@ fn interrupted(signal: &str) -> (Vec<String>, Option<i32>) {
     (names(), status.signal())
 }
 
+/// Interrupts the drawing of something that would take hours and is to be kept, once a part of it is done; what it has
+/// said.
+#[cfg(unix)]
+fn kept(folder: &Path, options: &str) -> String {
+    let mut patience = std::time::Duration::from_millis(500);
+    loop {
+        let mut drawing = std::process::Command::new(testing::binary::binary())
+            .current_dir(folder)
+            .args(["render", "s.gtr", "--partial", "--view", "traced"])
+            .args(options.split_whitespace())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("the binary starts");
+        std::thread::sleep(patience);
+        let kill = std::process::Command::new("kill")
+            .args(["-INT", &drawing.id().to_string()])
+            .status();
+        assert!(kill.expect("it runs").success());
+        let mut told = String::new();
+        let mut errors = drawing.stderr.take().expect("it is piped");
+        std::io::Read::read_to_string(&mut errors, &mut told).expect("text");
+        if drawing.wait().expect("it ends").success() {
+            return told;
+        }
+        // On a busy machine it has not begun yet.
+        patience *= 2;
+        assert!(patience.as_secs() < 60, "{told}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "param a : [0, 1]; solid s(x,y,z) = x^2 + y^2 + z^2 - 1; light l = @ (a,-3,4);";
+    std::fs::write(folder.path().join("s.gtr"), text).expect("written");
+    let told = kept(folder.path(), "-o out.png --size 64x48 --samples 65536");
+    assert!(
+        told.contains("note: interrupted: each pixel has "),
+        "{told}"
+    );
+    assert!(told.contains(" of its 65536 samples"), "{told}");
+    let picture = image::open(folder.path().join("out.png")).expect("a picture");
+    assert_eq!((picture.width(), picture.height()), (64, 48));
+    let series = "-o f.png --size 8x6 --animate a=0:1 --frames 100000 --samples 1";
+    let told = kept(folder.path(), series);
+    assert!(told.contains(" of 100000 pictures"), "{told}");
+    let files = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert!(files > 2, "{told}");
+    let video = "render s.gtr -o f.apng --animate a=0:1 --partial";
+    let refused = geotrace(video.split_whitespace())
+        .within(folder.path())
+        .run();
+    assert!(
+        refused
+            .expect_status(2)
+            .stderr
+            .contains("--partial cannot keep a part")
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interruption_leaves_nothing_behind() {

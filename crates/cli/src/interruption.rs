@@ -1,4 +1,22 @@
 //! The signals that end the program: what is half written is removed first, and the program ends as it would without this.
+//! A command may ask to be told of the first signal instead, to keep what it has done.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set if the first signal only asks for an end.
+static IS_HEARD: AtomicBool = AtomicBool::new(false);
+/// Set once it has come.
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// From now on the first signal only asks for an end, which [`is_interrupted`] tells; the second one ends the program.
+pub(crate) fn hear() {
+    IS_HEARD.store(true, Ordering::Relaxed);
+}
+
+/// Returns true once an end has been asked for.
+pub(crate) fn is_interrupted() -> bool {
+    IS_INTERRUPTED.load(Ordering::Relaxed)
+}
 
 /// Handles the signals on a thread of its own, which sleeps until one comes. On systems other than Unix, and where no
 /// thread can be started, temporary files stay behind.
@@ -13,7 +31,10 @@ pub(crate) fn remove_what_is_half_written() {
     };
     let thread = std::thread::Builder::new().name("signals".to_owned());
     let _ = thread.spawn(move || {
-        if let Some(signal) = signals.forever().next() {
+        for signal in signals.forever() {
+            if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
+                continue;
+            }
             export::whole_file::abandon_all(|| {
                 // It does not return for these signals.
                 let _ = emulate_default_handler(signal);

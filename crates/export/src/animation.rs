@@ -158,6 +158,21 @@ impl<W: Write> Recorder<W> {
             let message = format!("{} of {} pictures are there", self.added, self.clip.frames);
             return Err(RecordError::Format(message));
         }
+        self.end()
+    }
+
+    /// Ends a GIF with the pictures that it has.
+    ///
+    /// # Errors
+    /// See [`RecordError`]; an APNG says at its beginning how many pictures it has.
+    pub fn finish_early(self) -> Result<(), RecordError> {
+        match self.encoder {
+            Encoder::Gif(_) => self.end(),
+            Encoder::Apng(_) => self.finish(),
+        }
+    }
+
+    fn end(self) -> Result<(), RecordError> {
         match self.encoder {
             // The end is written when the encoder gives its writer back.
             Encoder::Gif(encoder) => encoder.into_inner()?.flush()?,

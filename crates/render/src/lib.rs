@@ -43,6 +43,6 @@ pub mod viewpoint;
 pub use error::{MAX_SIDE, RenderError};
 pub use geodesic_view::PictureMethod;
 pub use rendered::RenderedImage;
-pub use renderer::{Renderer, render, render_layers};
+pub use renderer::{Renderer, render, render_layers, render_until};
 pub use request::{Backend, PictureRequest};
 pub use view::{ViewId, Views};

@@ -93,9 +93,38 @@ pub fn render(
     backend: Backend,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<RenderedImage<RgbaImage>, RenderError> {
+    draw_for_file(views, request, backend, progress, |renderer| renderer)
+}
+
+/// Draws one picture for a file as [`render`] does, until it is done or `interrupt` answers. What a view refines sample by
+/// sample is returned with the samples that all pixels have then, and a note that says how many.
+///
+/// # Errors
+/// As [`render`]; [`RenderError::Interrupted`] if no sample of all pixels was done.
+pub fn render_until(
+    views: &Views,
+    request: &PictureRequest,
+    backend: Backend,
+    progress: &(dyn Fn(f32) + Sync),
+    interrupt: &Interrupt,
+) -> Result<RenderedImage<RgbaImage>, RenderError> {
+    draw_for_file(views, request, backend, progress, |renderer| {
+        let mut renderer = renderer.with_interrupt(interrupt.clone());
+        renderer.shared.keeps_partial = true;
+        renderer
+    })
+}
+
+fn draw_for_file(
+    views: &Views,
+    request: &PictureRequest,
+    backend: Backend,
+    progress: &(dyn Fn(f32) + Sync),
+    prepared: impl Fn(Renderer) -> Renderer,
+) -> Result<RenderedImage<RgbaImage>, RenderError> {
     request.check()?;
     let on = |gpu: Arc<Gpu>| {
-        let renderer = Renderer::on_gpu(gpu).with_views(views.clone());
+        let renderer = prepared(Renderer::on_gpu(gpu).with_views(views.clone()));
         let mut image = renderer.draw_once(request, progress)?;
         if image.backend == SOFTWARE {
             image
@@ -105,7 +134,7 @@ pub fn render(
         Ok(image)
     };
     let by_software = |why: String| {
-        let renderer = Renderer::software().with_views(views.clone());
+        let renderer = prepared(Renderer::software().with_views(views.clone()));
         let mut image = renderer.draw_once(request, progress)?;
         image.backend = format!("software, {why}");
         Ok(image)

@@ -15,6 +15,7 @@ use scene::ParamValues;
 use super::render::{Picture, failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
+use crate::interruption;
 use crate::output::{self, OutputTarget, WriteError};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
@@ -207,6 +208,22 @@ impl Arguments {
 }
 
 impl Animation {
+    /// Refuses a format that cannot end before its last picture.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`].
+    pub(super) fn check_partial(&self) -> Result<(), Failure> {
+        match self.format {
+            Format::Film(AnimationFormat::Gif) | Format::Series => Ok(()),
+            Format::Film(AnimationFormat::Apng) | Format::Video(_) => Err(Failure::Usage {
+                message: "--partial cannot keep a part of this format".to_owned(),
+                hint: Some(
+                    "write to a GIF, or give `--frames N` and a PNG for a picture each".to_owned(),
+                ),
+            }),
+        }
+    }
+
     /// Draws all pictures, one after the other, and writes them; then prints `summary` of the first picture and the
     /// file's name.
     ///
@@ -220,11 +237,21 @@ impl Animation {
     ) -> Result<(), Failure> {
         let progress = Progress::start("drawing");
         let mut first_summary = None;
-        let mut frame = |number: u32| -> Result<image::RgbaImage, Failure> {
+        let mut drawn = 0;
+        // Nothing once an end has been asked for, which a command hears only if it keeps what is done.
+        let mut frame = |number: u32| -> Result<Option<image::RgbaImage>, Failure> {
+            if number > 0 && interruption::is_interrupted() {
+                return Ok(None);
+            }
             let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
             let picture = draw(self.course.share(number, self.frames), &done)?;
+            // The picture that was being drawn is coarser than those before it.
+            if number > 0 && interruption::is_interrupted() {
+                return Ok(None);
+            }
+            drawn += 1;
             first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
-            Ok(picture.image)
+            Ok(Some(picture.image))
         };
         let clip = Clip {
             frames: self.frames,
@@ -236,7 +263,9 @@ impl Animation {
                 OutputTarget::new(&self.output)?.write_at(|path| {
                     let mut video = Video::start(format, clip, path).map_err(video_fault)?;
                     for number in 0..self.frames {
-                        let image = frame(number).map_err(WriteError::Content)?;
+                        let Some(image) = frame(number).map_err(WriteError::Content)? else {
+                            break;
+                        };
                         video.add(&image).map_err(video_fault)?;
                     }
                     video.finish().map_err(video_fault)
@@ -246,7 +275,9 @@ impl Animation {
                 OutputTarget::new(&self.output)?.write_with(|out| {
                     let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
                     for number in 0..self.frames {
-                        let image = frame(number).map_err(WriteError::Content)?;
+                        let Some(image) = frame(number).map_err(WriteError::Content)? else {
+                            return recorder.finish_early().map_err(fault);
+                        };
                         recorder.add(&image).map_err(fault)?;
                     }
                     recorder.finish().map_err(fault)
@@ -258,7 +289,10 @@ impl Animation {
                 let mut series = FileSeries::default();
                 for number in 0..self.frames {
                     let path = animation::numbered(&self.output, number, self.frames);
-                    let bytes = png(&frame(number)?)?;
+                    let Some(image) = frame(number)? else {
+                        break;
+                    };
+                    let bytes = png(&image)?;
                     let added = series.add(&path, &bytes);
                     added.map_err(|error| output::unwritable(&path, &error))?;
                 }
@@ -267,7 +301,7 @@ impl Animation {
             }
         }
         drop(progress);
-        let frames = self.frames;
+        let frames = drawn;
         let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
         text.push_str(&match self.format {
@@ -281,6 +315,12 @@ impl Animation {
             text.push_str(
                 "note: most viewers show a GIF of more than 50 pictures per second slowly\n",
             );
+        }
+        if frames < self.frames {
+            let wanted = self.frames;
+            text.push_str(&format!(
+                "note: interrupted: {frames} of {wanted} pictures\n"
+            ));
         }
         output::print_error(&text);
         Ok(())

@@ -13,18 +13,19 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
-use render::view::{space, traced};
+use render::view::{Interrupt, space, traced};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use tracer::PictureLook;
 
 use scene::Scene;
 
-use super::animation;
+use super::animation::{self, Animation};
 use crate::argument::{
     self, Assignment, Choice, Format, ObjectColour, PlaceArgument, Quantity, Size, TextureFile,
     Triple,
 };
 use crate::failure::Failure;
+use crate::interruption;
 use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
@@ -116,6 +117,9 @@ pub(super) struct Arguments {
     /// Everything as the window shows it: the options of what it remembers of this program, before those that are given
     #[arg(long)]
     like_window: bool,
+    /// Keeps what Ctrl+C interrupts: of a traced picture the samples, of an animation the pictures that are done
+    #[arg(long, hide_short_help = true)]
+    partial: bool,
     #[command(flatten)]
     motion: animation::Arguments,
     /// Where the camera stands: u,v, or near a solid x,y,z; without it, in the middle of the domain, or where the ray from
@@ -323,11 +327,23 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     };
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
         let request = frame(share)?;
-        let mut picture =
-            render::render(views, &request, arguments.backend, progress).map_err(failure)?;
+        let drawn = match arguments.partial {
+            true => {
+                let interrupt = Interrupt::new(interruption::is_interrupted);
+                render::render_until(views, &request, arguments.backend, progress, &interrupt)
+            }
+            false => render::render(views, &request, arguments.backend, progress),
+        };
+        let mut picture = drawn.map_err(failure)?;
         picture.notes.extend(images.notes(program, &request));
         Ok(picture)
     };
+    if arguments.partial {
+        animation
+            .as_ref()
+            .map_or(Ok(()), Animation::check_partial)?;
+        interruption::hear();
+    }
     if let Some(animation) = animation {
         return animation.write(request.size, &draw, |picture, what| {
             summary(picture, what, &request, views)
@@ -431,7 +447,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
             hint: Some("`--backend auto` takes the software path where there is no GPU".into()),
         },
         RenderError::Interrupted => Failure::Input {
-            message,
+            message: "interrupted before every pixel had a sample: nothing is written".to_owned(),
             hint: None,
         },
         RenderError::Gpu(_) => Failure::Input {

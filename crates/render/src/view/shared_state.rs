@@ -54,6 +54,8 @@ pub struct SharedState {
     /// True if a single picture is drawn, for a file: it is made in memory, in parts where it is large, and waits for
     /// its kernels.
     pub(crate) is_single: bool,
+    /// True if a picture that is given up is returned with the samples that all its pixels have.
+    pub(crate) keeps_partial: bool,
 }
 
 impl SharedState {

@@ -266,24 +266,33 @@ impl ViewRenderer for TracedRenderer {
         let (content, mut sums) = kept.unwrap_or_else(|| (content, LightSums::new(request.size)));
         let missing = wanted - sums.samples();
         let interrupt = &shared.interrupt;
+        // The light of a pixel is added sample by sample: in one pass or in many, its sum has the same bits.
+        let step = match shared.keeps_partial {
+            true => 1,
+            false => missing,
+        };
         let is_done = missing == 0
             || scene.with_scenery(&camera, content.bounces, |scenery| {
                 let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
-                sums.add(scenery, &camera, grid, missing, threads, &|share| {
-                    progress(share);
-                    // While something moves, each picture has something newer behind it.
-                    request.moving || !interrupt.is_wanted()
+                (0..missing).step_by(step as usize).all(|first| {
+                    sums.add(scenery, &camera, grid, step, threads, &|share| {
+                        progress((first as f32 + step as f32 * share) / missing as f32);
+                        // While something moves, each picture has something newer behind it.
+                        request.moving || !interrupt.is_wanted()
+                    })
                 })
             });
+        let done = sums.samples();
+        let added = done - (wanted - missing);
         let pixels = u64::from(request.size[0]) * u64::from(request.size[1]);
-        if is_done {
-            shared.pixels.count_traced(u64::from(missing) * pixels);
-        }
+        shared.pixels.count_traced(u64::from(added) * pixels);
         let mut image = picture(request.size, &sums, &settings);
         self.sums = Some((content, sums));
-        if !is_done {
+        if !is_done && !(shared.keeps_partial && done > 0) {
             return Err(RenderError::Interrupted);
         }
+        let partial = (!is_done)
+            .then(|| format!("interrupted: each pixel has {done} of its {wanted} samples"));
         let mut overlays = Vec::new();
         // Through a lens that bends or turns the picture, names would be elsewhere.
         let is_straight = camera.projection == LensProjection::Pinhole && camera.roll == 0.0;
@@ -296,12 +305,13 @@ impl ViewRenderer for TracedRenderer {
         Ok(RenderedImage {
             backend: SOFTWARE.to_owned(),
             overlays,
-            samples: Some([wanted, missing]),
+            samples: Some([done, added]),
             notes: scene
                 .rays()
                 .notes()
                 .iter()
                 .map(ToString::to_string)
+                .chain(partial)
                 .collect(),
             ..RenderedImage::new(Pixels::Image(image))
         })
