@@ -888,7 +888,7 @@ fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
     assert!(files > 2, "{told}");
     let video = "render s.gtr -o f.apng --animate a=0:1 --partial";
     let refused = geotrace(video.split_whitespace())
-        .within(folder.path())
+        .folder(folder.path())
         .run();
     assert!(
         refused

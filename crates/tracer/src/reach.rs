@@ -1,12 +1,14 @@
-//! Cubes outside which a polynomial is positive.
+//! Boxes outside which a polynomial is positive.
 //!
-//! Input: a polynomial. Output: half the side of a cube about the origin outside which it is positive. Intervals of its terms
+//! Input: a polynomial. Output: of one of degree 2 that bounds an ellipsoid, the box of that in closed form; of another one,
+//! half the side of a cube about the origin outside which it is positive. Intervals of its terms
 //! on endless boxes say nothing, since large terms cancel; so the outside is seen from infinity: a point is s·w, w on the
 //! surface of the cube [−1, 1]³, and the polynomial divided by s^degree is one in w and 1/s, which is small there.
 
 use expr::interval::Interval;
 use expr::ops::Binary;
 use expr::polynomial::{Polynomial, Region};
+use glam::{DMat3, DVec3};
 
 use crate::bounds::BoundingBox;
 
@@ -15,11 +17,70 @@ const BOXES: usize = 4096;
 /// Cubes are looked for between 2^−LARGEST and 2^LARGEST.
 const LARGEST: i32 = 40;
 
+/// A pivot of a quadratic form below this share of the largest coefficient is none.
+const FLATTEST: f64 = 1e-9;
+/// The share of its size and distance by which the box of an ellipsoid is larger than what is computed.
+const MARGIN: f64 = 1e-9;
+
+/// The box of the ellipsoid whose inside a region is; `None` for another region.
+///
+/// With f = xᵀAx + 2bᵀx + c, A positive definite, the centre is m = −A⁻¹b, and with r = bᵀA⁻¹b − c half the side along axis k
+/// is √(r (A⁻¹)ₖₖ), where the gradient of f is along that axis.
+pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
+    let Region::Polynomial(p) = region else {
+        return None;
+    };
+    if p.degree() != 2 {
+        return None;
+    }
+    let mut form = DMat3::ZERO;
+    let (mut linear, mut constant) = (DVec3::ZERO, 0.0);
+    for (exponents, coefficient) in p.terms() {
+        let axes: Vec<usize> = (0..3)
+            .flat_map(|k| std::iter::repeat_n(k, usize::from(exponents[k])))
+            .collect();
+        match axes[..] {
+            [] => constant += coefficient,
+            [j] => linear[j] += 0.5 * coefficient,
+            [j, k] => {
+                form.col_mut(j)[k] += 0.5 * coefficient;
+                form.col_mut(k)[j] += 0.5 * coefficient;
+            }
+            _ => return None,
+        }
+    }
+    let largest = form
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |a: f64, b| a.max(b.abs()));
+    let least = FLATTEST * largest;
+    // Pivots of the elimination: the form is positive definite exactly where all are positive.
+    let [a, b, c] = [form.x_axis, form.y_axis, form.z_axis];
+    let second = a.x * b.y - a.y * a.y;
+    let is_definite = a.x > least && second > least * a.x && form.determinant() > least * second;
+    if !(is_definite && b.y > least && c.z > least) {
+        return None;
+    }
+    let inverse = form.inverse();
+    let center = -(inverse * linear);
+    let square = -linear.dot(center) - constant;
+    let sides = DVec3::new(inverse.x_axis.x, inverse.y_axis.y, inverse.z_axis.z) * square;
+    if !(square > 0.0 && sides.min_element() > 0.0 && sides.is_finite() && center.is_finite()) {
+        return None;
+    }
+    let half = DVec3::from_array(sides.to_array().map(f64::sqrt));
+    let half = half + MARGIN * (half + center.abs());
+    Some(BoundingBox {
+        lower: center - half,
+        upper: center + half,
+    })
+}
+
 /// A box that contains the region, as far as its polynomials say so.
 pub(crate) fn reach(region: &Region) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
-            let size = glam::DVec3::splat(cube(p)?);
+            let size = DVec3::splat(cube(p)?);
             Some(BoundingBox {
                 lower: -size,
                 upper: size,

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, enclose};
 use crate::field::{Field, FieldScratch};
-use crate::reach::reach;
+use crate::reach::{ellipsoid, reach};
 use crate::surface::PolynomialSurface;
 
 /// The set where `field` is not positive, within cuts.
@@ -60,20 +60,30 @@ impl Shape {
         let bounds = if limits.iter().any(|side| side.is_empty()) {
             Some(BoundingBox::EMPTY)
         } else {
-            let mut on_box = |sides| field.on_box(&mut scratch, sides);
-            enclose(limits, &mut on_box).or_else(|| {
-                let region = region(graph, node, &|input| meaning(input, uniform, &UNITS));
-                let reach = reach(&region)?;
-                let [lower, upper] = [reach.lower.to_array(), reach.upper.to_array()];
-                let limits = [0, 1, 2].map(|k| {
+            let region = region(graph, node, &|input| meaning(input, uniform, &UNITS));
+            let within = |bounds: BoundingBox| {
+                let [lower, upper] = [bounds.lower.to_array(), bounds.upper.to_array()];
+                [0, 1, 2].map(|k| {
                     let limit = limits[k];
                     Interval::new(lower[k].max(limit.lower()), upper[k].min(limit.upper()))
-                });
-                if limits.iter().any(|side| side.is_empty()) {
-                    return Some(BoundingBox::EMPTY);
-                }
-                enclose(limits, &mut on_box)
-            })
+                })
+            };
+            let is_empty = |sides: &[Interval; 3]| sides.iter().any(|side| side.is_empty());
+            let mut on_box = |sides| field.on_box(&mut scratch, sides);
+            match ellipsoid(&region).map(within) {
+                Some(sides) if is_empty(&sides) => Some(BoundingBox::EMPTY),
+                Some(sides) => Some(BoundingBox {
+                    lower: DVec3::from_array(sides.map(Interval::lower)),
+                    upper: DVec3::from_array(sides.map(Interval::upper)),
+                }),
+                None => enclose(limits, &mut on_box).or_else(|| {
+                    let sides = within(reach(&region)?);
+                    match is_empty(&sides) {
+                        true => Some(BoundingBox::EMPTY),
+                        false => enclose(sides, &mut on_box),
+                    }
+                }),
+            }
         };
         Ok(Self {
             node,
