@@ -1,4 +1,6 @@
-//! Colours that a text states as numbers, for an editor's colour picker.
+//! Colours that a text states as numbers, for an editor's colour picker and that of the window.
+
+use std::fmt;
 
 use syntax::span::Span;
 
@@ -10,3 +12,22 @@ pub struct StatedColor {
     /// Red, green and blue, sRGB, 0…1.
     pub rgb: [f64; 3],
 }
+
+/// The reason for which a colour is not written into a text.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum EditColorError {
+    /// No object of this name states its colour as numbers.
+    NotStated {
+        /// The object's name.
+        name: String,
+    },
+}
+
+impl fmt::Display for EditColorError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::NotStated { name } = self;
+        write!(f, "the declaration of `{name}` states no colour as numbers")
+    }
+}
+
+impl std::error::Error for EditColorError {}

@@ -47,6 +47,7 @@ use syntax::span::Span;
 pub use analysis::{GeotraceAnalysis, Lexeme, Target};
 pub use item::Item;
 
+use crate::color::EditColorError;
 use crate::edit::Edit;
 use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
@@ -240,5 +241,9 @@ impl Analysis for GeotraceAnalysis {
         position: [f64; 3],
     ) -> Result<Edit, EditCameraError> {
         edit_camera::edit_camera(self, name, direction, position)
+    }
+
+    fn edit_color(&self, object: &str, color: [f64; 3]) -> Result<Edit, EditColorError> {
+        color::edit_color(self, object, color)
     }
 }

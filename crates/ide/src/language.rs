@@ -22,7 +22,7 @@ pub use syntax::document::EditError;
 pub const LONGEST_PROGRAM: u64 = 64 << 20;
 use syntax::span::Span;
 
-use crate::color::StatedColor;
+use crate::color::{EditColorError, StatedColor};
 use crate::completion::Completions;
 use crate::conversion::ConvertError;
 use crate::description::Description;
@@ -373,6 +373,17 @@ pub trait Analysis: Debug + Send + Sync {
         position: [f64; 3],
     ) -> Result<Edit, EditCameraError> {
         Err(EditCameraError::NoCameras)
+    }
+
+    /// Returns the edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB,
+    /// 0…1.
+    ///
+    /// # Errors
+    /// [`EditColorError`] with the reason.
+    fn edit_color(&self, object: &str, color: [f64; 3]) -> Result<Edit, EditColorError> {
+        let _ = color;
+        let name = object.to_owned();
+        Err(EditColorError::NotStated { name })
     }
 }
 

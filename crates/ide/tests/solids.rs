@@ -321,3 +321,24 @@ fn lenses_offer_the_traced_view_of_what_is_drawn_and_from_each_camera() {
         ]
     );
 }
+
+#[test]
+fn a_stated_colour_is_written_anew() {
+    let text =
+        "solid a(x,y,z) = x, color : 0.5, mirror : 0.5; point b = (0,0,0), color : (1, 0, 0);";
+    let analysis = GeotraceAnalysis::new(text);
+    let written = |object: &str| {
+        let edit = ide::geotrace::color::edit_color(&analysis, object, [0.0, 0.25, 1.0]);
+        edit.map(|edit| ide::edit::apply(text, &[edit]))
+    };
+    assert_eq!(
+        written("a"),
+        Ok(text.replace("color : 0.5", "color : (0, 0.25, 1)"))
+    );
+    assert_eq!(written("b"), Ok(text.replace("(1, 0, 0)", "(0, 0.25, 1)")));
+    let refused = written("c").expect_err("there is none").to_string();
+    assert_eq!(
+        refused,
+        "the declaration of `c` states no colour as numbers"
+    );
+}

@@ -169,6 +169,15 @@ pub enum Event {
         /// Its place; finite.
         position: [f64; 3],
     },
+    /// The user wants another colour of an object in the text, as one step that can be undone.
+    WriteColor {
+        /// The text's version.
+        version: i32,
+        /// The object's name.
+        object: String,
+        /// Red, green and blue, sRGB, 0…1.
+        color: [f64; 3],
+    },
     /// The params' values now, by name.
     Values {
         /// The text's version.

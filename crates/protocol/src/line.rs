@@ -272,6 +272,11 @@ mod tests {
                 direction: [0.0, 4.0, -1.0],
                 position: [0.1, -4.0, 1e-300],
             },
+            Event::WriteColor {
+                version: 2,
+                object: "ball".to_owned(),
+                color: [0.0, 0.2, 1.0],
+            },
             Event::Values {
                 version: 2,
                 values: [("U".to_owned(), vec![0.1 + 0.2])].into(),

@@ -7,7 +7,8 @@ use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
 use super::analysis::{GeotraceAnalysis, Lexeme};
-use crate::color::StatedColor;
+use crate::color::{EditColorError, StatedColor};
+use crate::edit::Edit;
 
 /// The most tokens of a colour: three numbers, two commas, two brackets.
 const LONGEST: usize = 7;
@@ -45,6 +46,30 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
         }
     }
     found
+}
+
+/// The edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB, 0…1.
+///
+/// # Errors
+/// [`EditColorError::NotStated`].
+pub fn edit_color(
+    analysis: &GeotraceAnalysis,
+    object: &str,
+    color: [f64; 3],
+) -> Result<Edit, EditColorError> {
+    let item = analysis.declared(object);
+    let within = |stated: &&StatedColor| {
+        item.as_ref().is_some_and(|item| {
+            item.span.start <= stated.span.start && stated.span.end <= item.span.end
+        })
+    };
+    let colors = colors(analysis);
+    let stated = colors.iter().find(within);
+    let stated = stated.ok_or_else(|| EditColorError::NotStated {
+        name: object.to_owned(),
+    })?;
+    let text = color_texts(color).swap_remove(0);
+    Ok(Edit::replace(stated.span, text))
 }
 
 /// The texts that state a colour: three numbers; where they are equal, one too.

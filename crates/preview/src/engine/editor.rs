@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use export::whole_file::{write_new, write_whole};
-use ide::Language;
+use ide::edit::Edit;
+use ide::{Analysis, Language};
 use syntax::span::Span;
 
 use crate::io::watch::Unreadable;
@@ -181,37 +182,16 @@ impl Editor {
         })
     }
 
-    /// Writes a param's value into the text; whether the text is another one now.
+    /// Makes an edit of the text as it is now; whether the text is another one then.
     ///
     /// # Errors
-    /// A sentence; the text is as it was.
-    pub(crate) fn write_param(&mut self, name: &str, value: &[f64]) -> Result<bool, String> {
-        let analysis = self.language.read(&self.text);
-        let edit = analysis
-            .edit_param(name, value)
-            .map_err(|refusal| refusal.to_string())?;
-        let text = ide::edit::apply(&self.text, &[edit]);
-        let changed = text != self.text;
-        if changed {
-            self.replace(text);
-        }
-        Ok(changed)
-    }
-
-    /// Writes a camera into the text, that of a name or a new one of that name; whether the text is another one now.
-    ///
-    /// # Errors
-    /// A sentence; the text is as it was.
-    pub(crate) fn write_camera(
+    /// Those of `make`; the text is as it was.
+    pub(crate) fn write<E: std::fmt::Display>(
         &mut self,
-        name: &str,
-        direction: [f64; 3],
-        position: [f64; 3],
+        make: impl FnOnce(&dyn Analysis) -> Result<Edit, E>,
     ) -> Result<bool, String> {
         let analysis = self.language.read(&self.text);
-        let edit = analysis
-            .edit_camera(name, direction, position)
-            .map_err(|refusal| refusal.to_string())?;
+        let edit = make(&*analysis).map_err(|refusal| refusal.to_string())?;
         let text = ide::edit::apply(&self.text, &[edit]);
         let changed = text != self.text;
         if changed {

@@ -110,3 +110,30 @@ fn the_camera_of_a_solid_is_dragged_turned_zoomed_and_put_back() {
     hand.settle();
     assert_eq!(hand.solid_camera("ball").at, first.at);
 }
+
+#[test]
+fn a_stated_colour_is_picked_into_the_text() {
+    let text = "solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (1, 0.8, 0.2), mirror : 0.1;
+param c : [0, 1];
+point p = (c, 0, 2), color : (c, 0, 0);
+point q = (0, 0, 3);
+";
+    let mut hand = Hand::on(text);
+    hand.settings("Objects");
+    hand.click("Colour of ball");
+    hand.click("Blue");
+    hand.settle();
+    let blue = text.replace("(1, 0.8, 0.2)", "(0, 0.447, 0.698)");
+    hand.until("it is written", |hand| hand.window().text() == Some(&blue));
+    assert!(hand.window().model().view.looks.is_empty());
+    // An expression is not, and what states none is a choice of the window.
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.click("Colour of q");
+    hand.click("Blue");
+    hand.settle();
+    assert_eq!(hand.window().text(), Some(&*blue));
+    assert_eq!(
+        hand.window().model().view.look("q").colour,
+        Some([0, 114, 178])
+    );
+}

@@ -371,6 +371,9 @@ impl PreviewWindow {
                     position,
                 });
             }
+            Event::WriteColor { object, color, .. } => {
+                let _ = requests.try_send(WindowRequest::WriteColor { object, color });
+            }
             Event::Values { values, .. } => {
                 let mut session = lock(&self.session);
                 let shown = session.settings.values && session.editor.refreshes_hints;

@@ -117,11 +117,34 @@ impl Window {
                 param: name.to_owned(),
                 value,
             }),
-            TextSource::File { editor, .. } => match editor.write_param(name, &value) {
-                Ok(true) => self.text.compile(),
-                Ok(false) => {}
-                Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
-            },
+            TextSource::File { editor, .. } => {
+                let written = editor.write(|analysis| analysis.edit_param(name, &value));
+                self.note_written(written);
+            }
+        }
+    }
+
+    /// Writes another colour of an object into the text: sRGB, 0…1.
+    pub(crate) fn write_color(&mut self, object: &str, color: [f64; 3]) {
+        match &mut self.text.source {
+            TextSource::Attached { .. } => self.text.say(Event::WriteColor {
+                version: self.model.version,
+                object: object.to_owned(),
+                color,
+            }),
+            TextSource::File { editor, .. } => {
+                let written = editor.write(|analysis| analysis.edit_color(object, color));
+                self.note_written(written);
+            }
+        }
+    }
+
+    /// Compiles the text of the window's own where it was written into, or says why it was not.
+    fn note_written(&mut self, written: Result<bool, String>) {
+        match written {
+            Ok(true) => self.text.compile(),
+            Ok(false) => {}
+            Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
         }
     }
 
@@ -152,11 +175,9 @@ impl Window {
                 position,
             }),
             TextSource::File { editor, .. } => {
-                match editor.write_camera(&name, direction, position) {
-                    Ok(true) => self.text.compile(),
-                    Ok(false) => {}
-                    Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
-                }
+                let written =
+                    editor.write(|analysis| analysis.edit_camera(&name, direction, position));
+                self.note_written(written);
             }
         }
     }

@@ -30,6 +30,8 @@ pub(super) enum WindowRequest {
         direction: [f64; 3],
         position: [f64; 3],
     },
+    /// The colour of an object is to be written into the text.
+    WriteColor { object: String, color: [f64; 3] },
 }
 
 /// Asks the editor what a window requests, one thing after the other.
@@ -46,6 +48,9 @@ pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<W
                     direction,
                     position,
                 } => window.write_camera(name, direction, position).await,
+                WindowRequest::WriteColor { object, color } => {
+                    window.write_color(object, color).await
+                }
             }
         };
         // An editor that asks its user first may take its time, but other requests do not wait for ever.
@@ -112,6 +117,16 @@ impl PreviewWindow {
             edit.map_err(|refusal| refusal.to_string())
         };
         self.write("Write camera".to_owned(), subject, make).await;
+    }
+
+    async fn write_color(&self, object: String, color: [f64; 3]) {
+        let subject = format!("The colour of `{object}`");
+        let make = move |analysis: &dyn Analysis| {
+            let edit = analysis.edit_color(&object, color);
+            edit.map_err(|refusal| refusal.to_string())
+        };
+        self.write("Change a colour".to_owned(), subject, make)
+            .await;
     }
 
     /// Has the editor make an edit, and tells the user where it was not made. `subject` begins that sentence.

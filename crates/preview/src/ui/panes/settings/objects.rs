@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, Grid, Ui};
-use scene::Object;
+use scene::{AttributeValue, Object, Scene};
 
 use crate::state::{Choice, Step};
 use crate::ui::colour;
@@ -62,19 +62,10 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
                 view.looks.entry(name.clone()).or_default().hidden = !shown;
             });
     }
-    let mut colour = look
-        .colour
-        .unwrap_or_else(|| window.model.default_colour(name));
-    let picker = colour::button(ui, &mut colour);
-    if picker
-        .accessible_name(format!("Colour of {name}"))
-        .changed()
-    {
-        window
-            .model
-            .change(Step::new("Change a colour", name.as_str()), |view| {
-                view.looks.entry(name.clone()).or_default().colour = Some(colour);
-            });
+    let stated = window.model.scene.as_ref();
+    match stated.and_then(|scene| stated_colour(scene, object)) {
+        Some(stated) => written_colour(window, ui, name, stated),
+        None => chosen_colour(window, ui, name, look.colour),
     }
     let stale = if window.model.faults.stale().contains(name) {
         " (out of date)"
@@ -116,6 +107,73 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     } else {
         ui.label("");
         ui.label("");
+    }
+}
+
+/// Shows the colour of an object that states none: a choice of the window.
+fn chosen_colour(window: &mut Window, ui: &mut Ui, name: &str, chosen: Option<[u8; 3]>) {
+    let mut colour = chosen.unwrap_or_else(|| window.model.default_colour(name));
+    let picker = colour::button(ui, &mut colour);
+    if picker
+        .accessible_name(format!("Colour of {name}"))
+        .changed()
+    {
+        let step = Step::new("Change a colour", name);
+        window.model.change(step, |view| {
+            view.looks.entry(name.to_owned()).or_default().colour = Some(colour);
+        });
+    }
+}
+
+/// The colour that an object states.
+#[derive(Clone, Copy)]
+enum StatedColour {
+    /// Numbers: sRGB, 0…1.
+    Constant([f64; 3]),
+    /// Something that changes, with a place or a param.
+    Expression,
+}
+
+fn stated_colour(scene: &Scene, object: &Object) -> Option<StatedColour> {
+    let stated = object.attributes.iter().find(|it| it.word == "color")?;
+    let AttributeValue::Numbers(nodes) = &stated.value else {
+        return None;
+    };
+    let values: Option<Vec<f64>> = nodes.iter().map(|node| scene.graph.value(*node)).collect();
+    Some(match values.as_deref() {
+        Some([grey]) => StatedColour::Constant([*grey; 3]),
+        Some(&[red, green, blue]) => StatedColour::Constant([red, green, blue]),
+        _ => StatedColour::Expression,
+    })
+}
+
+/// Shows the colour that an object states. Another one is written into the text when the pointer is let go.
+fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedColour) {
+    let label = format!("Colour of {name}");
+    let StatedColour::Constant(stated) = stated else {
+        ui.add_enabled_ui(false, |ui| {
+            let mut grey = [128; 3];
+            colour::button(ui, &mut grey)
+                .on_disabled_hover_text("The text states its colour as an expression")
+                .accessible_name(label);
+        });
+        return;
+    };
+    let stated = stated.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
+    let id = ui.scope_id().with(("stated colour", name));
+    let picked: Option<[u8; 3]> = ui.data(|data| data.get_temp(id));
+    let mut colour = picked.unwrap_or(stated);
+    if colour::button(ui, &mut colour)
+        .on_hover_text("Writes the colour into the text")
+        .accessible_name(label)
+        .changed()
+    {
+        ui.data_mut(|data| data.insert_temp(id, colour));
+    }
+    let is_held = ui.input(|input| input.pointer.any_down());
+    if !is_held && colour != stated {
+        ui.data_mut(|data| data.remove_temp::<[u8; 3]>(id));
+        window.write_color(name, colour.map(|part| f64::from(part) / 255.0));
     }
 }
 
