@@ -239,14 +239,24 @@ mod tests {
     fn a_params_value_is_written_into_its_declaration() {
         let (_folder, mut editor) = editor();
         editor.text = "param a : [0, 1];\npoint p = (a, 0, 0);\n".into();
-        assert_eq!(editor.write_param("a", &[0.25]), Ok(true));
+        assert_eq!(
+            editor.write(|analysis| analysis.edit_param("a", &[0.25])),
+            Ok(true)
+        );
         assert!(
             editor.text.starts_with("param a = 0.25 : [0, 1];\n"),
             "{}",
             editor.text
         );
-        assert_eq!(editor.write_param("a", &[0.25]), Ok(false));
-        assert!(editor.write_param("b", &[0.25]).is_err());
+        assert_eq!(
+            editor.write(|analysis| analysis.edit_param("a", &[0.25])),
+            Ok(false)
+        );
+        assert!(
+            editor
+                .write(|analysis| analysis.edit_param("b", &[0.25]))
+                .is_err()
+        );
     }
 
     #[test]
