@@ -309,6 +309,7 @@ fn a_request_is_read_back_from_its_command_and_draws_the_same_bytes() {
     let known: BTreeSet<String> = known.map(str::to_owned).collect();
     let others = [
         "output",
+        "partial",
         "backend",
         "like-window",
         "animate",
