@@ -140,6 +140,23 @@ impl Content {
     }
 }
 
+/// The content of expressions over a domain, with the values of the uniforms that they read.
+pub(crate) fn expressions(
+    graph: &Graph,
+    roots: &[NodeId],
+    domain: &[Sampling],
+    uniforms: &[f64],
+) -> Content {
+    let mut writer = Writer::new(graph);
+    writer.words.extend(domain.iter().flat_map(sampling_words));
+    for root in roots {
+        let number = writer.node(*root);
+        writer.words.extend([WordTag::Root as u64, number]);
+    }
+    let values = writer.uniforms.iter().map(|&k| value(uniforms, k));
+    Content(writer.words.iter().copied().chain(values).collect())
+}
+
 fn value(uniforms: &[f64], uniform: u32) -> u64 {
     uniforms
         .get(uniform as usize)

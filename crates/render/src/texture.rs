@@ -7,11 +7,13 @@ mod curvature;
 mod filter;
 mod named;
 mod orientation;
+mod stated;
 
 pub use curvature::CurvatureScale;
 pub(crate) use filter::Footprint;
 pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
+pub(crate) use stated::StatedColours;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

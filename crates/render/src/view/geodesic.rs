@@ -192,6 +192,7 @@ impl ViewRenderer for GeodesicRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
+        let request = &*shared.stated_colours.textured(request);
         let Some(options) = request.view.get::<GeodesicOptions>() else {
             return Err(ManifoldError::NoSurface { name: None }.into());
         };

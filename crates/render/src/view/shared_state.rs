@@ -14,6 +14,7 @@ use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
 use crate::sample_store::SampleStore;
 use crate::solids::SolidStore;
+use crate::texture::StatedColours;
 
 /// The question whether a picture that takes long is to be given up, which any thread may ask while it is drawn.
 #[derive(Clone, Default)]
@@ -46,6 +47,7 @@ pub struct SharedState {
     pub(crate) structures: Structures,
     pub(crate) framing: Framing,
     pub(crate) samples: SampleStore,
+    pub(crate) stated_colours: StatedColours,
     /// The number of geodesic views whose geodesics were followed.
     pub(crate) followed: u64,
     pub(crate) pixels: Arc<PixelCounters>,

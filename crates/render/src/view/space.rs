@@ -195,6 +195,7 @@ impl ViewRenderer for SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
+        let request = &*shared.stated_colours.textured(request);
         let options = options(request)?;
         let Stage {
             structures,

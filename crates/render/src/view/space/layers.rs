@@ -20,6 +20,7 @@ impl SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
+        let request = &*shared.stated_colours.textured(request);
         let options = options(request)?;
         let stage = self.stage(shared, request, options)?;
         let (drawables, mut notes) = drawables(shared, request, options, &stage.framed, &|_| {});
