@@ -34,7 +34,7 @@ fn inside(k: f64) -> PictureRequest {
         mark_centre: false,
         ..camera.into()
     };
-    PictureRequest::new(&scene, Arc::new(params), options.into(), [SIDE; 2])
+    PictureRequest::new(&scene, Arc::new(params), options, [SIDE; 2])
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn the_expression_is_seen_in_space_and_a_chosen_image_wins() {
     let scene = scenes::scene(TEXT);
     let eye = SpaceOptions::seen_from([0.0, 0.0, 4.0], [0.0, 0.0, 0.0]);
     let params = Arc::new(ParamValues::initial(&scene));
-    let mut request = PictureRequest::new(&scene, params, eye.into(), [SIDE; 2]);
+    let mut request = PictureRequest::new(&scene, params, eye, [SIDE; 2]);
     let mut renderer = Renderer::software();
     let seen = image(&mut renderer, &request);
     let middle = SIDE / 2;
