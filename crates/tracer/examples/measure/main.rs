@@ -3,16 +3,17 @@
 //! `surfaces [FOLDER]` casts a ray for each pixel of 640 × 480 at each implicit surface of the tests, on two threads, and
 //! prints the time that it takes and the processor's time of both threads together, which other programs do not lengthen;
 //! with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
-//! crossing with the membership of points.
+//! crossing with the membership of points. `pictures [NAME]` draws pictures on one thread.
 
 use std::time::Instant;
 
 use glam::{DAffine3, DVec3};
 use tracer::{Ray, SetStep, World, WorldBuilder};
 
-#[path = "../../expr/tests/formula/mod.rs"]
+#[path = "../../../expr/tests/formula/mod.rs"]
 mod formula;
-#[path = "../tests/scenes/mod.rs"]
+mod pictures;
+#[path = "../../tests/scenes/mod.rs"]
 mod scenes;
 use formula::variables;
 use scenes::surfaces::surfaces;
@@ -30,7 +31,8 @@ fn main() {
             .and_then(|n| n.parse().ok())
             .unwrap_or(10_000)),
         Some("surfaces") => all_surfaces(arguments.get(1)),
-        _ => eprintln!("measure surfaces [FOLDER] | csg [RAYS]"),
+        Some("pictures") => pictures::pictures(arguments.get(1).map_or("", String::as_str)),
+        _ => eprintln!("measure surfaces [FOLDER] | csg [RAYS] | pictures [NAME]"),
     }
 }
 
