@@ -46,6 +46,13 @@ impl BoundingBox {
         }
     }
 
+    /// Makes it contain a point.
+    #[inline]
+    pub(crate) fn include(&mut self, point: DVec3) {
+        self.lower = self.lower.min(point);
+        self.upper = self.upper.max(point);
+    }
+
     /// Returns the intersection of both.
     pub fn common(&self, other: &Self) -> Self {
         let common = Self {

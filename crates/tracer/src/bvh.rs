@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use crate::bounds::BoundingBox;
+use crate::bundle::RayBundle;
 
 /// Boxes in boxes.
 #[derive(Clone, Debug, Default)]
@@ -138,6 +139,36 @@ impl Hierarchy {
             }
         }
         reach
+    }
+
+    /// Hands the boxes that a ray of the bundle may meet to `found`.
+    pub(crate) fn each_near(
+        &self,
+        bundle: &RayBundle,
+        stack: &mut Vec<u32>,
+        found: &mut dyn FnMut(usize, &BoundingBox),
+    ) {
+        stack.clear();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
+        while let Some(id) = stack.pop() {
+            let node = &self.nodes[id as usize];
+            if !bundle.may_meet(&node.bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.push(node.place);
+                stack.push(id + 1);
+                continue;
+            }
+            for &k in &self.order[node.place as usize..][..node.count as usize] {
+                let bounds = &self.boxes[k as usize];
+                if bundle.may_meet(bounds) {
+                    found(k as usize, bounds);
+                }
+            }
+        }
     }
 
     /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit.

@@ -31,6 +31,18 @@ pub struct LensCamera {
     pub sharp: SharpPlaces,
 }
 
+/// A camera with what all rays through a picture have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CameraFrame {
+    camera: LensCamera,
+    /// The picture's right and up, and the direction of its centre.
+    axes: [DVec3; 3],
+    /// The tangent of half the vertical opening.
+    tangent: f64,
+    /// The picture's width and height.
+    size: [f64; 2],
+}
+
 /// The places that a lens shows sharp, at the distance `focus`.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum SharpPlaces {
@@ -144,33 +156,18 @@ impl SampleAxes {
 impl LensCamera {
     /// The start and unit direction of the ray through a place of the picture, `x` to the right and `y` down in pixels,
     /// and a place on the lens, two numbers from 0 to 1.
-    pub fn ray(&self, size: [u32; 2], [x, y]: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
-        let [right, up, forward] = self.axes();
-        let [width, height] = size.map(f64::from);
-        // From −1 to 1 over the picture's height.
-        let across = 2.0 * (x - 0.5 * width) / height;
-        let upward = 2.0 * (0.5 * height - y) / height;
-        let (half, tangent) = (0.5 * self.fov, (0.5 * self.fov).tan());
-        let across = match self.projection {
-            LensProjection::Pinhole => tangent * across,
-            _ => (half * across).sin(),
-        };
-        let upward = match self.projection {
-            LensProjection::Spherical => (half * upward).sin(),
-            _ => tangent * upward,
-        };
-        let direction = forward + across * right + upward * up;
-        if self.aperture <= 0.0 {
-            return (self.position, direction.normalize());
+    pub fn ray(&self, size: [u32; 2], place: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
+        self.frame(size).ray(place, lens)
+    }
+
+    /// Prepares for many rays through a picture of this size.
+    pub(crate) fn frame(&self, size: [u32; 2]) -> CameraFrame {
+        CameraFrame {
+            camera: *self,
+            axes: self.axes(),
+            tangent: (0.5 * self.fov).tan(),
+            size: size.map(f64::from),
         }
-        let [a, b] = self.bokeh.place(lens);
-        let offset = self.aperture * (a * right + b * up);
-        let (offset, direction) = match self.sharp {
-            SharpPlaces::Plane => (offset, direction),
-            SharpPlaces::Ball => (-offset, direction.normalize()),
-        };
-        let sharp = self.focus * direction;
-        (self.position + offset, (sharp - offset).normalize())
     }
 
     /// The picture's right and up, and the direction of its centre.
@@ -185,6 +182,39 @@ impl LensCamera {
         let up = right.cross(forward);
         let (sin, cos) = self.roll.sin_cos();
         [cos * right - sin * up, cos * up + sin * right, forward]
+    }
+}
+
+impl CameraFrame {
+    /// The ray through a place, as [`LensCamera::ray`] has it.
+    pub(crate) fn ray(&self, [x, y]: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
+        let camera = &self.camera;
+        let [right, up, forward] = self.axes;
+        let [width, height] = self.size;
+        // From −1 to 1 over the picture's height.
+        let across = 2.0 * (x - 0.5 * width) / height;
+        let upward = 2.0 * (0.5 * height - y) / height;
+        let (half, tangent) = (0.5 * camera.fov, self.tangent);
+        let across = match camera.projection {
+            LensProjection::Pinhole => tangent * across,
+            _ => (half * across).sin(),
+        };
+        let upward = match camera.projection {
+            LensProjection::Spherical => (half * upward).sin(),
+            _ => tangent * upward,
+        };
+        let direction = forward + across * right + upward * up;
+        if camera.aperture <= 0.0 {
+            return (camera.position, direction.normalize());
+        }
+        let [a, b] = camera.bokeh.place(lens);
+        let offset = camera.aperture * (a * right + b * up);
+        let (offset, direction) = match camera.sharp {
+            SharpPlaces::Plane => (offset, direction),
+            SharpPlaces::Ball => (-offset, direction.normalize()),
+        };
+        let sharp = camera.focus * direction;
+        (camera.position + offset, (sharp - offset).normalize())
     }
 }
 

@@ -12,6 +12,8 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use crate::bounds::BoundingBox;
+use crate::bundle::RayBundle;
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
@@ -55,9 +57,11 @@ pub struct Caster<'w> {
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
     shared_fields: FxHashMap<u32, Vec<f64>>,
-    /// The rays that are read together, and for each field what is known of them all.
+    /// The rays that are read together, and for each field what is known of them all; none where fields are read ray by ray.
     bundle: Vec<Ray>,
     bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
+    /// The leaves that rays of the bundle may meet, with their boxes.
+    bundle_leaves: Vec<(BoundingBox, u32)>,
     group: Vec<SurfaceEvent>,
     stack: Vec<u32>,
     crossings: Vec<Crossing>,
@@ -118,6 +122,7 @@ impl World {
             shared_fields: FxHashMap::default(),
             bundle: Vec::new(),
             bundle_parts: FxHashMap::default(),
+            bundle_leaves: Vec::new(),
             group: Vec::new(),
             stack: Vec::new(),
             crossings: Vec::new(),
@@ -143,18 +148,19 @@ impl Caster<'_> {
         self.crossings.first().copied()
     }
 
-    /// The crossings with the least t > 0, by solid; `bundled` for a ray of the bundle.
-    pub(crate) fn nearest(&mut self, ray: &Ray, bundled: bool) -> &[Crossing] {
+    /// The crossings with the least t > 0 of a ray of the bundle, by solid.
+    pub(crate) fn nearest(&mut self, ray: &Ray) -> &[Crossing] {
         let sought = Sought {
             first: true,
-            bundled,
+            bundled: true,
             ..Sought::ALL
         };
         self.sweep(ray, sought, &mut |_| true);
         &self.crossings
     }
 
-    /// Hands the crossings with t > 0 and less than `before` to `found`, by t, then by solid, until it returns false.
+    /// Hands the crossings with t > 0 and less than `before` of a ray of the bundle to `found`, by t, then by solid, until it
+    /// returns false.
     pub(crate) fn each_before(
         &mut self,
         ray: &Ray,
@@ -163,6 +169,7 @@ impl Caster<'_> {
     ) {
         let sought = Sought {
             before,
+            bundled: true,
             ..Sought::ALL
         };
         self.sweep(ray, sought, found);
@@ -171,9 +178,26 @@ impl Caster<'_> {
     /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
     /// nearer they are to each other. The rays of a few pixels by a few make a good bundle.
     pub fn begin_bundle(&mut self, rays: &[Ray]) {
-        self.bundle.clear();
+        self.begin_near(rays, f64::INFINITY);
         self.bundle.extend_from_slice(rays);
+    }
+
+    /// Finds the leaves that these rays may meet before `reach`, until the next bundle. Fields are read ray by ray: that
+    /// pays where the rays may go far apart.
+    pub(crate) fn begin_near(&mut self, rays: &[Ray], reach: f64) {
+        self.bundle.clear();
         self.bundle_parts.clear();
+        self.bundle_leaves.clear();
+        let Self {
+            world,
+            bundle_leaves,
+            stack,
+            ..
+        } = self;
+        let bundle = RayBundle::new(rays.iter(), reach);
+        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
+            bundle_leaves.push((*bounds, world.boxed[k]));
+        });
     }
 
     /// The first crossing with t > 0 of the ray with this index in the bundle.
@@ -213,7 +237,7 @@ impl Caster<'_> {
         if !usable || ray.direction == DVec3::ZERO {
             return;
         }
-        self.find_candidates(ray);
+        self.find_candidates(ray, bundled);
         let mut next = 0;
         while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
             self.activate(ray, self.candidates[next], bundled);
@@ -250,11 +274,12 @@ impl Caster<'_> {
     }
 
     /// The leaves that the ray may meet, by entry.
-    fn find_candidates(&mut self, ray: &Ray) {
+    fn find_candidates(&mut self, ray: &Ray, bundled: bool) {
         let Self {
             world,
             candidates,
             stack,
+            bundle_leaves,
             ..
         } = self;
         candidates.clear();
@@ -265,19 +290,34 @@ impl Caster<'_> {
                 leaf,
             });
         }
-        world
-            .hierarchy
-            .met(ray.origin, ray.direction, stack, &mut |k, [entry, exit]| {
-                let leaf = world.boxed[k];
-                candidates.push(Candidate { entry, exit, leaf });
-            });
+        if bundled {
+            let reciprocal = ray.direction.recip();
+            for &(bounds, leaf) in &*bundle_leaves {
+                let [entry, exit] = bounds.part(ray.origin, reciprocal);
+                if entry <= exit && exit >= 0.0 {
+                    candidates.push(Candidate { entry, exit, leaf });
+                }
+            }
+        } else {
+            world
+                .hierarchy
+                .met(ray.origin, ray.direction, stack, &mut |k, [entry, exit]| {
+                    let leaf = world.boxed[k];
+                    candidates.push(Candidate { entry, exit, leaf });
+                });
+        }
         // A start on a leaf is in its box, whatever rounding says.
         if let Some(leaving) = ray.leaving
             && let Some(own) = candidates.iter_mut().find(|c| c.leaf == leaving.leaf)
         {
             own.entry = own.entry.min(0.0);
         }
-        candidates.sort_unstable_by(|a, b| a.entry.total_cmp(&b.entry).then(a.leaf.cmp(&b.leaf)));
+        if candidates.len() > 1 {
+            candidates.sort_unstable_by(|a, b| {
+                let by_entry = a.entry.total_cmp(&b.entry);
+                by_entry.then(a.leaf.cmp(&b.leaf))
+            });
+        }
     }
 
     /// Notes what the ray starts inside of.
@@ -424,7 +464,7 @@ impl Caster<'_> {
             return;
         };
         let line = field_line(leaf, ray);
-        let known: &[BundlePart] = if bundled {
+        let known: &[BundlePart] = if bundled && !self.bundle.is_empty() {
             let bundle = &self.bundle;
             let divided = self.bundle_parts.entry(id);
             divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field))

@@ -47,6 +47,7 @@
 //! ```
 
 mod bounds;
+mod bundle;
 mod bvh;
 pub mod camera;
 mod cast;

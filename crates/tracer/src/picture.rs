@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 
-use crate::camera::{LensCamera, Sample, SampleAxes};
+use crate::camera::{CameraFrame, LensCamera, SampleAxes};
 use crate::line::Ray;
 use crate::shade::{LightTracer, Scenery};
 
@@ -60,6 +60,7 @@ impl LightSums {
             lights: scenery.lights.iter().any(|light| light.size > 0.0),
             grid,
         };
+        let frame = camera.frame(self.size);
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
         let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
@@ -72,7 +73,7 @@ impl LightSums {
                     break;
                 }
                 let corner = [tile as u32 % columns, tile as u32 / columns].map(|k| k * TILE);
-                own.push((corner, self.tile(&mut tracer, axes, camera, corner, count)));
+                own.push((corner, self.tile(&mut tracer, axes, &frame, corner, count)));
                 if !progress((tile + 1) as f32 / tiles as f32) {
                     stopped.store(true, Ordering::Relaxed);
                 }
@@ -110,33 +111,30 @@ impl LightSums {
         &self,
         tracer: &mut LightTracer<'_>,
         axes: SampleAxes,
-        camera: &LensCamera,
+        camera: &CameraFrame,
         corner: [u32; 2],
         count: u32,
     ) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
         let mut rays: Vec<Ray> = Vec::with_capacity(sums.len());
+        let mut light_samples: Vec<[f64; 2]> = Vec::with_capacity(sums.len());
         for sample in self.samples..self.samples + count {
-            let samples: Vec<Sample> = pixels(self.size, corner)
-                .map(|pixel| axes.sample(pixel, sample))
-                .collect();
             rays.clear();
-            rays.extend(
-                pixels(self.size, corner)
-                    .zip(&samples)
-                    .map(|(pixel, sample)| {
-                        let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
-                        let (origin, direction) = camera.ray(self.size, place, sample.lens);
-                        Ray {
-                            origin,
-                            direction,
-                            leaving: None,
-                        }
-                    }),
-            );
-            tracer.begin_bundle(&rays);
-            for ((sum, ray), sample) in sums.iter_mut().zip(&rays).zip(&samples) {
-                *sum += tracer.light(ray, true, sample.light);
+            light_samples.clear();
+            for pixel in pixels(self.size, corner) {
+                let sample = axes.sample(pixel, sample);
+                let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
+                let (origin, direction) = camera.ray(place, sample.lens);
+                rays.push(Ray {
+                    origin,
+                    direction,
+                    leaving: None,
+                });
+                light_samples.push(sample.light);
+            }
+            let lights = tracer.lights(&rays, &light_samples);
+            for (sum, light) in sums.iter_mut().zip(lights) {
+                *sum += light;
             }
         }
         sums

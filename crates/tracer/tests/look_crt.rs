@@ -37,7 +37,7 @@ fn seen(look: FaceLook, lights: &[Light], bounces: u32, ray: Ray) -> DVec3 {
         picture_look: PictureLook::Crt,
         sides: &[],
     };
-    LightTracer::new(&scenery).light(&ray, false, [0.5; 2])
+    LightTracer::new(&scenery).light(&ray, [0.5; 2])
 }
 
 #[test]

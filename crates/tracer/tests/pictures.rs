@@ -257,7 +257,7 @@ fn soft_shadows_converge_to_the_visible_share_of_the_light() {
     let mut sum = 0.0;
     for k in 0..count {
         let down = ray(DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
-        sum += tracer.light(&down, false, axes.sample([1, 1], k).light).x;
+        sum += tracer.light(&down, axes.sample([1, 1], k).light).x;
     }
     // The cosine is that at (0, 0, 4) to within 1/128.
     let mean = sum / f64::from(count);
@@ -378,7 +378,7 @@ fn sheets_and_solids_are_seen_together() {
     let mut tracer = LightTracer::new(&scenery);
     let mut seen = |x: f64| {
         let ray = ray(DVec3::new(x, -5.0, 0.1), DVec3::Y);
-        tracer.light(&ray, false, [0.5; 2])
+        tracer.light(&ray, [0.5; 2])
     };
     // Through the pane of glass: the ball, beside it the pane behind.
     assert!((seen(0.2) - 0.8 * DVec3::new(0.5, 1.0, 1.0)).length() < 1e-12);
@@ -416,11 +416,11 @@ fn a_camera_inside_glass_looks_out_of_it() {
     };
     let mut tracer = LightTracer::new(&scenery);
     // From the centre all rays go straight out; 4 % come back each time, and go out in the end.
-    let seen = tracer.light(&ray(DVec3::ZERO, DVec3::X), false, [0.5; 2]);
+    let seen = tracer.light(&ray(DVec3::ZERO, DVec3::X), [0.5; 2]);
     assert!((seen.x - 1.0).abs() < 2e-3, "{seen}");
     // Near the rim, along it: total reflection, again and again.
     let inside = ray(DVec3::new(0.95, 0.0, 0.0), DVec3::Z);
-    let seen = tracer.light(&inside, false, [0.5; 2]);
+    let seen = tracer.light(&inside, [0.5; 2]);
     assert!(seen.x.is_finite() && seen.x <= 1.0 + 1e-12);
 }
 

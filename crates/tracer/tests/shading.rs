@@ -55,7 +55,7 @@ fn seen(tracer: &mut LightTracer<'_>, origin: DVec3, direction: DVec3) -> DVec3 
         direction,
         leaving: None,
     };
-    tracer.light(&ray, false, [0.5; 2])
+    tracer.light(&ray, [0.5; 2])
 }
 
 #[track_caller]

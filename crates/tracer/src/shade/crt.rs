@@ -7,53 +7,32 @@
 
 use glam::DVec3;
 
-use super::{Face, FaceLook, LightPath, LightTracer};
+use super::FaceLook;
+use crate::light::{Light, SeenLight};
 
 /// The distance within which faces keep parallel light from others.
-const PARALLEL_REACH: f64 = 1e4;
+pub(super) const PARALLEL_REACH: f64 = 1e4;
 
-impl LightTracer<'_> {
-    /// Light from the lights, at a face that a ray comes to.
-    pub(super) fn lit_crt(
-        &mut self,
-        look: &FaceLook,
-        face: &Face,
-        normal: DVec3,
-        path: &LightPath,
-    ) -> DVec3 {
-        let mut out = DVec3::ZERO;
-        let left = (1.0 - look.mirror.max_element() - look.glass).max(0.0);
-        let scattered = look.diffuse.unwrap_or(left);
-        for light in self.scenery.lights {
-            out += light.ambient * light.color * (DVec3::ONE - look.mirror);
-            let length = path.length + face.t;
-            let seen = light.from(face.position, self.light_sample, length);
-            let height = normal.dot(seen.towards);
-            if height <= 0.0 || seen.share <= 0.0 {
-                continue;
-            }
-            let visible = if light.casts_shadows {
-                let is_near = seen.distance.is_finite();
-                let reach = if is_near {
-                    seen.distance
-                } else {
-                    PARALLEL_REACH
-                };
-                self.visible(face, seen.towards, reach)
-            } else {
-                1.0
-            };
-            if visible == 0.0 {
-                continue;
-            }
-            let away = seen.towards - 2.0 * height * normal;
-            let along = away.dot(path.direction).max(0.0);
-            let highlight = look.specular * along.powf(look.shininess);
-            let shared = visible * seen.share;
-            out += shared
-                * look.color
-                * (scattered * height * light.color + highlight * light.highlight);
-        }
-        out
-    }
+/// Light that comes everywhere.
+pub(super) fn ambient(look: &FaceLook, light: &Light) -> DVec3 {
+    light.ambient * light.color * (DVec3::ONE - look.mirror)
+}
+
+/// Light that comes from a light, at a face that a ray of this direction comes to.
+pub(super) fn lit(
+    look: &FaceLook,
+    light: &Light,
+    seen: &SeenLight,
+    height: f64,
+    visible: f64,
+    normal: DVec3,
+    direction: DVec3,
+) -> DVec3 {
+    let left = (1.0 - look.mirror.max_element() - look.glass).max(0.0);
+    let scattered = look.diffuse.unwrap_or(left);
+    let away = seen.towards - 2.0 * height * normal;
+    let along = away.dot(direction).max(0.0);
+    let highlight = look.specular * along.powf(look.shininess);
+    let shared = visible * seen.share;
+    shared * look.color * (scattered * height * light.color + highlight * light.highlight)
 }
