@@ -53,6 +53,12 @@ impl BoundingBox {
         self.upper = self.upper.max(point);
     }
 
+    /// The middle, and half the lengths of the sides, whatever rounding does.
+    pub(crate) fn middle(&self) -> [DVec3; 2] {
+        let center = self.center();
+        [center, (self.upper - center).max(center - self.lower)]
+    }
+
     /// Returns the intersection of both.
     pub fn common(&self, other: &Self) -> Self {
         let common = Self {

@@ -3,6 +3,8 @@
 //! Input: rays, and how far they reach. Output: for a box, false only if none of them meets it. All starts and all directions
 //! lie between bounds; along each axis they say from which parameter on a ray may be in the box, and up to which one.
 
+use glam::DVec3;
+
 use crate::bounds::BoundingBox;
 use crate::line::Ray;
 
@@ -32,6 +34,16 @@ impl RayBundle {
             directions,
             reach,
         }
+    }
+
+    /// The middle of the starts, and their greatest distance from it along each axis.
+    pub(crate) fn origins(&self) -> [DVec3; 2] {
+        self.origins.middle()
+    }
+
+    /// The middle of the directions, and their greatest distance from it along each axis.
+    pub(crate) fn directions(&self) -> [DVec3; 2] {
+        self.directions.middle()
     }
 
     /// False only if no ray meets the box from its start on.

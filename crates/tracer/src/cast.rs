@@ -17,6 +17,7 @@ use crate::bundle::RayBundle;
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
+use crate::low::{CLEAR, departs};
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::surface::PolynomialSurface;
@@ -60,8 +61,12 @@ pub struct Caster<'w> {
     /// The rays that are read together, and for each field what is known of them all; none where fields are read ray by ray.
     bundle: Vec<Ray>,
     bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
-    /// The leaves that rays of the bundle may meet, with their boxes.
+    /// The leaves that rays of the bundle may meet, with their boxes; those without boxes.
     bundle_leaves: Vec<(BoundingBox, u32)>,
+    bundle_endless: Vec<u32>,
+    /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
+    ray_number: u64,
+    lines: [KnownLine; KNOWN_LINES],
     group: Vec<SurfaceEvent>,
     stack: Vec<u32>,
     crossings: Vec<Crossing>,
@@ -87,8 +92,16 @@ impl Sought {
     };
 }
 
-/// A slope of more than this share of its terms has the sign that it seems to have.
-const CLEAR: f64 = 1e-9;
+/// A line in the frame of a leaf.
+#[derive(Clone, Copy, Debug, Default)]
+struct KnownLine {
+    ray_number: u64,
+    leaf: u32,
+    line: UnitLine,
+}
+
+/// The number of lines that are kept.
+const KNOWN_LINES: usize = 16;
 
 /// A leaf whose box the ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -123,6 +136,9 @@ impl World {
             bundle: Vec::new(),
             bundle_parts: FxHashMap::default(),
             bundle_leaves: Vec::new(),
+            bundle_endless: Vec::new(),
+            ray_number: 0,
+            lines: [KnownLine::default(); KNOWN_LINES],
             group: Vec::new(),
             stack: Vec::new(),
             crossings: Vec::new(),
@@ -178,26 +194,42 @@ impl Caster<'_> {
     /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
     /// nearer they are to each other. The rays of a few pixels by a few make a good bundle.
     pub fn begin_bundle(&mut self, rays: &[Ray]) {
-        self.begin_near(rays, f64::INFINITY);
+        self.begin_near(rays, f64::INFINITY, None);
         self.bundle.extend_from_slice(rays);
     }
 
-    /// Finds the leaves that these rays may meet before `reach`, until the next bundle. Fields are read ray by ray: that
-    /// pays where the rays may go far apart.
-    pub(crate) fn begin_near(&mut self, rays: &[Ray], reach: f64) {
+    /// Finds the leaves that these rays, all of which leave the surface `leaving`, may meet before `reach`, until the next
+    /// bundle. Fields are read ray by ray: that pays where the rays may go far apart.
+    pub(crate) fn begin_near(&mut self, rays: &[Ray], reach: f64, leaving: Option<SurfaceId>) {
         self.bundle.clear();
         self.bundle_parts.clear();
         self.bundle_leaves.clear();
+        self.bundle_endless.clear();
         let Self {
             world,
             bundle_leaves,
+            bundle_endless,
             stack,
             ..
         } = self;
         let bundle = RayBundle::new(rays.iter(), reach);
-        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
-            bundle_leaves.push((*bounds, world.boxed[k]));
+        let departed = leaving.filter(|id| {
+            world.convex[id.leaf as usize]
+                && departs(&world.leaves[id.leaf as usize], id.piece, &bundle)
         });
+        let is_met = |leaf: u32| departed.is_none_or(|id| id.leaf != leaf);
+        bundle_endless.extend(world.endless.iter().copied().filter(|&leaf| is_met(leaf)));
+        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
+            let leaf = world.boxed[k];
+            if is_met(leaf) {
+                bundle_leaves.push((*bounds, leaf));
+            }
+        });
+    }
+
+    /// True if no ray of the bundle meets anything.
+    pub(crate) fn bundle_is_free(&self) -> bool {
+        self.bundle_leaves.is_empty() && self.bundle_endless.is_empty()
     }
 
     /// The first crossing with t > 0 of the ray with this index in the bundle.
@@ -233,6 +265,7 @@ impl Caster<'_> {
         self.shared_fields.clear();
         self.start.clear();
         self.field.begin();
+        self.ray_number += 1;
         let usable = ray.origin.is_finite() && ray.direction.is_finite();
         if !usable || ray.direction == DVec3::ZERO {
             return;
@@ -280,10 +313,16 @@ impl Caster<'_> {
             candidates,
             stack,
             bundle_leaves,
+            bundle_endless,
             ..
         } = self;
         candidates.clear();
-        for &leaf in &world.endless {
+        let endless = if bundled {
+            bundle_endless
+        } else {
+            &world.endless
+        };
+        for &leaf in endless {
             candidates.push(Candidate {
                 entry: f64::NEG_INFINITY,
                 exit: f64::INFINITY,
@@ -345,11 +384,12 @@ impl Caster<'_> {
 
     /// Reads a leaf: its membership where the ray comes to it, and its events.
     fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
-        let leaf = &self.world.leaves[candidate.leaf as usize];
+        let world = self.world;
+        let leaf = &world.leaves[candidate.leaf as usize];
         if self.departs_from_plane(ray, candidate) {
             return;
         }
-        let line = UnitLine::new(leaf, ray);
+        let line = self.line(ray, candidate.leaf);
         if !(line.speed.is_finite() && line.speed > 0.0) {
             return;
         }
@@ -363,41 +403,26 @@ impl Caster<'_> {
                 piece: k as u32,
             };
             let index = leaf.first_piece + k;
-            let low = match piece {
-                LeafSurface::Polynomial(polynomial) if self.is_alone(ray, surface) => {
-                    quadratic_changes_in_t(&line, polynomial)
-                }
-                _ => None,
-            };
-            let inside = match (piece, low) {
-                (_, Some(changes)) => {
-                    for &t in changes.places() {
-                        if t > from && t <= to {
-                            self.events.push(SurfaceEvent {
-                                t,
-                                leaf: surface.leaf,
-                                piece: surface.piece,
-                                rest: None,
-                            });
-                        }
+            let inside = match piece {
+                LeafSurface::Polynomial(polynomial) => {
+                    if let Some(low) = &world.low[index] {
+                        let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
+                        let line = match low.frame == surface.leaf {
+                            true => line,
+                            false => self.line(ray, low.frame),
+                        };
+                        let changes = quadratic_changes_in_t(&line, &low.form, leaving);
+                        self.add_events(surface, changes.places(), [from, to]);
+                        changes.inside_after(from) != low.opposite
+                    } else {
+                        let range = leaf.bounded.then_some([from, to]);
+                        let (changes, opposite) =
+                            self.polynomial_changes(ray, &line, polynomial, surface, range);
+                        self.add_events(surface, changes.places(), [from, to]);
+                        changes.inside_after(from) != opposite
                     }
-                    changes.inside_after(from)
                 }
-                (LeafSurface::Polynomial(polynomial), None) => {
-                    let range = leaf.bounded.then_some([from, to]);
-                    let (changes, opposite) =
-                        self.polynomial_changes(ray, &line, polynomial, surface, range);
-                    let all = changes.places().iter();
-                    let ahead = all.filter(|&&t| t > from && t <= to);
-                    self.events.extend(ahead.map(|&t| SurfaceEvent {
-                        t,
-                        leaf: surface.leaf,
-                        piece: surface.piece,
-                        rest: None,
-                    }));
-                    changes.inside_after(from) != opposite
-                }
-                (LeafSurface::Field(field, _), None) => {
+                LeafSurface::Field(field, _) => {
                     let line = field_line(leaf, ray);
                     let leaving = from == 0.0 && self.leaves(ray, surface);
                     let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
@@ -413,6 +438,32 @@ impl Caster<'_> {
         if self.events.len() > before && self.events.len() > 1 {
             self.sort_events();
         }
+    }
+
+    fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
+        for &t in places {
+            if t > from && t <= to {
+                self.events.push(SurfaceEvent {
+                    t,
+                    leaf: surface.leaf,
+                    piece: surface.piece,
+                    rest: None,
+                });
+            }
+        }
+    }
+
+    /// The ray in the frame of a leaf.
+    fn line(&mut self, ray: &Ray, leaf: u32) -> UnitLine {
+        let known = &mut self.lines[leaf as usize % KNOWN_LINES];
+        if known.ray_number != self.ray_number || known.leaf != leaf {
+            *known = KnownLine {
+                ray_number: self.ray_number,
+                leaf,
+                line: UnitLine::new(&self.world.leaves[leaf as usize], ray),
+            };
+        }
+        known.line
     }
 
     /// Reads a half-space that the ray starts on the edge of, which it never meets again; false for any other leaf.
@@ -515,16 +566,6 @@ impl Caster<'_> {
         (changes, member.opposite)
     }
 
-    /// True if the surface is no other leaf's, and the ray does not start on it.
-    fn is_alone(&self, ray: &Ray, id: SurfaceId) -> bool {
-        let leaf = &self.world.leaves[id.leaf as usize];
-        let group = self
-            .world
-            .surfaces
-            .group(leaf.first_piece + id.piece as usize);
-        group.is_none() && ray.leaving != Some(id)
-    }
-
     /// True if the ray starts on this surface.
     fn leaves(&self, ray: &Ray, id: SurfaceId) -> bool {
         let Some(leaving) = ray.leaving else {
@@ -614,6 +655,9 @@ impl Caster<'_> {
 
     /// The first event of the group that alone takes the ray across the solid's surface, else the first of the solid.
     fn owner(&mut self, solid: usize) -> SurfaceEvent {
+        if let [only] = self.group[..] {
+            return only;
+        }
         let of_solid =
             |event: &&SurfaceEvent| self.world.leaves[event.leaf as usize].solid == solid;
         let own: Vec<SurfaceEvent> = self.group.iter().filter(of_solid).copied().collect();
@@ -641,11 +685,12 @@ impl Caster<'_> {
     }
 
     fn crossing(&mut self, ray: &Ray, event: SurfaceEvent, solid: usize) -> Crossing {
-        let leaf = &self.world.leaves[event.leaf as usize];
+        let world = self.world;
+        let leaf = &world.leaves[event.leaf as usize];
         let entering = self.state.inside(&self.world.forest, solid);
         let gradient = match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
-                let line = UnitLine::new(leaf, ray);
+                let line = self.line(ray, event.leaf);
                 let at = line.point + line.place(event.t) * line.direction;
                 leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
             }

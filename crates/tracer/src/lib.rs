@@ -57,6 +57,7 @@ mod leaf;
 pub mod light;
 mod line;
 mod look;
+mod low;
 pub mod optics;
 pub mod picture;
 mod reach;

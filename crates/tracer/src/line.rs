@@ -7,10 +7,10 @@ use glam::DVec3;
 use crate::field::Line;
 use crate::leaf::Leaf;
 use crate::roots::{QuadraticChanges, SignChanges, deflated};
-use crate::surface::PolynomialSurface;
+use crate::surface::{PolynomialSurface, QuadraticForm};
 
 /// Names a surface that bounds a leaf.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct SurfaceId {
     pub(crate) leaf: u32,
     pub(crate) piece: u32,
@@ -28,6 +28,7 @@ pub struct Ray {
 }
 
 /// A ray in the frame of a leaf, from the place that is nearest to the frame's centre.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct UnitLine {
     pub(crate) point: DVec3,
     pub(crate) direction: DVec3,
@@ -71,15 +72,21 @@ pub(crate) fn field_line(leaf: &Leaf, ray: &Ray) -> Line {
     }
 }
 
-/// The sign changes of a polynomial whose degree is two at most along a line, in t; `None` if it is higher.
+/// The sign changes of a polynomial of degree two at most along a line, in t; where the ray leaves the surface, without the
+/// one at t = 0.
+#[inline]
 pub(crate) fn quadratic_changes_in_t(
     line: &UnitLine,
-    surface: &PolynomialSurface,
-) -> Option<QuadraticChanges> {
-    let p = surface.quadratic_along(line.point, line.direction)?;
+    form: &QuadraticForm,
+    leaving: bool,
+) -> QuadraticChanges {
+    let mut p = form.along(line.point, line.direction);
+    if leaving {
+        p = deflated(&p, line.place(0.0));
+    }
     let mut changes = QuadraticChanges::of_quadratic(p);
     changes.map(|place| line.t(place));
-    Some(changes)
+    changes
 }
 
 /// The sign changes of a polynomial along a line, in t; where the ray leaves the surface, without the one at t = 0.
@@ -97,7 +104,6 @@ pub(crate) fn changes_in_t(
         Some([from, to]) if surface.degree() > 2 => {
             SignChanges::between(&p, line.place(from), line.place(to))
         }
-        _ if surface.degree() <= 2 => SignChanges::of_quadratic([p[0], p[1], p[2]]),
         _ => SignChanges::everywhere(&p),
     };
     changes.map(|place| line.t(place));

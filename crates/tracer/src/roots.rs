@@ -248,9 +248,9 @@ fn bernstein(p: &Coefficients, degree: usize, from: f64, to: f64) -> Coefficient
 }
 
 /// The polynomial divided by s − `root`, the remainder dropped; from whichever end is stable.
-pub(crate) fn deflated(p: &Coefficients, root: f64) -> Coefficients {
+pub(crate) fn deflated<const N: usize>(p: &[f64; N], root: f64) -> [f64; N] {
     let degree = degree(p);
-    let mut quotient = [0.0; LARGEST_DEGREE + 1];
+    let mut quotient = [0.0; N];
     if degree == 0 {
         return quotient;
     }
@@ -281,7 +281,7 @@ fn derivative(p: &Coefficients, degree: usize, order: usize) -> Coefficients {
 }
 
 /// The degree; a leading coefficient that is nothing beside the others counts as 0.
-fn degree(p: &Coefficients) -> usize {
+fn degree(p: &[f64]) -> usize {
     let largest = p.iter().fold(0.0f64, |most, c| most.max(c.abs()));
     p.iter()
         .rposition(|c| c.abs() > largest * 1e-17)

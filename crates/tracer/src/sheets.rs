@@ -36,6 +36,11 @@ impl Sheets {
         self.hierarchy.bounds()
     }
 
+    /// True if rays meet none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.boxed.is_empty()
+    }
+
     /// Hands the places with 0 < t < `reach` where the ray meets a surface to `found`, each once. `found` returns the reach from
     /// then on. With `leaving`, the ray starts on that surface at these parameters.
     pub fn cast(
@@ -50,7 +55,7 @@ impl Sheets {
             leaving,
             reach,
         } = ray;
-        if self.boxed.is_empty() {
+        if self.is_empty() {
             return;
         }
         let mut stack = Vec::new();

@@ -18,6 +18,14 @@ pub(crate) struct PolynomialSurface {
 
 #[derive(Clone, Debug)]
 enum SurfaceForm {
+    Low(QuadraticForm),
+    /// The terms, by the exponent of x, then of y, then of z.
+    Higher(Vec<([u8; 3], f64)>),
+}
+
+/// A polynomial of degree two at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum QuadraticForm {
     Plane {
         normal: DVec3,
         offset: f64,
@@ -30,8 +38,6 @@ enum SurfaceForm {
         linear: DVec3,
         constant: f64,
     },
-    /// The terms, by the exponent of x, then of y, then of z.
-    Higher(Vec<([u8; 3], f64)>),
 }
 
 impl PolynomialSurface {
@@ -44,16 +50,16 @@ impl PolynomialSurface {
         let linear = DVec3::new(term([1, 0, 0]), term([0, 1, 0]), term([0, 0, 1]));
         let constant = term([0, 0, 0]);
         let form = match polynomial.degree() {
-            0 | 1 => SurfaceForm::Plane {
+            0 | 1 => SurfaceForm::Low(QuadraticForm::Plane {
                 normal: linear,
                 offset: constant,
-            },
-            2 => SurfaceForm::Quadric {
+            }),
+            2 => SurfaceForm::Low(QuadraticForm::Quadric {
                 squares: DVec3::new(term([2, 0, 0]), term([0, 2, 0]), term([0, 0, 2])),
                 mixed: DVec3::new(term([0, 1, 1]), term([1, 0, 1]), term([1, 1, 0])),
                 linear,
                 constant,
-            },
+            }),
             _ => SurfaceForm::Higher(polynomial.terms().collect()),
         };
         Self {
@@ -70,20 +76,29 @@ impl PolynomialSurface {
     /// The normal of a plane; `None` for any other surface.
     pub(crate) fn plane_normal(&self) -> Option<DVec3> {
         match self.form {
-            SurfaceForm::Plane { normal, .. } => Some(normal),
+            SurfaceForm::Low(QuadraticForm::Plane { normal, .. }) => Some(normal),
             _ => None,
+        }
+    }
+
+    /// The polynomial, if its degree is at most two.
+    #[inline]
+    pub(crate) fn quadratic(&self) -> Option<QuadraticForm> {
+        match self.form {
+            SurfaceForm::Low(form) => Some(form),
+            SurfaceForm::Higher(_) => None,
         }
     }
 
     /// The polynomial at `point` + s·`direction`, in s.
     pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
         let mut sum = [0.0; LARGEST_DEGREE + 1];
-        if let Some(low) = self.quadratic_along(point, direction) {
-            sum[..3].copy_from_slice(&low);
-            return sum;
-        }
-        let SurfaceForm::Higher(terms) = &self.form else {
-            return sum;
+        let terms = match &self.form {
+            SurfaceForm::Low(form) => {
+                sum[..3].copy_from_slice(&form.along(point, direction));
+                return sum;
+            }
+            SurfaceForm::Higher(terms) => terms,
         };
         let (p, d) = (point.to_array(), direction.to_array());
         match self.degree {
@@ -94,54 +109,10 @@ impl PolynomialSurface {
         sum
     }
 
-    /// The polynomial at `point` + s·`direction`, in s, if its degree is at most two.
-    pub(crate) fn quadratic_along(&self, point: DVec3, direction: DVec3) -> Option<[f64; 3]> {
-        let (p, d) = (point, direction);
-        match &self.form {
-            SurfaceForm::Plane { normal, offset } => {
-                Some([normal.dot(p) + offset, normal.dot(d), 0.0])
-            }
-            SurfaceForm::Quadric {
-                squares,
-                mixed,
-                linear,
-                constant,
-            } => {
-                // Half of the gradient of the part of degree two.
-                let half = |v: DVec3| {
-                    let (x, y, z) = (mixed.x, mixed.y, mixed.z);
-                    let mixed = DVec3::new(z * v.y + y * v.z, z * v.x + x * v.z, y * v.x + x * v.y);
-                    *squares * v + 0.5 * mixed
-                };
-                let (at, along) = (half(p), half(d));
-                Some([
-                    (at + *linear).dot(p) + constant,
-                    (2.0 * at + *linear).dot(d),
-                    along.dot(d),
-                ])
-            }
-            SurfaceForm::Higher(_) => None,
-        }
-    }
-
     /// The gradient at a point.
     pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
         match &self.form {
-            SurfaceForm::Plane { normal, .. } => *normal,
-            SurfaceForm::Quadric {
-                squares,
-                mixed,
-                linear,
-                ..
-            } => {
-                let (x, y, z) = (mixed.x, mixed.y, mixed.z);
-                let mixed = DVec3::new(
-                    z * at.y + y * at.z,
-                    z * at.x + x * at.z,
-                    y * at.x + x * at.y,
-                );
-                2.0 * *squares * at + mixed + *linear
-            }
+            SurfaceForm::Low(form) => form.gradient(at),
             SurfaceForm::Higher(terms) => {
                 let powers = at.to_array().map(|x| {
                     let mut powers = [1.0; LARGEST_DEGREE + 1];
@@ -161,6 +132,84 @@ impl PolynomialSurface {
                         c * DVec3::new(slope(0) * y * z, slope(1) * x * z, slope(2) * x * y);
                 }
                 gradient
+            }
+        }
+    }
+}
+
+impl QuadraticForm {
+    /// The polynomial at `point` + s·`direction`, in s.
+    #[inline]
+    pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> [f64; 3] {
+        let (p, d) = (point, direction);
+        match self {
+            Self::Plane { normal, offset } => [normal.dot(p) + offset, normal.dot(d), 0.0],
+            Self::Quadric {
+                squares,
+                mixed,
+                linear,
+                constant,
+            } => {
+                // Half of the gradient of the part of degree two.
+                let half = |v: DVec3| {
+                    let (x, y, z) = (mixed.x, mixed.y, mixed.z);
+                    let mixed = DVec3::new(z * v.y + y * v.z, z * v.x + x * v.z, y * v.x + x * v.y);
+                    *squares * v + 0.5 * mixed
+                };
+                let (at, along) = (half(p), half(d));
+                [
+                    (at + *linear).dot(p) + constant,
+                    (2.0 * at + *linear).dot(d),
+                    along.dot(d),
+                ]
+            }
+        }
+    }
+
+    /// The gradient at a point.
+    #[inline]
+    pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
+        match self {
+            Self::Plane { normal, .. } => *normal,
+            Self::Quadric {
+                squares,
+                mixed,
+                linear,
+                ..
+            } => {
+                let (x, y, z) = (mixed.x, mixed.y, mixed.z);
+                let mixed = DVec3::new(
+                    z * at.y + y * at.z,
+                    z * at.x + x * at.z,
+                    y * at.x + x * at.y,
+                );
+                2.0 * *squares * at + mixed + *linear
+            }
+        }
+    }
+
+    /// The most by which the gradient differs where the point differs by `half` at most.
+    pub(crate) fn gradient_spread(&self, half: DVec3) -> DVec3 {
+        match self {
+            Self::Plane { .. } => DVec3::ZERO,
+            Self::Quadric { squares, mixed, .. } => {
+                let size = Self::Quadric {
+                    squares: squares.abs(),
+                    mixed: mixed.abs(),
+                    linear: DVec3::ZERO,
+                    constant: 0.0,
+                };
+                size.gradient(half)
+            }
+        }
+    }
+
+    /// True if its squares have no negative coefficients, and it has no mixed terms.
+    pub(crate) fn is_convex(&self) -> bool {
+        match self {
+            Self::Plane { .. } => true,
+            Self::Quadric { squares, mixed, .. } => {
+                *mixed == DVec3::ZERO && squares.cmpge(DVec3::ZERO).all()
             }
         }
     }

@@ -12,6 +12,7 @@ use crate::bounds::BoundingBox;
 use crate::bvh::Hierarchy;
 use crate::field::FieldScratch;
 use crate::leaf::Leaf;
+use crate::low::{LowPiece, is_convex, low_pieces};
 use crate::shape::{FramedShape, LeafSurface, Shape};
 use crate::shared::{Surfaces, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
@@ -65,6 +66,10 @@ pub struct World {
     /// The solids that contain what no leaf contains.
     pub(crate) endless_solids: Vec<usize>,
     pub(crate) surfaces: Surfaces,
+    /// The pieces of degree two at most.
+    pub(crate) low: Vec<Option<LowPiece>>,
+    /// True for the leaves that a ray never meets again once it has left them.
+    pub(crate) convex: Vec<bool>,
     pub(crate) piece_count: usize,
     solids: Vec<Vec<TreeStep>>,
     /// A box that contains each solid, `None` where none is found.
@@ -200,7 +205,7 @@ impl<'a> WorldBuilder<'a> {
                 };
                 let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
                 let fields = compiled.pieces.iter().any(is_field);
-                let bounds = own.or(clip).or_else(|| fields.then(|| wide(&rest)));
+                let bounds = common(own, clip).or_else(|| fields.then(|| wide(&rest)));
                 boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
                 let count = pieces.len();
@@ -232,12 +237,14 @@ impl<'a> WorldBuilder<'a> {
         let endless_solids = all.filter(|&solid| forest.is_endless(solid)).collect();
         Ok(World {
             shapes: self.shapes,
-            leaves,
             forest,
             hierarchy: Hierarchy::new(hierarchy),
             boxed,
             endless,
             endless_solids,
+            low: low_pieces(&leaves, &surfaces),
+            convex: leaves.iter().map(is_convex).collect(),
+            leaves,
             surfaces,
             piece_count,
             solids,
@@ -315,6 +322,8 @@ impl World {
             endless: Vec::new(),
             endless_solids: Vec::new(),
             surfaces: Surfaces::default(),
+            low: Vec::new(),
+            convex: Vec::new(),
             piece_count: 0,
             solids: Vec::new(),
             bounds: Vec::new(),

@@ -78,8 +78,8 @@ struct FacedLight {
     height: f64,
 }
 
-/// The surface that a ray leaves, as far as rays that leave one go about the same way.
-type LeftSurface = Option<(bool, usize)>;
+/// The surface that a ray leaves: a piece of a leaf, or a parametric surface.
+type LeftSurface = Option<(Option<SurfaceId>, usize)>;
 
 impl<'a> LightTracer<'a> {
     /// Begins with a scenery.
@@ -121,7 +121,7 @@ impl<'a> LightTracer<'a> {
     /// The first face with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Face> {
         self.caster
-            .begin_near(std::slice::from_ref(ray), f64::INFINITY);
+            .begin_near(std::slice::from_ref(ray), f64::INFINITY, None);
         self.nearest(ray, None)
     }
 
@@ -170,7 +170,8 @@ impl<'a> LightTracer<'a> {
             if run[0].start.is_none() && run.len() > 1 {
                 self.caster.begin_bundle(&self.rays);
             } else {
-                self.caster.begin_near(&self.rays, f64::INFINITY);
+                let leaving = run[0].ray.leaving;
+                self.caster.begin_near(&self.rays, f64::INFINITY, leaving);
             }
             for path in run {
                 let face = self.nearest(&path.ray, path.start.as_ref());
@@ -363,12 +364,14 @@ impl<'a> LightTracer<'a> {
                 }
             }));
             let reaches = run.iter().map(|faced| reach(&faced.seen));
+            let leaving = self.rays[0].leaving;
             self.caster
-                .begin_near(&self.rays, reaches.fold(0.0, f64::max));
+                .begin_near(&self.rays, reaches.fold(0.0, f64::max), leaving);
         }
+        let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
         for (k, faced) in run.iter().enumerate() {
             let met = &mut faces[faced.face];
-            let visible = if light.casts_shadows {
+            let visible = if light.casts_shadows && !is_free {
                 let ray = self.rays[k];
                 self.visible(&ray, &met.face.of, reach(&faced.seen))
             } else {
@@ -547,7 +550,7 @@ impl FaceObject {
 
 fn left_surface(start: Option<&FaceObject>) -> LeftSurface {
     start.map(|of| match *of {
-        FaceObject::Solid { leaf, .. } => (false, leaf),
-        FaceObject::Sheet { sheet, .. } => (true, sheet),
+        FaceObject::Solid { leaf, surface, .. } => (Some(surface), leaf),
+        FaceObject::Sheet { sheet, .. } => (None, sheet),
     })
 }

@@ -1,0 +1,99 @@
+//! Pieces of degree two at most, ready for rays.
+//!
+//! Input: the leaves of a world and the surfaces that they share. Output: for each such piece the equation that is solved,
+//! that of the first of its surface, and the leaf in whose frame it stands; and the leaves that are convex, which a ray
+//! that has left them never meets again.
+
+use glam::DVec3;
+
+use crate::bundle::RayBundle;
+use crate::leaf::Leaf;
+use crate::shape::LeafSurface;
+use crate::shared::Surfaces;
+use crate::surface::QuadraticForm;
+use expr::polynomial::Region;
+
+/// A piece of degree two at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LowPiece {
+    /// The leaf in whose frame the equation stands.
+    pub(crate) frame: u32,
+    /// True if the piece is on the other side of the surface.
+    pub(crate) opposite: bool,
+    pub(crate) form: QuadraticForm,
+}
+
+/// The pieces of a world by their numbers; `None` for those of higher degree and for fields.
+pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<LowPiece>> {
+    let form = |leaf: u32, piece: u32| match &leaves[leaf as usize].compiled.pieces[piece as usize]
+    {
+        LeafSurface::Polynomial(surface) => surface.quadratic(),
+        LeafSurface::Field(..) => None,
+    };
+    let mut pieces = Vec::new();
+    for (l, leaf) in leaves.iter().enumerate() {
+        for p in 0..leaf.compiled.pieces.len() {
+            let own = (l as u32, p as u32);
+            let (opposite, (frame, piece)) = match surfaces.group(leaf.first_piece + p) {
+                Some(member) => (member.opposite, surfaces.first[member.group as usize]),
+                None => (false, own),
+            };
+            // Both are of one degree.
+            let form = form(own.0, own.1).and_then(|_| form(frame, piece));
+            pieces.push(form.map(|form| LowPiece {
+                frame,
+                opposite,
+                form,
+            }));
+        }
+    }
+    pieces
+}
+
+/// True if the leaf is what half-spaces and sets of quadrics without mixed terms, none of whose squares has a negative
+/// coefficient, have in common.
+pub(crate) fn is_convex(leaf: &Leaf) -> bool {
+    let all = match &leaf.compiled.region {
+        Region::Polynomial(_) => true,
+        Region::All(parts) => parts
+            .iter()
+            .all(|part| matches!(part, Region::Polynomial(_))),
+        _ => false,
+    };
+    all && leaf.compiled.pieces.iter().all(|piece| match piece {
+        LeafSurface::Polynomial(surface) => {
+            surface.quadratic().is_some_and(|form| form.is_convex())
+        }
+        LeafSurface::Field(..) => false,
+    })
+}
+
+/// A slope of more than this share of its terms has the sign that it seems to have.
+pub(crate) const CLEAR: f64 = 1e-9;
+
+/// True if all rays of the bundle, which start on this piece of a convex leaf, clearly lead out of it.
+pub(crate) fn departs(leaf: &Leaf, piece: u32, bundle: &RayBundle) -> bool {
+    let LeafSurface::Polynomial(surface) = &leaf.compiled.pieces[piece as usize] else {
+        return false;
+    };
+    let Some(form) = surface.quadratic() else {
+        return false;
+    };
+    let map = &leaf.unit_from_world;
+    let size = |v: DVec3| {
+        let m = &map.matrix3;
+        v.x * m.x_axis.abs() + v.y * m.y_axis.abs() + v.z * m.z_axis.abs()
+    };
+    let ([origin, origin_half], [direction, direction_half]) =
+        (bundle.origins(), bundle.directions());
+    let (origin, origin_half) = (map.transform_point3(origin), size(origin_half));
+    let (direction, direction_half) = (map.transform_vector3(direction), size(direction_half));
+    // The gradient is affine.
+    let gradient = form.gradient(origin);
+    let gradient_half = form.gradient_spread(origin_half);
+    let spread = gradient.abs().dot(direction_half)
+        + gradient_half.dot(direction.abs())
+        + gradient_half.dot(direction_half);
+    let terms = (gradient.abs() + gradient_half).dot(direction.abs() + direction_half);
+    gradient.dot(direction) - spread > CLEAR * terms
+}
