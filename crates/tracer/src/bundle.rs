@@ -36,6 +36,11 @@ impl RayBundle {
         }
     }
 
+    /// The parameter up to which rays count.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// The middle of the starts, and their greatest distance from it along each axis.
     pub(crate) fn origins(&self) -> [DVec3; 2] {
         self.origins.middle()

@@ -171,15 +171,15 @@ impl Hierarchy {
         }
     }
 
-    /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit.
+    /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit; `reciprocal` is that of
+    /// its direction.
     pub(crate) fn met(
         &self,
         origin: DVec3,
-        direction: DVec3,
+        reciprocal: DVec3,
         stack: &mut Vec<u32>,
         found: &mut dyn FnMut(usize, [f64; 2]),
     ) {
-        let reciprocal = direction.recip();
         stack.clear();
         if !self.nodes.is_empty() {
             stack.push(0);

@@ -12,12 +12,12 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use crate::bounds::BoundingBox;
-use crate::bundle::RayBundle;
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
-use crate::low::{CLEAR, departs};
+use crate::lone::FirstPlace;
+use crate::low::CLEAR;
+use crate::near::{NearLeaf, NearLeaves};
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::surface::PolynomialSurface;
@@ -61,9 +61,7 @@ pub struct Caster<'w> {
     /// The rays that are read together, and for each field what is known of them all; none where fields are read ray by ray.
     bundle: Vec<Ray>,
     bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
-    /// The leaves that rays of the bundle may meet, with their boxes; those without boxes.
-    bundle_leaves: Vec<(BoundingBox, u32)>,
-    bundle_endless: Vec<u32>,
+    near: NearLeaves,
     /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
     ray_number: u64,
     lines: [KnownLine; KNOWN_LINES],
@@ -73,13 +71,22 @@ pub struct Caster<'w> {
     start: Vec<usize>,
 }
 
+/// The leaves among which crossings are sought.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Among {
+    World,
+    /// Those near the bundle, of which the ray is one.
+    Bundle,
+    /// Those of them that are no solids by themselves.
+    JoinedOfBundle,
+}
+
 /// The part of a ray that is asked for.
 #[derive(Clone, Copy, Debug)]
 struct Sought {
     /// True if the first crossings are enough.
     first: bool,
-    /// True for a ray of the bundle.
-    bundled: bool,
+    among: Among,
     /// Crossings are sought before this t.
     before: f64,
 }
@@ -87,7 +94,7 @@ struct Sought {
 impl Sought {
     const ALL: Self = Self {
         first: false,
-        bundled: false,
+        among: Among::World,
         before: f64::INFINITY,
     };
 }
@@ -100,7 +107,7 @@ struct KnownLine {
     line: UnitLine,
 }
 
-/// The number of lines that are kept.
+/// The number of lines that are kept, a power of two.
 const KNOWN_LINES: usize = 16;
 
 /// A leaf whose box the ray meets.
@@ -135,8 +142,7 @@ impl World {
             shared_fields: FxHashMap::default(),
             bundle: Vec::new(),
             bundle_parts: FxHashMap::default(),
-            bundle_leaves: Vec::new(),
-            bundle_endless: Vec::new(),
+            near: NearLeaves::default(),
             ray_number: 0,
             lines: [KnownLine::default(); KNOWN_LINES],
             group: Vec::new(),
@@ -164,28 +170,77 @@ impl Caster<'_> {
         self.crossings.first().copied()
     }
 
-    /// The crossings with the least t > 0 of a ray of the bundle, by solid.
-    pub(crate) fn nearest(&mut self, ray: &Ray) -> &[Crossing] {
-        let sought = Sought {
+    /// The crossings with the least t > 0 of the ray with this index in the bundle, by solid.
+    pub(crate) fn nearest(&mut self, index: usize, ray: &Ray) -> &[Crossing] {
+        let mut sought = Sought {
             first: true,
-            bundled: true,
+            among: Among::Bundle,
             ..Sought::ALL
         };
-        self.sweep(ray, sought, &mut |_| true);
+        let lone = match self.near.first(index) {
+            FirstPlace::Unknown => {
+                self.sweep(ray, sought, &mut |_| true);
+                return &self.crossings;
+            }
+            FirstPlace::Nothing => None,
+            FirstPlace::Enters(t, leaf) => Some((t, leaf)),
+        };
+        if self.near.joined().is_empty() {
+            self.start.clear();
+            self.crossings.clear();
+        } else {
+            sought.among = Among::JoinedOfBundle;
+            sought.before = lone.map_or(f64::INFINITY, |(t, _)| t.next_up());
+            self.sweep(ray, sought, &mut |_| true);
+        }
+        if let Some((t, leaf)) = lone {
+            match self.crossings.first() {
+                None => {
+                    let crossing = self.entered(ray, t, leaf);
+                    self.crossings.push(crossing);
+                }
+                Some(other) if other.t == t => {
+                    sought.among = Among::Bundle;
+                    sought.before = f64::INFINITY;
+                    self.sweep(ray, sought, &mut |_| true);
+                }
+                Some(_) => {}
+            }
+        }
         &self.crossings
     }
 
-    /// Hands the crossings with t > 0 and less than `before` of a ray of the bundle to `found`, by t, then by solid, until it
-    /// returns false.
+    /// The crossing of the ray with this index in the bundle, if it is known without a sweep that one lies before `before`.
+    pub(crate) fn known_before(
+        &mut self,
+        index: usize,
+        ray: &Ray,
+        before: f64,
+    ) -> Option<Crossing> {
+        match self.near.first(index) {
+            FirstPlace::Enters(t, leaf) if t < before => Some(self.entered(ray, t, leaf)),
+            _ => None,
+        }
+    }
+
+    /// Hands the crossings with t > 0 and less than `before` of the ray with this index in the bundle to `found`, by t, then
+    /// by solid, until it returns false.
     pub(crate) fn each_before(
         &mut self,
+        index: usize,
         ray: &Ray,
         before: f64,
         found: &mut dyn FnMut(&Crossing) -> bool,
     ) {
+        let among = match self.near.first(index) {
+            FirstPlace::Enters(t, _) if t < before => Among::Bundle,
+            FirstPlace::Unknown => Among::Bundle,
+            _ if self.near.joined().is_empty() => return,
+            _ => Among::JoinedOfBundle,
+        };
         let sought = Sought {
             before,
-            bundled: true,
+            among,
             ..Sought::ALL
         };
         self.sweep(ray, sought, found);
@@ -203,45 +258,18 @@ impl Caster<'_> {
     pub(crate) fn begin_near(&mut self, rays: &[Ray], reach: f64, leaving: Option<SurfaceId>) {
         self.bundle.clear();
         self.bundle_parts.clear();
-        self.bundle_leaves.clear();
-        self.bundle_endless.clear();
-        let Self {
-            world,
-            bundle_leaves,
-            bundle_endless,
-            stack,
-            ..
-        } = self;
-        let bundle = RayBundle::new(rays.iter(), reach);
-        let departed = leaving.filter(|id| {
-            world.convex[id.leaf as usize]
-                && departs(&world.leaves[id.leaf as usize], id.piece, &bundle)
-        });
-        let is_met = |leaf: u32| departed.is_none_or(|id| id.leaf != leaf);
-        bundle_endless.extend(world.endless.iter().copied().filter(|&leaf| is_met(leaf)));
-        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
-            let leaf = world.boxed[k];
-            if is_met(leaf) {
-                bundle_leaves.push((*bounds, leaf));
-            }
-        });
+        self.near.find(self.world, rays, reach, leaving);
     }
 
     /// True if no ray of the bundle meets anything.
     pub(crate) fn bundle_is_free(&self) -> bool {
-        self.bundle_leaves.is_empty() && self.bundle_endless.is_empty()
+        self.near.is_empty()
     }
 
     /// The first crossing with t > 0 of the ray with this index in the bundle.
     pub fn first_of_bundle(&mut self, index: usize) -> Option<Crossing> {
         let ray = self.bundle[index];
-        let sought = Sought {
-            first: true,
-            bundled: true,
-            ..Sought::ALL
-        };
-        self.sweep(&ray, sought, &mut |_| true);
-        self.crossings.first().copied()
+        self.nearest(index, &ray).first().copied()
     }
 
     /// The solids that the last ray was inside of right after its start, ascending.
@@ -255,9 +283,8 @@ impl Caster<'_> {
     }
 
     fn sweep(&mut self, ray: &Ray, sought: Sought, found: &mut dyn FnMut(&Crossing) -> bool) {
-        let Sought {
-            bundled, before, ..
-        } = sought;
+        let Sought { among, before, .. } = sought;
+        let bundled = among != Among::World;
         self.state.reset(&self.world.forest);
         self.crossings.clear();
         self.events.clear();
@@ -266,11 +293,10 @@ impl Caster<'_> {
         self.start.clear();
         self.field.begin();
         self.ray_number += 1;
-        let usable = ray.origin.is_finite() && ray.direction.is_finite();
-        if !usable || ray.direction == DVec3::ZERO {
+        if !ray.is_usable() {
             return;
         }
-        self.find_candidates(ray, bundled);
+        self.find_candidates(ray, among);
         let mut next = 0;
         while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
             self.activate(ray, self.candidates[next], bundled);
@@ -307,43 +333,44 @@ impl Caster<'_> {
     }
 
     /// The leaves that the ray may meet, by entry.
-    fn find_candidates(&mut self, ray: &Ray, bundled: bool) {
+    fn find_candidates(&mut self, ray: &Ray, among: Among) {
         let Self {
             world,
             candidates,
             stack,
-            bundle_leaves,
-            bundle_endless,
+            near,
             ..
         } = self;
         candidates.clear();
-        let endless = if bundled {
-            bundle_endless
-        } else {
-            &world.endless
+        let endless = |leaf: u32| Candidate {
+            entry: f64::NEG_INFINITY,
+            exit: f64::INFINITY,
+            leaf,
         };
-        for &leaf in endless {
-            candidates.push(Candidate {
-                entry: f64::NEG_INFINITY,
-                exit: f64::INFINITY,
-                leaf,
-            });
-        }
-        if bundled {
-            let reciprocal = ray.direction.recip();
-            for &(bounds, leaf) in &*bundle_leaves {
-                let [entry, exit] = bounds.part(ray.origin, reciprocal);
-                if entry <= exit && exit >= 0.0 {
-                    candidates.push(Candidate { entry, exit, leaf });
-                }
+        let reciprocal = ray.direction.recip();
+        let of_bundle = match among {
+            Among::Bundle => near.all(),
+            Among::JoinedOfBundle => near.joined(),
+            Among::World => {
+                candidates.extend(world.endless.iter().copied().map(endless));
+                world
+                    .hierarchy
+                    .met(ray.origin, reciprocal, stack, &mut |k, [entry, exit]| {
+                        let leaf = world.boxed[k];
+                        candidates.push(Candidate { entry, exit, leaf });
+                    });
+                &[]
             }
-        } else {
-            world
-                .hierarchy
-                .met(ray.origin, ray.direction, stack, &mut |k, [entry, exit]| {
-                    let leaf = world.boxed[k];
-                    candidates.push(Candidate { entry, exit, leaf });
-                });
+        };
+        for &NearLeaf { leaf, bounds } in of_bundle {
+            let Some(bounds) = bounds else {
+                candidates.push(endless(leaf));
+                continue;
+            };
+            let [entry, exit] = bounds.part(ray.origin, reciprocal);
+            if entry <= exit && exit >= 0.0 {
+                candidates.push(Candidate { entry, exit, leaf });
+            }
         }
         // A start on a leaf is in its box, whatever rounding says.
         if let Some(leaving) = ray.leaving
@@ -455,7 +482,9 @@ impl Caster<'_> {
 
     /// The ray in the frame of a leaf.
     fn line(&mut self, ray: &Ray, leaf: u32) -> UnitLine {
-        let known = &mut self.lines[leaf as usize % KNOWN_LINES];
+        // The leaves of one solid are often as many as those of the next: the places of multiples differ too.
+        let place = leaf.wrapping_mul(0x9e37_79b1) as usize >> (32 - KNOWN_LINES.ilog2());
+        let known = &mut self.lines[place];
         if known.ray_number != self.ray_number || known.leaf != leaf {
             *known = KnownLine {
                 ray_number: self.ray_number,
@@ -571,15 +600,8 @@ impl Caster<'_> {
         let Some(leaving) = ray.leaving else {
             return false;
         };
-        let group = |id: SurfaceId| {
-            let leaf = &self.world.leaves[id.leaf as usize];
-            let group = self
-                .world
-                .surfaces
-                .group(leaf.first_piece + id.piece as usize);
-            group.map(|member| member.group)
-        };
-        leaving == id || group(leaving).is_some() && group(leaving) == group(id)
+        let group = self.world.group(leaving);
+        leaving == id || group.is_some() && group == self.world.group(id)
     }
 
     /// The t that the first leaf of a shared field found.
@@ -620,7 +642,8 @@ impl Caster<'_> {
             at += count;
             if count % 2 == 1 {
                 let owner = self.owner(solid as usize);
-                let crossing = self.crossing(ray, owner, solid as usize);
+                let entering = self.state.inside(&self.world.forest, solid as usize);
+                let crossing = self.crossing(ray, owner, solid as usize, entering);
                 self.crossings.push(crossing);
             }
         }
@@ -684,10 +707,28 @@ impl Caster<'_> {
         found.unwrap_or(own[0])
     }
 
-    fn crossing(&mut self, ray: &Ray, event: SurfaceEvent, solid: usize) -> Crossing {
+    /// The crossing where a ray enters a leaf that is a solid by itself.
+    fn entered(&mut self, ray: &Ray, t: f64, leaf: u32) -> Crossing {
+        self.ray_number += 1;
+        let solid = self.world.leaves[leaf as usize].solid;
+        let event = SurfaceEvent {
+            t,
+            leaf,
+            piece: 0,
+            rest: None,
+        };
+        self.crossing(ray, event, solid, true)
+    }
+
+    fn crossing(
+        &mut self,
+        ray: &Ray,
+        event: SurfaceEvent,
+        solid: usize,
+        entering: bool,
+    ) -> Crossing {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
-        let entering = self.state.inside(&self.world.forest, solid);
         let gradient = match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
                 let line = self.line(ray, event.leaf);

@@ -27,6 +27,14 @@ pub struct Ray {
     pub leaving: Option<SurfaceId>,
 }
 
+impl Ray {
+    /// True if it is a half-line.
+    #[inline]
+    pub(crate) fn is_usable(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.direction != DVec3::ZERO
+    }
+}
+
 /// A ray in the frame of a leaf, from the place that is nearest to the frame's centre.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct UnitLine {
@@ -39,6 +47,7 @@ pub(crate) struct UnitLine {
 }
 
 impl UnitLine {
+    #[inline]
     pub(crate) fn new(leaf: &Leaf, ray: &Ray) -> Self {
         let origin = leaf.unit_from_world.transform_point3(ray.origin);
         let velocity = leaf.unit_from_world.transform_vector3(ray.direction);
@@ -84,7 +93,10 @@ pub(crate) fn quadratic_changes_in_t(
     if leaving {
         p = deflated(&p, line.place(0.0));
     }
-    let mut changes = QuadraticChanges::of_quadratic(p);
+    let mut changes = match form {
+        QuadraticForm::Plane { .. } => QuadraticChanges::of_linear([p[0], p[1]]),
+        QuadraticForm::Quadric { .. } => QuadraticChanges::of_quadratic(p),
+    };
     changes.map(|place| line.t(place));
     changes
 }

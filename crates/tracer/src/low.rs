@@ -68,8 +68,56 @@ pub(crate) fn is_convex(leaf: &Leaf) -> bool {
     })
 }
 
+/// True if the leaf is the set where one piece of degree two at most is not positive.
+pub(crate) fn is_quadric(leaf: &Leaf) -> bool {
+    matches!(leaf.compiled.region, Region::Polynomial(_))
+        && matches!(
+            &leaf.compiled.pieces[..],
+            [LeafSurface::Polynomial(surface)] if surface.degree() <= 2
+        )
+}
+
 /// A slope of more than this share of its terms has the sign that it seems to have.
 pub(crate) const CLEAR: f64 = 1e-9;
+
+/// True if all rays of the bundle start outside of a half-space that contains a convex leaf, and stay outside.
+pub(crate) fn passes(leaf: &Leaf, bundle: &RayBundle) -> bool {
+    leaf.compiled.pieces.iter().any(|piece| {
+        let LeafSurface::Polynomial(surface) = piece else {
+            return false;
+        };
+        let Some(QuadraticForm::Plane { normal, offset }) = surface.quadratic() else {
+            return false;
+        };
+        let ([origin, origin_half], [direction, direction_half]) = in_frame(leaf, bundle);
+        let least = |middle: DVec3, half: DVec3| normal.dot(middle) - normal.abs().dot(half);
+        let most = |middle: DVec3, half: DVec3| normal.abs().dot(middle.abs() + half);
+        let value = least(origin, origin_half) + offset;
+        let mut terms = most(origin, origin_half) + offset.abs();
+        if !(value > CLEAR * terms) {
+            return false;
+        }
+        let slope = least(direction, direction_half);
+        let reach = bundle.reach();
+        terms += reach * most(direction, direction_half);
+        slope >= 0.0 || value + reach * slope > CLEAR * terms
+    })
+}
+
+/// The starts and the directions in the frame of a leaf, by their middle and the distance from it.
+fn in_frame(leaf: &Leaf, bundle: &RayBundle) -> ([DVec3; 2], [DVec3; 2]) {
+    let map = &leaf.unit_from_world;
+    let size = |v: DVec3| {
+        let m = &map.matrix3;
+        v.x * m.x_axis.abs() + v.y * m.y_axis.abs() + v.z * m.z_axis.abs()
+    };
+    let ([origin, origin_half], [direction, direction_half]) =
+        (bundle.origins(), bundle.directions());
+    (
+        [map.transform_point3(origin), size(origin_half)],
+        [map.transform_vector3(direction), size(direction_half)],
+    )
+}
 
 /// True if all rays of the bundle, which start on this piece of a convex leaf, clearly lead out of it.
 pub(crate) fn departs(leaf: &Leaf, piece: u32, bundle: &RayBundle) -> bool {
@@ -79,15 +127,7 @@ pub(crate) fn departs(leaf: &Leaf, piece: u32, bundle: &RayBundle) -> bool {
     let Some(form) = surface.quadratic() else {
         return false;
     };
-    let map = &leaf.unit_from_world;
-    let size = |v: DVec3| {
-        let m = &map.matrix3;
-        v.x * m.x_axis.abs() + v.y * m.y_axis.abs() + v.z * m.z_axis.abs()
-    };
-    let ([origin, origin_half], [direction, direction_half]) =
-        (bundle.origins(), bundle.directions());
-    let (origin, origin_half) = (map.transform_point3(origin), size(origin_half));
-    let (direction, direction_half) = (map.transform_vector3(direction), size(direction_half));
+    let ([origin, origin_half], [direction, direction_half]) = in_frame(leaf, bundle);
     // The gradient is affine.
     let gradient = form.gradient(origin);
     let gradient_half = form.gradient_spread(origin_half);

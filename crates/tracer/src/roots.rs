@@ -40,21 +40,29 @@ impl<const MOST: usize> Default for SignChanges<MOST> {
 }
 
 impl<const MOST: usize> SignChanges<MOST> {
+    /// The change of c + b·s.
+    #[inline]
+    pub(crate) fn of_linear([c, b]: [f64; 2]) -> Self {
+        let mut changes = Self::default();
+        if b == 0.0 {
+            changes.inside_first = c <= 0.0;
+        } else {
+            changes.inside_first = b > 0.0;
+            changes.push(-c / b);
+        }
+        changes
+    }
+
     /// The changes of c + b·s + a·s²; MOST is at least 2.
+    #[inline]
     pub(crate) fn of_quadratic([c, b, a]: [f64; 3]) -> Self {
+        if a == 0.0 {
+            return Self::of_linear([c, b]);
+        }
         let mut changes = Self {
-            inside_first: [a, -b, c]
-                .into_iter()
-                .find(|lead| *lead != 0.0)
-                .is_none_or(|lead| lead < 0.0),
+            inside_first: a < 0.0,
             ..Self::default()
         };
-        if a == 0.0 {
-            if b != 0.0 {
-                changes.push(-c / b);
-            }
-            return changes;
-        }
         let discriminant = b * b - 4.0 * a * c;
         if discriminant > 0.0 {
             let q = -0.5 * (b + discriminant.sqrt().copysign(b));

@@ -12,7 +12,8 @@ use crate::bounds::BoundingBox;
 use crate::bvh::Hierarchy;
 use crate::field::FieldScratch;
 use crate::leaf::Leaf;
-use crate::low::{LowPiece, is_convex, low_pieces};
+use crate::line::SurfaceId;
+use crate::low::{LowPiece, is_convex, is_quadric, low_pieces};
 use crate::shape::{FramedShape, LeafSurface, Shape};
 use crate::shared::{Surfaces, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
@@ -70,6 +71,10 @@ pub struct World {
     pub(crate) low: Vec<Option<LowPiece>>,
     /// True for the leaves that a ray never meets again once it has left them.
     pub(crate) convex: Vec<bool>,
+    /// For each leaf another without which it does not matter.
+    pub(crate) guards: Vec<Option<u32>>,
+    /// True for the leaves that are solids by themselves, of degree two at most.
+    pub(crate) lone: Vec<bool>,
     pub(crate) piece_count: usize,
     solids: Vec<Vec<TreeStep>>,
     /// A box that contains each solid, `None` where none is found.
@@ -244,6 +249,11 @@ impl<'a> WorldBuilder<'a> {
             endless_solids,
             low: low_pieces(&leaves, &surfaces),
             convex: leaves.iter().map(is_convex).collect(),
+            guards: solids.iter().flat_map(|steps| guards(steps)).collect(),
+            lone: leaves
+                .iter()
+                .map(|leaf| solids[leaf.solid].len() == 1 && is_quadric(leaf))
+                .collect(),
             leaves,
             surfaces,
             piece_count,
@@ -324,10 +334,18 @@ impl World {
             surfaces: Surfaces::default(),
             low: Vec::new(),
             convex: Vec::new(),
+            guards: Vec::new(),
+            lone: Vec::new(),
             piece_count: 0,
             solids: Vec::new(),
             bounds: Vec::new(),
         }
+    }
+
+    /// The group of surfaces that are this one.
+    pub(crate) fn group(&self, id: SurfaceId) -> Option<u32> {
+        let piece = self.leaves[id.leaf as usize].first_piece + id.piece as usize;
+        self.surfaces.group(piece).map(|member| member.group)
     }
 
     /// The number of solids.
@@ -421,6 +439,42 @@ fn joined(
     let leaves = leaves.filter(|(step, _)| matches!(step, TreeStep::Leaf(_)));
     let whole = sets.last().and_then(|set| set.0);
     (whole, leaves.map(|(_, clip)| clip).collect())
+}
+
+/// For each leaf of a solid another without which it does not matter, if there is one: that without which the largest set is
+/// empty that has one. Where it holds nothing, so does an intersection with it, and a difference from it.
+fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
+    // For each set the leaf, the step at which its first operand begins, and the number of leaves before and with it.
+    let mut stack: Vec<(Option<u32>, usize)> = Vec::new();
+    let mut guards: Vec<Option<u32>> = Vec::new();
+    for step in steps {
+        if let TreeStep::Leaf(leaf) = *step {
+            stack.push((Some(leaf as u32), guards.len()));
+            guards.push(None);
+            continue;
+        }
+        let (Some((second, _)), Some((first, begin))) = (stack.pop(), stack.pop()) else {
+            break;
+        };
+        let guard = match step {
+            TreeStep::Union => None,
+            TreeStep::Intersection => first.or(second),
+            _ => first,
+        };
+        if guard.is_some() {
+            guards[begin..].fill(guard);
+        }
+        stack.push((guard, begin));
+    }
+    let leaves = steps.iter().filter_map(|step| match *step {
+        TreeStep::Leaf(leaf) => Some(leaf as u32),
+        _ => None,
+    });
+    guards
+        .into_iter()
+        .zip(leaves)
+        .map(|(guard, leaf)| guard.filter(|guard| *guard != leaf))
+        .collect()
 }
 
 /// Returns the intersection of two boxes; `None` stands for everything.

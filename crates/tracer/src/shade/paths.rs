@@ -122,7 +122,7 @@ impl<'a> LightTracer<'a> {
     pub fn first(&mut self, ray: &Ray) -> Option<Face> {
         self.caster
             .begin_near(std::slice::from_ref(ray), f64::INFINITY, None);
-        self.nearest(ray, None)
+        self.nearest(0, ray, None)
     }
 
     /// The light along each path. Recurses no deeper than the number of bounces.
@@ -173,8 +173,8 @@ impl<'a> LightTracer<'a> {
                 let leaving = run[0].ray.leaving;
                 self.caster.begin_near(&self.rays, f64::INFINITY, leaving);
             }
-            for path in run {
-                let face = self.nearest(&path.ray, path.start.as_ref());
+            for (k, path) in run.iter_mut().enumerate() {
+                let face = self.nearest(k, &path.ray, path.start.as_ref());
                 if path.start.is_none() {
                     path.media = self.media_at_start();
                 }
@@ -249,9 +249,9 @@ impl<'a> LightTracer<'a> {
         self.scenery.glass.get(solid).copied().flatten()
     }
 
-    /// The first face of a ray of the caster's bundle; `crossings` receives those of solids at its place, if it is one of a
+    /// The first face of the ray with this index in the caster's bundle; `crossings` receives those of solids at its place, if it is one of a
     /// solid.
-    fn nearest(&mut self, ray: &Ray, start: Option<&FaceObject>) -> Option<Face> {
+    fn nearest(&mut self, index: usize, ray: &Ray, start: Option<&FaceObject>) -> Option<Face> {
         let Self {
             scenery,
             caster,
@@ -261,7 +261,7 @@ impl<'a> LightTracer<'a> {
         } = self;
         let scenery = *scenery;
         crossings.clear();
-        crossings.extend_from_slice(caster.nearest(ray));
+        crossings.extend_from_slice(caster.nearest(index, ray));
         let is_seen = |found: &Crossing| scenery.is_seen(found);
         if !crossings.is_empty() && !crossings.iter().any(is_seen) {
             let all = caster.cast(ray);
@@ -373,7 +373,7 @@ impl<'a> LightTracer<'a> {
             let met = &mut faces[faced.face];
             let visible = if light.casts_shadows && !is_free {
                 let ray = self.rays[k];
-                self.visible(&ray, &met.face.of, reach(&faced.seen))
+                self.visible(k, &ray, &met.face.of, reach(&faced.seen))
             } else {
                 1.0
             };
@@ -391,17 +391,26 @@ impl<'a> LightTracer<'a> {
         }
     }
 
-    /// The share of a light that the faces on the way let through, unbent; the ray is one of the caster's bundle.
-    fn visible(&mut self, ray: &Ray, start: &FaceObject, distance: f64) -> f64 {
+    /// The share of a light that the faces on the way let through, unbent; the ray is that with this index in the caster's
+    /// bundle.
+    fn visible(&mut self, index: usize, ray: &Ray, start: &FaceObject, distance: f64) -> f64 {
         let scenery = self.scenery;
         let look = scenery.look;
+        let known = self.caster.known_before(index, ray, distance);
+        if let Some(passed) = known
+            && scenery.is_seen(&passed)
+            && look(&(&passed).into()).balanced().glass == 0.0
+        {
+            return 0.0;
+        }
         let mut share = 1.0;
-        self.caster.each_before(ray, distance, &mut |passed| {
-            if scenery.is_seen(passed) {
-                share *= look(&passed.into()).balanced().glass;
-            }
-            share != 0.0
-        });
+        self.caster
+            .each_before(index, ray, distance, &mut |passed| {
+                if scenery.is_seen(passed) {
+                    share *= look(&passed.into()).balanced().glass;
+                }
+                share != 0.0
+            });
         if share > 0.0 {
             let ray = SheetsRay {
                 origin: ray.origin,

@@ -1,0 +1,125 @@
+//! The leaves that the rays of a bundle may meet.
+//!
+//! Input: a world, and rays that go nearly the same way. Output: the leaves whose boxes one of them may meet, without those
+//! that all of them have left for good, and without those whose sets are empty where the leaf that bounds them is not met.
+//! Of the leaves that are solids by themselves also the first place of each ray.
+
+use crate::bounds::BoundingBox;
+use crate::bundle::RayBundle;
+use crate::line::{Ray, SurfaceId};
+use crate::lone::{FirstPlace, add_lone};
+use crate::low::{departs, passes};
+use crate::world::World;
+
+/// A leaf with its box; without one for an endless leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearLeaf {
+    pub(crate) leaf: u32,
+    pub(crate) bounds: Option<BoundingBox>,
+}
+
+/// The leaves near a bundle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearLeaves {
+    /// Those that are parts of solids first.
+    leaves: Vec<NearLeaf>,
+    /// The number of parts of solids.
+    joined: usize,
+    /// For each ray its first place among the others; none if that is not known.
+    first: Vec<FirstPlace>,
+    stack: Vec<u32>,
+}
+
+impl NearLeaves {
+    /// Finds the leaves that these rays, all of which leave the surface `leaving`, may meet before `reach`.
+    pub(crate) fn find(
+        &mut self,
+        world: &World,
+        rays: &[Ray],
+        reach: f64,
+        leaving: Option<SurfaceId>,
+    ) {
+        let bundle = RayBundle::new(rays.iter(), reach);
+        let departed = leaving.filter(|id| {
+            world.convex[id.leaf as usize]
+                && departs(&world.leaves[id.leaf as usize], id.piece, &bundle)
+        });
+        let Self {
+            leaves,
+            stack,
+            joined,
+            ..
+        } = self;
+        leaves.clear();
+        let mut add = |leaf: u32, bounds: Option<BoundingBox>| {
+            if departed.is_none_or(|id| id.leaf != leaf) {
+                leaves.push(NearLeaf { leaf, bounds });
+            }
+        };
+        for &leaf in &world.endless {
+            let index = leaf as usize;
+            if !(world.convex[index] && passes(&world.leaves[index], &bundle)) {
+                add(leaf, None);
+            }
+        }
+        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
+            add(world.boxed[k], Some(*bounds));
+        });
+        let found = leaves.len();
+        for k in (0..found).rev() {
+            let guard = world.guards[leaves[k].leaf as usize];
+            if guard.is_some_and(|guard| leaves.iter().all(|near| near.leaf != guard)) {
+                leaves.swap_remove(k);
+            }
+        }
+        leaves.sort_unstable_by_key(|near| (world.lone[near.leaf as usize], near.leaf));
+        *joined = leaves.partition_point(|near| !world.lone[near.leaf as usize]);
+        self.find_first_places(world, rays, leaving);
+    }
+
+    /// True if there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.leaves.is_empty()
+    }
+
+    /// All leaves.
+    pub(crate) fn all(&self) -> &[NearLeaf] {
+        &self.leaves
+    }
+
+    /// Those that are parts of solids.
+    pub(crate) fn joined(&self) -> &[NearLeaf] {
+        &self.leaves[..self.joined]
+    }
+
+    /// The first place of the ray with this index among the leaves that are solids by themselves.
+    pub(crate) fn first(&self, index: usize) -> FirstPlace {
+        let known = self.first.get(index).copied();
+        known.unwrap_or(FirstPlace::Unknown)
+    }
+
+    fn find_first_places(&mut self, world: &World, rays: &[Ray], leaving: Option<SurfaceId>) {
+        self.first.clear();
+        let left = leaving.and_then(|id| world.group(id));
+        let is_left = |leaf: u32| {
+            let id = SurfaceId { leaf, piece: 0 };
+            leaving == Some(id) || left.is_some() && world.group(id) == left
+        };
+        let lone = &self.leaves[self.joined..];
+        if !world.endless_solids.is_empty() || lone.iter().any(|near| is_left(near.leaf)) {
+            return;
+        }
+        self.first
+            .extend(rays.iter().map(|ray| match ray.is_usable() {
+                true => FirstPlace::Nothing,
+                false => FirstPlace::Unknown,
+            }));
+        for near in lone {
+            let piece = world.leaves[near.leaf as usize].first_piece;
+            if let Some(low) = &world.low[piece] {
+                let (leaf, bounds) = (near.leaf, near.bounds.as_ref());
+                add_lone(&world.leaves, (leaf, low), bounds, rays, &mut self.first);
+            }
+        }
+    }
+}
