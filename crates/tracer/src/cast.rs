@@ -16,7 +16,6 @@ use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
 use crate::lone::FirstPlace;
-use crate::low::CLEAR;
 use crate::near::{NearLeaf, NearLeaves};
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
@@ -413,8 +412,8 @@ impl Caster<'_> {
     fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
         let world = self.world;
         let leaf = &world.leaves[candidate.leaf as usize];
-        if self.departs_from_plane(ray, candidate) {
-            return;
+        if world.convex[candidate.leaf as usize] {
+            return self.activate_convex(ray, candidate);
         }
         let line = self.line(ray, candidate.leaf);
         if !(line.speed.is_finite() && line.speed > 0.0) {
@@ -467,6 +466,63 @@ impl Caster<'_> {
         }
     }
 
+    /// Reads a convex leaf, whose membership is that of its gate: the ray is inside from its last entry into a piece to its
+    /// first exit from one.
+    fn activate_convex(&mut self, ray: &Ray, candidate: Candidate) {
+        let world = self.world;
+        let leaf = &world.leaves[candidate.leaf as usize];
+        let (mut entry, mut exit) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
+        let mut known: Option<(u32, UnitLine)> = None;
+        for piece in 0..leaf.compiled.pieces.len() as u32 {
+            let Some(low) = &world.low[leaf.first_piece + piece as usize] else {
+                return;
+            };
+            let surface = SurfaceId {
+                leaf: candidate.leaf,
+                piece,
+            };
+            let line = match known {
+                Some((frame, line)) if frame == low.frame => line,
+                _ => self.line(ray, low.frame),
+            };
+            if !(line.speed.is_finite() && line.speed > 0.0) {
+                return;
+            }
+            known = Some((low.frame, line));
+            let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
+            let changes = quadratic_changes_in_t(&line, &low.form, leaving);
+            let Some([from, to]) = changes.convex_part(low.opposite) else {
+                return;
+            };
+            if from > entry.0 {
+                entry = (from, piece);
+            }
+            if to < exit.0 {
+                exit = (to, piece);
+            }
+        }
+        if entry.0 >= exit.0 {
+            return;
+        }
+        let from = candidate.entry.max(0.0);
+        let inside = entry.0 <= from && from < exit.0;
+        self.inside[leaf.first_piece] = inside;
+        if inside {
+            self.state.set(&world.forest, leaf.gate, true);
+        }
+        let before = self.events.len();
+        for (t, piece) in [entry, exit] {
+            let surface = SurfaceId {
+                leaf: candidate.leaf,
+                piece,
+            };
+            self.add_events(surface, &[t], [from, candidate.exit]);
+        }
+        if self.events.len() > before && self.events.len() > 1 {
+            self.sort_events();
+        }
+    }
+
     fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
         for &t in places {
             if t > from && t <= to {
@@ -493,33 +549,6 @@ impl Caster<'_> {
             };
         }
         known.line
-    }
-
-    /// Reads a half-space that the ray starts on the edge of, which it never meets again; false for any other leaf.
-    fn departs_from_plane(&mut self, ray: &Ray, candidate: Candidate) -> bool {
-        let leaf = &self.world.leaves[candidate.leaf as usize];
-        let leaving = ray.leaving.is_some_and(|id| id.leaf == candidate.leaf);
-        let ([LeafSurface::Polynomial(surface)], true) = (&leaf.compiled.pieces[..], leaving)
-        else {
-            return false;
-        };
-        let Some(normal) = surface.plane_normal() else {
-            return false;
-        };
-        let along = leaf.unit_from_world.transform_vector3(ray.direction);
-        let slope = normal.dot(along);
-        // Other leaves with the same surface have to find the same side: what rounding may turn is left to its equation.
-        let clear = CLEAR * normal.abs().dot(along.abs());
-        if !(slope.abs() > clear && slope.is_finite()) {
-            return false;
-        }
-        let inside = slope <= 0.0;
-        self.state.set(&self.world.forest, leaf.gate, true);
-        self.inside[leaf.first_piece] = inside;
-        if inside {
-            self.state.set(&self.world.forest, leaf.pieces[0], true);
-        }
-        true
     }
 
     /// The next one last.
@@ -670,9 +699,15 @@ impl Caster<'_> {
 
     fn toggle(&mut self, event: SurfaceEvent) {
         let leaf = &self.world.leaves[event.leaf as usize];
-        let inside = &mut self.inside[leaf.first_piece + event.piece as usize];
+        let is_convex = self.world.convex[event.leaf as usize];
+        let piece = if is_convex { 0 } else { event.piece as usize };
+        let inside = &mut self.inside[leaf.first_piece + piece];
         *inside = !*inside;
-        let literal = leaf.pieces[event.piece as usize];
+        let literal = if is_convex {
+            leaf.gate
+        } else {
+            leaf.pieces[piece]
+        };
         self.state.set(&self.world.forest, literal, *inside);
     }
 

@@ -21,6 +21,7 @@ pub(crate) struct Leaf {
     /// The box in which it is looked for.
     pub(crate) bounds: Option<BoundingBox>,
     pub(crate) gate: Literal,
+    /// Of its pieces; none of a convex leaf, whose membership is that of its gate.
     pub(crate) pieces: Vec<Literal>,
     /// The number of pieces of all leaves before it.
     pub(crate) first_piece: usize,

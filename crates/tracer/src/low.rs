@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::bundle::RayBundle;
 use crate::leaf::Leaf;
-use crate::shape::LeafSurface;
+use crate::shape::{FramedShape, LeafSurface};
 use crate::shared::Surfaces;
 use crate::surface::QuadraticForm;
 use expr::polynomial::Region;
@@ -52,20 +52,21 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
 
 /// True if the leaf is what half-spaces and sets of quadrics without mixed terms, none of whose squares has a negative
 /// coefficient, have in common.
-pub(crate) fn is_convex(leaf: &Leaf) -> bool {
-    let all = match &leaf.compiled.region {
+pub(crate) fn is_convex(shape: &FramedShape) -> bool {
+    let all = match &shape.region {
         Region::Polynomial(_) => true,
         Region::All(parts) => parts
             .iter()
             .all(|part| matches!(part, Region::Polynomial(_))),
         _ => false,
     };
-    all && leaf.compiled.pieces.iter().all(|piece| match piece {
-        LeafSurface::Polynomial(surface) => {
-            surface.quadratic().is_some_and(|form| form.is_convex())
-        }
-        LeafSurface::Field(..) => false,
-    })
+    all && !shape.pieces.is_empty()
+        && shape.pieces.iter().all(|piece| match piece {
+            LeafSurface::Polynomial(surface) => {
+                surface.quadratic().is_some_and(|form| form.is_convex())
+            }
+            LeafSurface::Field(..) => false,
+        })
 }
 
 /// True if the leaf is the set where one piece of degree two at most is not positive.
@@ -78,7 +79,7 @@ pub(crate) fn is_quadric(leaf: &Leaf) -> bool {
 }
 
 /// A slope of more than this share of its terms has the sign that it seems to have.
-pub(crate) const CLEAR: f64 = 1e-9;
+const CLEAR: f64 = 1e-9;
 
 /// True if all rays of the bundle start outside of a half-space that contains a convex leaf, and stay outside.
 pub(crate) fn passes(leaf: &Leaf, bundle: &RayBundle) -> bool {

@@ -100,6 +100,24 @@ impl<const MOST: usize> SignChanges<MOST> {
     }
 }
 
+impl QuadraticChanges {
+    /// The part of the line, which may be endless, on which the polynomial is not positive, or with `opposite` positive; `None`
+    /// if there is none. It is that of a convex set: where rounding has bent the polynomial the other way, the far one of
+    /// two parts does not count.
+    #[inline]
+    pub(crate) fn convex_part(&self, opposite: bool) -> Option<[f64; 2]> {
+        let inside_first = self.inside_first != opposite;
+        match (self.places(), inside_first) {
+            (&[s, t], false) => Some([s, t]),
+            (&[s, t], true) if s.abs() < t.abs() => Some([f64::NEG_INFINITY, s]),
+            (&[s], false) | (&[_, s], true) => Some([s, f64::INFINITY]),
+            (&[s], true) => Some([f64::NEG_INFINITY, s]),
+            (_, true) => Some([f64::NEG_INFINITY, f64::INFINITY]),
+            (_, false) => None,
+        }
+    }
+}
+
 impl SignChanges {
     /// All changes on the whole line.
     pub(crate) fn everywhere(p: &Coefficients) -> Self {

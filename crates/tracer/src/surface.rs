@@ -73,14 +73,6 @@ impl PolynomialSurface {
         self.degree
     }
 
-    /// The normal of a plane; `None` for any other surface.
-    pub(crate) fn plane_normal(&self) -> Option<DVec3> {
-        match self.form {
-            SurfaceForm::Low(QuadraticForm::Plane { normal, .. }) => Some(normal),
-            _ => None,
-        }
-    }
-
     /// The polynomial, if its degree is at most two.
     #[inline]
     pub(crate) fn quadratic(&self) -> Option<QuadraticForm> {

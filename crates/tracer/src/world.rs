@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use expr::polynomial::Region;
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DVec3};
 use rustc_hash::FxHashMap;
@@ -193,7 +194,14 @@ impl<'a> WorldBuilder<'a> {
             let mut literals: Vec<Option<LeafLiterals>> = vec![None; drafts.len()];
             forest.add(
                 &read,
-                &|leaf| drafts[leaf - first].2.region.clone(),
+                &|leaf| {
+                    let shape = &drafts[leaf - first].2;
+                    if is_convex(shape) {
+                        // Its gate says all.
+                        return Region::All(Vec::new());
+                    }
+                    shape.region.clone()
+                },
                 &mut |leaf, found| literals[leaf - first] = Some(found),
             );
             let own: Vec<Option<BoundingBox>> = drafts
@@ -213,7 +221,7 @@ impl<'a> WorldBuilder<'a> {
                 let bounds = common(own, clip).or_else(|| fields.then(|| wide(&rest)));
                 boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
-                let count = pieces.len();
+                let count = compiled.pieces.len();
                 leaves.push(Leaf {
                     solid,
                     shape,
@@ -248,7 +256,10 @@ impl<'a> WorldBuilder<'a> {
             endless,
             endless_solids,
             low: low_pieces(&leaves, &surfaces),
-            convex: leaves.iter().map(is_convex).collect(),
+            convex: leaves
+                .iter()
+                .map(|leaf| is_convex(&leaf.compiled))
+                .collect(),
             guards: solids.iter().flat_map(|steps| guards(steps)).collect(),
             lone: leaves
                 .iter()
