@@ -16,10 +16,11 @@ use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
 use crate::lone::FirstPlace;
+use crate::low::{LowEquation, LowPiece};
 use crate::near::{NearLeaf, NearLeaves};
-use crate::roots::SignChanges;
+use crate::roots::{QuadraticChanges, SignChanges};
 use crate::shape::LeafSurface;
-use crate::surface::PolynomialSurface;
+use crate::surface::{PolynomialSurface, QuadraticForm};
 use crate::tree::ForestState;
 use crate::world::World;
 
@@ -433,11 +434,9 @@ impl Caster<'_> {
                 LeafSurface::Polynomial(polynomial) => {
                     if let Some(low) = &world.low[index] {
                         let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
-                        let line = match low.frame == surface.leaf {
-                            true => line,
-                            false => self.line(ray, low.frame),
+                        let Some(changes) = self.low_changes(ray, low, leaving) else {
+                            return;
                         };
-                        let changes = quadratic_changes_in_t(&line, &low.form, leaving);
                         self.add_events(surface, changes.places(), [from, to]);
                         changes.inside_after(from) != low.opposite
                     } else {
@@ -466,13 +465,30 @@ impl Caster<'_> {
         }
     }
 
+    /// The sign changes of a piece; `None` where its frame is none for the ray.
+    #[inline]
+    fn low_changes(
+        &mut self,
+        ray: &Ray,
+        low: &LowPiece,
+        leaving: bool,
+    ) -> Option<QuadraticChanges> {
+        match &low.equation {
+            LowEquation::Plane(plane) => Some(plane.changes(ray, leaving)),
+            LowEquation::Quadric { frame, form } => {
+                let line = self.line(ray, *frame);
+                let is_line = line.speed.is_finite() && line.speed > 0.0;
+                is_line.then(|| quadratic_changes_in_t(&line, form, leaving))
+            }
+        }
+    }
+
     /// Reads a convex leaf, whose membership is that of its gate: the ray is inside from its last entry into a piece to its
     /// first exit from one.
     fn activate_convex(&mut self, ray: &Ray, candidate: Candidate) {
         let world = self.world;
         let leaf = &world.leaves[candidate.leaf as usize];
         let (mut entry, mut exit) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
-        let mut known: Option<(u32, UnitLine)> = None;
         for piece in 0..leaf.compiled.pieces.len() as u32 {
             let Some(low) = &world.low[leaf.first_piece + piece as usize] else {
                 return;
@@ -481,16 +497,10 @@ impl Caster<'_> {
                 leaf: candidate.leaf,
                 piece,
             };
-            let line = match known {
-                Some((frame, line)) if frame == low.frame => line,
-                _ => self.line(ray, low.frame),
-            };
-            if !(line.speed.is_finite() && line.speed > 0.0) {
-                return;
-            }
-            known = Some((low.frame, line));
             let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
-            let changes = quadratic_changes_in_t(&line, &low.form, leaving);
+            let Some(changes) = self.low_changes(ray, low, leaving) else {
+                return;
+            };
             let Some([from, to]) = changes.convex_part(low.opposite) else {
                 return;
             };
@@ -766,9 +776,15 @@ impl Caster<'_> {
         let leaf = &world.leaves[event.leaf as usize];
         let gradient = match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
-                let line = self.line(ray, event.leaf);
-                let at = line.point + line.place(event.t) * line.direction;
-                leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
+                let matrix = leaf.unit_from_world.matrix3.transpose();
+                matrix
+                    * match surface.quadratic() {
+                        Some(QuadraticForm::Plane { normal, .. }) => normal,
+                        _ => {
+                            let line = self.line(ray, event.leaf);
+                            surface.gradient(line.point + line.place(event.t) * line.direction)
+                        }
+                    }
             }
             LeafSurface::Field(field, _) => {
                 let position = ray.origin + event.t * ray.direction;

@@ -93,10 +93,7 @@ pub(crate) fn quadratic_changes_in_t(
     if leaving {
         p = deflated(&p, line.place(0.0));
     }
-    let mut changes = match form {
-        QuadraticForm::Plane { .. } => QuadraticChanges::of_linear([p[0], p[1]]),
-        QuadraticForm::Quadric { .. } => QuadraticChanges::of_quadratic(p),
-    };
+    let mut changes = QuadraticChanges::of_quadratic(p);
     changes.map(|place| line.t(place));
     changes
 }

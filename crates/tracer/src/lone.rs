@@ -7,7 +7,8 @@
 use crate::bounds::BoundingBox;
 use crate::leaf::Leaf;
 use crate::line::{Ray, UnitLine, quadratic_changes_in_t};
-use crate::low::LowPiece;
+use crate::low::{LowEquation, LowPiece};
+use crate::roots::QuadraticChanges;
 
 /// The first place of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,18 +48,36 @@ pub(crate) fn add_lone(
     rays: &[Ray],
     first: &mut [FirstPlace],
 ) {
-    let frame = &leaves[low.frame as usize];
-    for (ray, first) in rays.iter().zip(first) {
-        *first = first.nearer(lone_place(frame, (leaf, low), bounds, ray));
+    let opposite = low.opposite;
+    match &low.equation {
+        LowEquation::Plane(plane) => {
+            for (ray, first) in rays.iter().zip(first) {
+                let changes = |ray: &Ray| Some(plane.changes(ray, false));
+                let place = lone_place((leaf, opposite), bounds, ray, changes);
+                *first = first.nearer(place);
+            }
+        }
+        LowEquation::Quadric { frame, form } => {
+            let frame = &leaves[*frame as usize];
+            for (ray, first) in rays.iter().zip(first) {
+                let changes = |ray: &Ray| {
+                    let line = UnitLine::new(frame, ray);
+                    let is_line = line.speed.is_finite() && line.speed > 0.0;
+                    is_line.then(|| quadratic_changes_in_t(&line, form, false))
+                };
+                let place = lone_place((leaf, opposite), bounds, ray, changes);
+                *first = first.nearer(place);
+            }
+        }
     }
 }
 
 #[inline]
 fn lone_place(
-    frame: &Leaf,
-    (leaf, low): (u32, &LowPiece),
+    (leaf, opposite): (u32, bool),
     bounds: Option<&BoundingBox>,
     ray: &Ray,
+    changes: impl Fn(&Ray) -> Option<QuadraticChanges>,
 ) -> FirstPlace {
     let mut range = [0.0, f64::INFINITY];
     if let Some(bounds) = bounds {
@@ -69,9 +88,10 @@ fn lone_place(
         range = [entry.max(0.0), exit];
     }
     let [from, to] = range;
-    let line = UnitLine::new(frame, ray);
-    let changes = quadratic_changes_in_t(&line, &low.form, false);
-    if !(line.speed.is_finite() && line.speed > 0.0) || changes.inside_after(from) != low.opposite {
+    let Some(changes) = changes(ray) else {
+        return FirstPlace::Unknown;
+    };
+    if changes.inside_after(from) != opposite {
         return FirstPlace::Unknown;
     }
     let within = |t: f64| t > from && t <= to;

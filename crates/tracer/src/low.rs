@@ -8,6 +8,8 @@ use glam::DVec3;
 
 use crate::bundle::RayBundle;
 use crate::leaf::Leaf;
+use crate::line::Ray;
+use crate::roots::QuadraticChanges;
 use crate::shape::{FramedShape, LeafSurface};
 use crate::shared::Surfaces;
 use crate::surface::QuadraticForm;
@@ -16,11 +18,50 @@ use expr::polynomial::Region;
 /// A piece of degree two at most.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LowPiece {
-    /// The leaf in whose frame the equation stands.
-    pub(crate) frame: u32,
     /// True if the piece is on the other side of the surface.
     pub(crate) opposite: bool,
-    pub(crate) form: QuadraticForm,
+    pub(crate) equation: LowEquation,
+}
+
+/// The equation of a surface of degree two at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LowEquation {
+    Plane(WorldPlane),
+    Quadric {
+        /// The leaf in whose frame it stands.
+        frame: u32,
+        form: QuadraticForm,
+    },
+}
+
+/// A plane in the coordinates of the world: its value is `normal`·(place − `center`) + `offset`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WorldPlane {
+    normal: DVec3,
+    /// The centre of the leaf's frame: far from the origin, differences from it lose nothing.
+    center: DVec3,
+    offset: f64,
+}
+
+impl WorldPlane {
+    fn new(leaf: &Leaf, normal: DVec3, offset: f64) -> Self {
+        Self {
+            normal: leaf.unit_from_world.matrix3.transpose() * normal,
+            center: leaf.unit_from_world.inverse().translation,
+            offset,
+        }
+    }
+
+    /// The change of sign along a ray; where the ray leaves the plane, none.
+    #[inline]
+    pub(crate) fn changes(&self, ray: &Ray, leaving: bool) -> QuadraticChanges {
+        let slope = self.normal.dot(ray.direction);
+        if leaving {
+            return QuadraticChanges::of_linear([slope, 0.0]);
+        }
+        let value = self.normal.dot(ray.origin - self.center) + self.offset;
+        QuadraticChanges::of_linear([value, slope])
+    }
 }
 
 /// The pieces of a world by their numbers; `None` for those of higher degree and for fields.
@@ -41,9 +82,14 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
             // Both are of one degree.
             let form = form(own.0, own.1).and_then(|_| form(frame, piece));
             pieces.push(form.map(|form| LowPiece {
-                frame,
                 opposite,
-                form,
+                equation: match form {
+                    QuadraticForm::Plane { normal, offset } => {
+                        let leaf = &leaves[frame as usize];
+                        LowEquation::Plane(WorldPlane::new(leaf, normal, offset))
+                    }
+                    QuadraticForm::Quadric { .. } => LowEquation::Quadric { frame, form },
+                },
             }));
         }
     }

@@ -1,5 +1,5 @@
 //! Whole pictures, as `geotrace-benches povray` has them: the processor's time on one thread, and a number that depends on
-//! every bit of the picture.
+//! every byte of the picture.
 
 use glam::{DAffine3, DVec3};
 use tracer::camera::{Bokeh, LensCamera, LensProjection, SharpPlaces};
@@ -70,9 +70,9 @@ fn drawn(stage: &Stage, samples: u32) -> (f64, u64) {
     let seconds = 1e-3 * (processor_time() - start);
     let bits = sums
         .means()
-        .flat_map(|light| light.to_array())
-        .fold(0xcbf2_9ce4_8422_2325u64, |hash, x| {
-            (hash ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3)
+        .flat_map(tracer::encoded)
+        .fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
     (seconds, bits)
 }

@@ -270,6 +270,12 @@ impl<'a> LightTracer<'a> {
             crossings.clear();
             crossings.extend(all.iter().filter(|found| Some(found.t) == t));
         }
+        if scenery.sheets.is_empty() {
+            return crossings
+                .iter()
+                .find(|found| is_seen(found))
+                .map(Face::from);
+        }
         let mut reach = crossings.first().map_or(f64::INFINITY, |first| first.t);
         let mut found = None;
         let ray = SheetsRay {
