@@ -20,7 +20,7 @@ use crate::low::{LowEquation, LowPiece};
 use crate::near::{NearLeaf, NearLeaves};
 use crate::roots::{QuadraticChanges, SignChanges};
 use crate::shape::LeafSurface;
-use crate::surface::{PolynomialSurface, QuadraticForm};
+use crate::surface::PolynomialSurface;
 use crate::tree::ForestState;
 use crate::world::World;
 
@@ -774,27 +774,10 @@ impl Caster<'_> {
     ) -> Crossing {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
-        let gradient = match &leaf.compiled.pieces[event.piece as usize] {
-            LeafSurface::Polynomial(surface) => {
-                let matrix = leaf.unit_from_world.matrix3.transpose();
-                matrix
-                    * match surface.quadratic() {
-                        Some(QuadraticForm::Plane { normal, .. }) => normal,
-                        _ => {
-                            let line = self.line(ray, event.leaf);
-                            surface.gradient(line.point + line.place(event.t) * line.direction)
-                        }
-                    }
-            }
-            LeafSurface::Field(field, _) => {
-                let position = ray.origin + event.t * ray.direction;
-                let at = leaf.shape_from_world.transform_point3(position);
-                let gradient = field.gradient(&mut self.field, at);
-                leaf.shape_from_world.matrix3.transpose() * gradient
-            }
-        };
+        let piece = leaf.first_piece + event.piece as usize;
+        let flat = world.low[piece].as_ref().and_then(|low| low.normal);
+        let normal = flat.or_else(|| self.gradient(ray, event).try_normalize());
         // Where the gradient says nothing, the normal is along the ray.
-        let normal = gradient.try_normalize();
         let normal = normal.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z));
         let leads_out = (normal.dot(ray.direction) < 0.0) == entering;
         Crossing {
@@ -808,6 +791,25 @@ impl Caster<'_> {
             entering,
             position: ray.origin + event.t * ray.direction,
             normal: if leads_out { normal } else { -normal },
+        }
+    }
+
+    /// The gradient of the surface of an event.
+    fn gradient(&mut self, ray: &Ray, event: SurfaceEvent) -> DVec3 {
+        let world = self.world;
+        let leaf = &world.leaves[event.leaf as usize];
+        match &leaf.compiled.pieces[event.piece as usize] {
+            LeafSurface::Polynomial(surface) => {
+                let line = self.line(ray, event.leaf);
+                let at = line.point + line.place(event.t) * line.direction;
+                leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
+            }
+            LeafSurface::Field(field, _) => {
+                let position = ray.origin + event.t * ray.direction;
+                let at = leaf.shape_from_world.transform_point3(position);
+                let gradient = field.gradient(&mut self.field, at);
+                leaf.shape_from_world.matrix3.transpose() * gradient
+            }
         }
     }
 }

@@ -18,6 +18,8 @@ use expr::polynomial::Region;
 /// A piece of degree two at most.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LowPiece {
+    /// The unit normal of a plane, if it has one.
+    pub(crate) normal: Option<DVec3>,
     /// True if the piece is on the other side of the surface.
     pub(crate) opposite: bool,
     pub(crate) equation: LowEquation,
@@ -80,8 +82,16 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
                 None => (false, own),
             };
             // Both are of one degree.
-            let form = form(own.0, own.1).and_then(|_| form(frame, piece));
+            let own_form = form(own.0, own.1);
+            let normal = match own_form {
+                Some(QuadraticForm::Plane { normal, .. }) => {
+                    (leaf.unit_from_world.matrix3.transpose() * normal).try_normalize()
+                }
+                _ => None,
+            };
+            let form = own_form.and_then(|_| form(frame, piece));
             pieces.push(form.map(|form| LowPiece {
+                normal,
                 opposite,
                 equation: match form {
                     QuadraticForm::Plane { normal, offset } => {

@@ -1,8 +1,8 @@
 //! Measures casting.
 //!
-//! `surfaces [FOLDER]` casts a ray for each pixel of 640 × 480 at each implicit surface of the tests, on two threads, and
-//! prints the time that it takes and the processor's time of both threads together, which other programs do not lengthen;
-//! with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
+//! `surfaces [NAME [FOLDER]]` casts a ray for each pixel of 640 × 480 at each implicit surface of the tests whose name
+//! contains `NAME`, on two threads, and prints the time that it takes and the processor's time of both threads together, which
+//! other programs do not lengthen; with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
 //! crossing with the membership of points. `pictures [NAME]` draws pictures on one thread.
 
 use std::time::Instant;
@@ -30,13 +30,16 @@ fn main() {
             .get(1)
             .and_then(|n| n.parse().ok())
             .unwrap_or(10_000)),
-        Some("surfaces") => all_surfaces(arguments.get(1)),
+        Some("surfaces") => {
+            let wanted = arguments.get(1).map_or("", String::as_str);
+            all_surfaces(wanted, arguments.get(2));
+        }
         Some("pictures") => pictures::pictures(arguments.get(1).map_or("", String::as_str)),
-        _ => eprintln!("measure surfaces [FOLDER] | csg [RAYS] | pictures [NAME]"),
+        _ => eprintln!("measure surfaces [NAME [FOLDER]] | csg [RAYS] | pictures [NAME]"),
     }
 }
 
-fn all_surfaces(folder: Option<&String>) {
+fn all_surfaces(wanted: &str, folder: Option<&String>) {
     let variables = variables();
     let surfaces = surfaces(&variables);
     let graph = variables[0].graph().clone();
@@ -45,6 +48,9 @@ fn all_surfaces(folder: Option<&String>) {
         "surface", "degree", "build ms", "cast ms", "both ms", "intervals/ray"
     );
     for (name, formula, half) in surfaces {
+        if !name.contains(wanted) {
+            continue;
+        }
         let start = Instant::now();
         let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
         let Ok(shape) = builder.shape(formula.node(), [Some([-half, half]); 3]) else {

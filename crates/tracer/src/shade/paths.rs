@@ -69,6 +69,16 @@ struct MetFace {
     out: DVec3,
 }
 
+/// A face that lights shine on.
+struct LitFace {
+    position: DVec3,
+    normal: DVec3,
+    /// The colour of what it scatters, times the share.
+    scattered: DVec3,
+    light_sample: [f64; 2],
+    out: DVec3,
+}
+
 /// A light that a face is turned to.
 struct FacedLight {
     /// The number of the face.
@@ -307,23 +317,34 @@ impl<'a> LightTracer<'a> {
     /// Adds what comes to the faces from lights.
     fn add_lights(&mut self, paths: &[LightPath], faces: &mut [MetFace]) {
         let scenery = self.scenery;
+        // What each light needs of a face, side by side.
+        let mut lit: Vec<LitFace> = faces
+            .iter()
+            .map(|met| LitFace {
+                position: met.face.position,
+                normal: met.normal,
+                scattered: met.scattered(),
+                light_sample: paths[met.path].light_sample,
+                out: met.out,
+            })
+            .collect();
         let mut faced: Vec<FacedLight> = Vec::with_capacity(faces.len());
         for light in scenery.lights {
             faced.clear();
-            for (k, met) in faces.iter_mut().enumerate() {
-                let path = &paths[met.path];
+            for (k, lit) in lit.iter_mut().enumerate() {
                 let length = match scenery.picture_look {
                     PictureLook::Geotrace => {
-                        met.out += met.scattered() * light.ambient * light.color;
+                        lit.out += lit.scattered * light.ambient * light.color;
                         0.0
                     }
                     PictureLook::Crt => {
-                        met.out += crt::ambient(&met.look, light);
-                        path.length + met.face.t
+                        let met = &faces[k];
+                        lit.out += crt::ambient(&met.look, light);
+                        paths[met.path].length + met.face.t
                     }
                 };
-                let seen = light.from(met.face.position, path.light_sample, length);
-                let height = met.normal.dot(seen.towards);
+                let seen = light.from(lit.position, lit.light_sample, length);
+                let height = lit.normal.dot(seen.towards);
                 if height > 0.0 && seen.share > 0.0 {
                     faced.push(FacedLight {
                         face: k,
@@ -333,16 +354,12 @@ impl<'a> LightTracer<'a> {
                 }
             }
             let surface = |faced: &FacedLight| left_surface(Some(&faces[faced.face].face.of));
-            let ends: Vec<usize> = faced
-                .chunk_by(|a, b| surface(a) == surface(b))
-                .map(<[FacedLight]>::len)
-                .collect();
-            let mut rest = &faced[..];
-            for end in ends {
-                let (run, after) = rest.split_at(end);
-                rest = after;
-                self.add_light(light, run, paths, faces);
+            for run in faced.chunk_by(|a, b| surface(a) == surface(b)) {
+                self.add_light(light, run, paths, faces, &mut lit);
             }
+        }
+        for (met, lit) in faces.iter_mut().zip(lit) {
+            met.out = lit.out;
         }
     }
 
@@ -352,31 +369,29 @@ impl<'a> LightTracer<'a> {
         light: &Light,
         run: &[FacedLight],
         paths: &[LightPath],
-        faces: &mut [MetFace],
+        faces: &[MetFace],
+        lit: &mut [LitFace],
     ) {
-        let look = self.scenery.picture_look;
-        let reach = |seen: &SeenLight| match look {
+        let picture_look = self.scenery.picture_look;
+        let reach = |seen: &SeenLight| match picture_look {
             PictureLook::Crt if !seen.distance.is_finite() => PARALLEL_REACH,
             _ => seen.distance,
         };
         if light.casts_shadows {
+            let leaving = faces[run[0].face].face.of.surface();
             self.rays.clear();
-            self.rays.extend(run.iter().map(|faced| {
-                let face = &faces[faced.face].face;
-                Ray {
-                    origin: face.position,
-                    direction: faced.seen.towards,
-                    leaving: face.of.surface(),
-                }
+            self.rays.extend(run.iter().map(|faced| Ray {
+                origin: lit[faced.face].position,
+                direction: faced.seen.towards,
+                leaving,
             }));
             let reaches = run.iter().map(|faced| reach(&faced.seen));
-            let leaving = self.rays[0].leaving;
             self.caster
                 .begin_near(&self.rays, reaches.fold(0.0, f64::max), leaving);
         }
         let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
         for (k, faced) in run.iter().enumerate() {
-            let met = &mut faces[faced.face];
+            let met = &faces[faced.face];
             let visible = if light.casts_shadows && !is_free {
                 let ray = self.rays[k];
                 self.visible(k, &ray, &met.face.of, reach(&faced.seen))
@@ -388,8 +403,18 @@ impl<'a> LightTracer<'a> {
             }
             let direction = paths[met.path].ray.direction;
             let FacedLight { seen, height, .. } = faced;
-            met.out += match look {
-                PictureLook::Geotrace => met.lit(light, seen, *height, visible, direction),
+            let lit = &mut lit[faced.face];
+            lit.out += match picture_look {
+                PictureLook::Geotrace => {
+                    let highlight = if met.look.specular > 0.0 {
+                        met.highlight(seen.towards, direction)
+                    } else {
+                        0.0
+                    };
+                    let shared = visible * seen.share;
+                    let scattered = light.color * lit.scattered * *height;
+                    shared * (scattered + light.highlight * highlight)
+                }
                 PictureLook::Crt => crt::lit(
                     &met.look, light, seen, *height, visible, met.normal, direction,
                 ),
@@ -526,24 +551,10 @@ impl MetFace {
         look.diffuse.unwrap_or(left) * look.color
     }
 
-    /// Light that comes from a light and leaves against `direction`.
-    fn lit(
-        &self,
-        light: &Light,
-        seen: &SeenLight,
-        height: f64,
-        visible: f64,
-        direction: DVec3,
-    ) -> DVec3 {
-        let look = &self.look;
-        let highlight = if look.specular > 0.0 {
-            let half = (seen.towards - direction).normalize_or_zero();
-            look.specular * self.normal.dot(half).max(0.0).powf(look.shininess)
-        } else {
-            0.0
-        };
-        let shared = visible * seen.share;
-        shared * (light.color * self.scattered() * height + light.highlight * highlight)
+    /// The highlight of light from `towards` that leaves against `direction`.
+    fn highlight(&self, towards: DVec3, direction: DVec3) -> f64 {
+        let half = (towards - direction).normalize_or_zero();
+        self.look.specular * self.normal.dot(half).max(0.0).powf(self.look.shininess)
     }
 }
 
