@@ -224,6 +224,7 @@ impl Interval {
     }
 
     /// The result of an operation on these operands: undefined where they are.
+    #[inline]
     fn of(self, operands: [Self; 2]) -> Self {
         let [a, b] = operands;
         if a.is_empty() || b.is_empty() {
@@ -255,6 +256,7 @@ impl Interval {
         }
     }
 
+    #[inline]
     fn plus(self, other: Self) -> Self {
         let opposed = |a: f64, b: f64| a.is_infinite() && b == -a;
         let lower = self.lower + other.lower;
@@ -277,7 +279,53 @@ impl Interval {
         .partially(opposed(self.lower, other.upper) || opposed(self.upper, other.lower))
     }
 
+    /// The sum, undefined where an operand is.
+    #[inline]
+    fn sum(self, other: Self) -> Self {
+        self.plus(other).of([self, other])
+    }
+
+    /// The product, undefined where an operand is.
+    #[inline]
+    fn product(self, other: Self) -> Self {
+        self.times(other).of([self, other])
+    }
+
+    #[inline]
     fn times(self, other: Self) -> Self {
+        let size = self.lower.abs() + self.upper.abs() + other.lower.abs() + other.upper.abs();
+        if !(size < f64::INFINITY) {
+            return self.times_unbounded(other);
+        }
+        let [a, b, c, d] = [
+            self.lower * other.lower,
+            self.lower * other.upper,
+            self.upper * other.lower,
+            self.upper * other.upper,
+        ];
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        let most = |a: f64, b: f64| if a > b { a } else { b };
+        let lower = least(least(a, b), least(c, d));
+        let upper = most(most(a, b), most(c, d));
+        // A bound that is 0 is exact if a factor is 0, and else too small for a number.
+        let exact =
+            (lower == 0.0 || upper == 0.0) && (self.has_zero_bound() || other.has_zero_bound());
+        Self::hull(
+            if lower == 0.0 && exact {
+                lower
+            } else {
+                lower.next_down()
+            },
+            if upper == 0.0 && exact {
+                upper
+            } else {
+                upper.next_up()
+            },
+        )
+    }
+
+    /// The product where a bound is infinite, or too large for a sum.
+    fn times_unbounded(self, other: Self) -> Self {
         // A zero annihilates, an infinite bound too: that what is infinite there is undefined is noted.
         let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
         let [a, b] = [self.lower, self.upper].map(|x| [x, other.lower, other.upper]);

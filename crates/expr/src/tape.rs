@@ -37,7 +37,9 @@ pub struct Registers {
     #[allow(clippy::vec_box)]
     blocks: Vec<Box<Block>>,
     intervals: Vec<Interval>,
+    interval_waves: ranges::InputWaves<Interval>,
     slopes: Vec<Slope>,
+    slope_waves: ranges::InputWaves<Slope>,
     choices: Vec<ranges::Branch>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Input: an interval. Output: the values of the function on it, widened by what the mathematical library may round.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
 use crate::arithmetic::sign;
 use crate::interval::{Interval, above, below};
@@ -21,8 +21,8 @@ impl Interval {
                 Self::exact(least, most)
             }
             Unary::Sign => Self::new(sign(x.lower), sign(x.upper)),
-            Unary::Sin => x.wave(f64::sin, FRAC_PI_2),
-            Unary::Cos => x.wave(f64::cos, 0.0),
+            Unary::Sin => x.waves()[0],
+            Unary::Cos => x.waves()[1],
             Unary::Tan => x.tangent(),
             Unary::Exp => x.rising(f64::exp).at_least(0.0),
             Unary::Sqrt => x.restricted(0.0, f64::INFINITY, |x| {
@@ -81,25 +81,52 @@ impl Interval {
         f(domain).partially(self.lower < least || self.upper > most)
     }
 
-    /// The values of a sine whose crests are at `crest` and every full turn from there.
-    fn wave(self, f: impl Fn(f64) -> f64, crest: f64) -> Self {
-        let short = self.width() < 2.0 * PI;
-        if !short {
-            return Self::new(-1.0, 1.0).partially(self.is_unbounded());
+    /// The values of sine and cosine.
+    pub(crate) fn waves(self) -> [Self; 2] {
+        if self.is_empty() {
+            return [Self::UNDEFINED; 2];
         }
-        let (a, b) = (f(self.lower), f(self.upper));
-        Self::new(
-            if self.meets(crest + PI, 2.0 * PI) {
-                -1.0
-            } else {
-                below(a.min(b), ULPS).max(-1.0)
-            },
-            if self.meets(crest, 2.0 * PI) {
-                1.0
-            } else {
-                above(a.max(b), ULPS).min(1.0)
-            },
-        )
+        let all = Self::exact(-1.0, 1.0).partially(self.partial);
+        if !(self.width() < 2.0 * PI) {
+            return [all.partially(self.is_unbounded()); 2];
+        }
+        // In quarters of a turn, the sine has its crests at 1 + 4k and its troughs at 3 + 4k, the cosine at 4k and 2 + 4k.
+        let [from, to] = [self.lower, self.upper].map(|x| x * FRAC_2_PI);
+        let slack = 4.0 * f64::EPSILON * (1.0 + from.abs().max(to.abs()));
+        let (from, to) = (from - slack, to + slack);
+        if !(slack < 0.25) {
+            return [all; 2];
+        }
+        let first = {
+            let below = from as i64;
+            below + i64::from((below as f64) < from)
+        };
+        let mut passed = [false; 4];
+        let mut quarter = first;
+        while quarter as f64 <= to {
+            passed[(quarter & 3) as usize] = true;
+            quarter += 1;
+        }
+        let (a, b) = (self.lower.sin_cos(), self.upper.sin_cos());
+        let wave = |a: f64, b: f64, crest: bool, trough: bool| {
+            Self::exact(
+                if trough {
+                    -1.0
+                } else {
+                    below(a.min(b), ULPS).max(-1.0)
+                },
+                if crest {
+                    1.0
+                } else {
+                    above(a.max(b), ULPS).min(1.0)
+                },
+            )
+            .partially(self.partial)
+        };
+        [
+            wave(a.0, b.0, passed[1], passed[3]),
+            wave(a.1, b.1, passed[0], passed[2]),
+        ]
     }
 
     fn tangent(self) -> Self {

@@ -27,9 +27,9 @@ impl Slope {
 
     /// `origin` + t·`direction` for t in `t`.
     pub fn line(origin: f64, direction: f64, t: Interval) -> Self {
-        let step = Interval::binary(Binary::Mul, t, Interval::point(direction));
+        let step = t.product(Interval::point(direction));
         Self {
-            value: Interval::binary(Binary::Add, Interval::point(origin), step),
+            value: Interval::point(origin).sum(step),
             slope: Interval::point(direction),
         }
     }
@@ -46,6 +46,11 @@ impl Slope {
 
     /// The value of an operation on one number.
     pub fn unary(op: Unary, x: Self) -> Self {
+        match op {
+            Unary::Sin => return x.waves()[0],
+            Unary::Cos => return x.waves()[1],
+            _ => {}
+        }
         let value = Interval::unary(op, x.value);
         if x.is_constant() {
             return Self {
@@ -75,20 +80,33 @@ impl Slope {
         }
     }
 
+    /// Sine and cosine, each the other's slope.
+    pub(crate) fn waves(self) -> [Self; 2] {
+        let [sine, cosine] = self.value.waves();
+        let slope = |first: Interval| match self.is_constant() {
+            true => self.slope,
+            false => product(first, self.slope),
+        };
+        let slopes = [slope(cosine), slope(sine.negative())];
+        [(sine, slopes[0]), (cosine, slopes[1])].map(|(value, slope)| Self { value, slope })
+    }
+
     /// The value of an operation on two numbers.
     pub fn binary(op: Binary, a: Self, b: Self) -> Self {
-        let value = Interval::binary(op, a.value, b.value);
+        let value = match op {
+            Binary::Add => a.value.sum(b.value),
+            Binary::Sub => a.value.sum(b.value.negative()),
+            Binary::Mul => a.value.product(b.value),
+            _ => Interval::binary(op, a.value, b.value),
+        };
         if a.is_constant() && b.is_constant() {
             let slope = a.slope;
             return Self { value, slope };
         }
         let slope = match op {
-            Binary::Add | Binary::Sub => Interval::binary(op, a.slope, b.slope),
-            Binary::Mul | Binary::Zmul => {
-                let left = product(a.slope, b.value);
-                let right = product(a.value, b.slope);
-                Interval::binary(Binary::Add, left, right)
-            }
+            Binary::Add => a.slope.sum(b.slope),
+            Binary::Sub => a.slope.sum(b.slope.negative()),
+            Binary::Mul | Binary::Zmul => product(a.slope, b.value).sum(product(a.value, b.slope)),
             Binary::Div if b.value.contains(0.0) => Interval::WHOLE,
             Binary::Div => {
                 let share = product(value, b.slope);
@@ -142,7 +160,7 @@ fn product(a: Interval, b: Interval) -> Interval {
     if a.is_zero() || b.is_zero() {
         return Interval::point(0.0);
     }
-    Interval::binary(Binary::Mul, a, b)
+    a.product(b)
 }
 
 /// b a^(b−1) a' + a^b log a b'.

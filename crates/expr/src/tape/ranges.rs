@@ -17,11 +17,16 @@ pub(super) enum Branch {
     Open,
 }
 
+/// Sine and cosine of inputs, which often occur together.
+pub(super) type InputWaves<R> = Vec<(u32, [R; 2])>;
+
 /// The numbers that instructions compute with.
 trait Range: Copy {
     fn constant(x: f64) -> Self;
     fn interval(self) -> Interval;
     fn unary(op: Unary, a: Self) -> Self;
+    /// Sine and cosine.
+    fn waves(self) -> [Self; 2];
     fn binary(op: Binary, a: Self, b: Self) -> Self;
     fn square(self) -> Self;
     fn integer_power(self, n: i32) -> Self;
@@ -39,9 +44,12 @@ impl Tape {
         out: &mut [Interval],
     ) {
         let Registers {
-            intervals, choices, ..
+            intervals,
+            interval_waves,
+            choices,
+            ..
         } = registers;
-        self.eval_ranges(intervals, choices, inputs, out);
+        self.eval_ranges(intervals, interval_waves, choices, inputs, out);
     }
 
     /// Evaluates with slopes along a line.
@@ -50,9 +58,12 @@ impl Tape {
     /// If `inputs` or `out` is not of the length of [`Tape::inputs`] or of the roots.
     pub fn eval_slopes(&self, registers: &mut Registers, inputs: &[Slope], out: &mut [Slope]) {
         let Registers {
-            slopes, choices, ..
+            slopes,
+            slope_waves,
+            choices,
+            ..
         } = registers;
-        self.eval_ranges(slopes, choices, inputs, out);
+        self.eval_ranges(slopes, slope_waves, choices, inputs, out);
     }
 
     /// Returns the tape without what has no influence in the box that the registers were last used for, with this
@@ -101,6 +112,7 @@ impl Tape {
     fn eval_ranges<R: Range>(
         &self,
         registers: &mut Vec<R>,
+        waves: &mut InputWaves<R>,
         choices: &mut Vec<Branch>,
         inputs: &[R],
         out: &mut [R],
@@ -111,6 +123,7 @@ impl Tape {
             registers.resize(self.register_count, R::constant(0.0));
         }
         choices.clear();
+        waves.clear();
         let read = |registers: &[R], operand| match operand {
             Operand::Constant(value) => R::constant(value),
             Operand::Input(position) => inputs[position as usize],
@@ -119,6 +132,16 @@ impl Tape {
         for instruction in &self.instructions {
             let mut choice = Branch::Open;
             registers[instruction.out as usize] = match instruction.operation {
+                TapeOperation::Unary(op @ (Unary::Sin | Unary::Cos), Operand::Input(input)) => {
+                    let known = waves.iter().find(|(other, _)| *other == input);
+                    let known = known.map(|(_, known)| *known);
+                    let [sine, cosine] = known.unwrap_or_else(|| {
+                        let found = inputs[input as usize].waves();
+                        waves.push((input, found));
+                        found
+                    });
+                    if op == Unary::Sin { sine } else { cosine }
+                }
                 TapeOperation::Unary(op, a) => {
                     let a = read(registers, a);
                     choice = choice_of_unary(op, a.interval());
@@ -205,6 +228,10 @@ impl Range for Interval {
         Self::unary(op, a)
     }
 
+    fn waves(self) -> [Self; 2] {
+        self.waves()
+    }
+
     fn binary(op: Binary, a: Self, b: Self) -> Self {
         Self::binary(op, a, b)
     }
@@ -229,6 +256,10 @@ impl Range for Slope {
 
     fn unary(op: Unary, a: Self) -> Self {
         Self::unary(op, a)
+    }
+
+    fn waves(self) -> [Self; 2] {
+        self.waves()
     }
 
     fn binary(op: Binary, a: Self, b: Self) -> Self {
