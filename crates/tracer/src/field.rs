@@ -10,8 +10,10 @@ use expr::interval::{Interval, Slope};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::DVec3;
+use shell::Shell;
 
 mod bundle;
+mod shell;
 pub(crate) use bundle::{BundlePart, LineBundle, PartFinding};
 
 /// The number of evaluations on intervals that one ray may take.
@@ -29,6 +31,8 @@ pub(crate) struct Field {
     uniforms: Vec<(Input, f64)>,
     /// True where the set is that on which the negative is not positive.
     negated: bool,
+    /// The expression as a shell, if it is one.
+    shell: Option<Shell>,
 }
 
 /// A ray in the field's coordinates.
@@ -80,6 +84,10 @@ impl Field {
         }
         let inputs = graph.inputs(&roots).into_iter();
         Ok(Self {
+            shell: roots
+                .first()
+                .filter(|_| !negated)
+                .and_then(|&root| Shell::new(&graph, root, uniform)),
             value: Tape::new(&graph, &roots),
             gradient: Tape::new(&graph, &gradient),
             uniforms: inputs.map(|input| (input, uniform(input))).collect(),
@@ -182,8 +190,21 @@ impl Field {
                     }
                 }
                 PartFinding::Monotone => {
-                    if self.inside(scratch, line, b) != inside {
-                        return Some((self.between(scratch, line, a, b, inside), b));
+                    if let Some(shell) = &self.shell {
+                        if let Some(t) = self.level_crossing(scratch, shell, line, [a, b], inside) {
+                            return Some((t, t.next_up()));
+                        }
+                        continue;
+                    }
+                    let at_b = self.value(scratch, line.at(b));
+                    if (at_b <= 0.0) != inside {
+                        return Some((self.between(scratch, line, [a, b], at_b, inside), b));
+                    }
+                }
+                PartFinding::Shortest => {
+                    let at_b = self.value(scratch, line.at(b));
+                    if (at_b <= 0.0) != inside {
+                        return Some((self.between(scratch, line, [a, b], at_b, inside), b));
                     }
                 }
                 PartFinding::Open => {
@@ -195,16 +216,9 @@ impl Field {
                     let range = self.range(scratch, &|k| {
                         Slope::line(line.origin[k], line.direction[k], t)
                     });
-                    let value = range.value;
-                    let outside = value.is_empty() || value.lower() > 0.0;
                     let shortest = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
-                    let finding = if outside {
-                        PartFinding::Outside
-                    } else if value.upper() <= 0.0 && !value.is_partial() {
-                        PartFinding::Inside
-                    } else if range.is_monotone() || shortest {
-                        PartFinding::Monotone
-                    } else {
+                    let found = self.finding(range);
+                    let Some(finding) = found.or(shortest.then_some(PartFinding::Shortest)) else {
                         let middle = 0.5 * (a + b);
                         scratch.known.push(open(middle, b));
                         scratch.known.push(open(a, middle));
@@ -232,11 +246,49 @@ impl Field {
         let step = (to - from) / SAMPLES as f64;
         for k in 0..SAMPLES {
             let [a, b] = [k, k + 1].map(|k| from + k as f64 * step);
-            if self.inside(scratch, line, b) != inside {
-                return Some((self.between(scratch, line, a, b, inside), b));
+            let at_b = self.value(scratch, line.at(b));
+            if (at_b <= 0.0) != inside {
+                return Some((self.between(scratch, line, [a, b], at_b, inside), b));
             }
         }
         None
+    }
+
+    /// The finding about a part with this range; `None` if it is open.
+    fn finding(&self, range: Slope) -> Option<PartFinding> {
+        if let Some(shell) = &self.shell {
+            return shell.finding(range);
+        }
+        let value = range.value;
+        if value.is_empty() || value.lower() > 0.0 {
+            Some(PartFinding::Outside)
+        } else if value.upper() <= 0.0 && !value.is_partial() {
+            Some(PartFinding::Inside)
+        } else {
+            range.is_monotone().then_some(PartFinding::Monotone)
+        }
+    }
+
+    /// The first place on a part where the expression in a shell, which is monotone there, crosses a level.
+    fn level_crossing(
+        &self,
+        scratch: &mut FieldScratch,
+        shell: &Shell,
+        line: &Line,
+        [a, b]: [f64; 2],
+        inside: bool,
+    ) -> Option<f64> {
+        let mut inner = |t: f64| {
+            let mut out = [f64::NAN];
+            self.inputs(&shell.inner, line.at(t), &mut scratch.numbers);
+            shell
+                .inner
+                .eval(&mut scratch.registers, &scratch.numbers, &mut out);
+            out[0]
+        };
+        let crossing = shell.crossing([a, b].map(&mut inner), inside)?;
+        let value = |t: f64| crossing.sign * inner(t) - shell.level;
+        Some(bracketed(value, [a, b], crossing.ends, inside))
     }
 
     /// An interval that contains the values on a box.
@@ -272,7 +324,11 @@ impl Field {
             let range = self.range(scratch, &|k| {
                 Slope::line(line.origin[k], line.direction[k], t)
             });
-            if range.is_monotone() {
+            let monotone = match &self.shell {
+                Some(shell) => shell.is_monotone(range),
+                None => range.is_monotone(),
+            };
+            if monotone {
                 return from + length;
             }
             length *= 0.5;
@@ -280,66 +336,40 @@ impl Field {
         from + length
     }
 
-    /// The values and slopes where `coordinate` gives those of x, y and z.
+    /// The values and slopes where `coordinate` gives those of x, y and z; of a shell, those of the expression in it.
     fn range(&self, scratch: &mut FieldScratch, coordinate: &dyn Fn(usize) -> Slope) -> Slope {
+        let tape = self
+            .shell
+            .as_ref()
+            .map_or(&self.value, |shell| &shell.inner);
         scratch.evaluations += 1;
         scratch.slopes.clear();
-        for input in self.value.inputs() {
+        for input in tape.inputs() {
             scratch.slopes.push(match *input {
                 Input::Variable(k @ 0..3) => coordinate(k as usize),
                 input => Slope::constant(self.uniform(input)),
             });
         }
         let mut out = [Slope::constant(f64::NAN)];
-        self.value
-            .eval_slopes(&mut scratch.registers, &scratch.slopes, &mut out);
+        tape.eval_slopes(&mut scratch.registers, &scratch.slopes, &mut out);
         if self.negated {
             out[0] = Slope::unary(expr::ops::Unary::Neg, out[0]);
         }
         out[0]
     }
 
-    /// The change between `a`, where membership is `inside`, and `b`, where it is not: Illinois' variant of the secant,
-    /// halving where that is quicker or a value is no number.
+    /// The change between `a`, where membership is `inside`, and `b`, where it is not and the value is `at_b`.
     fn between(
         &self,
         scratch: &mut FieldScratch,
         line: &Line,
-        a: f64,
-        b: f64,
+        [a, b]: [f64; 2],
+        at_b: f64,
         inside: bool,
     ) -> f64 {
-        let (mut a, mut b) = (a, b);
-        let mut at_a = self.value(scratch, line.at(a));
-        let mut at_b = self.value(scratch, line.at(b));
-        let mut kept = 0i32;
-        for step in 0..120 {
-            let width = b - a;
-            if width <= 4.0 * f64::EPSILON * (a.abs().max(b.abs())) + f64::MIN_POSITIVE {
-                break;
-            }
-            let secant = b - at_b * (width / (at_b - at_a));
-            let halve = step % 8 == 7 || !(secant > a && secant < b);
-            let middle = if halve { 0.5 * (a + b) } else { secant };
-            // A step inside the resolution would never close the bracket from the other side.
-            let least = 2.0 * f64::EPSILON * middle.abs();
-            let middle = middle.clamp(a + least.min(0.5 * width), b - least.min(0.5 * width));
-            let value = self.value(scratch, line.at(middle));
-            if (value <= 0.0) == inside {
-                (a, at_a) = (middle, value);
-                if kept > 0 {
-                    at_b *= 0.5;
-                }
-                kept = 1;
-            } else {
-                (b, at_b) = (middle, value);
-                if kept < 0 {
-                    at_a *= 0.5;
-                }
-                kept = -1;
-            }
-        }
-        0.5 * (a + b)
+        let at_a = self.value(scratch, line.at(a));
+        let value = |t: f64| self.value(scratch, line.at(t));
+        bracketed(value, [a, b], [at_a, at_b], inside)
     }
 
     /// The number of a uniform that it reads.
@@ -357,4 +387,42 @@ impl Field {
             });
         }
     }
+}
+
+/// The place where a value changes its sign between `a`, where it is not positive if `inside`, and `b`, where it is the other
+/// way round: Illinois' variant of the secant, halving where that is quicker or a value is no number.
+fn bracketed(
+    mut value: impl FnMut(f64) -> f64,
+    [mut a, mut b]: [f64; 2],
+    [mut at_a, mut at_b]: [f64; 2],
+    inside: bool,
+) -> f64 {
+    let mut kept = 0i32;
+    for step in 0..120 {
+        let width = b - a;
+        if width <= 4.0 * f64::EPSILON * (a.abs().max(b.abs())) + f64::MIN_POSITIVE {
+            break;
+        }
+        let secant = b - at_b * (width / (at_b - at_a));
+        let halve = step % 8 == 7 || !(secant > a && secant < b);
+        let middle = if halve { 0.5 * (a + b) } else { secant };
+        // A step inside the resolution would never close the bracket from the other side.
+        let least = 2.0 * f64::EPSILON * middle.abs();
+        let middle = middle.clamp(a + least.min(0.5 * width), b - least.min(0.5 * width));
+        let at_middle = value(middle);
+        if (at_middle <= 0.0) == inside {
+            (a, at_a) = (middle, at_middle);
+            if kept > 0 {
+                at_b *= 0.5;
+            }
+            kept = 1;
+        } else {
+            (b, at_b) = (middle, at_middle);
+            if kept < 0 {
+                at_a *= 0.5;
+            }
+            kept = -1;
+        }
+    }
+    0.5 * (a + b)
 }

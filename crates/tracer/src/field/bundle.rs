@@ -24,8 +24,10 @@ pub(crate) enum PartFinding {
     Outside,
     /// The value is defined and not positive throughout.
     Inside,
-    /// The value is defined, continuous and strictly monotone.
+    /// The value is defined, continuous and strictly monotone; of a shell, that of the expression in it.
     Monotone,
+    /// The part is too short to be halved.
+    Shortest,
     Open,
 }
 
@@ -99,13 +101,8 @@ impl Field {
                 budget -= 1;
                 let t = Interval::new(a, b);
                 let range = self.range(scratch, &|k| bundle.coordinate(k, t));
-                let value = range.value;
-                if value.is_empty() || value.lower() > 0.0 {
-                    finding = PartFinding::Outside;
-                } else if value.upper() <= 0.0 && !value.is_partial() {
-                    finding = PartFinding::Inside;
-                } else if range.is_monotone() {
-                    finding = PartFinding::Monotone;
+                if let Some(found) = self.finding(range) {
+                    finding = found;
                 } else if !bundle.is_wider_than([a, b]) && b - a > 0.0 {
                     let middle = 0.5 * (a + b);
                     scratch.parts.push((middle, b));
