@@ -6,6 +6,9 @@
 //!          │ shared.rs: surfaces that are one         tree.rs: set operations         bvh.rs: boxes in boxes
 //! ```
 //!
+//! Rays that go nearly the same way are read together (`bundle.rs`, `near.rs`): what none of them meets is left out once for
+//! all of them, and solids of one quadric (`lone.rs`) need no sweep.
+//!
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
 //!
@@ -62,6 +65,7 @@ mod low;
 mod near;
 pub mod optics;
 pub mod picture;
+mod program;
 mod reach;
 mod roots;
 pub mod shade;

@@ -12,6 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, enclose};
 use crate::field::{Field, FieldScratch};
+use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
 use crate::surface::PolynomialSurface;
 
@@ -112,6 +113,7 @@ impl Shape {
         let half = half.max(DVec3::splat(if least.is_finite() { least } else { 1.0 }));
         let frame = [0, 1, 2].map(|k| [center[k], half[k]]);
         let mut region = region(graph, self.node, &|input| meaning(input, uniform, &frame));
+        let whole = matches!(region, Region::Polynomial(_));
         let cuts = (0..3).filter_map(|k| self.cuts[k].map(|cut| (k, cut)));
         for (k, [a, b]) in cuts {
             let x = meaning(Input::Variable(k as u32), uniform, &frame);
@@ -128,6 +130,13 @@ impl Shape {
         }
         let mut pieces = Vec::new();
         collect(&region, graph, uniform, &mut pieces)?;
+        if whole
+            && let Some(LeafSurface::Polynomial(surface)) = pieces.first_mut()
+            && let Some(program) = PolynomialProgram::new(graph, self.node, uniform, &frame)
+        {
+            // The expression as a whole is the first piece, and cuts follow.
+            *surface = surface.clone().with_program(program);
+        }
         Ok(FramedShape {
             region,
             pieces,

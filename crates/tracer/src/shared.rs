@@ -23,7 +23,7 @@ const NEAR: f64 = 1e-6;
 /// The number of groups with similar keys that a surface is compared with.
 const MOST_COMPARED: usize = 64;
 /// Polynomials of a higher degree are shared only if they are one polynomial under one map.
-const HIGHEST: usize = 4;
+pub(crate) const HIGHEST_SHARED: usize = 4;
 
 /// The groups.
 #[derive(Clone, Debug, Default)]
@@ -75,7 +75,7 @@ pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> 
         for (p, piece) in leaf.compiled.pieces.iter().enumerate() {
             let place = (l as u32, p as u32);
             match piece {
-                LeafSurface::Polynomial(surface) if surface.degree() <= HIGHEST => {
+                LeafSurface::Polynomial(surface) if surface.degree() <= HIGHEST_SHARED => {
                     let at = places.map(|at| {
                         let at = leaf.unit_from_world.transform_point3(at);
                         surface.polynomial.at(at.to_array())

@@ -6,7 +6,9 @@
 use expr::polynomial::Polynomial;
 use glam::DVec3;
 
+use crate::program::PolynomialProgram;
 use crate::roots::{Coefficients, LARGEST_DEGREE};
+use crate::shared::HIGHEST_SHARED;
 
 /// The polynomial, prepared for rays.
 #[derive(Clone, Debug)]
@@ -19,8 +21,12 @@ pub(crate) struct PolynomialSurface {
 #[derive(Clone, Debug)]
 enum SurfaceForm {
     Low(QuadraticForm),
-    /// The terms, by the exponent of x, then of y, then of z.
-    Higher(Vec<([u8; 3], f64)>),
+    Higher {
+        /// By the exponent of x, then of y, then of z.
+        terms: Vec<([u8; 3], f64)>,
+        /// The expression, where it takes less work than the terms.
+        program: Option<PolynomialProgram>,
+    },
 }
 
 /// A polynomial of degree two at most.
@@ -60,13 +66,29 @@ impl PolynomialSurface {
                 linear,
                 constant,
             }),
-            _ => SurfaceForm::Higher(polynomial.terms().collect()),
+            _ => SurfaceForm::Higher {
+                terms: polynomial.terms().collect(),
+                program: None,
+            },
         };
         Self {
             form,
             degree: polynomial.degree(),
             polynomial,
         }
+    }
+
+    /// With the expression that the polynomial is of, for a polynomial whose terms take more work.
+    pub(crate) fn with_program(mut self, found: PolynomialProgram) -> Self {
+        if let SurfaceForm::Higher { terms, program } = &mut self.form {
+            // About as many products of polynomials as there are exponents of x and y.
+            let cost = |(e, _): &([u8; 3], f64)| usize::from(e[1] + 1) * usize::from(e[2] + 1);
+            let cost: usize = terms.iter().map(cost).sum();
+            if self.degree > HIGHEST_SHARED && found.cost() < cost {
+                *program = Some(found);
+            }
+        }
+        self
     }
 
     pub(crate) fn degree(&self) -> usize {
@@ -78,7 +100,7 @@ impl PolynomialSurface {
     pub(crate) fn quadratic(&self) -> Option<QuadraticForm> {
         match self.form {
             SurfaceForm::Low(form) => Some(form),
-            SurfaceForm::Higher(_) => None,
+            SurfaceForm::Higher { .. } => None,
         }
     }
 
@@ -90,7 +112,15 @@ impl PolynomialSurface {
                 sum[..3].copy_from_slice(&form.along(point, direction));
                 return sum;
             }
-            SurfaceForm::Higher(terms) => terms,
+            SurfaceForm::Higher {
+                program: Some(program),
+                ..
+            } => {
+                let mut p = program.along(point, direction);
+                p[self.degree + 1..].fill(0.0);
+                return p;
+            }
+            SurfaceForm::Higher { terms, .. } => terms,
         };
         let (p, d) = (point.to_array(), direction.to_array());
         match self.degree {
@@ -105,7 +135,7 @@ impl PolynomialSurface {
     pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
         match &self.form {
             SurfaceForm::Low(form) => form.gradient(at),
-            SurfaceForm::Higher(terms) => {
+            SurfaceForm::Higher { terms, .. } => {
                 let powers = at.to_array().map(|x| {
                     let mut powers = [1.0; LARGEST_DEGREE + 1];
                     for k in 1..=self.degree {

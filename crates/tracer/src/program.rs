@@ -1,0 +1,194 @@
+//! Polynomials along rays, by the operations of their expressions.
+//!
+//! Input: an expression that sums and multiplies coordinates and numbers, then rays. Output: the polynomial along a ray. A
+//! product of factors has far more terms than its factors have together; its expression multiplies them where they are
+//! polynomials of one variable.
+
+use expr::ops::{Binary, Unary};
+use expr::{Graph, Input, Node, NodeId};
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use crate::roots::{Coefficients, LARGEST_DEGREE};
+
+/// The operations that make a polynomial of one variable.
+#[derive(Clone, Debug)]
+pub(crate) struct PolynomialProgram {
+    /// Each with the degree of its result.
+    steps: Vec<(Step, usize)>,
+}
+
+/// An operation on results of earlier steps.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    /// middle + half·coordinate.
+    Coordinate {
+        axis: usize,
+        middle: f64,
+        half: f64,
+    },
+    Number(f64),
+    Scaled(usize, f64),
+    Sum(usize, usize),
+    Difference(usize, usize),
+    Product(usize, usize),
+}
+
+/// The number of steps of a program at most.
+const MOST_STEPS: usize = 64;
+
+/// Reads an expression.
+struct ProgramReader {
+    steps: Vec<(Step, usize)>,
+    known: FxHashMap<NodeId, usize>,
+}
+
+impl PolynomialProgram {
+    /// Reads an expression in coordinates that `frame` gives by their middle and half the side; `None` if it has other
+    /// operations, or many.
+    pub(crate) fn new(
+        graph: &Graph,
+        root: NodeId,
+        uniform: &dyn Fn(Input) -> f64,
+        frame: &[[f64; 2]; 3],
+    ) -> Option<Self> {
+        let mut reader = ProgramReader {
+            steps: Vec::new(),
+            known: FxHashMap::default(),
+        };
+        let mut last = 0;
+        for id in graph.order(&[root]) {
+            last = reader.read(graph.node(id), uniform, frame)?;
+            reader.known.insert(id, last);
+        }
+        (last + 1 == reader.steps.len()).then_some(Self {
+            steps: reader.steps,
+        })
+    }
+
+    /// The number of multiplications for a ray, about.
+    pub(crate) fn cost(&self) -> usize {
+        let degree = |k: usize| self.steps[k].1 + 1;
+        let cost = |(step, own): &(Step, usize)| match *step {
+            Step::Product(a, b) => degree(a) * degree(b),
+            _ => own + 1,
+        };
+        self.steps.iter().map(cost).sum()
+    }
+
+    /// The polynomial at `point` + s·`direction`, in s.
+    pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
+        let mut values = [[0.0; LARGEST_DEGREE + 1]; MOST_STEPS];
+        for (k, &(step, degree)) in self.steps.iter().enumerate() {
+            let (before, rest) = values.split_at_mut(k);
+            let out = &mut rest[0];
+            match step {
+                Step::Coordinate { axis, middle, half } => {
+                    out[0] = middle + half * point[axis];
+                    out[1] = half * direction[axis];
+                }
+                Step::Number(x) => out[0] = x,
+                Step::Scaled(a, factor) => {
+                    for (out, a) in out[..=degree].iter_mut().zip(&before[a]) {
+                        *out = factor * a;
+                    }
+                }
+                Step::Sum(a, b) => {
+                    let operands = before[a].iter().zip(&before[b]);
+                    for (out, (a, b)) in out[..=degree].iter_mut().zip(operands) {
+                        *out = a + b;
+                    }
+                }
+                Step::Difference(a, b) => {
+                    let operands = before[a].iter().zip(&before[b]);
+                    for (out, (a, b)) in out[..=degree].iter_mut().zip(operands) {
+                        *out = a - b;
+                    }
+                }
+                Step::Product(a, b) => {
+                    let (of_a, of_b) = (self.steps[a].1, self.steps[b].1);
+                    let (a, b) = (&before[a][..=of_a], &before[b][..=of_b]);
+                    for (i, a) in a.iter().enumerate() {
+                        for (out, b) in out[i..].iter_mut().zip(b) {
+                            *out += a * b;
+                        }
+                    }
+                }
+            }
+        }
+        values[self.steps.len() - 1]
+    }
+}
+
+impl ProgramReader {
+    /// The step whose result a node is.
+    fn read(
+        &mut self,
+        node: Node,
+        uniform: &dyn Fn(Input) -> f64,
+        frame: &[[f64; 2]; 3],
+    ) -> Option<usize> {
+        let known = |id: NodeId| self.known[&id];
+        match node {
+            Node::Constant(x) => self.push(Step::Number(x), 0),
+            Node::Input(Input::Variable(k @ 0..3)) => {
+                let [middle, half] = frame[k as usize];
+                let axis = k as usize;
+                self.push(Step::Coordinate { axis, middle, half }, 1)
+            }
+            Node::Input(input) => self.push(Step::Number(uniform(input)), 0),
+            Node::Unary(Unary::Neg, a) => self.scaled(known(a), -1.0),
+            Node::Binary(op, a, b) => {
+                let (a, b) = (known(a), known(b));
+                let most = self.steps[a].1.max(self.steps[b].1);
+                match op {
+                    Binary::Add => self.push(Step::Sum(a, b), most),
+                    Binary::Sub => self.push(Step::Difference(a, b), most),
+                    Binary::Mul => self.product(a, b),
+                    Binary::Div => match self.steps[b].0 {
+                        Step::Number(x) if x != 0.0 => self.scaled(a, 1.0 / x),
+                        _ => None,
+                    },
+                    _ => None,
+                }
+            }
+            Node::Power(a, n @ 1..) => {
+                let a = known(a);
+                let mut power = a;
+                // From the second bit on: squares, times the base where a bit is set.
+                for bit in (0..n.ilog2()).rev() {
+                    power = self.product(power, power)?;
+                    if n >> bit & 1 == 1 {
+                        power = self.product(power, a)?;
+                    }
+                }
+                Some(power)
+            }
+            _ => None,
+        }
+    }
+
+    fn product(&mut self, a: usize, b: usize) -> Option<usize> {
+        match (self.steps[a].0, self.steps[b].0) {
+            (_, Step::Number(x)) => self.scaled(a, x),
+            (Step::Number(x), _) => self.scaled(b, x),
+            _ => {
+                let degree = self.steps[a].1 + self.steps[b].1;
+                self.push(Step::Product(a, b), degree)
+            }
+        }
+    }
+
+    fn scaled(&mut self, a: usize, factor: f64) -> Option<usize> {
+        let degree = self.steps[a].1;
+        self.push(Step::Scaled(a, factor), degree)
+    }
+
+    fn push(&mut self, step: Step, degree: usize) -> Option<usize> {
+        if self.steps.len() == MOST_STEPS || degree > LARGEST_DEGREE {
+            return None;
+        }
+        self.steps.push((step, degree));
+        Some(self.steps.len() - 1)
+    }
+}
