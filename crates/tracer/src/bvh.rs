@@ -141,13 +141,13 @@ impl Hierarchy {
         reach
     }
 
-    /// Hands the boxes that a ray of the bundle may meet to `found`.
+    /// Hands the boxes that a ray of the bundle may meet to `found`, until that returns false: then it returns false too.
     pub(crate) fn each_near(
         &self,
         bundle: &RayBundle,
         stack: &mut Vec<u32>,
-        found: &mut dyn FnMut(usize, &BoundingBox),
-    ) {
+        found: &mut dyn FnMut(usize, &BoundingBox) -> bool,
+    ) -> bool {
         stack.clear();
         if !self.nodes.is_empty() {
             stack.push(0);
@@ -164,11 +164,12 @@ impl Hierarchy {
             }
             for &k in &self.order[node.place as usize..][..node.count as usize] {
                 let bounds = &self.boxes[k as usize];
-                if bundle.may_meet(bounds) {
-                    found(k as usize, bounds);
+                if bundle.may_meet(bounds) && !found(k as usize, bounds) {
+                    return false;
                 }
             }
         }
+        true
     }
 
     /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit; `reciprocal` is that of

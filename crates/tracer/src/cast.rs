@@ -349,9 +349,9 @@ impl Caster<'_> {
         };
         let reciprocal = ray.direction.recip();
         let of_bundle = match among {
-            Among::Bundle => near.all(),
+            Among::Bundle if !near.is_crowded() => near.all(),
             Among::JoinedOfBundle => near.joined(),
-            Among::World => {
+            Among::World | Among::Bundle => {
                 candidates.extend(world.endless.iter().copied().map(endless));
                 world
                     .hierarchy

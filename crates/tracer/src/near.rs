@@ -2,7 +2,8 @@
 //!
 //! Input: a world, and rays that go nearly the same way. Output: the leaves whose boxes one of them may meet, without those
 //! that all of them have left for good, and without those whose sets are empty where the leaf that bounds them is not met.
-//! Of the leaves that are solids by themselves also the first place of each ray.
+//! Of the leaves that are solids by themselves also the first place of each ray. Where rays go far apart among many leaves, nothing is found for
+//! all of them.
 
 use crate::bounds::BoundingBox;
 use crate::bundle::RayBundle;
@@ -18,6 +19,9 @@ pub(crate) struct NearLeaf {
     pub(crate) bounds: Option<BoundingBox>,
 }
 
+/// The number of leaves that are read for each ray; of more, the hierarchy of boxes finds those of a ray sooner.
+const MOST: usize = 64;
+
 /// The leaves near a bundle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearLeaves {
@@ -25,6 +29,8 @@ pub(crate) struct NearLeaves {
     leaves: Vec<NearLeaf>,
     /// The number of parts of solids.
     joined: usize,
+    /// True where there are too many: then none is listed.
+    crowded: bool,
     /// For each ray its first place among the others; none if that is not known.
     first: Vec<FirstPlace>,
     stack: Vec<u32>,
@@ -48,25 +54,38 @@ impl NearLeaves {
             leaves,
             stack,
             joined,
-            ..
+            crowded,
+            first,
         } = self;
         leaves.clear();
+        first.clear();
         let mut add = |leaf: u32, bounds: Option<BoundingBox>| {
             if departed.is_none_or(|id| id.leaf != leaf) {
                 leaves.push(NearLeaf { leaf, bounds });
             }
+            leaves.len() <= MOST
         };
-        for &leaf in &world.endless {
+        let is_met = |&leaf: &u32| {
             let index = leaf as usize;
-            if !(world.convex[index] && passes(&world.leaves[index], &bundle)) {
-                add(leaf, None);
-            }
+            !(world.convex[index] && passes(&world.leaves[index], &bundle))
+        };
+        let few = world.endless.len() <= MOST
+            && world
+                .endless
+                .iter()
+                .copied()
+                .filter(is_met)
+                .all(|leaf| add(leaf, None))
+            && world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
+                add(world.boxed[k], Some(*bounds))
+            });
+        *crowded = !few;
+        if *crowded {
+            leaves.clear();
+            *joined = 0;
+            return;
         }
-        world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
-            add(world.boxed[k], Some(*bounds));
-        });
-        let found = leaves.len();
-        for k in (0..found).rev() {
+        for k in (0..leaves.len()).rev() {
             let guard = world.guards[leaves[k].leaf as usize];
             if guard.is_some_and(|guard| leaves.iter().all(|near| near.leaf != guard)) {
                 leaves.swap_remove(k);
@@ -79,7 +98,12 @@ impl NearLeaves {
 
     /// True if there are none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.leaves.is_empty()
+        self.leaves.is_empty() && !self.crowded
+    }
+
+    /// True if there are too many for a list.
+    pub(crate) fn is_crowded(&self) -> bool {
+        self.crowded
     }
 
     /// All leaves.
@@ -99,7 +123,6 @@ impl NearLeaves {
     }
 
     fn find_first_places(&mut self, world: &World, rays: &[Ray], leaving: Option<SurfaceId>) {
-        self.first.clear();
         let left = leaving.and_then(|id| world.group(id));
         let is_left = |leaf: u32| {
             let id = SurfaceId { leaf, piece: 0 };

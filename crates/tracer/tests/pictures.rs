@@ -449,3 +449,105 @@ fn other_projections_turn_by_angles() {
     let (_, direction) = cylindrical.ray([200, 100], [200.0, 0.0], [0.5; 2]);
     assert!(direction.distance(DVec3::new(1.0, 1.0, 1.0).normalize()) < 1e-12);
 }
+
+#[test]
+fn the_rays_of_a_tile_are_lit_as_each_is_alone() {
+    let variables = variables();
+    let [x, y, z] = &variables;
+    let cube = x.abs().max(&y.abs()).max(&z.abs()) - 1.0;
+    let rod = x.squared() + y.squared() - 0.36;
+    let ball = x.squared() + y.squared() + z.squared() - 0.3;
+    let ring = (x.squared() + y.squared() + z.squared() + 0.9).squared()
+        - 4.0 * (x.squared() + y.squared());
+    let ground = z + 1.0;
+    let graph = x.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let [cube, rod, ball, ring, ground] = [&cube, &rod, &ball, &ring, &ground]
+        .map(|formula| builder.shape(formula.node(), [None; 3]).unwrap());
+    let leaf = |shape, map| SetStep::Leaf(shape, map);
+    let turned = DAffine3::from_rotation_x(FRAC_PI_2);
+    let moved = |x, y, z| DAffine3::from_translation(DVec3::new(x, y, z));
+    let solids: [&[SetStep]; 6] = [
+        &[
+            leaf(cube, DAffine3::IDENTITY),
+            leaf(rod, DAffine3::IDENTITY),
+            SetStep::Difference,
+            leaf(rod, turned),
+            SetStep::Difference,
+        ],
+        &[leaf(ground, DAffine3::IDENTITY)],
+        &[leaf(ball, moved(2.0, -0.5, -0.4))],
+        &[leaf(ball, moved(-1.9, 0.3, -0.4))],
+        // Flush with the box, and glass in its hole.
+        &[leaf(cube, moved(0.0, 2.0, 0.0))],
+        &[
+            leaf(ring, moved(0.0, 0.0, 0.8)),
+            leaf(ball, moved(0.0, 0.0, 0.2)),
+            SetStep::Union,
+        ],
+    ];
+    for solid in solids {
+        builder.solid(solid).unwrap();
+    }
+    let world = builder.build().unwrap();
+    let point = |x, y, z| Light::new(LightKind::Point(DVec3::new(x, y, z)), DVec3::splat(0.4));
+    let lights = [
+        point(4.0, -6.0, 5.0),
+        point(-5.0, -3.0, 2.0),
+        Light {
+            size: 0.5,
+            ..point(0.0, 0.0, 9.0)
+        },
+        Light::new(LightKind::Parallel(DVec3::new(0.2, 1.0, -0.3)), DVec3::ONE),
+    ];
+    let glass = [None, None, None, None, None, Some(Glass::default())];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::new(Vec::new()),
+        glass: &glass,
+        look: &|face| {
+            let FaceObject::Solid { solid, .. } = face.of else {
+                return FaceLook::default();
+            };
+            FaceLook {
+                mirror: DVec3::splat([0.0, 0.3, 0.6, 0.6, 0.1, 0.0][solid]),
+                glass: if solid == 5 { 0.9 } else { 0.0 },
+                ..FaceLook::default()
+            }
+        },
+        lights: &lights,
+        background: &|direction| direction.abs(),
+        bounces: 4,
+        picture_look: Default::default(),
+        sides: &[],
+    };
+    let mut random = Random(31);
+    let mut met = 0;
+    for tile in 0..200 {
+        let eye = DVec3::new(-0.5, -6.0, 2.5) + random.vector(0.5);
+        let forward = (random.vector(1.5) - eye).normalize();
+        let spread = [0.02, 0.1, 0.5][tile % 3];
+        let rays: Vec<Ray> = (0..16)
+            .map(|_| ray(eye, (forward + random.vector(spread)).normalize()))
+            .collect();
+        let samples: Vec<[f64; 2]> = (0..16).map(|k| [f64::from(k) / 16.0, 0.3]).collect();
+        let together = LightTracer::new(&scenery).lights(&rays, &samples);
+        for ((ray, &sample), light) in rays.iter().zip(&samples).zip(together) {
+            let mut alone = LightTracer::new(&scenery);
+            met += usize::from(alone.first(ray).is_some());
+            let alone = alone.light(ray, sample);
+            assert_eq!(alone, light, "tile {tile}: {ray:?}");
+            let mut caster = world.caster();
+            let first = caster
+                .first(ray)
+                .map(|crossing| (crossing.t, crossing.leaf));
+            let face = LightTracer::new(&scenery).first(ray);
+            let face = face.map(|face| match face.of {
+                FaceObject::Solid { leaf, .. } => (face.t, leaf),
+                FaceObject::Sheet { .. } => (face.t, usize::MAX),
+            });
+            assert_eq!(first, face, "tile {tile}: {ray:?}");
+        }
+    }
+    assert!(met > 2000, "{met}");
+}
