@@ -21,7 +21,7 @@ const SLACK: f64 = 1e-12;
 
 impl RayBundle {
     /// The rays, up to the parameter `reach`; those that are not finite meet nothing.
-    pub(crate) fn new<'r>(rays: impl Iterator<Item = &'r Ray>, reach: f64) -> Self {
+    pub(crate) fn new(rays: impl Iterator<Item = Ray>, reach: f64) -> Self {
         let (mut origins, mut directions) = (BoundingBox::EMPTY, BoundingBox::EMPTY);
         for ray in rays {
             if ray.origin.is_finite() && ray.direction.is_finite() {

@@ -12,6 +12,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use crate::bundle::RayBundle;
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
@@ -58,8 +59,10 @@ pub struct Caster<'w> {
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
     shared_fields: FxHashMap<u32, Vec<f64>>,
-    /// The rays that are read together, and for each field what is known of them all; none where fields are read ray by ray.
+    /// The rays that are read together, if something is near them.
     bundle: Vec<Ray>,
+    /// True where fields are read for all rays of the bundle at once, and what is then known of each.
+    divides_fields: bool,
     bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
     near: NearLeaves,
     /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
@@ -141,6 +144,7 @@ impl World {
             shared: FxHashMap::default(),
             shared_fields: FxHashMap::default(),
             bundle: Vec::new(),
+            divides_fields: false,
             bundle_parts: FxHashMap::default(),
             near: NearLeaves::default(),
             ray_number: 0,
@@ -171,7 +175,13 @@ impl Caster<'_> {
     }
 
     /// The crossings with the least t > 0 of the ray with this index in the bundle, by solid.
-    pub(crate) fn nearest(&mut self, index: usize, ray: &Ray) -> &[Crossing] {
+    pub(crate) fn nearest(&mut self, index: usize) -> &[Crossing] {
+        if self.near.is_empty() {
+            self.crossings.clear();
+            self.start.clone_from(&self.world.endless_solids);
+            return &self.crossings;
+        }
+        let ray = &{ self.bundle[index] };
         let mut sought = Sought {
             first: true,
             among: Among::Bundle,
@@ -211,14 +221,12 @@ impl Caster<'_> {
     }
 
     /// The crossing of the ray with this index in the bundle, if it is known without a sweep that one lies before `before`.
-    pub(crate) fn known_before(
-        &mut self,
-        index: usize,
-        ray: &Ray,
-        before: f64,
-    ) -> Option<Crossing> {
+    pub(crate) fn known_before(&mut self, index: usize, before: f64) -> Option<Crossing> {
         match self.near.first(index) {
-            FirstPlace::Enters(t, leaf) if t < before => Some(self.entered(ray, t, leaf)),
+            FirstPlace::Enters(t, leaf) if t < before => {
+                let ray = self.bundle[index];
+                Some(self.entered(&ray, t, leaf))
+            }
             _ => None,
         }
     }
@@ -228,10 +236,12 @@ impl Caster<'_> {
     pub(crate) fn each_before(
         &mut self,
         index: usize,
-        ray: &Ray,
         before: f64,
         found: &mut dyn FnMut(&Crossing) -> bool,
     ) {
+        if self.near.is_empty() {
+            return;
+        }
         let among = match self.near.first(index) {
             FirstPlace::Enters(t, _) if t < before => Among::Bundle,
             FirstPlace::Unknown => Among::Bundle,
@@ -243,22 +253,40 @@ impl Caster<'_> {
             among,
             ..Sought::ALL
         };
-        self.sweep(ray, sought, found);
+        let ray = self.bundle[index];
+        self.sweep(&ray, sought, found);
     }
 
     /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
     /// nearer they are to each other. The rays of a few pixels by a few make a good bundle.
     pub fn begin_bundle(&mut self, rays: &[Ray]) {
-        self.begin_near(rays, f64::INFINITY, None);
-        self.bundle.extend_from_slice(rays);
+        self.begin_near(rays.iter().copied(), f64::INFINITY, None);
+        self.divide_fields();
+    }
+
+    /// Reads fields for all rays of the bundle at once: that pays where they stay near each other.
+    pub(crate) fn divide_fields(&mut self) {
+        self.divides_fields = true;
     }
 
     /// Finds the leaves that these rays, all of which leave the surface `leaving`, may meet before `reach`, until the next
-    /// bundle. Fields are read ray by ray: that pays where the rays may go far apart.
-    pub(crate) fn begin_near(&mut self, rays: &[Ray], reach: f64, leaving: Option<SurfaceId>) {
+    /// bundle.
+    pub(crate) fn begin_near(
+        &mut self,
+        rays: impl Iterator<Item = Ray> + Clone,
+        reach: f64,
+        leaving: Option<SurfaceId>,
+    ) {
         self.bundle.clear();
         self.bundle_parts.clear();
-        self.near.find(self.world, rays, reach, leaving);
+        self.divides_fields = false;
+        let bundle = RayBundle::new(rays.clone(), reach);
+        self.near.find(self.world, &bundle, leaving);
+        if !self.near.is_empty() {
+            self.bundle.extend(rays);
+            let rays = &self.bundle;
+            self.near.find_first_places(self.world, rays, leaving);
+        }
     }
 
     /// True if no ray of the bundle meets anything.
@@ -268,8 +296,7 @@ impl Caster<'_> {
 
     /// The first crossing with t > 0 of the ray with this index in the bundle.
     pub fn first_of_bundle(&mut self, index: usize) -> Option<Crossing> {
-        let ray = self.bundle[index];
-        self.nearest(index, &ray).first().copied()
+        self.nearest(index).first().copied()
     }
 
     /// The solids that the last ray was inside of right after its start, ascending.
@@ -583,7 +610,7 @@ impl Caster<'_> {
             return;
         };
         let line = field_line(leaf, ray);
-        let known: &[BundlePart] = if bundled && !self.bundle.is_empty() {
+        let known: &[BundlePart] = if bundled && self.divides_fields {
             let bundle = &self.bundle;
             let divided = self.bundle_parts.entry(id);
             divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field))

@@ -37,18 +37,11 @@ pub(crate) struct NearLeaves {
 }
 
 impl NearLeaves {
-    /// Finds the leaves that these rays, all of which leave the surface `leaving`, may meet before `reach`.
-    pub(crate) fn find(
-        &mut self,
-        world: &World,
-        rays: &[Ray],
-        reach: f64,
-        leaving: Option<SurfaceId>,
-    ) {
-        let bundle = RayBundle::new(rays.iter(), reach);
+    /// Finds the leaves that the rays of a bundle, all of which leave the surface `leaving`, may meet.
+    pub(crate) fn find(&mut self, world: &World, bundle: &RayBundle, leaving: Option<SurfaceId>) {
         let departed = leaving.filter(|id| {
             world.convex[id.leaf as usize]
-                && departs(&world.leaves[id.leaf as usize], id.piece, &bundle)
+                && departs(&world.leaves[id.leaf as usize], id.piece, bundle)
         });
         let Self {
             leaves,
@@ -67,7 +60,7 @@ impl NearLeaves {
         };
         let is_met = |&leaf: &u32| {
             let index = leaf as usize;
-            !(world.convex[index] && passes(&world.leaves[index], &bundle))
+            !(world.convex[index] && passes(&world.leaves[index], bundle))
         };
         let few = world.endless.len() <= MOST
             && world
@@ -76,7 +69,7 @@ impl NearLeaves {
                 .copied()
                 .filter(is_met)
                 .all(|leaf| add(leaf, None))
-            && world.hierarchy.each_near(&bundle, stack, &mut |k, bounds| {
+            && world.hierarchy.each_near(bundle, stack, &mut |k, bounds| {
                 add(world.boxed[k], Some(*bounds))
             });
         *crowded = !few;
@@ -93,7 +86,6 @@ impl NearLeaves {
         }
         leaves.sort_unstable_by_key(|near| (world.lone[near.leaf as usize], near.leaf));
         *joined = leaves.partition_point(|near| !world.lone[near.leaf as usize]);
-        self.find_first_places(world, rays, leaving);
     }
 
     /// True if there are none.
@@ -122,7 +114,16 @@ impl NearLeaves {
         known.unwrap_or(FirstPlace::Unknown)
     }
 
-    fn find_first_places(&mut self, world: &World, rays: &[Ray], leaving: Option<SurfaceId>) {
+    /// Finds the first place of each ray of the bundle among the leaves that are solids by themselves.
+    pub(crate) fn find_first_places(
+        &mut self,
+        world: &World,
+        rays: &[Ray],
+        leaving: Option<SurfaceId>,
+    ) {
+        if self.crowded {
+            return;
+        }
         let left = leaving.and_then(|id| world.group(id));
         let is_left = |leaf: u32| {
             let id = SurfaceId { leaf, piece: 0 };

@@ -23,7 +23,6 @@ pub struct LightTracer<'a> {
     caster: Caster<'a>,
     sheets: SheetScratch,
     crossings: Vec<Crossing>,
-    rays: Vec<Ray>,
 }
 
 /// Glass around a ray.
@@ -99,7 +98,6 @@ impl<'a> LightTracer<'a> {
             caster: scenery.world.caster(),
             sheets: SheetScratch::default(),
             crossings: Vec::new(),
-            rays: Vec::new(),
         }
     }
 
@@ -131,7 +129,7 @@ impl<'a> LightTracer<'a> {
     /// The first face with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Face> {
         self.caster
-            .begin_near(std::slice::from_ref(ray), f64::INFINITY, None);
+            .begin_near(std::iter::once(*ray), f64::INFINITY, None);
         self.nearest(0, ray, None)
     }
 
@@ -175,13 +173,11 @@ impl<'a> LightTracer<'a> {
         for run in paths
             .chunk_by_mut(|a, b| left_surface(a.start.as_ref()) == left_surface(b.start.as_ref()))
         {
-            self.rays.clear();
-            self.rays.extend(run.iter().map(|path| path.ray));
+            let leaving = run[0].ray.leaving;
+            let rays = run.iter().map(|path| path.ray);
+            self.caster.begin_near(rays, f64::INFINITY, leaving);
             if run[0].start.is_none() && run.len() > 1 {
-                self.caster.begin_bundle(&self.rays);
-            } else {
-                let leaving = run[0].ray.leaving;
-                self.caster.begin_near(&self.rays, f64::INFINITY, leaving);
+                self.caster.divide_fields();
             }
             for (k, path) in run.iter_mut().enumerate() {
                 let face = self.nearest(k, &path.ray, path.start.as_ref());
@@ -271,7 +267,7 @@ impl<'a> LightTracer<'a> {
         } = self;
         let scenery = *scenery;
         crossings.clear();
-        crossings.extend_from_slice(caster.nearest(index, ray));
+        crossings.extend_from_slice(caster.nearest(index));
         let is_seen = |found: &Crossing| scenery.is_seen(found);
         if !crossings.is_empty() && !crossings.iter().any(is_seen) {
             let all = caster.cast(ray);
@@ -379,22 +375,26 @@ impl<'a> LightTracer<'a> {
         };
         if light.casts_shadows {
             let leaving = faces[run[0].face].face.of.surface();
-            self.rays.clear();
-            self.rays.extend(run.iter().map(|faced| Ray {
+            let rays = run.iter().map(|faced| Ray {
                 origin: lit[faced.face].position,
                 direction: faced.seen.towards,
                 leaving,
-            }));
+            });
             let reaches = run.iter().map(|faced| reach(&faced.seen));
-            self.caster
-                .begin_near(&self.rays, reaches.fold(0.0, f64::max), leaving);
+            let reach = reaches.fold(0.0, f64::max);
+            self.caster.begin_near(rays, reach, leaving);
         }
         let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
         for (k, faced) in run.iter().enumerate() {
             let met = &faces[faced.face];
             let visible = if light.casts_shadows && !is_free {
-                let ray = self.rays[k];
-                self.visible(k, &ray, &met.face.of, reach(&faced.seen))
+                let ray = SheetsRay {
+                    origin: lit[faced.face].position,
+                    direction: faced.seen.towards,
+                    leaving: met.face.of.sheet(),
+                    reach: reach(&faced.seen),
+                };
+                self.visible(k, ray)
             } else {
                 1.0
             };
@@ -424,10 +424,11 @@ impl<'a> LightTracer<'a> {
 
     /// The share of a light that the faces on the way let through, unbent; the ray is that with this index in the caster's
     /// bundle.
-    fn visible(&mut self, index: usize, ray: &Ray, start: &FaceObject, distance: f64) -> f64 {
+    fn visible(&mut self, index: usize, ray: SheetsRay) -> f64 {
         let scenery = self.scenery;
         let look = scenery.look;
-        let known = self.caster.known_before(index, ray, distance);
+        let distance = ray.reach;
+        let known = self.caster.known_before(index, distance);
         if let Some(passed) = known
             && scenery.is_seen(&passed)
             && look(&(&passed).into()).balanced().glass == 0.0
@@ -435,20 +436,13 @@ impl<'a> LightTracer<'a> {
             return 0.0;
         }
         let mut share = 1.0;
-        self.caster
-            .each_before(index, ray, distance, &mut |passed| {
-                if scenery.is_seen(passed) {
-                    share *= look(&passed.into()).balanced().glass;
-                }
-                share != 0.0
-            });
+        self.caster.each_before(index, distance, &mut |passed| {
+            if scenery.is_seen(passed) {
+                share *= look(&passed.into()).balanced().glass;
+            }
+            share != 0.0
+        });
         if share > 0.0 {
-            let ray = SheetsRay {
-                origin: ray.origin,
-                direction: ray.direction,
-                leaving: start.sheet(),
-                reach: distance,
-            };
             scenery
                 .sheets
                 .cast(&mut self.sheets, ray, &mut |sheet, hit| {
