@@ -34,6 +34,7 @@ mod sample_store;
 pub mod shared;
 pub mod software;
 mod solids;
+mod stated_colours;
 pub mod style;
 pub mod texture;
 pub mod trail;

@@ -7,13 +7,11 @@ mod curvature;
 mod filter;
 mod named;
 mod orientation;
-mod stated;
 
 pub use curvature::CurvatureScale;
 pub(crate) use filter::Footprint;
 pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
-pub(crate) use stated::StatedColours;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -159,6 +157,11 @@ impl Texture {
             let (size, texels) = ([1, 1], texels);
             return Self::chain(Level { size, texels });
         }
+        Self::chain(Level { size, texels })
+    }
+
+    /// A texture of opaque sRGB texels, row by row from v min, each row from u min; there are as many as the size says.
+    pub(crate) fn of_texels(size: [u32; 2], texels: Vec<[u8; 4]>) -> Self {
         Self::chain(Level { size, texels })
     }
 

@@ -14,7 +14,7 @@ use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
 use crate::sample_store::SampleStore;
 use crate::solids::SolidStore;
-use crate::texture::StatedColours;
+use crate::stated_colours::StatedColours;
 
 /// The question whether a picture that takes long is to be given up, which any thread may ask while it is drawn.
 #[derive(Clone, Default)]

@@ -9,10 +9,10 @@ use expr::{Input, NodeId};
 use rayon::prelude::*;
 use scene::{Object, Range, Scene};
 
-use super::{Level, Texture};
 use crate::content::{self, Content};
 use crate::request::{PictureRequest, color_nodes};
 use crate::shared::Shared;
+use crate::texture::Texture;
 
 /// Texels along u and along v.
 const SIDE: u32 = 512;
@@ -118,8 +118,5 @@ fn baked(
             }
         }
     });
-    Texture::chain(Level {
-        size: [side; 2],
-        texels,
-    })
+    Texture::of_texels([side; 2], texels)
 }
