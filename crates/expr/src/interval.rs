@@ -294,7 +294,8 @@ impl Interval {
     #[inline]
     fn times(self, other: Self) -> Self {
         let size = self.lower.abs() + self.upper.abs() + other.lower.abs() + other.upper.abs();
-        if !(size < f64::INFINITY) {
+        let bounded = size < f64::INFINITY;
+        if !bounded {
             return self.times_unbounded(other);
         }
         let [a, b, c, d] = [

@@ -7,21 +7,20 @@
 //! Input: a ray. Output: where it enters and leaves solids. The sweep goes from the start of the ray on. A leaf is read when
 //! it comes to the leaf's box; the events at one t are taken together, and where the membership in a solid has then
 //! changed, the ray crosses its surface. No distance is taken for zero: a ray that leaves a surface says which, and the
-//! root there is divided out.
+//! root there is divided out. `cast/events.rs` reads leaves.
+
+mod events;
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use crate::bundle::RayBundle;
-use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
-use crate::leaf::Leaf;
-use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
+use crate::field::{BundlePart, FieldScratch};
+use crate::line::{Ray, SurfaceId, UnitLine};
 use crate::lone::FirstPlace;
-use crate::low::{LowEquation, LowPiece};
 use crate::near::{NearLeaf, NearLeaves};
-use crate::roots::{QuadraticChanges, SignChanges};
+use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
-use crate::surface::PolynomialSurface;
 use crate::tree::ForestState;
 use crate::world::World;
 
@@ -436,261 +435,6 @@ impl Caster<'_> {
         self.start.sort_unstable();
     }
 
-    /// Reads a leaf: its membership where the ray comes to it, and its events.
-    fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
-        let world = self.world;
-        let leaf = &world.leaves[candidate.leaf as usize];
-        if world.convex[candidate.leaf as usize] {
-            return self.activate_convex(ray, candidate);
-        }
-        let line = self.line(ray, candidate.leaf);
-        if !(line.speed.is_finite() && line.speed > 0.0) {
-            return;
-        }
-        self.state.set(&self.world.forest, leaf.gate, true);
-        let from = candidate.entry.max(0.0);
-        let to = candidate.exit;
-        let before = self.events.len();
-        for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
-            let surface = SurfaceId {
-                leaf: candidate.leaf,
-                piece: k as u32,
-            };
-            let index = leaf.first_piece + k;
-            let inside = match piece {
-                LeafSurface::Polynomial(polynomial) => {
-                    if let Some(low) = &world.low[index] {
-                        let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
-                        let Some(changes) = self.low_changes(ray, low, leaving) else {
-                            return;
-                        };
-                        self.add_events(surface, changes.places(), [from, to]);
-                        changes.inside_after(from) != low.opposite
-                    } else {
-                        let range = leaf.bounded.then_some([from, to]);
-                        let (changes, opposite) =
-                            self.polynomial_changes(ray, &line, polynomial, surface, range);
-                        self.add_events(surface, changes.places(), [from, to]);
-                        changes.inside_after(from) != opposite
-                    }
-                }
-                LeafSurface::Field(field, _) => {
-                    let line = field_line(leaf, ray);
-                    let leaving = from == 0.0 && self.leaves(ray, surface);
-                    let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
-                    self.seek(ray, surface, [start, to], inside, bundled);
-                    inside
-                }
-            };
-            self.inside[index] = inside;
-            if inside {
-                self.state.set(&self.world.forest, leaf.pieces[k], true);
-            }
-        }
-        if self.events.len() > before && self.events.len() > 1 {
-            self.sort_events();
-        }
-    }
-
-    /// The sign changes of a piece; `None` where its frame is none for the ray.
-    #[inline]
-    fn low_changes(
-        &mut self,
-        ray: &Ray,
-        low: &LowPiece,
-        leaving: bool,
-    ) -> Option<QuadraticChanges> {
-        match &low.equation {
-            LowEquation::Plane(plane) => Some(plane.changes(ray, leaving)),
-            LowEquation::Quadric { frame, form } => {
-                let line = self.line(ray, *frame);
-                let is_line = line.speed.is_finite() && line.speed > 0.0;
-                is_line.then(|| quadratic_changes_in_t(&line, form, leaving))
-            }
-        }
-    }
-
-    /// Reads a convex leaf, whose membership is that of its gate: the ray is inside from its last entry into a piece to its
-    /// first exit from one.
-    fn activate_convex(&mut self, ray: &Ray, candidate: Candidate) {
-        let world = self.world;
-        let leaf = &world.leaves[candidate.leaf as usize];
-        let (mut entry, mut exit) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
-        for piece in 0..leaf.compiled.pieces.len() as u32 {
-            let Some(low) = &world.low[leaf.first_piece + piece as usize] else {
-                return;
-            };
-            let surface = SurfaceId {
-                leaf: candidate.leaf,
-                piece,
-            };
-            let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
-            let Some(changes) = self.low_changes(ray, low, leaving) else {
-                return;
-            };
-            let Some([from, to]) = changes.convex_part(low.opposite) else {
-                return;
-            };
-            if from > entry.0 {
-                entry = (from, piece);
-            }
-            if to < exit.0 {
-                exit = (to, piece);
-            }
-        }
-        if entry.0 >= exit.0 {
-            return;
-        }
-        let from = candidate.entry.max(0.0);
-        let inside = entry.0 <= from && from < exit.0;
-        self.inside[leaf.first_piece] = inside;
-        if inside {
-            self.state.set(&world.forest, leaf.gate, true);
-        }
-        let before = self.events.len();
-        for (t, piece) in [entry, exit] {
-            let surface = SurfaceId {
-                leaf: candidate.leaf,
-                piece,
-            };
-            self.add_events(surface, &[t], [from, candidate.exit]);
-        }
-        if self.events.len() > before && self.events.len() > 1 {
-            self.sort_events();
-        }
-    }
-
-    fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
-        for &t in places {
-            if t > from && t <= to {
-                self.events.push(SurfaceEvent {
-                    t,
-                    leaf: surface.leaf,
-                    piece: surface.piece,
-                    rest: None,
-                });
-            }
-        }
-    }
-
-    /// The ray in the frame of a leaf.
-    fn line(&mut self, ray: &Ray, leaf: u32) -> UnitLine {
-        // The leaves of one solid are often as many as those of the next: the places of multiples differ too.
-        let place = leaf.wrapping_mul(0x9e37_79b1) as usize >> (32 - KNOWN_LINES.ilog2());
-        let known = &mut self.lines[place];
-        if known.ray_number != self.ray_number || known.leaf != leaf {
-            *known = KnownLine {
-                ray_number: self.ray_number,
-                leaf,
-                line: UnitLine::new(&self.world.leaves[leaf as usize], ray),
-            };
-        }
-        known.line
-    }
-
-    /// The next one last.
-    fn sort_events(&mut self) {
-        self.events.sort_unstable_by(|a, b| {
-            let by_t = b.t.total_cmp(&a.t);
-            by_t.then((b.leaf, b.piece).cmp(&(a.leaf, a.piece)))
-        });
-    }
-
-    /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.
-    fn seek(
-        &mut self,
-        ray: &Ray,
-        id: SurfaceId,
-        [from, to]: [f64; 2],
-        inside: bool,
-        bundled: bool,
-    ) {
-        let leaf = &self.world.leaves[id.leaf as usize];
-        let LeafSurface::Field(field, _) = &leaf.compiled.pieces[id.piece as usize] else {
-            return;
-        };
-        let line = field_line(leaf, ray);
-        let known: &[BundlePart] = if bundled && self.divides_fields {
-            let bundle = &self.bundle;
-            let divided = self.bundle_parts.entry(id);
-            divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field))
-        } else {
-            &[]
-        };
-        let found = field.next_change(&mut self.field, &line, [from, to], inside, known);
-        if let Some((t, rest)) = found {
-            let t = self.snapped(id, t);
-            self.events.push(SurfaceEvent {
-                t,
-                leaf: id.leaf,
-                piece: id.piece,
-                rest: Some([rest, to]),
-            });
-        }
-    }
-
-    /// The sign changes of a surface in t; true if it is the other side of them.
-    fn polynomial_changes(
-        &mut self,
-        ray: &Ray,
-        line: &UnitLine,
-        surface: &PolynomialSurface,
-        id: SurfaceId,
-        range: Option<[f64; 2]>,
-    ) -> (SignChanges, bool) {
-        let leaf = &self.world.leaves[id.leaf as usize];
-        let member = self
-            .world
-            .surfaces
-            .group(leaf.first_piece + id.piece as usize);
-        let Some(member) = member else {
-            let leaving = self.leaves(ray, id);
-            return (changes_in_t(line, surface, leaving, range), false);
-        };
-        if let Some(known) = self.shared.get(&member.group) {
-            return (*known, member.opposite);
-        }
-        let leaving = self.leaves(ray, id);
-        let (l, p) = self.world.surfaces.first[member.group as usize];
-        let first = &self.world.leaves[l as usize];
-        let LeafSurface::Polynomial(equation) = &first.compiled.pieces[p as usize] else {
-            return (changes_in_t(line, surface, leaving, range), false);
-        };
-        let changes = changes_in_t(&UnitLine::new(first, ray), equation, leaving, None);
-        self.shared.insert(member.group, changes);
-        (changes, member.opposite)
-    }
-
-    /// True if the ray starts on this surface.
-    fn leaves(&self, ray: &Ray, id: SurfaceId) -> bool {
-        let Some(leaving) = ray.leaving else {
-            return false;
-        };
-        let group = self.world.group(leaving);
-        leaving == id || group.is_some() && group == self.world.group(id)
-    }
-
-    /// The t that the first leaf of a shared field found.
-    fn snapped(&mut self, id: SurfaceId, t: f64) -> f64 {
-        let leaf = &self.world.leaves[id.leaf as usize];
-        let Some(member) = self
-            .world
-            .surfaces
-            .group(leaf.first_piece + id.piece as usize)
-        else {
-            return t;
-        };
-        let known = self.shared_fields.entry(member.group).or_default();
-        let near = |other: &&f64| (t - **other).abs() <= 1e-10 * (1.0 + t.abs());
-        match known.iter().find(near) {
-            Some(other) => *other,
-            None => {
-                known.push(t);
-                t
-            }
-        }
-    }
-
     /// Passes the events of the group, and notes what is crossed.
     fn pass(&mut self, ray: &Ray) {
         self.group
@@ -839,29 +583,4 @@ impl Caster<'_> {
             }
         }
     }
-}
-
-/// The parts of the range in which rays are within a leaf's box, with what is known of the field for all of them.
-fn divide_bundle(
-    field: &Field,
-    leaf: &Leaf,
-    rays: &[Ray],
-    scratch: &mut FieldScratch,
-) -> Vec<BundlePart> {
-    let Some(bounds) = leaf.bounds else {
-        return Vec::new();
-    };
-    let [mut from, mut to] = [f64::INFINITY, 0.0f64];
-    for ray in rays {
-        let [entry, exit] = bounds.part(ray.origin, ray.direction.recip());
-        if entry <= exit && exit >= 0.0 {
-            from = from.min(entry.max(0.0));
-            to = to.max(exit);
-        }
-    }
-    if from >= to || !to.is_finite() {
-        return Vec::new();
-    }
-    let lines = rays.iter().map(|ray| field_line(leaf, ray));
-    field.divide(scratch, &LineBundle::new(lines), [from, to])
 }

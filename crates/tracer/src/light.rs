@@ -82,6 +82,7 @@ impl Light {
 
     /// The light as seen from a place; `sample` is a place on the ball that shines, two numbers from 0 to 1, and `path` the
     /// length of the way from there on, along which it fades too.
+    #[inline]
     pub fn from(&self, place: DVec3, sample: [f64; 2], path: f64) -> SeenLight {
         let (towards, distance, share) = match self.kind {
             LightKind::Point(position) => {

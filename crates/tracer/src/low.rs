@@ -151,7 +151,8 @@ pub(crate) fn passes(leaf: &Leaf, bundle: &RayBundle) -> bool {
         let most = |middle: DVec3, half: DVec3| normal.abs().dot(middle.abs() + half);
         let value = least(origin, origin_half) + offset;
         let mut terms = most(origin, origin_half) + offset.abs();
-        if !(value > CLEAR * terms) {
+        let starts_outside = value > CLEAR * terms;
+        if !starts_outside {
             return false;
         }
         let slope = least(direction, direction_half);

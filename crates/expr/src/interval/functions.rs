@@ -87,14 +87,16 @@ impl Interval {
             return [Self::UNDEFINED; 2];
         }
         let all = Self::exact(-1.0, 1.0).partially(self.partial);
-        if !(self.width() < 2.0 * PI) {
+        let short = self.width() < 2.0 * PI;
+        if !short {
             return [all.partially(self.is_unbounded()); 2];
         }
         // In quarters of a turn, the sine has its crests at 1 + 4k and its troughs at 3 + 4k, the cosine at 4k and 2 + 4k.
         let [from, to] = [self.lower, self.upper].map(|x| x * FRAC_2_PI);
         let slack = 4.0 * f64::EPSILON * (1.0 + from.abs().max(to.abs()));
         let (from, to) = (from - slack, to + slack);
-        if !(slack < 0.25) {
+        let precise = slack < 0.25;
+        if !precise {
             return [all; 2];
         }
         let first = {

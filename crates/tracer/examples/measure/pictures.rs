@@ -27,9 +27,12 @@ struct Stage {
     camera: LensCamera,
 }
 
+/// A name, what it shows, and the samples of a pixel.
+type Scene = (&'static str, fn() -> Stage, u32);
+
 /// Draws the pictures whose names contain `wanted`.
 pub(super) fn pictures(wanted: &str) {
-    let scenes: [(&str, fn() -> Stage, u32); 3] = [
+    let scenes: [Scene; 3] = [
         ("carved box, seven mirror balls, mirror", || carved(0.0), 1),
         ("400 boxes with three cuts", boxes, 1),
         ("lens with 50 samples", || carved(0.1), 50),
