@@ -15,12 +15,12 @@ use crate::roots::{Coefficients, LARGEST_DEGREE};
 #[derive(Clone, Debug)]
 pub(crate) struct PolynomialProgram {
     /// Each with the degree of its result.
-    steps: Vec<(Step, usize)>,
+    steps: Vec<(PolynomialStep, usize)>,
 }
 
 /// An operation on results of earlier steps.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+enum PolynomialStep {
     /// middle + half·coordinate.
     Coordinate {
         axis: usize,
@@ -39,7 +39,7 @@ const MOST_STEPS: usize = 64;
 
 /// Reads an expression.
 struct ProgramReader {
-    steps: Vec<(Step, usize)>,
+    steps: Vec<(PolynomialStep, usize)>,
     known: FxHashMap<NodeId, usize>,
 }
 
@@ -69,8 +69,8 @@ impl PolynomialProgram {
     /// The number of multiplications for a ray, about.
     pub(crate) fn cost(&self) -> usize {
         let degree = |k: usize| self.steps[k].1 + 1;
-        let cost = |(step, own): &(Step, usize)| match *step {
-            Step::Product(a, b) => degree(a) * degree(b),
+        let cost = |(step, own): &(PolynomialStep, usize)| match *step {
+            PolynomialStep::Product(a, b) => degree(a) * degree(b),
             _ => own + 1,
         };
         self.steps.iter().map(cost).sum()
@@ -83,29 +83,29 @@ impl PolynomialProgram {
             let (before, rest) = values.split_at_mut(k);
             let out = &mut rest[0];
             match step {
-                Step::Coordinate { axis, middle, half } => {
+                PolynomialStep::Coordinate { axis, middle, half } => {
                     out[0] = middle + half * point[axis];
                     out[1] = half * direction[axis];
                 }
-                Step::Number(x) => out[0] = x,
-                Step::Scaled(a, factor) => {
+                PolynomialStep::Number(x) => out[0] = x,
+                PolynomialStep::Scaled(a, factor) => {
                     for (out, a) in out[..=degree].iter_mut().zip(&before[a]) {
                         *out = factor * a;
                     }
                 }
-                Step::Sum(a, b) => {
+                PolynomialStep::Sum(a, b) => {
                     let operands = before[a].iter().zip(&before[b]);
                     for (out, (a, b)) in out[..=degree].iter_mut().zip(operands) {
                         *out = a + b;
                     }
                 }
-                Step::Difference(a, b) => {
+                PolynomialStep::Difference(a, b) => {
                     let operands = before[a].iter().zip(&before[b]);
                     for (out, (a, b)) in out[..=degree].iter_mut().zip(operands) {
                         *out = a - b;
                     }
                 }
-                Step::Product(a, b) => {
+                PolynomialStep::Product(a, b) => {
                     let (of_a, of_b) = (self.steps[a].1, self.steps[b].1);
                     let (a, b) = (&before[a][..=of_a], &before[b][..=of_b]);
                     for (i, a) in a.iter().enumerate() {
@@ -130,23 +130,23 @@ impl ProgramReader {
     ) -> Option<usize> {
         let known = |id: NodeId| self.known[&id];
         match node {
-            Node::Constant(x) => self.push(Step::Number(x), 0),
+            Node::Constant(x) => self.push(PolynomialStep::Number(x), 0),
             Node::Input(Input::Variable(k @ 0..3)) => {
                 let [middle, half] = frame[k as usize];
                 let axis = k as usize;
-                self.push(Step::Coordinate { axis, middle, half }, 1)
+                self.push(PolynomialStep::Coordinate { axis, middle, half }, 1)
             }
-            Node::Input(input) => self.push(Step::Number(uniform(input)), 0),
+            Node::Input(input) => self.push(PolynomialStep::Number(uniform(input)), 0),
             Node::Unary(Unary::Neg, a) => self.scaled(known(a), -1.0),
             Node::Binary(op, a, b) => {
                 let (a, b) = (known(a), known(b));
                 let most = self.steps[a].1.max(self.steps[b].1);
                 match op {
-                    Binary::Add => self.push(Step::Sum(a, b), most),
-                    Binary::Sub => self.push(Step::Difference(a, b), most),
+                    Binary::Add => self.push(PolynomialStep::Sum(a, b), most),
+                    Binary::Sub => self.push(PolynomialStep::Difference(a, b), most),
                     Binary::Mul => self.product(a, b),
                     Binary::Div => match self.steps[b].0 {
-                        Step::Number(x) if x != 0.0 => self.scaled(a, 1.0 / x),
+                        PolynomialStep::Number(x) if x != 0.0 => self.scaled(a, 1.0 / x),
                         _ => None,
                     },
                     _ => None,
@@ -170,21 +170,21 @@ impl ProgramReader {
 
     fn product(&mut self, a: usize, b: usize) -> Option<usize> {
         match (self.steps[a].0, self.steps[b].0) {
-            (_, Step::Number(x)) => self.scaled(a, x),
-            (Step::Number(x), _) => self.scaled(b, x),
+            (_, PolynomialStep::Number(x)) => self.scaled(a, x),
+            (PolynomialStep::Number(x), _) => self.scaled(b, x),
             _ => {
                 let degree = self.steps[a].1 + self.steps[b].1;
-                self.push(Step::Product(a, b), degree)
+                self.push(PolynomialStep::Product(a, b), degree)
             }
         }
     }
 
     fn scaled(&mut self, a: usize, factor: f64) -> Option<usize> {
         let degree = self.steps[a].1;
-        self.push(Step::Scaled(a, factor), degree)
+        self.push(PolynomialStep::Scaled(a, factor), degree)
     }
 
-    fn push(&mut self, step: Step, degree: usize) -> Option<usize> {
+    fn push(&mut self, step: PolynomialStep, degree: usize) -> Option<usize> {
         if self.steps.len() == MOST_STEPS || degree > LARGEST_DEGREE {
             return None;
         }

@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 use crate::bounds::BoundingBox;
 use crate::leaf::Leaf;
 use crate::shape::LeafSurface;
-use crate::surface::PolynomialSurface;
+use crate::surface::{HIGHEST_SHARED, PolynomialSurface};
 
 /// The difference of coefficients up to which two surfaces are one: 2⁻³⁸.
 const AGREEMENT: f64 = 1.0 / (1u64 << 38) as f64;
@@ -22,8 +22,6 @@ const ULPS: f64 = 16.0;
 const NEAR: f64 = 1e-6;
 /// The number of groups with similar keys that a surface is compared with.
 const MOST_COMPARED: usize = 64;
-/// Polynomials of a higher degree are shared only if they are one polynomial under one map.
-pub(crate) const HIGHEST_SHARED: usize = 4;
 
 /// The groups.
 #[derive(Clone, Debug, Default)]

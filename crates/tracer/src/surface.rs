@@ -8,7 +8,9 @@ use glam::DVec3;
 
 use crate::program::PolynomialProgram;
 use crate::roots::{Coefficients, LARGEST_DEGREE};
-use crate::shared::HIGHEST_SHARED;
+
+/// Polynomials of a higher degree bound one surface only if they are one polynomial under one map.
+pub(crate) const HIGHEST_SHARED: usize = 4;
 
 /// The polynomial, prepared for rays.
 #[derive(Clone, Debug)]

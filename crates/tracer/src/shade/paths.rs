@@ -194,7 +194,7 @@ impl<'a> LightTracer<'a> {
         faces
     }
 
-    /// What a path sees at the face that it has just come to.
+    /// The look of the face that a path has just come to, with the shares of light that go on from there.
     fn met_face(&mut self, path: &LightPath, number: usize, face: Face) -> MetFace {
         let kept = match path.media.last() {
             Some(medium) => {
@@ -313,7 +313,7 @@ impl<'a> LightTracer<'a> {
     /// Adds what comes to the faces from lights.
     fn add_lights(&mut self, paths: &[LightPath], faces: &mut [MetFace]) {
         let scenery = self.scenery;
-        // What each light needs of a face, side by side.
+        // Each light reads no more than this of a face.
         let mut lit: Vec<LitFace> = faces
             .iter()
             .map(|met| LitFace {
