@@ -324,6 +324,17 @@ impl RayScene {
         &self.content.sides
     }
 
+    /// True if [`RayScene::look`] is the same at all places of the faces that a leaf owns.
+    pub fn is_even(&self, leaf: usize) -> bool {
+        matches!(self.content.leaves[leaf].place, FacePlace::Anywhere(_))
+    }
+
+    /// True if the background, without an image, depends on nothing but the height z of a unit direction.
+    pub fn has_level_background(&self) -> bool {
+        let background = self.content.background.as_ref();
+        background.is_none_or(DeclaredBackground::is_level)
+    }
+
     /// The look of a face. `paint` gives the images of objects.
     pub fn look(&self, face: &Face, paint: &Paint<'_>) -> FaceLook {
         match face.of {

@@ -25,6 +25,17 @@ struct BoxNode {
     count: u32,
 }
 
+/// A node of a hierarchy, as [`World::tables`](crate::World::tables) has it.
+#[derive(Clone, Copy, Debug)]
+pub struct BoxRow {
+    /// The box.
+    pub bounds: BoundingBox,
+    /// The place of its first box in the order, or its second child; the first child comes right behind its parent.
+    pub place: u32,
+    /// The number of its boxes, 0 for a node with children.
+    pub count: u32,
+}
+
 /// A part of the hierarchy that a ray meets, with the parameter at which it enters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetBox {
@@ -85,6 +96,21 @@ impl Hierarchy {
             });
         }
         hierarchy
+    }
+
+    /// The nodes, whose boxes begin at a place of a longer order.
+    pub(crate) fn rows(&self, first: u32) -> Vec<BoxRow> {
+        let row = |node: &BoxNode| BoxRow {
+            bounds: node.bounds,
+            place: node.place + if node.count > 0 { first } else { 0 },
+            count: node.count,
+        };
+        self.nodes.iter().map(row).collect()
+    }
+
+    /// The indices of the boxes in the order in which the nodes have them.
+    pub(crate) fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// The box of all.

@@ -83,6 +83,8 @@ pub enum Bokeh {
     Gaussian,
 }
 
+/// The corners of a star, both its tips and those between them.
+pub const STAR_CORNERS: u32 = 10;
 /// The distance of a star's inner corners from its centre.
 const STAR_INNER: f64 = 0.382;
 
@@ -119,6 +121,24 @@ pub struct Sample {
     pub lens: [f64; 2],
     /// On lights.
     pub light: [f64; 2],
+}
+
+impl Default for LensCamera {
+    /// A camera at 0 that looks along y.
+    fn default() -> Self {
+        Self {
+            position: DVec3::ZERO,
+            direction: DVec3::Y,
+            up: DVec3::Z,
+            fov: std::f64::consts::FRAC_PI_4,
+            roll: 0.0,
+            focus: 1.0,
+            aperture: 0.0,
+            bokeh: Bokeh::default(),
+            projection: LensProjection::default(),
+            sharp: SharpPlaces::default(),
+        }
+    }
 }
 
 impl SampleAxes {
@@ -234,7 +254,7 @@ impl Bokeh {
             }
             Self::Star => {
                 let step = std::f64::consts::PI / 5.0;
-                fan(10, [u, v], |k| {
+                fan(STAR_CORNERS, [u, v], |k| {
                     let radius = if k % 2 == 0 { 1.0 } else { STAR_INNER };
                     corner(std::f64::consts::FRAC_PI_2 + f64::from(k) * step, radius)
                 })

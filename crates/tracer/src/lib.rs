@@ -12,7 +12,7 @@
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
 //!
-//! `contour.rs` makes meshes of solids.
+//! `contour.rs` makes meshes of solids, and `tables.rs` tables of a world, for GPUs.
 //!
 //! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
 //! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
@@ -74,6 +74,7 @@ mod shared;
 mod sheet;
 mod sheets;
 mod surface;
+pub mod tables;
 mod tree;
 mod world;
 

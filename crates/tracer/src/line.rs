@@ -16,6 +16,16 @@ pub struct SurfaceId {
     pub(crate) piece: u32,
 }
 
+impl SurfaceId {
+    /// The first surface of a leaf.
+    pub fn of_leaf(leaf: usize) -> Self {
+        Self {
+            leaf: leaf as u32,
+            piece: 0,
+        }
+    }
+}
+
 /// A half-line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {

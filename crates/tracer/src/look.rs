@@ -44,7 +44,7 @@ impl PictureLook {
     }
 
     /// Rays of less weight add nothing. In `crt` lights may be much brighter than what they light.
-    pub(crate) fn least_weight(self) -> f64 {
+    pub fn least_weight(self) -> f64 {
         match self {
             Self::Geotrace => 1.0 / 1024.0,
             Self::Crt => 1.0 / 16384.0,

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 
-use crate::camera::{CameraFrame, LensCamera, SampleAxes};
+use crate::camera::{CameraFrame, LensCamera, Sample, SampleAxes};
 use crate::line::Ray;
 use crate::shade::{LightTracer, Scenery};
 
@@ -42,6 +42,18 @@ impl LightSums {
         self.samples
     }
 
+    /// Adds the next samples, `count` for each pixel, whose light somebody else has summed: that of each pixel, row by row.
+    ///
+    /// # Panics
+    /// If there is not one sum for each pixel.
+    pub fn add_sums(&mut self, sums: &[DVec3], count: u32) {
+        assert_eq!(sums.len(), self.sums.len(), "one sum for each pixel");
+        for (sum, light) in self.sums.iter_mut().zip(sums) {
+            *sum += light;
+        }
+        self.samples += count;
+    }
+
     /// Adds the next samples, `count` for each pixel, on so many threads; `grid` is that of [`SampleAxes`]. `progress`
     /// receives the share that is done, from any thread, and returns false to stop: then nothing is added.
     pub fn add(
@@ -55,11 +67,7 @@ impl LightSums {
     ) -> bool {
         let [columns, rows] = self.size.map(|side| side.div_ceil(TILE));
         let tiles = (columns * rows) as usize;
-        let axes = SampleAxes {
-            lens: camera.aperture > 0.0,
-            lights: scenery.lights.iter().any(|light| light.size > 0.0),
-            grid,
-        };
+        let axes = SampleAxes::of(scenery, camera, grid);
         let frame = camera.frame(self.size);
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
@@ -123,13 +131,7 @@ impl LightSums {
             light_samples.clear();
             for pixel in pixels(self.size, corner) {
                 let sample = axes.sample(pixel, sample);
-                let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
-                let (origin, direction) = camera.ray(place, sample.lens);
-                rays.push(Ray {
-                    origin,
-                    direction,
-                    leaving: None,
-                });
+                rays.push(ray(camera, pixel, &sample));
                 light_samples.push(sample.light);
             }
             let lights = tracer.lights(&rays, &light_samples);
@@ -138,6 +140,56 @@ impl LightSums {
             }
         }
         sums
+    }
+}
+
+/// The light of some samples, each of a pixel, on so many threads: what [`LightSums::add`] adds for them.
+pub fn sample_light(
+    scenery: &Scenery<'_>,
+    camera: &LensCamera,
+    grid: Option<u32>,
+    size: [u32; 2],
+    samples: &[([u32; 2], u32)],
+    threads: usize,
+) -> Vec<DVec3> {
+    let axes = SampleAxes::of(scenery, camera, grid);
+    let frame = camera.frame(size);
+    let mut light = vec![DVec3::ZERO; samples.len()];
+    let share = samples.len().div_ceil(threads.max(1)).max(1);
+    std::thread::scope(|scope| {
+        for (samples, light) in samples.chunks(share).zip(light.chunks_mut(share)) {
+            scope.spawn(move || {
+                let mut tracer = LightTracer::new(scenery);
+                for (&(pixel, sample), light) in samples.iter().zip(light) {
+                    let sample = axes.sample(pixel, sample);
+                    let ray = ray(&frame, pixel, &sample);
+                    *light = tracer.light(&ray, sample.light);
+                }
+            });
+        }
+    });
+    light
+}
+
+impl SampleAxes {
+    /// The axes that a scenery needs through a camera.
+    pub fn of(scenery: &Scenery<'_>, camera: &LensCamera, grid: Option<u32>) -> Self {
+        Self {
+            lens: camera.aperture > 0.0,
+            lights: scenery.lights.iter().any(|light| light.size > 0.0),
+            grid,
+        }
+    }
+}
+
+/// The ray of a sample of a pixel.
+fn ray(camera: &CameraFrame, pixel: [u32; 2], sample: &Sample) -> Ray {
+    let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
+    let (origin, direction) = camera.ray(place, sample.lens);
+    Ray {
+        origin,
+        direction,
+        leaving: None,
     }
 }
 

@@ -192,8 +192,15 @@ impl Face {
 }
 
 impl FaceLook {
-    /// Mirror and glass together are at most 1.
-    fn balanced(mut self) -> Self {
+    /// The share that is scattered, k: stated, or what mirror and glass leave.
+    pub fn scattered(&self) -> f64 {
+        let left = (1.0 - self.mirror.max_element() - self.glass).max(0.0);
+        self.diffuse.unwrap_or(left)
+    }
+
+    /// The look with mirror and glass together at most 1: rays see it so.
+    #[must_use]
+    pub fn balanced(mut self) -> Self {
         let sum = self.mirror.max_element() + self.glass;
         if sum > 1.0 {
             self.mirror /= sum;

@@ -5,7 +5,11 @@
 //! that changes costs a step for each level that changes with it, whatever the number of leaves. Nothing recurses on the
 //! depth of a tree.
 
+use std::ops::Range;
+
 use expr::polynomial::Region;
+
+use crate::bounds::BoundingBox;
 
 /// A step of a set expression in postfix order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +41,19 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct Literal {
     node: u32,
     complemented: bool,
+}
+
+/// A node of a component's tree, as [`World::tables`](crate::World::tables) has it.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeRow {
+    /// True for a union, false for an intersection.
+    pub is_union: bool,
+    /// Its parent, from the component's first node; `None` for that node.
+    pub parent: Option<u32>,
+    /// The number of its parts.
+    pub parts: u32,
+    /// The number of parts that hold while every leaf is outside.
+    pub holding: u32,
 }
 
 /// The literals of a leaf.
@@ -188,6 +205,77 @@ impl Forest {
                 self.nodes[node.parent as usize].holding += 1;
             }
         }
+    }
+}
+
+/// Trees as tables.
+impl Forest {
+    /// The nodes of each component of a solid: of each part, if it is a union, else of all of it.
+    pub(crate) fn components(&self, solid: usize) -> Vec<Range<usize>> {
+        let root = self.roots[solid] as usize;
+        let next = self.roots.get(solid + 1);
+        let end = next.map_or(self.nodes.len(), |&next| next as usize);
+        let union = root + 1;
+        let is_alone = self.nodes[root].parts == 1;
+        if !(is_alone && union < end && self.nodes[union].is_union) {
+            return std::iter::once(root..end).collect();
+        }
+        // The nodes of a part follow each other.
+        let is_part = |k: &usize| self.nodes[*k].parent as usize == union;
+        let first: Vec<usize> = (union + 1..end).filter(is_part).collect();
+        let ends = first.iter().skip(1).copied().chain([end]);
+        let parts = first.iter().copied().zip(ends);
+        parts.map(|(first, end)| first..end).collect()
+    }
+
+    /// The nodes of a component.
+    pub(crate) fn rows(&self, component: Range<usize>) -> impl Iterator<Item = NodeRow> {
+        let first = component.start;
+        self.nodes[component].iter().map(move |node| NodeRow {
+            is_union: node.is_union,
+            parent: match node.parent {
+                NONE => None,
+                parent => (parent as usize).checked_sub(first).map(|k| k as u32),
+            },
+            parts: node.parts,
+            holding: node.holding,
+        })
+    }
+
+    /// For each node the box of what it is without parts: nothing for a union, `None` for an intersection.
+    pub(crate) fn whole_boxes(&self) -> Vec<Option<BoundingBox>> {
+        let whole = |node: &SetNode| node.is_union.then_some(BoundingBox::EMPTY);
+        self.nodes.iter().map(whole).collect()
+    }
+
+    /// Joins the box of each node with those of its parts that are nodes.
+    pub(crate) fn fold_boxes(&self, boxes: &mut [Option<BoundingBox>]) {
+        // Children come after their parents.
+        for k in (0..self.nodes.len()).rev() {
+            let parent = self.nodes[k].parent;
+            if parent == NONE {
+                continue;
+            }
+            let parent = parent as usize;
+            boxes[parent] = match (self.nodes[parent].is_union, boxes[parent], boxes[k]) {
+                (true, Some(all), Some(part)) => Some(all.union(&part)),
+                (true, ..) => None,
+                (false, Some(all), Some(part)) => Some(all.common(&part)),
+                (false, all, part) => all.or(part),
+            };
+        }
+    }
+}
+
+impl Literal {
+    /// The node, counted over the forest.
+    pub(crate) fn node(self) -> u32 {
+        self.node
+    }
+
+    /// True if it counts where it does not hold.
+    pub(crate) fn is_complemented(self) -> bool {
+        self.complemented
     }
 }
 

@@ -152,6 +152,12 @@ impl DeclaredBackground {
         self.constant.unwrap_or_else(|| self.shining(direction))
     }
 
+    /// True if the colour depends on nothing but the height of a direction.
+    pub(super) fn is_level(&self) -> bool {
+        let mut inputs = self.color.inputs().iter();
+        inputs.all(|input| !matches!(input, Input::Variable(0 | 1)))
+    }
+
     /// The linear light of the colour in a unit direction.
     fn shining(&self, direction: DVec3) -> DVec3 {
         let color = evaluated(

@@ -28,8 +28,7 @@ pub(super) fn lit(
     normal: DVec3,
     direction: DVec3,
 ) -> DVec3 {
-    let left = (1.0 - look.mirror.max_element() - look.glass).max(0.0);
-    let scattered = look.diffuse.unwrap_or(left);
+    let scattered = look.scattered();
     let away = seen.towards - 2.0 * height * normal;
     let along = away.dot(direction).max(0.0);
     let highlight = look.specular * along.powf(look.shininess);

@@ -541,8 +541,7 @@ impl MetFace {
     /// The colour of what it scatters, times the share.
     fn scattered(&self) -> DVec3 {
         let look = &self.look;
-        let left = (1.0 - look.mirror.max_element() - look.glass).max(0.0);
-        look.diffuse.unwrap_or(left) * look.color
+        look.scattered() * look.color
     }
 
     /// The highlight of light from `towards` that leaves against `direction`.

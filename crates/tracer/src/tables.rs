@@ -1,0 +1,314 @@
+//! A world as tables of numbers, for machines that have neither lists nor recursion.
+//!
+//! ```text
+//! World ──▶ components: parts of solids that are unions, each a small tree of set operations
+//!              │ leaves, their polynomials in frames of their own, the nodes of the tree
+//!              └ boxes in boxes over the components
+//! ```
+//!
+//! Input: a world. Output: its tables, or what of it has no place in them. A ray is inside a solid where it is inside a
+//! component of it; what `cast.rs` finds leaf by leaf along a ray, a reader of the tables finds component by component.
+
+use glam::{DAffine3, DVec3};
+
+use crate::bounds::BoundingBox;
+use crate::leaf::Leaf;
+use crate::shape::LeafSurface;
+use crate::tree::Literal;
+use crate::world::World;
+
+pub use crate::bvh::BoxRow;
+pub use crate::tree::NodeRow;
+
+/// The most nodes of a component's tree.
+pub const MOST_NODES: usize = 128;
+/// The highest degree of a polynomial.
+pub const HIGHEST_DEGREE: usize = 4;
+
+/// The tables. Places are relative to `origin`.
+#[derive(Clone, Debug, Default)]
+pub struct WorldTables {
+    /// The place in the world from which all others count.
+    pub origin: DVec3,
+    /// By their solids.
+    pub components: Vec<ComponentRow>,
+    /// Those of a component follow each other.
+    pub leaves: Vec<LeafRow>,
+    /// Those of a leaf follow each other.
+    pub pieces: Vec<PieceRow>,
+    /// The terms of polynomials whose degree is above two.
+    pub terms: Vec<([u8; 3], f64)>,
+    /// The nodes of the components' trees.
+    pub nodes: Vec<NodeRow>,
+    /// Boxes in boxes; the first contains all others.
+    pub boxes: Vec<BoxRow>,
+    /// Components: first the endless ones, then those of the boxes.
+    pub order: Vec<u32>,
+    /// The number of endless components.
+    pub endless: usize,
+}
+
+/// A part of a solid, which is the union of its components.
+#[derive(Clone, Copy, Debug)]
+pub struct ComponentRow {
+    /// The number of its solid.
+    pub solid: u32,
+    /// The first of its leaves.
+    pub first_leaf: u32,
+    /// The number of its leaves.
+    pub leaf_count: u32,
+    /// The first of its nodes, which says whether a place is inside.
+    pub first_node: u32,
+    /// The number of its nodes.
+    pub node_count: u32,
+}
+
+/// A leaf.
+#[derive(Clone, Copy, Debug)]
+pub struct LeafRow {
+    /// Its number in the world.
+    pub leaf: u32,
+    /// The frame of its polynomials, from places relative to `center`.
+    pub frame_from_world: DAffine3,
+    /// A place in it, or about it.
+    pub center: DVec3,
+    /// The box in which it is looked for, `None` for everywhere.
+    pub bounds: Option<BoundingBox>,
+    /// True where a ray meets it.
+    pub gate: LiteralRow,
+    /// The first of its pieces.
+    pub first_piece: u32,
+    /// The number of its pieces.
+    pub piece_count: u32,
+}
+
+/// The place where something counts in the tree of its component.
+#[derive(Clone, Copy, Debug)]
+pub struct LiteralRow {
+    /// The node, from the component's first.
+    pub node: u32,
+    /// True if it counts where it does not hold.
+    pub complemented: bool,
+}
+
+/// A surface that bounds a leaf.
+#[derive(Clone, Copy, Debug)]
+pub struct PieceRow {
+    /// The piece whose equation it has; its own number unless several pieces are one surface.
+    pub equation: u32,
+    /// The leaf, as a row, whose frame the polynomial is in.
+    pub frame: u32,
+    /// True if the piece is inside where the polynomial is positive.
+    pub opposite: bool,
+    /// The place where it counts.
+    pub literal: LiteralRow,
+    /// The polynomial's degree.
+    pub degree: u32,
+    /// The coefficients of x², y², z².
+    pub squares: DVec3,
+    /// The coefficients of yz, xz, xy.
+    pub mixed: DVec3,
+    /// The coefficients of x, y, z.
+    pub linear: DVec3,
+    /// The constant.
+    pub constant: f64,
+    /// The first of all of its terms, where the degree is above two.
+    pub first_term: u32,
+    /// The number of these terms.
+    pub term_count: u32,
+}
+
+/// A part of a world that has no place in tables.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum TableError {
+    /// A leaf of this solid is bounded by what is no polynomial.
+    NoPolynomial {
+        /// The solid.
+        solid: usize,
+    },
+    /// A leaf of this solid is bounded by a polynomial of a higher degree than [`HIGHEST_DEGREE`].
+    Degree {
+        /// The solid.
+        solid: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// A leaf of this solid that has no box is bounded by a polynomial of degree three or four.
+    EndlessQuartic {
+        /// The solid.
+        solid: usize,
+    },
+    /// The set operations of this solid are too many.
+    TooManyNodes {
+        /// The solid.
+        solid: usize,
+    },
+}
+
+impl World {
+    /// The world as tables.
+    ///
+    /// # Errors
+    /// If something has no place in them.
+    pub fn tables(&self) -> Result<WorldTables, TableError> {
+        let mut tables = WorldTables {
+            origin: if self.hierarchy.bounds().is_empty() {
+                DVec3::ZERO
+            } else {
+                self.hierarchy.bounds().center()
+            },
+            ..WorldTables::default()
+        };
+        let mut first_leaf = 0;
+        let own_boxes = self.node_boxes();
+        let mut boxes = Vec::new();
+        let mut boxed = Vec::new();
+        for solid in 0..self.forest.len() {
+            for nodes in self.forest.components(solid) {
+                if nodes.len() > MOST_NODES {
+                    return Err(TableError::TooManyNodes { solid });
+                }
+                let rest = self.leaves[first_leaf..].iter();
+                let of_component = |leaf: &&Leaf| nodes.contains(&(leaf.gate.node() as usize));
+                let leaf_count = rest.take_while(of_component).count();
+                let component = tables.components.len() as u32;
+                match own_boxes[nodes.start] {
+                    Some(bounds) if bounds.is_empty() => {}
+                    Some(bounds) => {
+                        boxes.push(tables.moved(bounds));
+                        boxed.push(component);
+                    }
+                    None => tables.order.push(component),
+                }
+                tables.components.push(ComponentRow {
+                    solid: solid as u32,
+                    first_leaf: first_leaf as u32,
+                    leaf_count: leaf_count as u32,
+                    first_node: tables.nodes.len() as u32,
+                    node_count: nodes.len() as u32,
+                });
+                for leaf in first_leaf..first_leaf + leaf_count {
+                    self.add_leaf(&mut tables, leaf, nodes.start)?;
+                }
+                tables.nodes.extend(self.forest.rows(nodes));
+                first_leaf += leaf_count;
+            }
+        }
+        tables.endless = tables.order.len();
+        let hierarchy = crate::bvh::Hierarchy::new(boxes);
+        let shift = tables.endless as u32;
+        tables.boxes = hierarchy.rows(shift);
+        let order = hierarchy.order().iter();
+        tables.order.extend(order.map(|&k| boxed[k as usize]));
+        Ok(tables)
+    }
+
+    fn add_leaf(
+        &self,
+        tables: &mut WorldTables,
+        number: usize,
+        first_node: usize,
+    ) -> Result<(), TableError> {
+        let leaf = &self.leaves[number];
+        let row = |literal: Literal| LiteralRow {
+            node: literal.node() - first_node as u32,
+            complemented: literal.is_complemented(),
+        };
+        let origin = tables.origin;
+        let center = leaf.unit_from_world.inverse().translation;
+        let first_piece = tables.pieces.len() as u32;
+        for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
+            let own = leaf.first_piece + k;
+            let (of, place, opposite) = match self.surfaces.group(own) {
+                Some(member) => {
+                    let (first, place) = self.surfaces.first[member.group as usize];
+                    (first as usize, place as usize, member.opposite)
+                }
+                None => (number, k, false),
+            };
+            let solid = leaf.solid;
+            let frame = &self.leaves[of];
+            let (LeafSurface::Polynomial(_), LeafSurface::Polynomial(surface)) =
+                (piece, &frame.compiled.pieces[place])
+            else {
+                return Err(TableError::NoPolynomial { solid });
+            };
+            let degree = surface.degree();
+            if degree > HIGHEST_DEGREE {
+                return Err(TableError::Degree { solid, degree });
+            }
+            if degree > 2 && !(leaf.bounded && frame.bounded) {
+                return Err(TableError::EndlessQuartic { solid });
+            }
+            // The equation's scale says nothing.
+            let largest = surface.polynomial.largest();
+            let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
+            let coefficient = |e: [u8; 3]| {
+                let mut terms = surface.polynomial.terms();
+                let found = terms.find(|(f, _)| *f == e);
+                found.map_or(0.0, |(_, c)| scale * c)
+            };
+            let three = |e: [[u8; 3]; 3]| DVec3::from_array(e.map(coefficient));
+            let first_term = tables.terms.len() as u32;
+            if degree > 2 {
+                let terms = surface.polynomial.terms();
+                tables.terms.extend(terms.map(|(e, c)| (e, scale * c)));
+            }
+            tables.pieces.push(PieceRow {
+                equation: (frame.first_piece + place) as u32,
+                frame: of as u32,
+                opposite,
+                literal: row(leaf.pieces[k]),
+                degree: degree as u32,
+                squares: three([[2, 0, 0], [0, 2, 0], [0, 0, 2]]),
+                mixed: three([[0, 1, 1], [1, 0, 1], [1, 1, 0]]),
+                linear: three([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+                constant: coefficient([0; 3]),
+                first_term,
+                term_count: tables.terms.len() as u32 - first_term,
+            });
+        }
+        tables.leaves.push(LeafRow {
+            leaf: number as u32,
+            frame_from_world: DAffine3 {
+                translation: leaf.unit_from_world.transform_point3(center),
+                ..leaf.unit_from_world
+            },
+            center: center - origin,
+            bounds: leaf.bounds.map(|bounds| tables.moved(bounds)),
+            gate: row(leaf.gate),
+            first_piece,
+            piece_count: tables.pieces.len() as u32 - first_piece,
+        });
+        Ok(())
+    }
+
+    /// For each node a box that contains the set that it stands for; `None` where none is found.
+    fn node_boxes(&self) -> Vec<Option<BoundingBox>> {
+        let mut boxes = self.forest.whole_boxes();
+        for leaf in &self.leaves {
+            // The gate of a leaf that is taken away belongs to a union with everything outside it.
+            if !leaf.gate.is_complemented() && leaf.bounded {
+                boxes[leaf.gate.node() as usize] = leaf.bounds;
+            } else {
+                boxes[leaf.gate.node() as usize] = None;
+            }
+            for piece in &leaf.pieces {
+                if piece.node() != leaf.gate.node() {
+                    boxes[piece.node() as usize] = None;
+                }
+            }
+        }
+        self.forest.fold_boxes(&mut boxes);
+        boxes
+    }
+}
+
+impl WorldTables {
+    fn moved(&self, bounds: BoundingBox) -> BoundingBox {
+        BoundingBox {
+            lower: bounds.lower - self.origin,
+            upper: bounds.upper - self.origin,
+        }
+    }
+}
