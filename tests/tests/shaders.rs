@@ -50,6 +50,7 @@ fn the_fixed_passes_are_valid() {
         ("curves", wgsl::painter::curves()),
         ("surfaces", wgsl::painter::surfaces()),
         ("resolve_patchwork", wgsl::painter::resolve_patchwork()),
+        ("trace_scene", wgsl::painter::trace_scene()),
     ] {
         if let Err(error) = joined {
             panic!("{name}: {error}");

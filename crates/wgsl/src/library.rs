@@ -34,6 +34,12 @@ pub const VIEW: Piece<'static> = piece!("lib/view.wgsl");
 /// Strips and discs that face the eye.
 pub const GLYPH: Piece<'static> = piece!("lib/glyph.wgsl");
 
+/// Rays from a lens, and the places of samples.
+pub const LENS: Piece<'static> = piece!("lib/lens.wgsl");
+/// Reflection, refraction and lights.
+pub const OPTICS: Piece<'static> = piece!("lib/optics.wgsl");
+/// Sign changes of polynomials along lines.
+pub const LINE: Piece<'static> = piece!("lib/line.wgsl");
 /// Images on surfaces, filtered over a footprint.
 pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
@@ -82,3 +88,5 @@ pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl")
 pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 /// The pass from a table of polynomials to colours.
 pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");
+/// The pass of traced pictures.
+pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");

@@ -47,6 +47,16 @@ pub fn resolve_patchwork() -> Result<Joined, InternalError> {
     ])
 }
 
+/// The pass of traced pictures.
+pub fn trace_scene() -> Result<Joined, InternalError> {
+    join(&[
+        library::LENS,
+        library::OPTICS,
+        library::LINE,
+        library::PASS_TRACE_SCENE,
+    ])
+}
+
 fn glyphs(pass: Piece<'_>) -> Result<Joined, InternalError> {
     join(&[library::VIEW, library::GLYPH, pass])
 }

@@ -47,6 +47,7 @@ fn every_painter_validates() {
         ("curves", painter::curves()),
         ("surfaces", painter::surfaces()),
         ("resolve patchwork", painter::resolve_patchwork()),
+        ("trace scene", painter::trace_scene()),
     ] {
         joined.unwrap_or_else(|error| panic!("{name}: {}", error.message));
     }
