@@ -24,6 +24,8 @@ pub struct WorkCounters {
     pub rays: u64,
     /// Samples of pixels of traced pictures.
     pub traced: u64,
+    /// Samples of them that a GPU has left to f64.
+    pub retraced: u64,
 }
 
 /// The counts that grow on many threads at once.
@@ -33,6 +35,7 @@ pub(crate) struct PixelCounters {
     distances: AtomicU64,
     rays: AtomicU64,
     traced: AtomicU64,
+    retraced: AtomicU64,
 }
 
 impl PixelCounters {
@@ -56,11 +59,17 @@ impl PixelCounters {
         self.traced.fetch_add(count, Ordering::Relaxed);
     }
 
+    /// Adds samples that a GPU has left to f64.
+    pub(crate) fn count_retraced(&self, count: u64) {
+        self.retraced.fetch_add(count, Ordering::Relaxed);
+    }
+
     /// Writes them into counters.
     pub(crate) fn write(&self, counters: &mut WorkCounters) {
         counters.ends = self.ends.load(Ordering::Relaxed);
         counters.distances = self.distances.load(Ordering::Relaxed);
         counters.rays = self.rays.load(Ordering::Relaxed);
         counters.traced = self.traced.load(Ordering::Relaxed);
+        counters.retraced = self.retraced.load(Ordering::Relaxed);
     }
 }

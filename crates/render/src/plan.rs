@@ -29,6 +29,8 @@ pub struct Plan {
     pub objects: Vec<ObjectPlan>,
     /// The geodesic view, if that is the picture.
     pub geodesic: Option<GeodesicPlan>,
+    /// True if the fixed pass of the GPU traces the picture.
+    pub traced: bool,
     /// The painters of overlays in space, beside the objects' painters.
     pub overlays: &'static [Painter],
     /// Distinct images.
@@ -90,6 +92,8 @@ pub struct Built {
     pub sample_kernels: u32,
     /// Fixed passes that turn a table of geodesics' ends into colours.
     pub resolve_pipelines: u32,
+    /// Fixed passes that trace pictures.
+    pub trace_pipelines: u32,
     /// Images.
     pub textures: u32,
     /// Samplers.
@@ -144,6 +148,7 @@ impl Plan {
             gpu,
             objects: Vec::new(),
             geodesic: None,
+            traced: false,
             overlays: &[],
             textures: 0,
             left_out: Vec::new(),
@@ -183,6 +188,7 @@ impl Plan {
             draw_pipelines: self.painters().len() as u32,
             sample_kernels: kernels as u32,
             resolve_pipelines: u32::from(geodesic.is_some_and(|view| view.is_table)),
+            trace_pipelines: u32::from(self.traced),
             textures,
             samplers: u32::from(textures > 0),
         }

@@ -209,7 +209,7 @@ impl Renderer {
         &self.views
     }
 
-    /// Returns true if kernels are being built, behind the pictures.
+    /// Returns true if kernels or the pass of traced pictures are being built, behind the pictures.
     pub fn is_building(&self) -> bool {
         let gpu = self.shared.gpu.as_ref();
         gpu.is_some_and(|gpu| gpu.is_building())

@@ -10,6 +10,9 @@
 
 mod images;
 mod store;
+mod tables;
+
+pub(crate) use tables::SceneTables;
 
 pub(crate) use store::{SolidScene, SolidStore, TracedScene};
 

@@ -99,6 +99,7 @@ fn made(before: WorkCounters, after: WorkCounters) -> WorkCounters {
         worlds: after.worlds - before.worlds,
         rays: after.rays - before.rays,
         traced: after.traced - before.traced,
+        retraced: after.retraced - before.retraced,
     }
 }
 

@@ -179,6 +179,139 @@ pub(crate) struct Table {
     pub(crate) roots: u32,
 }
 
+/// `Lens` of lib/lens.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Lens {
+    pub(crate) right: [f32; 3],
+    pub(crate) aperture: f32,
+    pub(crate) up: [f32; 3],
+    pub(crate) focus: f32,
+    pub(crate) forward: [f32; 3],
+    pub(crate) half_opening: f32,
+    pub(crate) position: [f32; 3],
+    pub(crate) tangent: f32,
+    pub(crate) size: [u32; 2],
+    pub(crate) projection: u32,
+    pub(crate) ball: u32,
+    pub(crate) bokeh: u32,
+    pub(crate) corners: u32,
+    pub(crate) axes: u32,
+    pub(crate) grid: u32,
+}
+
+/// `Trace` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Trace {
+    pub(crate) lens: Lens,
+    pub(crate) first_row: u32,
+    pub(crate) rows: u32,
+    pub(crate) sample: u32,
+    pub(crate) bit: u32,
+    pub(crate) light_count: u32,
+    pub(crate) endless: u32,
+    pub(crate) boxes: u32,
+    pub(crate) bounces: u32,
+    pub(crate) look: u32,
+    pub(crate) least_weight: f32,
+    pub(crate) order_at: u32,
+    pub(crate) terms_at: u32,
+    pub(crate) sky_at: u32,
+    pub(crate) sky_cells: u32,
+    pub(crate) slab_row: u32,
+    pub(crate) one: u32,
+}
+
+/// `BoxNode` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct BoxNode {
+    pub(crate) lower: [f32; 3],
+    pub(crate) place: u32,
+    pub(crate) upper: [f32; 3],
+    pub(crate) count: u32,
+}
+
+/// `Component` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Component {
+    pub(crate) solid: u32,
+    pub(crate) first_leaf: u32,
+    pub(crate) leaf_count: u32,
+    pub(crate) first_node: u32,
+    pub(crate) node_count: u32,
+    pub(crate) is_glass: u32,
+    pub(crate) ior: f32,
+    pub(crate) depth: f32,
+}
+
+/// `Leaf` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Leaf {
+    pub(crate) row_x: [f32; 4],
+    pub(crate) row_y: [f32; 4],
+    pub(crate) row_z: [f32; 4],
+    pub(crate) centre: [f32; 3],
+    pub(crate) first_piece: u32,
+    pub(crate) lower: [f32; 3],
+    pub(crate) piece_count: u32,
+    pub(crate) upper: [f32; 3],
+    pub(crate) gate: u32,
+    pub(crate) material: u32,
+    pub(crate) sides: u32,
+    pub(crate) padding: [u32; 2],
+}
+
+/// `Piece` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LeafPiece {
+    pub(crate) squares: [f32; 3],
+    pub(crate) constant: f32,
+    pub(crate) mixed: [f32; 3],
+    pub(crate) literal: u32,
+    pub(crate) linear: [f32; 3],
+    pub(crate) frame: u32,
+    pub(crate) equation: u32,
+    pub(crate) leaf: u32,
+    pub(crate) kind: u32,
+    pub(crate) terms: u32,
+}
+
+/// `Material` of pass/trace_scene.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct FaceMaterial {
+    pub(crate) color: [f32; 3],
+    pub(crate) scattered: f32,
+    pub(crate) mirror: [f32; 3],
+    pub(crate) glass: f32,
+    pub(crate) specular: f32,
+    pub(crate) shininess: f32,
+    pub(crate) padding: [f32; 2],
+}
+
+/// `Light` of lib/optics.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ShaderLight {
+    pub(crate) position: [f32; 3],
+    pub(crate) kind: u32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) size: f32,
+    pub(crate) color: [f32; 3],
+    pub(crate) ambient: f32,
+    pub(crate) highlight: [f32; 3],
+    pub(crate) falloff: f32,
+    pub(crate) edge: f32,
+    pub(crate) soft: f32,
+    pub(crate) casts_shadows: u32,
+    pub(crate) padding: u32,
+}
+
 #[cfg(test)]
 mod tests {
     use std::mem::{offset_of, size_of};
@@ -295,6 +428,125 @@ mod tests {
             "Table",
             super::Table,
             [rows, variables, uniforms, roots]
+        );
+    }
+
+    #[test]
+    fn structs_of_traced_pictures_are_laid_out_as_in_the_shader() {
+        let trace = painter::trace_scene().expect("valid");
+        assert_same_layout!(
+            trace,
+            "Lens",
+            super::Lens,
+            [
+                right,
+                aperture,
+                up,
+                focus,
+                forward,
+                half_opening,
+                position,
+                tangent,
+                size,
+                projection,
+                ball,
+                bokeh,
+                corners,
+                axes,
+                grid
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "Trace",
+            super::Trace,
+            [
+                lens,
+                first_row,
+                rows,
+                sample,
+                bit,
+                light_count,
+                endless,
+                boxes,
+                bounces,
+                look,
+                least_weight,
+                order_at,
+                terms_at,
+                sky_at,
+                sky_cells,
+                slab_row,
+                one
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "BoxNode",
+            super::BoxNode,
+            [lower, place, upper, count]
+        );
+        assert_same_layout!(
+            trace,
+            "Component",
+            super::Component,
+            [
+                solid, first_leaf, leaf_count, first_node, node_count, is_glass, ior, depth
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "Leaf",
+            super::Leaf,
+            [
+                row_x,
+                row_y,
+                row_z,
+                centre,
+                first_piece,
+                lower,
+                piece_count,
+                upper,
+                gate,
+                material,
+                sides,
+                padding
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "Piece",
+            super::LeafPiece,
+            [
+                squares, constant, mixed, literal, linear, frame, equation, leaf, kind, terms
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "Material",
+            super::FaceMaterial,
+            [
+                color, scattered, mirror, glass, specular, shininess, padding
+            ]
+        );
+        assert_same_layout!(
+            trace,
+            "Light",
+            super::ShaderLight,
+            [
+                position,
+                kind,
+                direction,
+                size,
+                color,
+                ambient,
+                highlight,
+                falloff,
+                edge,
+                soft,
+                casts_shadows,
+                padding
+            ]
         );
     }
 }

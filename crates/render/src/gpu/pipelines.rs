@@ -53,6 +53,12 @@ impl<'a> PipelineFactory<'a> {
         self.compute("resolve", joined)
     }
 
+    /// The fixed pass that traces a picture.
+    pub(crate) fn trace_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
+        self.built.trace_pipelines += 1;
+        self.compute("trace", joined)
+    }
+
     /// A kernel that no picture needs.
     pub(crate) fn compute(&self, label: &str, joined: &Joined) -> wgpu::ComputePipeline {
         self.compute_from(label, joined, None)

@@ -17,6 +17,7 @@ use crate::gpu::layout::ViewUniform;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{self, SampleBuffer};
 use crate::gpu::space::{Draw, Painters, Target, draw_tiles};
+use crate::gpu::trace::{TracePass, TraceTask, TracedSamples};
 use crate::overlay::OverlayObject;
 use crate::plan::Built;
 use crate::request::PictureRequest;
@@ -44,6 +45,7 @@ pub(crate) struct GpuRenderer {
     canvases: Canvases,
     kernels: Kernels,
     resolve: ResolvePass,
+    trace: TracePass,
     /// Objects whose samples a kernel has computed.
     sampled: u64,
 }
@@ -85,6 +87,7 @@ impl GpuRenderer {
             canvases: Canvases::default(),
             kernels: Kernels::default(),
             resolve: ResolvePass::default(),
+            trace: TracePass::default(),
             sampled: 0,
         }
     }
@@ -157,20 +160,44 @@ impl GpuRenderer {
         resolved
     }
 
+    /// True if the pass of traced pictures is ready; with `waits`, it is waited for.
+    ///
+    /// # Errors
+    /// A clause, if the driver has refused it.
+    pub(crate) fn can_trace(&mut self, waits: bool) -> Result<bool, String> {
+        self.trace.is_ready(&self.gpu, &mut self.built, waits)
+    }
+
+    /// Traces samples of a picture. `progress` receives the share that is done, and returns false to stop; then there is no
+    /// result.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub(crate) fn trace(
+        &mut self,
+        task: &TraceTask<'_>,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Option<TracedSamples>, RenderError> {
+        let gpu = self.gpu.clone();
+        let factory = PipelineFactory::new(&gpu);
+        gpu.guarded(|| self.trace.trace(&factory, task, progress))
+    }
+
     /// Sets the number of operations from which on a kernel computes an object's samples.
     pub(crate) fn kernels_pay_from(&mut self, operations: u64) {
         self.kernels.pay_from(operations);
     }
 
-    /// Returns true if kernels are being made.
+    /// Returns true if kernels or the pass of traced pictures are being made.
     pub(crate) fn is_building(&self) -> bool {
-        self.kernels.is_making()
+        self.kernels.is_making() || self.trace.is_making()
     }
 
     /// The number of pipelines and kernels that have been built so far.
     pub(crate) fn pipelines(&self) -> u64 {
         let built = &self.built;
-        u64::from(built.draw_pipelines + built.resolve_pipelines) + self.kernels.built()
+        let fixed = built.draw_pipelines + built.resolve_pipelines + built.trace_pipelines;
+        u64::from(fixed) + self.kernels.built()
     }
 
     /// Returns the counts of all that has been built so far.

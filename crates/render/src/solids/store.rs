@@ -1,6 +1,6 @@
 //! Scenes for rays, kept from one picture to the next.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use geometry::solids::{FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights};
 use glam::DVec3;
@@ -17,6 +17,7 @@ use crate::style;
 use crate::texture::Texture;
 
 use super::images::{FaceImages, stated_texel, texel};
+use super::tables::SceneTables;
 
 /// The solids of the last pictures.
 #[derive(Debug, Default)]
@@ -59,6 +60,7 @@ pub(crate) struct TracedScene {
     background: Option<Arc<Texture>>,
     /// Overhead and underfoot, sRGB from 0 to 1.
     sky: DVec3,
+    tables: OnceLock<Result<SceneTables, String>>,
 }
 
 /// All that a scene for the traced view depends on.
@@ -217,12 +219,28 @@ impl TracedScene {
             images,
             background: background.map(|image| image.arc().clone()),
             sky: srgb(key.backdrop),
+            tables: OnceLock::new(),
             rays,
         }
     }
 
     pub(crate) fn rays(&self) -> &RayScene {
         &self.rays
+    }
+
+    /// The scene as data for the fixed pass of the GPU.
+    ///
+    /// # Errors
+    /// A clause about what of the scene the pass cannot draw.
+    pub(crate) fn tables(&self) -> Result<&SceneTables, &str> {
+        let tables = self.tables.get_or_init(|| {
+            // Neither looks nor the background depend on them.
+            let camera = LensCamera::default();
+            self.with_scenery(&camera, 0, |scenery| {
+                SceneTables::new(&self.rays, scenery, self.background.is_some())
+            })
+        });
+        tables.as_ref().map_err(String::as_str)
     }
 
     /// Hands out what rays see by a camera.

@@ -1,8 +1,11 @@
 //! The traced view: a scene with its lights, shadows, mirrors and glass, followed ray by ray.
 //!
 //! ```text
-//! request ──geometry──▶ scenery, lens camera ──tracer: sums of light, kept──▶ means ──▶ picture
+//! request ──geometry──▶ scenery, lens camera ──tracer, or gpu::trace: sums of light, kept──▶ means ──▶ picture
 //! ```
+//!
+//! A renderer with a GPU draws on it what fits its fixed pass ([`TracedScene::tables`]), and leaves to f64 the samples that f32
+//! cannot decide.
 //!
 //! A request says how many samples each pixel has. The sums of the last picture are kept: a request for more samples of the
 //! same picture adds those that are missing, so that a window refines a picture at rest.
@@ -13,8 +16,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use image::RgbaImage;
 use scene::{Object, ObjectId, Scene, Shape};
-use tracer::camera::{Bokeh, LensCamera, LensProjection, SharpPlaces};
-use tracer::picture::LightSums;
+use tracer::camera::{LensCamera, LensProjection, SampleAxes};
+use tracer::picture::{LightSums, sample_light};
 use tracer::shade::{Face, FaceObject, LightTracer};
 use tracer::{PictureLook, Ray, gamma_encoded};
 
@@ -22,14 +25,17 @@ use super::space::{self, SpaceView};
 use super::{Hit, Key, SharedState, View, ViewRenderer};
 use crate::camera::Camera;
 use crate::error::RenderError;
+use crate::framing::Framed;
 use crate::gpu::Pixels;
+use crate::gpu::renderer::GpuRenderer;
+use crate::gpu::trace::TraceTask;
 use crate::overlay;
 use crate::plan::Plan;
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::part::SpaceOptions;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
-use crate::solids::TracedScene;
+use crate::solids::{SceneTables, TracedScene};
 use crate::style;
 
 /// The view's name.
@@ -192,9 +198,19 @@ impl View for TracedView {
         space::KEYS
     }
 
-    fn plan(&self, _request: &PictureRequest, plan: &mut Plan) {
-        let sentence = "no pipeline: rays are followed in f64";
-        plan.left_out.push(sentence.to_owned());
+    fn plan(&self, request: &PictureRequest, plan: &mut Plan) {
+        let clause = if plan.gpu {
+            misfit(request).unwrap_or_else(|error| Some(error.to_string()))
+        } else {
+            Some("there is no GPU".to_owned())
+        };
+        plan.traced = clause.is_none();
+        if let Some(clause) = clause {
+            let sentence = format!(
+                "no pipeline of the traced view: rays are followed in f64, because {clause}"
+            );
+            plan.left_out.push(sentence);
+        }
     }
 
     fn renderer(&self) -> Box<dyn ViewRenderer> {
@@ -233,6 +249,56 @@ impl TracedContent {
     }
 }
 
+impl TracedContent {
+    /// Adds the next samples by the GPU, and by f64 those that f32 cannot decide. Returns the number of the latter; `None`
+    /// if it has been given up.
+    fn add_by_gpu(
+        &self,
+        gpu: &mut GpuRenderer,
+        tables: &SceneTables,
+        sums: &mut LightSums,
+        count: u32,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Option<u64>, RenderError> {
+        let Self {
+            scene,
+            camera,
+            size,
+            bounces,
+            grid,
+        } = self;
+        scene.with_scenery(camera, *bounces, |scenery| {
+            let task = TraceTask {
+                scene,
+                tables,
+                lights: scenery.lights,
+                camera,
+                axes: SampleAxes::of(scenery, camera, *grid),
+                size: *size,
+                bounces: *bounces,
+                look: scenery.picture_look,
+                first: sums.samples(),
+                count,
+            };
+            let Some(mut traced) = gpu.trace(&task, progress)? else {
+                return Ok(None);
+            };
+            let marked = &traced.marked;
+            let light = sample_light(scenery, camera, *grid, *size, marked, threads());
+            for (([x, y], _), light) in marked.iter().zip(light) {
+                traced.sums[*y as usize * size[0] as usize + *x as usize] += light;
+            }
+            sums.add_sums(&traced.sums, count);
+            Ok(Some(marked.len() as u64))
+        })
+    }
+}
+
+/// The threads that follow rays.
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
 impl ViewRenderer for TracedRenderer {
     fn draw(
         &mut self,
@@ -243,11 +309,7 @@ impl ViewRenderer for TracedRenderer {
         let options = options(request)?;
         let settings = options.settings(&request.scene);
         let framed = space::framed(shared, request, &options.space);
-        let space_camera = framed.camera(&options.space.camera, request)?;
-        let placement = &space_camera.placement;
-        let scene = shared
-            .solids
-            .traced(request, &options.space.hidden, placement, settings.look);
+        let (space_camera, scene) = prepared(shared, request, &framed)?;
         let mut camera = lens(&scene, options, &space_camera);
         let has_lens = camera.aperture > 0.0;
         let (wanted, grid) = options.sampling(&request.scene, settings.look, has_lens);
@@ -266,22 +328,54 @@ impl ViewRenderer for TracedRenderer {
         let (content, mut sums) = kept.unwrap_or_else(|| (content, LightSums::new(request.size)));
         let missing = wanted - sums.samples();
         let interrupt = &shared.interrupt;
-        // The light of a pixel is added sample by sample: in one pass or in many, its sum has the same bits.
+        // The light of a pixel is added sample by sample: in one step or in many, its sum has the same bits.
         let step = match shared.keeps_partial {
             true => 1,
-            false => missing,
+            false => missing.max(1),
         };
-        let is_done = missing == 0
-            || scene.with_scenery(&camera, content.bounces, |scenery| {
-                let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
-                (0..missing).step_by(step as usize).all(|first| {
-                    sums.add(scenery, &camera, grid, step, threads, &|share| {
-                        progress((first as f32 + step as f32 * share) / missing as f32);
-                        // While something moves, each picture has something newer behind it.
-                        request.moving || !interrupt.is_wanted()
-                    })
-                })
+        let mut steps = (0..missing).step_by(step as usize);
+        let goes_on = |first: u32, share: f32| {
+            progress((first as f32 + step as f32 * share) / missing as f32);
+            // While something moves, each picture has something newer behind it.
+            request.moving || !interrupt.is_wanted()
+        };
+        // The renderer has a name for its GPU.
+        let mut backend = String::new();
+        let is_single = shared.is_single;
+        let by_gpu = shared.gpu.as_deref_mut().and_then(|gpu| {
+            let ready = scene.tables().map_err(str::to_owned).and_then(|tables| {
+                let is_ready = gpu.can_trace(is_single)?;
+                let waiting = || "its shader is being built".to_owned();
+                is_ready.then_some(tables).ok_or_else(waiting)
             });
+            match ready {
+                Ok(tables) => Some((gpu, tables)),
+                Err(clause) => {
+                    backend = format!("{SOFTWARE}, because {clause}");
+                    None
+                }
+            }
+        });
+        let is_done = match by_gpu {
+            _ if missing == 0 => true,
+            Some((gpu, tables)) => loop {
+                let Some(first) = steps.next() else {
+                    break true;
+                };
+                let goes_on = |share| goes_on(first, share);
+                let left = content.add_by_gpu(gpu, tables, &mut sums, step, &goes_on)?;
+                shared.pixels.count_retraced(left.unwrap_or(0));
+                if left.is_none() {
+                    break false;
+                }
+            },
+            None => scene.with_scenery(&camera, content.bounces, |scenery| {
+                steps.all(|first| {
+                    let goes_on = |share| goes_on(first, share);
+                    sums.add(scenery, &camera, grid, step, threads(), &goes_on)
+                })
+            }),
+        };
         let done = sums.samples();
         let added = done - (wanted - missing);
         let pixels = u64::from(request.size[0]) * u64::from(request.size[1]);
@@ -303,7 +397,7 @@ impl ViewRenderer for TracedRenderer {
             shared.samples.next();
         }
         Ok(RenderedImage {
-            backend: SOFTWARE.to_owned(),
+            backend,
             overlays,
             samples: Some([done, added]),
             notes: scene
@@ -324,13 +418,8 @@ impl ViewRenderer for TracedRenderer {
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         let options = options(request)?;
-        let settings = options.settings(&request.scene);
         let framed = space::framed(shared, request, &options.space);
-        let space_camera = framed.camera(&options.space.camera, request)?;
-        let placement = &space_camera.placement;
-        let scene = shared
-            .solids
-            .traced(request, &options.space.hidden, placement, settings.look);
+        let (space_camera, scene) = prepared(shared, request, &framed)?;
         let camera = LensCamera {
             aperture: 0.0,
             ..lens(&scene, options, &space_camera)
@@ -367,6 +456,28 @@ fn options(request: &PictureRequest) -> Result<&TracedOptions, RenderError> {
     })
 }
 
+/// The 3D view's camera for a picture, and what rays meet in it.
+fn prepared(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    framed: &Framed,
+) -> Result<(Camera, Arc<TracedScene>), RenderError> {
+    let options = options(request)?;
+    let look = options.settings(&request.scene).look;
+    let camera = framed.camera(&options.space.camera, request)?;
+    let (hidden, solids) = (&options.space.hidden, &mut shared.solids);
+    let scene = solids.traced(request, hidden, &camera.placement, look);
+    Ok((camera, scene))
+}
+
+/// A clause about what of a picture the GPU cannot trace; `None` if it can.
+fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
+    let mut shared = SharedState::default();
+    let framed = space::framed(&mut shared, request, &options(request)?.space);
+    let (_, scene) = prepared(&mut shared, request, &framed)?;
+    Ok(scene.tables().err().map(str::to_owned))
+}
+
 /// The camera of a picture: where the 3D view's stands, with the lens of the declared one.
 fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCamera {
     let declared = space::declared_camera(scene.rays(), options.space.declared.as_deref());
@@ -386,12 +497,8 @@ fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCam
         direction: -back,
         up,
         fov: 2.0 * space.half_tangents()[1].atan(),
-        roll: 0.0,
         focus: distance,
-        aperture: 0.0,
-        bokeh: Bokeh::default(),
-        projection: LensProjection::default(),
-        sharp: SharpPlaces::default(),
+        ..LensCamera::default()
     });
     LensCamera {
         position,

@@ -1,0 +1,308 @@
+//! Traced pictures on the GPU: one fixed pass follows the rays of all scenes that are data to it.
+//!
+//! ```text
+//! SceneTables ──tables.rs: buffers, kept──▶ pass/trace_scene.wgsl ──▶ sums of light, row by row
+//! camera, lights ──lens.rs: numbers────────────┘                   └─▶ samples that f32 cannot decide
+//! ```
+//!
+//! An edit of the scene writes buffers and compiles nothing.
+
+mod lens;
+mod tables;
+
+use std::sync::{Arc, OnceLock};
+use std::thread::JoinHandle;
+
+use bytemuck::Zeroable;
+use glam::DVec3;
+use tracer::PictureLook;
+use tracer::camera::{LensCamera, SampleAxes};
+use tracer::light::Light;
+
+use crate::error::RenderError;
+use crate::gpu::device::Gpu;
+use crate::gpu::layout::{ShaderLight, Trace};
+use crate::gpu::pipelines::{PipelineFactory, dispatch};
+use crate::gpu::trace::lens::{lens_of, light_of};
+use crate::gpu::trace::tables::TableBuffers;
+use crate::plan::Built;
+use crate::solids::{SceneTables, TracedScene};
+
+/// Pixels of one dispatch: no driver takes it for hung, and between two of them a picture can be given up.
+const DISPATCHED: u32 = 1 << 17;
+/// Pixels whose sums are in memory at once.
+const SLAB_PIXELS: u32 = 1 << 22;
+/// Samples of a pixel whose sums are read at once: their marks are the bits of a whole number that f32 has.
+const MOST_SAMPLES: u32 = 24;
+
+/// The state that the pass keeps from one picture to the next.
+#[derive(Debug, Default)]
+pub(crate) struct TracePass {
+    making: Option<Making>,
+    tables: Option<(Arc<TracedScene>, TableBuffers)>,
+}
+
+/// The pipeline, which takes seconds to compile, on a thread of its own: meanwhile f64 draws.
+#[derive(Debug)]
+struct Making {
+    /// The pipeline, or the message with which it was refused.
+    made: Arc<OnceLock<Result<wgpu::ComputePipeline, String>>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Samples to be traced.
+pub(crate) struct TraceTask<'a> {
+    pub(crate) scene: &'a Arc<TracedScene>,
+    pub(crate) tables: &'a SceneTables,
+    pub(crate) lights: &'a [Light],
+    pub(crate) camera: &'a LensCamera,
+    pub(crate) axes: SampleAxes,
+    pub(crate) size: [u32; 2],
+    pub(crate) bounces: u32,
+    pub(crate) look: PictureLook,
+    /// The first sample of each pixel, and the number of them.
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+}
+
+/// Samples that have been traced.
+pub(crate) struct TracedSamples {
+    /// The sums of each pixel's light, row by row, without those that are marked.
+    pub(crate) sums: Vec<DVec3>,
+    /// The samples that f32 cannot decide, each of a pixel.
+    pub(crate) marked: Vec<([u32; 2], u32)>,
+}
+
+impl TracePass {
+    /// True if the pipeline is ready. Its making begins with the first call, which `built` counts; with `waits`, this is its
+    /// end.
+    ///
+    /// # Errors
+    /// A clause, if the driver has refused it.
+    pub(crate) fn is_ready(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        built: &mut Built,
+        waits: bool,
+    ) -> Result<bool, String> {
+        let making = self.making.get_or_insert_with(|| {
+            built.trace_pipelines += 1;
+            Making::begin(gpu)
+        });
+        if waits {
+            making.made.wait();
+        }
+        match making.made.get() {
+            None => Ok(false),
+            Some(Ok(_)) => Ok(true),
+            Some(Err(message)) => Err(format!("the GPU has refused its shader: {message}")),
+        }
+    }
+
+    /// True while the pipeline is made.
+    pub(crate) fn is_making(&self) -> bool {
+        let making = self.making.as_ref();
+        making.is_some_and(|making| making.made.get().is_none())
+    }
+
+    /// Traces samples; `None` if `progress`, which receives the share that is done, returns false.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`], also if the pipeline is not ready.
+    pub(crate) fn trace(
+        &mut self,
+        factory: &PipelineFactory<'_>,
+        task: &TraceTask<'_>,
+        progress: &dyn Fn(f32) -> bool,
+    ) -> Result<Option<TracedSamples>, RenderError> {
+        let gpu = factory.gpu;
+        let made = self.making.as_ref().and_then(|making| making.made.get());
+        let Some(Ok(pipeline)) = made else {
+            return Err(RenderError::Gpu(
+                "the traced view has no pipeline".to_owned(),
+            ));
+        };
+        let known = self.tables.take();
+        let known = known.filter(|(scene, _)| Arc::ptr_eq(scene, task.scene));
+        let (_, tables) = match known {
+            Some(known) => self.tables.insert(known),
+            None => {
+                let tables = TableBuffers::new(gpu, task.tables)?;
+                self.tables.insert((task.scene.clone(), tables))
+            }
+        };
+        let origin = task.tables.world.origin;
+        let mut lights: Vec<ShaderLight> = task
+            .lights
+            .iter()
+            .map(|light| light_of(light, origin))
+            .collect();
+        // A binding of nothing is refused.
+        lights.push(ShaderLight::zeroed());
+        let lights = gpu.storage("lights", bytemuck::cast_slice(&lights));
+        let [width, height] = task.size;
+        let slab = (SLAB_PIXELS / width).clamp(1, height);
+        let bytes = 16 * u64::from(width) * u64::from(slab);
+        let sums = gpu.output("sums of light", bytes)?;
+        let bound = Bound {
+            pipeline,
+            tables,
+            lights: &lights,
+            sums: &sums,
+        };
+        let mut traced = TracedSamples {
+            sums: vec![DVec3::ZERO; width as usize * height as usize],
+            marked: Vec::new(),
+        };
+        let all = f64::from(height) * f64::from(task.count);
+        let mut done = 0.0;
+        for slab_row in (0..height).step_by(slab as usize) {
+            let end = (slab_row + slab).min(height);
+            for first in (0..task.count).step_by(MOST_SAMPLES as usize) {
+                let samples = MOST_SAMPLES.min(task.count - first);
+                let most = (DISPATCHED / width).clamp(1, slab);
+                for k in 0..samples {
+                    for row in (slab_row..end).step_by(most as usize) {
+                        let rows = most.min(end - row);
+                        bound.submit(factory, task, slab_row, [row, rows], [first, k]);
+                        gpu.wait()?;
+                        done += f64::from(rows);
+                        if !progress((done / all) as f32) {
+                            return Ok(None);
+                        }
+                    }
+                }
+                let bytes = 16 * u64::from(width) * u64::from(end - slab_row);
+                gpu.read(&sums, bytes, |bytes| {
+                    let sums: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(bytes);
+                    traced.add(&sums, slab_row, width, task.first + first);
+                })?;
+            }
+        }
+        Ok(Some(traced))
+    }
+}
+
+impl Making {
+    fn begin(gpu: &Arc<Gpu>) -> Self {
+        let made = Arc::new(OnceLock::new());
+        let (gpu, result) = (gpu.clone(), made.clone());
+        let work = move || {
+            let made = gpu.guarded(|| make(&gpu));
+            // Nobody else sets it.
+            let _ = result.set(made.map_err(|error| error.to_string()));
+        };
+        let thread = std::thread::Builder::new().name("trace".to_owned());
+        let thread = thread.spawn(work);
+        if let Err(error) = &thread {
+            // Nobody else sets it.
+            let _ = made.set(Err(error.to_string()));
+        }
+        Self {
+            made,
+            thread: thread.ok(),
+        }
+    }
+}
+
+impl Drop for Making {
+    fn drop(&mut self) {
+        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread has been reported where it occurred.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Builds the pipeline and dispatches it for no pixel: drivers compile at the first dispatch.
+fn make(gpu: &Gpu) -> Result<wgpu::ComputePipeline, RenderError> {
+    let mut factory = PipelineFactory::new(gpu);
+    let pipeline = factory.trace_pipeline(&wgsl::painter::trace_scene()?);
+    let uniform = gpu.uniform("trace", &Trace::zeroed());
+    let buffers: Result<Vec<_>, _> = (0..8).map(|_| gpu.output("nothing", 256)).collect();
+    let buffers = buffers?;
+    let resources: Vec<_> = std::iter::once(&uniform)
+        .chain(&buffers)
+        .map(wgpu::Buffer::as_entire_binding)
+        .collect();
+    let group = factory.bind(&pipeline.get_bind_group_layout(0), &resources);
+    gpu.submit(|encoder| dispatch(encoder, &pipeline, &group, [1, 1]));
+    gpu.wait()?;
+    Ok(pipeline)
+}
+
+impl TracedSamples {
+    /// Adds the sums of rows from a first one on, with the marks of samples from a first one on.
+    fn add(&mut self, sums: &[[f32; 4]], row: u32, width: u32, first: u32) {
+        let start = row as usize * width as usize;
+        for (k, (&[r, g, b, marks], sum)) in sums.iter().zip(&mut self.sums[start..]).enumerate() {
+            *sum += DVec3::new(r.into(), g.into(), b.into());
+            let marks = marks as u32;
+            for sample in (0..MOST_SAMPLES).filter(|sample| marks >> sample & 1 == 1) {
+                let pixel = [k as u32 % width, row + k as u32 / width];
+                self.marked.push((pixel, first + sample));
+            }
+        }
+    }
+}
+
+/// The resources of a picture's dispatches.
+struct Bound<'a> {
+    pipeline: &'a wgpu::ComputePipeline,
+    tables: &'a TableBuffers,
+    lights: &'a wgpu::Buffer,
+    sums: &'a wgpu::Buffer,
+}
+
+impl Bound<'_> {
+    /// Submits the dispatch of a sample of some rows: the first row and their number, the first sample of those whose sums are
+    /// read at once, and the number of those before it.
+    fn submit(
+        &self,
+        factory: &PipelineFactory<'_>,
+        task: &TraceTask<'_>,
+        slab_row: u32,
+        [first_row, rows]: [u32; 2],
+        [first, before]: [u32; 2],
+    ) {
+        let gpu: &Gpu = factory.gpu;
+        let places = &self.tables.places;
+        let trace = Trace {
+            lens: lens_of(task.camera, task.axes, task.size, task.tables.world.origin),
+            first_row,
+            rows,
+            sample: task.first + first + before,
+            bit: 1 << before,
+            light_count: task.lights.len() as u32,
+            endless: task.tables.world.endless as u32,
+            boxes: task.tables.world.boxes.len() as u32,
+            bounces: task.bounces,
+            look: u32::from(task.look == PictureLook::Crt),
+            least_weight: task.look.least_weight() as f32,
+            order_at: places.order,
+            terms_at: places.terms,
+            sky_at: places.sky,
+            sky_cells: task.tables.sky.len() as u32 - 1,
+            slab_row,
+            one: 1,
+        };
+        let uniform = gpu.uniform("trace", &trace);
+        let tables = &self.tables;
+        let resources = [
+            &uniform,
+            &tables.boxes,
+            &tables.components,
+            &tables.leaves,
+            &tables.pieces,
+            &tables.words,
+            &tables.materials,
+            self.lights,
+            self.sums,
+        ]
+        .map(wgpu::Buffer::as_entire_binding);
+        let group = factory.bind(&self.pipeline.get_bind_group_layout(0), &resources);
+        let groups = [task.size[0].div_ceil(8), rows.div_ceil(8)];
+        gpu.submit(|encoder| dispatch(encoder, self.pipeline, &group, groups));
+    }
+}

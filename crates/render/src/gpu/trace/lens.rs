@@ -1,0 +1,87 @@
+//! Cameras and lights in f32, as the pass of traced pictures reads them.
+
+use glam::DVec3;
+use tracer::camera::{Bokeh, LensCamera, LensProjection, STAR_CORNERS, SampleAxes, SharpPlaces};
+use tracer::light::{Light, LightKind};
+
+use crate::gpu::layout::{Lens, ShaderLight};
+
+/// A camera whose place counts from `origin`.
+pub(super) fn lens_of(
+    camera: &LensCamera,
+    axes: SampleAxes,
+    size: [u32; 2],
+    origin: DVec3,
+) -> Lens {
+    let [right, up, forward] = camera.axes();
+    // The numbers of the kinds stand in lib/lens.wgsl.
+    let (bokeh, corners) = match camera.bokeh {
+        Bokeh::Circle => (0, 0),
+        Bokeh::Line => (1, 0),
+        Bokeh::Box => (2, 0),
+        Bokeh::Gaussian => (3, 0),
+        Bokeh::Polygon(count) => (4, count),
+        Bokeh::Star => (5, STAR_CORNERS),
+    };
+    Lens {
+        right: three(right),
+        aperture: camera.aperture as f32,
+        up: three(up),
+        focus: camera.focus as f32,
+        forward: three(forward),
+        half_opening: (0.5 * camera.fov) as f32,
+        position: three(camera.position - origin),
+        tangent: (0.5 * camera.fov).tan() as f32,
+        size,
+        projection: match camera.projection {
+            LensProjection::Pinhole => 0,
+            LensProjection::Spherical => 1,
+            LensProjection::Cylindrical => 2,
+        },
+        ball: u32::from(camera.sharp == SharpPlaces::Ball),
+        bokeh,
+        corners,
+        axes: u32::from(axes.lens) + 2 * u32::from(axes.lights),
+        grid: axes.grid.unwrap_or(0),
+    }
+}
+
+/// A light whose place counts from `origin`.
+pub(super) fn light_of(light: &Light, origin: DVec3) -> ShaderLight {
+    let nowhere = DVec3::ZERO;
+    let (kind, position, direction, edge, soft) = match light.kind {
+        LightKind::Point(position) => (0, position - origin, nowhere, 0.0, 0.0),
+        LightKind::Parallel(direction) => (1, nowhere, direction, 0.0, 0.0),
+        LightKind::Spot {
+            position,
+            direction,
+            angle,
+            soft,
+        } => (2, position - origin, direction, 0.5 * angle, soft),
+        LightKind::Beam {
+            position,
+            direction,
+            radius,
+            soft,
+        } => (3, position - origin, direction, radius, soft),
+    };
+    ShaderLight {
+        position: three(position),
+        kind,
+        direction: three(direction.normalize_or_zero()),
+        size: light.size as f32,
+        color: three(light.color),
+        ambient: light.ambient as f32,
+        highlight: three(light.highlight),
+        falloff: light.falloff.map_or(-1.0, |falloff| falloff as f32),
+        edge: edge as f32,
+        soft: soft as f32,
+        casts_shadows: u32::from(light.casts_shadows),
+        padding: 0,
+    }
+}
+
+/// Three numbers in f32.
+pub(super) fn three(numbers: DVec3) -> [f32; 3] {
+    numbers.as_vec3().to_array()
+}

@@ -1,0 +1,199 @@
+//! The tables of a scene in f32, in buffers.
+
+use bytemuck::Pod;
+use glam::DVec3;
+use tracer::BoundingBox;
+use tracer::shade::{FaceLook, FaceSides};
+use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow};
+
+use crate::error::RenderError;
+use crate::gpu::device::Gpu;
+use crate::gpu::layout::{BoxNode, Component, FaceMaterial, Leaf, LeafPiece};
+use crate::gpu::trace::lens::three;
+use crate::solids::SceneTables;
+
+/// Boxes are larger by this share of their sides, and of the distances of their corners, so that rounding leaves nothing
+/// out.
+const SIDE_SLACK: f64 = 1e-5;
+const CORNER_SLACK: f64 = 4e-6;
+/// The coordinates of a box that contains everything.
+const EVERYWHERE: f64 = 1e15;
+/// Stands for no parent in 15 bits.
+const NO_PARENT: u32 = 0x7fff;
+/// The highest bit.
+const FLAG: u32 = 1 << 31;
+
+/// A scene on the device.
+#[derive(Debug)]
+pub(super) struct TableBuffers {
+    pub(super) boxes: wgpu::Buffer,
+    pub(super) components: wgpu::Buffer,
+    pub(super) leaves: wgpu::Buffer,
+    pub(super) pieces: wgpu::Buffer,
+    pub(super) words: wgpu::Buffer,
+    pub(super) materials: wgpu::Buffer,
+    pub(super) places: WordPlaces,
+}
+
+/// The places among the words at which each part of them begins; the nodes begin at 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WordPlaces {
+    pub(super) order: u32,
+    pub(super) terms: u32,
+    pub(super) sky: u32,
+}
+
+impl TableBuffers {
+    /// Copies a scene to the device.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if it has no buffers of this size.
+    pub(super) fn new(gpu: &Gpu, tables: &SceneTables) -> Result<Self, RenderError> {
+        let world = &tables.world;
+        let boxes = world.boxes.iter().map(|row| {
+            let (lower, upper) = widened(Some(row.bounds));
+            BoxNode {
+                lower,
+                place: row.place,
+                upper,
+                count: row.count,
+            }
+        });
+        let components = world.components.iter().map(|row| {
+            let glass = tables.glass.get(row.solid as usize).copied().flatten();
+            Component {
+                solid: row.solid,
+                first_leaf: row.first_leaf,
+                leaf_count: row.leaf_count,
+                first_node: row.first_node,
+                node_count: row.node_count,
+                is_glass: u32::from(glass.is_some()),
+                ior: glass.map_or(1.0, |glass| glass.ior as f32),
+                depth: glass.map_or(1.0, |glass| glass.depth as f32),
+            }
+        });
+        let leaves = world.leaves.iter().map(|row| leaf(tables, row));
+        let mut pieces: Vec<LeafPiece> = world.pieces.iter().map(piece).collect();
+        for (k, row) in world.leaves.iter().enumerate() {
+            let own = row.first_piece as usize..(row.first_piece + row.piece_count) as usize;
+            for piece in &mut pieces[own] {
+                piece.leaf = k as u32;
+            }
+        }
+        let mut words: Vec<u32> = world.nodes.iter().flat_map(node).collect();
+        let order = words.len() as u32;
+        words.extend(&world.order);
+        let terms = words.len() as u32;
+        words.extend(world.terms.iter().flat_map(|&([x, y, z], c)| {
+            let exponents = u32::from_le_bytes([x, y, z, 0]);
+            [exponents, (c as f32).to_bits()]
+        }));
+        let sky = words.len() as u32;
+        words.extend(
+            tables
+                .sky
+                .iter()
+                .flat_map(|&light| three(light))
+                .map(f32::to_bits),
+        );
+        Ok(Self {
+            boxes: rows(gpu, "boxes", boxes)?,
+            components: rows(gpu, "components", components)?,
+            leaves: rows(gpu, "leaves", leaves)?,
+            pieces: rows(gpu, "pieces", pieces)?,
+            words: rows(gpu, "words", words)?,
+            materials: rows(gpu, "materials", tables.looks.iter().map(material))?,
+            places: WordPlaces { order, terms, sky },
+        })
+    }
+}
+
+/// A buffer of rows, never empty.
+fn rows<T: Pod>(
+    gpu: &Gpu,
+    label: &str,
+    rows: impl IntoIterator<Item = T>,
+) -> Result<wgpu::Buffer, RenderError> {
+    let mut rows: Vec<T> = rows.into_iter().collect();
+    if rows.is_empty() {
+        rows.push(T::zeroed());
+    }
+    let bytes: &[u8] = bytemuck::cast_slice(&rows);
+    gpu.check_size(label, bytes.len() as u64)?;
+    Ok(gpu.storage(label, bytes))
+}
+
+/// The corners of a box, a little further out.
+fn widened(bounds: Option<BoundingBox>) -> ([f32; 3], [f32; 3]) {
+    let Some(BoundingBox { lower, upper }) = bounds else {
+        let far = DVec3::splat(EVERYWHERE);
+        return (three(-far), three(far));
+    };
+    let longest = (upper - lower).max_element().max(0.0);
+    let slack = SIDE_SLACK * longest + CORNER_SLACK * lower.abs().max(upper.abs());
+    (three(lower - slack), three(upper + slack))
+}
+
+fn literal(row: LiteralRow) -> u32 {
+    row.node | if row.complemented { FLAG } else { 0 }
+}
+
+fn node(row: &NodeRow) -> [u32; 2] {
+    let kind = if row.is_union { FLAG } else { 0 };
+    let parent = row.parent.unwrap_or(NO_PARENT);
+    [kind | parent << 16 | row.parts, row.holding]
+}
+
+fn leaf(tables: &SceneTables, row: &LeafRow) -> Leaf {
+    let map = row.frame_from_world;
+    let axes = map.matrix3.transpose();
+    let with = |axis: DVec3, shift: f64| [axis.x, axis.y, axis.z, shift].map(|x| x as f32);
+    let (lower, upper) = widened(row.bounds);
+    let (look, sides) = tables.leaves[row.leaf as usize];
+    Leaf {
+        row_x: with(axes.x_axis, map.translation.x),
+        row_y: with(axes.y_axis, map.translation.y),
+        row_z: with(axes.z_axis, map.translation.z),
+        centre: three(row.center),
+        first_piece: row.first_piece,
+        lower,
+        piece_count: row.piece_count,
+        upper,
+        gate: literal(row.gate),
+        material: look,
+        sides: match sides {
+            FaceSides::Both => 0,
+            FaceSides::Outer => 1,
+            FaceSides::None => 2,
+        },
+        padding: [0; 2],
+    }
+}
+
+/// A piece, of a leaf that is not known yet.
+fn piece(row: &PieceRow) -> LeafPiece {
+    LeafPiece {
+        squares: three(row.squares),
+        constant: row.constant as f32,
+        mixed: three(row.mixed),
+        literal: literal(row.literal),
+        linear: three(row.linear),
+        frame: row.frame,
+        equation: row.equation,
+        leaf: 0,
+        kind: row.degree | if row.opposite { 256 } else { 0 },
+        terms: row.first_term << 6 | row.term_count,
+    }
+}
+
+fn material(look: &FaceLook) -> FaceMaterial {
+    FaceMaterial {
+        color: three(look.color),
+        scattered: look.scattered() as f32,
+        mirror: three(look.mirror),
+        glass: look.glass as f32,
+        specular: look.specular as f32,
+        shininess: look.shininess as f32,
+        padding: [0.0; 2],
+    }
+}
