@@ -14,7 +14,7 @@ use glam::{DAffine3, DVec3};
 use crate::bounds::BoundingBox;
 use crate::leaf::Leaf;
 use crate::shape::LeafSurface;
-use crate::tree::Literal;
+use crate::tree::{Forest, LeafLiterals, Literal};
 use crate::world::World;
 
 pub use crate::bvh::BoxRow;
@@ -160,16 +160,18 @@ impl World {
             ..WorldTables::default()
         };
         let mut first_leaf = 0;
-        let own_boxes = self.node_boxes();
+        let trees = WholeTrees::of(self);
+        let own_boxes = trees.node_boxes(self);
         let mut boxes = Vec::new();
         let mut boxed = Vec::new();
-        for solid in 0..self.forest.len() {
-            for nodes in self.forest.components(solid) {
+        for solid in 0..trees.forest.len() {
+            for nodes in trees.forest.components(solid) {
                 if nodes.len() > MOST_NODES {
                     return Err(TableError::TooManyNodes { solid });
                 }
-                let rest = self.leaves[first_leaf..].iter();
-                let of_component = |leaf: &&Leaf| nodes.contains(&(leaf.gate.node() as usize));
+                let rest = trees.literals[first_leaf..].iter();
+                let of_component =
+                    |leaf: &&LeafLiterals| nodes.contains(&(leaf.gate.node() as usize));
                 let leaf_count = rest.take_while(of_component).count();
                 let component = tables.components.len() as u32;
                 match own_boxes[nodes.start] {
@@ -188,9 +190,9 @@ impl World {
                     node_count: nodes.len() as u32,
                 });
                 for leaf in first_leaf..first_leaf + leaf_count {
-                    self.add_leaf(&mut tables, leaf, nodes.start)?;
+                    self.add_leaf(&mut tables, leaf, &trees.literals[leaf], nodes.start)?;
                 }
-                tables.nodes.extend(self.forest.rows(nodes));
+                tables.nodes.extend(trees.forest.rows(nodes));
                 first_leaf += leaf_count;
             }
         }
@@ -207,6 +209,7 @@ impl World {
         &self,
         tables: &mut WorldTables,
         number: usize,
+        literals: &LeafLiterals,
         first_node: usize,
     ) -> Result<(), TableError> {
         let leaf = &self.leaves[number];
@@ -258,7 +261,7 @@ impl World {
                 equation: (frame.first_piece + place) as u32,
                 frame: of as u32,
                 opposite,
-                literal: row(leaf.pieces[k]),
+                literal: row(literals.pieces[k]),
                 degree: degree as u32,
                 squares: three([[2, 0, 0], [0, 2, 0], [0, 0, 2]]),
                 mixed: three([[0, 1, 1], [1, 0, 1], [1, 1, 0]]),
@@ -275,26 +278,60 @@ impl World {
                 ..leaf.unit_from_world
             },
             center: center - origin,
-            bounds: leaf.bounds.map(|bounds| tables.moved(bounds)),
-            gate: row(leaf.gate),
+            bounds: self.own_box(leaf).map(|bounds| tables.moved(bounds)),
+            gate: row(literals.gate),
             first_piece,
             piece_count: tables.pieces.len() as u32 - first_piece,
         });
         Ok(())
     }
 
+    /// The box of a leaf, which no ray enters inside of it; of an endless one, the box in which it is looked for.
+    fn own_box(&self, leaf: &Leaf) -> Option<BoundingBox> {
+        let own = self.shapes[leaf.shape].bounds;
+        let world_from_shape = leaf.shape_from_world.inverse();
+        let own = own.map(|bounds| bounds.transformed(&world_from_shape));
+        own.or(leaf.bounds)
+    }
+}
+
+/// The trees of a world with a node for each piece: those that rays in f64 follow have none for convex leaves.
+struct WholeTrees {
+    forest: Forest,
+    /// Of each leaf of the world.
+    literals: Vec<LeafLiterals>,
+}
+
+impl WholeTrees {
+    fn of(world: &World) -> Self {
+        let mut forest = Forest::default();
+        let mut literals = vec![None; world.leaves.len()];
+        for steps in &world.solids {
+            forest.add(
+                steps,
+                &|leaf| world.leaves[leaf].compiled.region.clone(),
+                &mut |leaf, found| literals[leaf] = Some(found),
+            );
+        }
+        // Each leaf is a part of its tree.
+        Self {
+            forest,
+            literals: literals.into_iter().flatten().collect(),
+        }
+    }
+
     /// For each node a box that contains the set that it stands for; `None` where none is found.
-    fn node_boxes(&self) -> Vec<Option<BoundingBox>> {
+    fn node_boxes(&self, world: &World) -> Vec<Option<BoundingBox>> {
         let mut boxes = self.forest.whole_boxes();
-        for leaf in &self.leaves {
+        for (leaf, literals) in world.leaves.iter().zip(&self.literals) {
+            let gate = literals.gate;
             // The gate of a leaf that is taken away belongs to a union with everything outside it.
-            if !leaf.gate.is_complemented() && leaf.bounded {
-                boxes[leaf.gate.node() as usize] = leaf.bounds;
-            } else {
-                boxes[leaf.gate.node() as usize] = None;
-            }
-            for piece in &leaf.pieces {
-                if piece.node() != leaf.gate.node() {
+            boxes[gate.node() as usize] = match !gate.is_complemented() && leaf.bounded {
+                true => world.own_box(leaf),
+                false => None,
+            };
+            for piece in &literals.pieces {
+                if piece.node() != gate.node() {
                     boxes[piece.node() as usize] = None;
                 }
             }

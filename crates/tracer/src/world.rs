@@ -77,7 +77,7 @@ pub struct World {
     /// True for the leaves that are solids by themselves, of degree two at most.
     pub(crate) lone: Vec<bool>,
     pub(crate) piece_count: usize,
-    solids: Vec<Vec<TreeStep>>,
+    pub(crate) solids: Vec<Vec<TreeStep>>,
     /// A box that contains each solid, `None` where none is found.
     bounds: Vec<Option<BoundingBox>>,
 }
