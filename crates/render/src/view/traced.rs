@@ -4,7 +4,7 @@
 //! request ──geometry──▶ scenery, lens camera ──tracer, or gpu::trace: sums of light, kept──▶ means ──▶ picture
 //! ```
 //!
-//! A renderer with a GPU draws on it what fits its fixed pass ([`TracedScene::tables`]), and leaves to f64 the samples that f32
+//! A renderer with a GPU draws on it what fits its fixed pass (`TracedScene::tables`), and leaves to f64 the samples that f32
 //! cannot decide.
 //!
 //! A request says how many samples each pixel has. The sums of the last picture are kept: a request for more samples of the
@@ -382,7 +382,8 @@ impl ViewRenderer for TracedRenderer {
         shared.pixels.count_traced(u64::from(added) * pixels);
         let mut image = picture(request.size, &sums, &settings);
         self.sums = Some((content, sums));
-        if !is_done && !(shared.keeps_partial && done > 0) {
+        let is_kept = shared.keeps_partial && done > 0;
+        if !is_done && !is_kept {
             return Err(RenderError::Interrupted);
         }
         let partial = (!is_done)
