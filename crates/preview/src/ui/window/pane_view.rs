@@ -7,7 +7,7 @@ use render::PictureRequest;
 use render::gpu::Pixels;
 use render::rendered::RenderedImage;
 
-use crate::engine::request::differ_by_shown_camera;
+use crate::engine::request::{differ_by_refinement, differ_by_shown_camera};
 use crate::ui::gpu_surface::TextureBinding;
 
 /// A pane with a picture.
@@ -34,6 +34,8 @@ pub(super) enum Waiting {
     ForFrame,
     /// It has not. The picture only follows the camera of another view, and no frame waits for it.
     Following,
+    /// It has not. The picture is a finer one of what is shown, and no frame waits for it.
+    Refining,
 }
 
 /// A picture that is on the screen.
@@ -59,12 +61,16 @@ pub(crate) struct Picture {
 
 impl PaneView {
     /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is one
-    /// that follows.
+    /// that follows; one that is only finer refines it.
     pub(super) fn send(&mut self, request: &PictureRequest) {
         let before = self.request.as_ref();
         let follows = before.is_some_and(|before| differ_by_shown_camera(before, request));
+        let refines = !request.moving
+            && request.view.samples().is_some()
+            && before.is_some_and(|before| differ_by_refinement(before, request));
         self.waiting = match (follows, self.waiting) {
             (true, Waiting::No | Waiting::Following) => Waiting::Following,
+            _ if refines => Waiting::Refining,
             _ => Waiting::ForFrame,
         };
         self.request = Some(request.clone());
@@ -100,5 +106,45 @@ impl PaneView {
         let picture = self.picture.get_or_insert_default();
         picture.error = Some(reason);
         picture.version = version;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use render::view::traced::TracedOptions;
+    use scene::ParamValues;
+
+    use super::*;
+
+    #[test]
+    fn no_frame_waits_for_a_finer_picture_of_what_is_shown() {
+        let text = "param r : [1, 2]; solid s(x,y,z) = x^2 + y^2 + z^2 - r^2;";
+        let scene = Arc::new(scene::geotrace::compile(text).scene.expect("no errors"));
+        let params = ParamValues::initial(&scene);
+        let coarse = TracedOptions {
+            samples: Some(1),
+            ..TracedOptions::default()
+        };
+        let mut coarse = PictureRequest::new(&scene, params, coarse, [16; 2]);
+        coarse.moving = true;
+        let mut view = PaneView::default();
+        view.send(&coarse);
+        assert_eq!(view.waiting, Waiting::ForFrame);
+        let mut whole = coarse.clone();
+        (whole.moving, whole.size) = (false, [64; 2]);
+        view.send(&whole);
+        assert_eq!(view.waiting, Waiting::Refining);
+        let mut finer = whole.clone();
+        finer.view.set_samples(2);
+        view.send(&finer);
+        assert_eq!(view.waiting, Waiting::Refining);
+        // What moves is awaited, as any other picture is.
+        let mut other = ParamValues::initial(&scene);
+        other.set(&scene, "r", &[2.0]).expect("in its interval");
+        coarse.params = other.into();
+        view.send(&coarse);
+        assert_eq!(view.waiting, Waiting::ForFrame);
     }
 }
