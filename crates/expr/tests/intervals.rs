@@ -212,6 +212,12 @@ proptest! {
         let mut places: Vec<f64> = shares.iter().map(|share| share * length).collect();
         places.sort_by(f64::total_cmp);
         let at = |t: f64| value(&tape, &[0, 1, 2].map(|k| origin[k] + t * direction[k]));
+        let rounded = |t: f64| {
+            let inputs = pick(&tape, |k| Interval::point(origin[k] + t * direction[k]));
+            let mut out = [Interval::point(0.0)];
+            tape.eval_intervals(&mut Registers::default(), &inputs, &mut out);
+            out[0].width()
+        };
         for pair in places.windows(2) {
             let [a, b] = [at(pair[0]), at(pair[1])];
             prop_assert!(range.contains(a), "{a} is not in {range:?}");
@@ -221,9 +227,9 @@ proptest! {
                 continue;
             }
             let step = pair[1] - pair[0];
-            // Rounding of the values, and of t where the function is steep.
+            // Rounding of the values, also of larger ones on the way to them, and of t where the function is steep.
             let steep = if bounded { slope.lower().abs().max(slope.upper().abs()) } else { 0.0 };
-            let slack = 1e-9 * (1.0 + a.abs().max(b.abs()) + steep);
+            let slack = 1e-9 * (1.0 + a.abs().max(b.abs()) + steep) + rounded(pair[0]) + rounded(pair[1]);
             if bounded {
                 prop_assert!(b - a >= slope.lower() * step - slack, "{a}, {b} against {slope:?}");
                 prop_assert!(b - a <= slope.upper() * step + slack, "{a}, {b} against {slope:?}");
