@@ -33,6 +33,7 @@ export interface Results {
     "textDocument/semanticTokens/range": p.SemanticTokens | null;
     "textDocument/documentColor": p.ColorInformation[];
     "textDocument/colorPresentation": p.ColorPresentation[];
+    "textDocument/documentLink": p.DocumentLink[] | null;
     "textDocument/diagnostic": p.DocumentDiagnosticReport;
     "workspace/diagnostic": p.WorkspaceDiagnosticReport;
     "workspace/executeCommand": p.LSPAny;
