@@ -22,6 +22,7 @@
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
 mod chart;
+mod conjugate_search;
 pub mod ends;
 pub mod fan;
 pub mod field;

@@ -7,10 +7,11 @@
 use std::cell::Cell;
 
 use super::{FieldPiece, ImplicitSurface, LocalShape};
+use crate::conjugate_search::{ROUNDS, brackets};
 use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
 use crate::field::{self, FieldKnot};
-use crate::interpolate::{cubic, quintic, value};
+use crate::interpolate::{quintic, value};
 use crate::metric::{combine, dot, norm};
 use crate::runge_kutta::{
     self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
@@ -34,8 +35,6 @@ const LEAST_TURN: f64 = 0.3;
 const BESIDE_EDGES: f64 = 0.05;
 /// The relative error that an evaluation's rounding may add to a step.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// The relative error of the Jacobi fields over that of the step where they are to be as exact as the ray.
-const SHARP: f64 = 1e-14;
 /// A step that is off by less than this share of the ray's scale leaves nothing but rounding once it is corrected.
 const GOOD: f64 = 1e-9;
 /// Evaluations that are kept back for the end.
@@ -525,38 +524,16 @@ impl SpaceRay<'_> {
         let before = self.field;
         let carried = |tried: &Tried| tried.propagator.map(|[n, k]| n * before[0] + k * before[1]);
         let after = carried(tried);
-        let m = |share: f64| cubic(share, h, before, after);
-        for pair in [0.0, 0.25, 0.5, 0.75, 1.0].windows(2) {
-            let (from, to) = (m(pair[0]), m(pair[1]));
-            // The start itself, where m = 0, is none.
-            if from == 0.0 || (from > 0.0) == (to > 0.0) {
-                continue;
-            }
-            let (mut low, mut high) = (pair[0] * h, pair[1] * h);
-            let mut at = low + (high - low) * from / (from - to);
-            for _ in 0..40 {
-                let Some(part) = self.step(at) else {
+        for mut zero in brackets(h, before, after) {
+            for _ in 0..ROUNDS {
+                let Some(part) = self.step(zero.at) else {
                     break;
                 };
-                let [value, rate] = carried(&part);
-                if (value > 0.0) == (from > 0.0) {
-                    low = at;
-                } else {
-                    high = at;
-                }
-                let newton = at - value / rate;
-                let next = if newton >= low && newton <= high {
-                    newton
-                } else {
-                    0.5 * (low + high)
-                };
-                let moved = (next - at).abs();
-                at = next;
-                if moved <= SHARP * h || value == 0.0 {
+                if zero.narrow(carried(&part), h) {
                     break;
                 }
             }
-            self.conjugates.push(self.s + at);
+            self.conjugates.push(self.s + zero.at);
         }
     }
 }

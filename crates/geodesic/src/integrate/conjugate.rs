@@ -3,12 +3,9 @@
 
 use super::ray::Ray;
 use super::step::RayStep;
-use crate::interpolate::cubic;
+use crate::conjugate_search::{ROUNDS, brackets};
 use crate::runge_kutta::StepParameter;
 use crate::surface::Surface;
-
-/// A conjugate point is located to this share of its step.
-const SHARP: f64 = 1e-14;
 
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
@@ -17,41 +14,17 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let before = self.field;
         let carried = |step: &RayStep| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
         let after = carried(step);
-        // The cubic through both ends tells where to look.
-        let m = |share: f64| cubic(share, h, before, after);
-        const LOOKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
-        for pair in LOOKS.windows(2) {
-            let (from, to) = (m(pair[0]), m(pair[1]));
-            // The start itself, where m = 0, is none.
-            if from == 0.0 || (from > 0.0) == (to > 0.0) {
-                continue;
-            }
-            let (mut low, mut high) = (pair[0] * h, pair[1] * h);
-            let mut at = low + (high - low) * from / (from - to);
+        for mut zero in brackets(h, before, after) {
             let mut length = self.s;
-            for _ in 0..40 {
+            for _ in 0..ROUNDS {
                 if !self.affords_step() {
                     return;
                 }
-                let Some(part) = self.step(at, pace) else {
+                let Some(part) = self.step(zero.at, pace) else {
                     return;
                 };
-                let [value, rate] = carried(&part);
                 length = self.s + part.length;
-                if (value > 0.0) == (from > 0.0) {
-                    low = at;
-                } else {
-                    high = at;
-                }
-                let newton = at - value / rate;
-                let next = if newton >= low && newton <= high {
-                    newton
-                } else {
-                    0.5 * (low + high)
-                };
-                let moved = (next - at).abs();
-                at = next;
-                if moved <= SHARP * h || value == 0.0 {
+                if zero.narrow(carried(&part), h) {
                     break;
                 }
             }

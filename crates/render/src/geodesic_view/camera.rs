@@ -65,6 +65,14 @@ pub struct PlacedCamera {
     size: [u32; 2],
 }
 
+/// The place (x, y) of a pixel of a picture of this size in the plane of a frame: the shorter side goes from −1 to 1.
+pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64; 2] {
+    let [width, height] = size.map(f64::from);
+    let per_pixel = 2.0 / width.min(height);
+    let [x, y] = [at[0] - 0.5 * width, 0.5 * height - at[1]];
+    [x * per_pixel, y * per_pixel]
+}
+
 impl PlacedCamera {
     /// Puts a camera on its surface; of a surface that depends on grids, the first instance is taken. A place beyond a
     /// side that wraps is brought back into the domain.
@@ -129,11 +137,8 @@ impl PlacedCamera {
     }
 
     /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
-    pub(crate) fn picture_place(&self, PixelPoint(at): PixelPoint) -> [f64; 2] {
-        let [width, height] = self.size.map(f64::from);
-        let per_pixel = 2.0 / width.min(height);
-        let [x, y] = [at[0] - 0.5 * width, 0.5 * height - at[1]];
-        [x * per_pixel, y * per_pixel]
+    pub(crate) fn picture_place(&self, at: PixelPoint) -> [f64; 2] {
+        picture_place(self.size, at)
     }
 
     /// `[[u min, u max], [v min, v max]]`.

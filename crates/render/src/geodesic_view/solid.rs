@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::PictureMethod;
-use super::camera::{MOVING_TOLERANCE, TOLERANCE};
+use super::camera::{MOVING_TOLERANCE, TOLERANCE, picture_place};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::viewpoint::{GeodesicCamera, Pose};
@@ -161,13 +161,8 @@ impl PlacedSolidCamera {
     }
 
     /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
-    pub(crate) fn picture_place(&self, PixelPoint(at): PixelPoint) -> [f64; 2] {
-        let [width, height] = self.size.map(f64::from);
-        let per_pixel = 2.0 / width.min(height);
-        [
-            (at[0] - 0.5 * width) * per_pixel,
-            (0.5 * height - at[1]) * per_pixel,
-        ]
+    pub(crate) fn picture_place(&self, at: PixelPoint) -> [f64; 2] {
+        picture_place(self.size, at)
     }
 
     /// The ends of all pixels' geodesics, on all cores. `progress` receives the share that is done.

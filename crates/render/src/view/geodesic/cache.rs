@@ -79,10 +79,7 @@ impl MapCache {
             size: request.size,
             moving: request.moving,
         };
-        if let Some(at) = self.maps.iter().position(|(known, _)| *known == key) {
-            let known = self.maps.remove(at);
-            let map = known.1.clone();
-            self.maps.push(known);
+        if let Some(map) = used(&mut self.maps, &key) {
             // Its surface is in use too.
             self.surfaces.get(&key.surface);
             return Ok(map);
@@ -91,10 +88,7 @@ impl MapCache {
         let ends = Arc::new(camera.ends(progress));
         shared.followed += 1;
         let map = Arc::new(CachedMap { camera, ends });
-        if self.maps.len() >= MAPS {
-            self.maps.remove(0);
-        }
-        self.maps.push((key, map.clone()));
+        keep(&mut self.maps, key, map.clone());
         Ok(map)
     }
 
@@ -131,6 +125,23 @@ impl MapCache {
     pub(super) fn next(&mut self) {
         self.surfaces.next();
     }
+}
+
+/// Returns the map of a key, which is the last one then.
+fn used<K: PartialEq, T>(maps: &mut Vec<(K, Arc<T>)>, key: &K) -> Option<Arc<T>> {
+    let at = maps.iter().position(|(known, _)| known == key)?;
+    let known = maps.remove(at);
+    let map = known.1.clone();
+    maps.push(known);
+    Some(map)
+}
+
+/// Adds a map, for which the one that has not been used for longest makes room.
+fn keep<K, T>(maps: &mut Vec<(K, Arc<T>)>, key: K, map: Arc<T>) {
+    if maps.len() >= MAPS {
+        maps.remove(0);
+    }
+    maps.push((key, map));
 }
 
 /// A camera on a solid with the ends of its geodesics.
@@ -173,20 +184,14 @@ impl SolidMapCache {
             moving: request.moving,
         };
         let key = (key, fixed);
-        if let Some(at) = self.maps.iter().position(|(known, _)| *known == key) {
-            let known = self.maps.remove(at);
-            let map = known.1.clone();
-            self.maps.push(known);
+        if let Some(map) = used(&mut self.maps, &key) {
             return Ok(map);
         }
         let camera = self.place(shared, request, options)?;
         let map = camera.ends(progress)?;
         shared.followed += 1;
         let map = Arc::new((camera, map));
-        if self.maps.len() >= MAPS {
-            self.maps.remove(0);
-        }
-        self.maps.push((key, map.clone()));
+        keep(&mut self.maps, key, map.clone());
         Ok(map)
     }
 
