@@ -142,6 +142,36 @@ fn casting_and_evaluating_have_the_coordinates_of_the_script() {
 }
 
 #[test]
+fn geodesics_on_a_solid_have_the_coordinates_of_the_script() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "ball = Sphere { center -> vec3(0, 1, 5) radius -> 1 } Scene { ball }";
+    let script = written(folder.path(), text);
+    let name = script.display().to_string();
+    // From the top a quarter of the way around, towards the front.
+    let quarter = std::f64::consts::FRAC_PI_2.to_string();
+    let words = ["trace", &name, "--surface", "ball", "--from", "0,2,5"];
+    let more = ["--direction", "0,0,-1", "--length", &quarter];
+    let words = words.into_iter().chain(more).chain(["--format", "json"]);
+    let run = geotrace(words).run();
+    run.expect_status(0);
+    let position = run.json()["position"].clone();
+    for (k, expected) in [0.0, 1.0, 4.0].into_iter().enumerate() {
+        let found = position[k].as_f64().expect("a number");
+        assert!((found - expected).abs() < 1e-9, "{position}");
+    }
+    let picture = folder.path().join("inside.png").display().to_string();
+    let words = ["render", &name, "-o", &picture, "--size", "8x8"];
+    let at = |place| {
+        words
+            .into_iter()
+            .chain(["--view", "geodesic:ball", "--at", place])
+    };
+    geotrace(at("0,2,5")).run().expect_status(0);
+    // The middle of the ball lies on no surface.
+    geotrace(at("0,1,5")).run().expect_status(2);
+}
+
+#[test]
 fn each_value_of_t_runs_the_script_anew() {
     let folder = tempfile::tempdir().expect("a folder");
     let script = written(

@@ -247,7 +247,7 @@ fn geodesic_camera(
     }
     if let Pose::InSpace { at, angle } = pose {
         if let Some(at) = at {
-            options.numbers("at", &at);
+            options.numbers("at", &request.scene.stated(at));
         }
         if angle != 0.0 {
             options.numbers("angle", &[degrees(angle)]);

@@ -168,7 +168,10 @@ fn on_solid(
     let Some(object) = program.scene().get(id) else {
         return Err(Failure::usage("there is no solid"));
     };
-    let from: [f64; 3] = program.place("--from", &arguments.from, params, object)?;
+    // A script has other coordinates than its scene.
+    let stated = |vector| program.scene().stated(vector);
+    let given: [f64; 3] = program.place("--from", &arguments.from, params, object)?;
+    let from = stated(given);
     let solid = SolidSurface::new(program.scene(), params, id);
     let solid = solid.map_err(|error| Failure::Input {
         message: error.to_string(),
@@ -180,11 +183,11 @@ fn on_solid(
         hint: Some("`--from` takes a place near the surface".into()),
     };
     let direction = match &arguments.direction {
-        Some(direction) => program.place("--direction", direction, params, object)?,
+        Some(direction) => stated(program.place("--direction", direction, params, object)?),
         None => {
             let angle = arguments.heading.unwrap_or(0.0).to_radians();
             let frame = SpaceFrame::new(surface, from, angle, 1.0).map_err(|why| {
-                let [x, y, z] = from;
+                let [x, y, z] = given;
                 unusable(format!(
                     "the start ({x}, {y}, {z}) is not brought onto the surface: {why}"
                 ))
@@ -197,7 +200,13 @@ fn on_solid(
         SpaceTraceError::Place { .. } => unusable(error.to_string()),
         _ => Failure::usage(error.to_string()),
     })?;
-    Ok((from, trace))
+    let turned = SpaceTrace {
+        start: stated(trace.start),
+        position: stated(trace.position),
+        direction: stated(trace.direction),
+        ..trace
+    };
+    Ok((given, turned))
 }
 
 fn document_in_space(trace: &SpaceTrace) -> TraceJson {

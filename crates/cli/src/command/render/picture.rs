@@ -155,7 +155,7 @@ fn geodesic_camera(
             let at = arguments.at.as_ref();
             let at = at.map(|at| program.place("--at", at, params, object));
             Pose::InSpace {
-                at: at.transpose()?,
+                at: at.transpose()?.map(|at| program.scene().stated(at)),
                 angle,
             }
         }

@@ -4,8 +4,8 @@ use egui::{Key, Response, Ui};
 use render::ViewId;
 
 use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing, pixel};
-use crate::state::Model;
 use crate::state::motion::Motion;
+use crate::state::{InsideCamera, Model};
 use crate::ui::window::Window;
 
 /// Lengths of X a second.
@@ -62,11 +62,14 @@ impl CameraInput for GeodesicInput {
     fn place(&self, model: &Model, id: &ViewId) -> Option<String> {
         let camera = model.view.inside.get(surface(id))?;
         let zoom = camera.zoom();
-        let place = match camera.place() {
-            [u, v] => format!("(u, v) = ({u:.3}, {v:.3})"),
-            place => {
-                let numbers: Vec<String> = place.iter().map(|x| format!("{x:.3}")).collect();
-                format!("(x, y, z) = ({})", numbers.join(", "))
+        let place = match camera {
+            InsideCamera::Chart(camera) => {
+                let [u, v] = camera.at;
+                format!("(u, v) = ({u:.3}, {v:.3})")
+            }
+            InsideCamera::Solid(camera) => {
+                let [x, y, z] = model.scene.as_ref()?.stated(camera.at);
+                format!("(x, y, z) = ({x:.3}, {y:.3}, {z:.3})")
             }
         };
         Some(format!(" from {place}, {zoom:.3} from centre to edge"))
