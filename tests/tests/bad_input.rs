@@ -881,7 +881,8 @@ fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
     assert!(told.contains(" of its 65536 samples"), "{told}");
     let picture = image::open(folder.path().join("out.png")).expect("a picture");
     assert_eq!((picture.width(), picture.height()), (64, 48));
-    let series = "-o f.png --size 8x6 --animate a=0:1 --frames 100000 --samples 1";
+    // A picture of the series is large, so that the signal comes before its first sample is done.
+    let series = "-o f.png --size 1600x1200 --animate a=0:1 --frames 100000 --samples 1";
     let told = kept(folder.path(), series);
     assert!(told.contains(" of 100000 pictures"), "{told}");
     let files = std::fs::read_dir(folder.path()).expect("a folder").count();

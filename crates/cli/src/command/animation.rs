@@ -240,15 +240,17 @@ impl Animation {
         let mut drawn = 0;
         // Nothing once an end has been asked for, which a command hears only if it keeps what is done.
         let mut frame = |number: u32| -> Result<Option<image::RgbaImage>, Failure> {
-            if number > 0 && interruption::is_interrupted() {
+            let is_over = || number > 0 && interruption::is_interrupted();
+            if is_over() {
                 return Ok(None);
             }
             let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
-            let picture = draw(self.course.share(number, self.frames), &done)?;
-            // The picture that was being drawn is coarser than those before it.
-            if number > 0 && interruption::is_interrupted() {
+            let picture = draw(self.course.share(number, self.frames), &done);
+            // The picture that was being drawn is none, or coarser than those before it.
+            if is_over() {
                 return Ok(None);
             }
+            let picture = picture?;
             drawn += 1;
             first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
             Ok(Some(picture.image))
