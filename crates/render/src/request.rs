@@ -270,12 +270,16 @@ fn stated_colour(scene: &Scene, params: &ParamValues, object: &Object) -> Option
     let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
     let mut out = vec![f64::NAN; tape.root_count()];
     tape.eval(&mut Registers::default(), &inputs, &mut out);
-    let [red, green, blue] = match out[..] {
+    srgb_of(&out)
+}
+
+/// The colour, sRGB from 0 to 1, of a grey or of red, green and blue; `None` where it is undefined.
+pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
+    let colour = match *numbers {
         [grey] => [grey; 3],
         [red, green, blue] => [red, green, blue],
         _ => return None,
     };
-    let colour = [red, green, blue];
     let is_defined = colour.iter().all(|part| part.is_finite());
     is_defined.then(|| colour.map(|part| part.clamp(0.0, 1.0)))
 }

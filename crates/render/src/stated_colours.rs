@@ -7,10 +7,10 @@ use std::sync::Arc;
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
 use rayon::prelude::*;
-use scene::{Object, Range, Scene};
+use scene::{Object, Range, Sampling, Scene};
 
 use crate::content::{self, Content};
-use crate::request::{PictureRequest, color_nodes};
+use crate::request::{PictureRequest, color_nodes, srgb_of};
 use crate::shared::Shared;
 use crate::texture::Texture;
 
@@ -68,8 +68,7 @@ impl StatedColours {
         let entry = match known.position(|(known, size, _)| *known == content && *size == side) {
             Some(at) => self.known.remove(at),
             None => {
-                let ranges: Vec<Range> = domain.iter().map(|sampling| sampling.range).collect();
-                let texture = baked(&request.scene, nodes, &ranges, &uniforms, side);
+                let texture = baked(&request.scene, nodes, domain, &uniforms, side);
                 (content, side, Arc::new(texture).into())
             }
         };
@@ -83,13 +82,13 @@ impl StatedColours {
 fn baked(
     scene: &Scene,
     nodes: &[NodeId],
-    domain: &[Range],
+    domain: &[Sampling],
     uniforms: &[f64],
     side: u32,
 ) -> Texture {
     let tape = Tape::new(&scene.graph, nodes);
     let at = |k: usize, texel: u32| {
-        let Range { min, max } = domain[k];
+        let Range { min, max } = domain[k].range;
         min + (max - min) * (f64::from(texel) + 0.5) / f64::from(side)
     };
     let mut texels = vec![[255; 4]; (side * side) as usize];
@@ -107,13 +106,8 @@ fn baked(
             };
             let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
             tape.eval(registers, &inputs, &mut values);
-            let parts = match values[..] {
-                [grey] => [grey; 3],
-                [red, green, blue] => [red, green, blue],
-                _ => continue,
-            };
-            if parts.iter().all(|part| part.is_finite()) {
-                let [r, g, b] = parts.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
+            if let Some(colour) = srgb_of(&values) {
+                let [r, g, b] = colour.map(|part| (255.0 * part).round() as u8);
                 *texel = [r, g, b, 255];
             }
         }

@@ -61,6 +61,12 @@ impl Scene {
         (0..).map(ObjectId).zip(&self.objects)
     }
 
+    /// Returns true if the object of a number is a solid.
+    pub fn is_solid(&self, id: ObjectId) -> bool {
+        let object = self.get(id);
+        object.is_some_and(|object| object.shape.solid().is_some())
+    }
+
     /// The object of a number.
     pub fn get(&self, id: ObjectId) -> Option<&Object> {
         self.objects.get(id.0 as usize)

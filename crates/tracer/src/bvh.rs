@@ -174,28 +174,8 @@ impl Hierarchy {
         stack: &mut Vec<u32>,
         found: &mut dyn FnMut(usize, &BoundingBox) -> bool,
     ) -> bool {
-        stack.clear();
-        if !self.nodes.is_empty() {
-            stack.push(0);
-        }
-        while let Some(id) = stack.pop() {
-            let node = &self.nodes[id as usize];
-            if !bundle.may_meet(&node.bounds) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.push(node.place);
-                stack.push(id + 1);
-                continue;
-            }
-            for &k in &self.order[node.place as usize..][..node.count as usize] {
-                let bounds = &self.boxes[k as usize];
-                if bundle.may_meet(bounds) && !found(k as usize, bounds) {
-                    return false;
-                }
-            }
-        }
-        true
+        let meets = |bounds: &BoundingBox| bundle.may_meet(bounds).then_some(());
+        self.walk(stack, meets, |k, ()| found(k, &self.boxes[k]))
     }
 
     /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit; `reciprocal` is that of
@@ -207,14 +187,29 @@ impl Hierarchy {
         stack: &mut Vec<u32>,
         found: &mut dyn FnMut(usize, [f64; 2]),
     ) {
-        stack.clear();
-        if !self.nodes.is_empty() {
-            stack.push(0);
-        }
         let meets = |bounds: &BoundingBox| {
             let [a, b] = bounds.part(origin, reciprocal);
             (a <= b && b >= 0.0).then_some([a, b])
         };
+        self.walk(stack, meets, |k, part| {
+            found(k, part);
+            true
+        });
+    }
+
+    /// Hands the boxes that are met, with what `meets` says of them, to `found`, until that returns false: then it returns
+    /// false too.
+    #[inline]
+    fn walk<T>(
+        &self,
+        stack: &mut Vec<u32>,
+        meets: impl Fn(&BoundingBox) -> Option<T>,
+        mut found: impl FnMut(usize, T) -> bool,
+    ) -> bool {
+        stack.clear();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
         while let Some(id) = stack.pop() {
             let node = &self.nodes[id as usize];
             if meets(&node.bounds).is_none() {
@@ -226,10 +221,13 @@ impl Hierarchy {
                 continue;
             }
             for &k in &self.order[node.place as usize..][..node.count as usize] {
-                if let Some(part) = meets(&self.boxes[k as usize]) {
-                    found(k as usize, part);
+                if let Some(met) = meets(&self.boxes[k as usize])
+                    && !found(k as usize, met)
+                {
+                    return false;
                 }
             }
         }
+        true
     }
 }

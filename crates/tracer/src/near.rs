@@ -2,8 +2,8 @@
 //!
 //! Input: a world, and rays that go nearly the same way. Output: the leaves whose boxes one of them may meet, without those
 //! that all of them have left for good, and without those whose sets are empty where the leaf that bounds them is not met.
-//! Of the leaves that are solids by themselves also the first place of each ray. Where rays go far apart among many leaves, nothing is found for
-//! all of them.
+//! Of the leaves that are solids by themselves also the first place of each ray. Where rays go far apart among many leaves,
+//! none are listed.
 
 use crate::bounds::BoundingBox;
 use crate::bundle::RayBundle;

@@ -51,6 +51,20 @@ local function at(line, column)
   return { textDocument = vim.lsp.util.make_text_document_params(0), position = { line = line, character = column } }
 end
 
+-- The type of the token at a place, once there is one.
+local function token_type(buffer, line, column)
+  local tokens = vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}
+  return tokens[1] and tokens[1].type
+end
+
+-- What is offered at a place.
+local function labels(line, column)
+  local items = request("textDocument/completion", at(line, column))
+  return vim.tbl_map(function(item)
+    return item.label
+  end, items.items or items)
+end
+
 local function text()
   return table.concat(vim.api.nvim_buf_get_lines(0, 0, -1, false), "\n")
 end
@@ -191,20 +205,13 @@ test("solids are coloured by meaning, completed and described", function()
   local buffer = open("solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (1, 0.5, 0);\n"
     .. "solid die = ball @ scale 2, io;\ncamera eye = (0,1,0) @ (0,-4,0), bokeh : star;")
   local function shown(line, column)
-    local tokens = vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}
-    return tokens[1] and tokens[1].type
+    return token_type(buffer, line, column)
   end
   eventually("tokens", function()
     return shown(0, 0)
   end)
   equal({ shown(0, 0), shown(0, 6), shown(0, 42), shown(1, 19), shown(2, 33), shown(2, 41) },
     { "keyword", "function", "property", "function", "property", "enumMember" })
-  local function labels(line, column)
-    local items = request("textDocument/completion", at(line, column))
-    return vim.tbl_map(function(item)
-      return item.label
-    end, items.items or items)
-  end
   equal(labels(1, 30)[1], "ior")
   assert(vim.tbl_contains(labels(1, 12), "ball"), vim.inspect(labels(1, 12)))
   local hover = request("textDocument/hover", at(2, 34))
@@ -226,8 +233,7 @@ test("a .crt file is a script, and a certificate is none", function()
   local buffer = open(script, "crt")
   equal({ vim.bo.filetype, vim.bo.commentstring }, { "crt", "-- %s" })
   local function shown(line, column)
-    local tokens = vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}
-    return tokens[1] and tokens[1].type
+    return token_type(buffer, line, column)
   end
   eventually("tokens", function()
     return shown(0, 0)
@@ -278,11 +284,7 @@ test("a script is described, renamed, laid out and completed", function()
   assert(text():find("ball = Sphere {\n    center -> vec3(0, 0.5, 0)\n    radius -> 0.5\n", 1, true), text())
   vim.api.nvim_buf_set_lines(0, 0, 1, false, { "ball = Torus { tube -> 1" })
   vim.wait(100)
-  local items = request("textDocument/completion", at(1, 0))
-  local labels = vim.tbl_map(function(item)
-    return item.label
-  end, items.items or items)
-  equal(labels, { "normal" })
+  equal(labels(1, 0), { "normal" })
 end)
 
 test("a script is converted into a program beside it", function()

@@ -195,8 +195,7 @@ impl Script {
             return Ok(());
         };
         camera.check(&request.scene)?;
-        let object = request.scene.get(camera.surface);
-        if object.is_some_and(|object| object.shape.solid().is_some()) {
+        if request.scene.is_solid(camera.surface) {
             let (scene, params) = (&request.scene, &request.params);
             let placed = PlacedSolidCamera::new(scene, params, &camera, request.size)?;
             let moved = placed.walked([length / placed.frame.zoom(), 0.0])?;

@@ -48,7 +48,7 @@ struct Instance {
 /// An object that a camera stands on, ready for geodesics.
 #[derive(Debug)]
 enum Ground {
-    Manifold(Manifold),
+    Manifold(Arc<Manifold>),
     Solid(Arc<SolidSurface>),
 }
 
@@ -171,12 +171,11 @@ impl Subject {
 
     /// Makes the surface, metric or solid, ready for geodesics.
     fn ground(&self) -> Result<Ground, ManifoldError> {
-        let object = self.scene.get(self.surface);
-        if object.is_some_and(|object| object.shape.solid().is_some()) {
+        if self.scene.is_solid(self.surface) {
             let solid = SolidSurface::new(&self.scene, &self.settings, self.surface)?;
             return Ok(Ground::Solid(Arc::new(solid)));
         }
-        self.manifold().map(Ground::Manifold)
+        Ok(Ground::Manifold(Arc::new(self.manifold()?)))
     }
 
     /// Returns the camera at a place that was found in a picture, with a zoom where one is given.
@@ -189,16 +188,16 @@ impl Subject {
         zoom: Option<f64>,
     ) -> Result<InsideCamera, RenderError> {
         let first = GeodesicCamera::new(self.surface);
-        match self.ground()? {
-            ground @ Ground::Manifold(_) => {
-                ground.camera(self, first.at(hit.parameters), zoom, true)
-            }
-            ground @ Ground::Solid(_) => {
+        let ground = self.ground()?;
+        let camera = match &ground {
+            Ground::Manifold(_) => first.at(hit.parameters),
+            Ground::Solid(_) => {
                 let at = hit.position.map(|position| position.0);
                 let pose = Pose::InSpace { at, angle: 0.0 };
-                ground.camera(self, GeodesicCamera { pose, ..first }, zoom, true)
+                GeodesicCamera { pose, ..first }
             }
-        }
+        };
+        ground.camera(self, camera, zoom, true)
     }
 }
 
@@ -215,9 +214,10 @@ impl Ground {
         const SIZE: [u32; 2] = [256; 2];
         let wanted = GeodesicCamera { zoom, ..camera };
         match self {
-            Self::Manifold(_) => {
+            Self::Manifold(manifold) => {
                 let (scene, params) = (&subject.scene, &subject.settings);
-                let placed = PlacedCamera::new(scene, params, &wanted, SIZE)?;
+                let known = |_, _: &[f64]| Ok(Arc::clone(manifold));
+                let placed = PlacedCamera::on(scene, params, &wanted, SIZE, known)?;
                 let camera = ChartCamera::of(&placed.frame, placed.zoom, moved);
                 Ok(InsideCamera::Chart(camera))
             }

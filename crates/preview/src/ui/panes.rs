@@ -222,12 +222,7 @@ impl Panes {
 
     /// Opens the views of new objects that are wanted, and closes views that the scene does not have; a text with errors
     /// may only miss them.
-    pub(crate) fn follow(
-        &mut self,
-        views: &[ViewId],
-        is_wanted: impl Fn(&ViewId) -> bool,
-        ok: bool,
-    ) {
+    pub(crate) fn follow(&mut self, views: &[ViewId], wanted: &[ViewId], ok: bool) {
         let gone: Vec<Pane> = self
             .tree
             .tiles
@@ -242,9 +237,7 @@ impl Panes {
         for pane in gone {
             self.close(&pane);
         }
-        let of_objects = views.iter().filter(|id| id.object.is_some());
-        let wanted = of_objects.filter(|id| is_wanted(id));
-        for id in wanted.take(OPENED) {
+        for id in wanted.iter().take(OPENED) {
             self.open(&Pane::View(id.clone()));
         }
     }

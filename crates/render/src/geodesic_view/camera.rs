@@ -95,7 +95,7 @@ impl PlacedCamera {
     ///
     /// # Errors
     /// As [`PlacedCamera::new`].
-    pub(crate) fn on(
+    pub fn on(
         scene: &Scene,
         params: &ParamValues,
         camera: &GeodesicCamera,

@@ -107,7 +107,7 @@ pub(super) fn key(
     key.line(X, "camera: right (X)");
     key.line(Y, "camera: up (Y)");
     key.line(BORDER, "border of its picture");
-    if is_solid(&request.scene, camera.surface) {
+    if request.scene.is_solid(camera.surface) {
         return Ok(());
     }
     if let Some(spacing) = request.overlays.wavefronts {
@@ -129,7 +129,7 @@ pub(crate) fn camera_objects(
     camera: &GeodesicCamera,
     placement: &Placement,
 ) -> Result<Vec<OverlayObject>, RenderError> {
-    if is_solid(&request.scene, camera.surface) {
+    if request.scene.is_solid(camera.surface) {
         return solid_camera_objects(request, camera, placement);
     }
     let placed = place(request, camera)?;
@@ -153,9 +153,6 @@ pub(crate) fn camera_objects(
     };
     let origin = surface.jet(frame.uv).position;
     let mut all = frame_objects(request, placement, (origin, zoom), &at, &axis);
-    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3], line: LineStyle| {
-        curves(placement, lines, colour, line)
-    };
     let [right, up] = half_extent(request.size);
     if let Some(spacing) = request.overlays.wavefronts {
         let spacing = spacing.distance(zoom);
@@ -175,7 +172,7 @@ pub(crate) fn camera_objects(
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
                 .map(|ring| rays.iter().map(|ray| ray[ring]).collect())
                 .collect();
-            all.push(curve(&rings, ink::WAVE, WAVES));
+            all.push(curves(placement, &rings, ink::WAVE, WAVES));
         }
     }
     if request.overlays.conjugate_points {
@@ -193,7 +190,7 @@ pub(crate) fn camera_objects(
                 at(towards.map(|x| x * first / zoom)).map(knot)
             })
             .collect();
-        all.push(curve(&[first], ink::CONJUGATE, CONJUGATES));
+        all.push(curves(placement, &[first], ink::CONJUGATE, CONJUGATES));
     }
     Ok(all)
 }
@@ -307,12 +304,7 @@ pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
 /// Returns true if an object is a surface in space or a solid, whose camera can be shown there.
 pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
     let is_surface = scene.get(object).is_some_and(|it| it.shape.is_surface());
-    is_surface || is_solid(scene, object)
-}
-
-fn is_solid(scene: &Scene, object: ObjectId) -> bool {
-    let object = scene.get(object);
-    object.is_some_and(|object| object.shape.solid().is_some())
+    is_surface || scene.is_solid(object)
 }
 
 fn knot(position: [f64; 3]) -> Knot {

@@ -197,7 +197,7 @@ impl ViewRenderer for GeodesicRenderer {
             return Err(ManifoldError::NoSurface { name: None }.into());
         };
         let followed = |share: f32| progress(FOLLOWING_SHARE * share);
-        if is_solid(request, options) {
+        if request.scene.is_solid(options.camera.surface) {
             return self.draw_solid(shared, request, options, &followed);
         }
         let map = self.maps.get(shared, request, options, &followed)?;
@@ -225,7 +225,7 @@ impl ViewRenderer for GeodesicRenderer {
         let Some(options) = request.view.get::<GeodesicOptions>() else {
             return Err(ManifoldError::NoSurface { name: None }.into());
         };
-        if is_solid(request, options) {
+        if request.scene.is_solid(options.camera.surface) {
             return self.pick_solid(shared, request, options, at);
         }
         let structures = shared.structures.get(request.scene.arc());
@@ -247,12 +247,6 @@ impl ViewRenderer for GeodesicRenderer {
             polar: Some([distance, y.atan2(x)]),
         }))
     }
-}
-
-/// Returns true if a picture is of a solid.
-fn is_solid(request: &PictureRequest, options: &GeodesicOptions) -> bool {
-    let object = request.scene.get(options.camera.surface);
-    object.is_some_and(|object| object.shape.solid().is_some())
 }
 
 impl GeodesicRenderer {

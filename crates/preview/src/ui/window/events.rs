@@ -108,8 +108,7 @@ impl Window {
             .filter(|id| self.is_wanted(id))
             .cloned()
             .collect();
-        self.panes
-            .follow(&offered, |id| wanted.contains(id), self.model.ok);
+        self.panes.follow(&offered, &wanted, self.model.ok);
         if !self.model.is_unseen_in(self.views.first()) {
             self.panes.bring_back_first();
         } else if first {
