@@ -49,7 +49,7 @@ fn the_fixed_passes_are_valid() {
         ("vectors", wgsl::painter::vectors()),
         ("curves", wgsl::painter::curves()),
         ("surfaces", wgsl::painter::surfaces()),
-        ("resolve_patchwork", wgsl::painter::resolve_patchwork()),
+        ("resolve_piecewise", wgsl::painter::resolve_piecewise()),
         ("trace_scene", wgsl::painter::trace_scene()),
     ] {
         if let Err(error) = joined {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use geodesic::fan::{Fan, FanOptions};
-use geodesic::patchwork::{Cover, Patchwork};
+use geodesic::piecewise::{Cover, PiecewiseMap};
 use rayon::ThreadPoolBuilder;
 use render::Renderer;
 use scene::ObjectId;
@@ -30,9 +30,9 @@ fn table(names: &[&str]) -> String {
         };
         let options = FanOptions::default();
         let fan = Fan::build(view.surface(), &view.frame(), SIZE, &options);
-        let patchwork = Patchwork::cut(&fan, SIZE, 0.25 * options.tolerance);
+        let piecewise = PiecewiseMap::cut(&fan, SIZE, 0.25 * options.tolerance);
         let work = fan.work();
-        let empty = patchwork
+        let empty = piecewise
             .covers
             .iter()
             .filter(|cover| matches!(cover, Cover::Nothing(_)))
@@ -47,10 +47,10 @@ fn table(names: &[&str]) -> String {
             work.rejected,
             work.evaluations,
             work.followed,
-            patchwork.patches.len(),
-            patchwork.singles.len(),
+            piecewise.patches.len(),
+            piecewise.singles.len(),
             empty,
-            patchwork.samples
+            piecewise.samples
         );
     }
     table

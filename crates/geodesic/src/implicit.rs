@@ -5,7 +5,7 @@
 //!                                │                                     │
 //!                   place: onto the surface            ray.rs: steps and corrections ──▶ trace.rs: an end and a status
 //!                                │                                     │
-//!                        frame.rs (camera) ──────────▶ fan.rs: shared rays ──ends.rs──▶ patchwork.rs
+//!                        frame.rs (camera) ──────────▶ fan.rs: shared rays ──ends.rs──▶ piecewise.rs
 //! ```
 //!
 //! A field may have kinks (`max`, `min`, `abs`): where set operations join solids, where an interval cuts one. With each of

@@ -7,7 +7,7 @@
 //!                                         │                                           │
 //!  frame.rs (camera) ◀─ trace.rs: an end and a status ◀─────────── integrate.rs: many steps
 //!         │                                                                           │
-//!         └──▶ fan.rs: shared rays ──ends.rs──▶ patchwork.rs: polynomials ──▶ map.rs: a picture's pixels
+//!         └──▶ fan.rs: shared rays ──ends.rs──▶ piecewise.rs: polynomials ──▶ map.rs: a picture's pixels
 //!                                                     └──▶ a table for the GPU        │
 //!                                                     reference.rs: how far they are off
 //! ```
@@ -36,7 +36,7 @@ pub mod map;
 pub mod measure;
 pub mod metric;
 pub mod moved;
-pub mod patchwork;
+pub mod piecewise;
 pub mod pixels;
 pub mod point;
 pub mod reference;

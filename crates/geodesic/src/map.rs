@@ -14,7 +14,7 @@ use crate::ends::Estimate;
 use crate::fan::{Fan, FanOptions, Interpolation};
 use crate::frame::Frame;
 use crate::moved::Moved;
-use crate::patchwork::Patchwork;
+use crate::piecewise::PiecewiseMap;
 use crate::point::Uv;
 use crate::surface::{Sides, Surface};
 
@@ -129,16 +129,16 @@ fn by_method<S: Surface + ?Sized>(
     };
     let fan = Fan::build(surface, frame, size, &fan_options);
     progress(0.5);
-    let patchwork = Patchwork::cut(&fan, size, PATCHWORK_SHARE * options.tolerance);
-    let mut map = patchwork.map(options.by_pixel);
+    let piecewise = PiecewiseMap::cut(&fan, size, PIECEWISE_SHARE * options.tolerance);
+    let mut map = piecewise.map(options.by_pixel);
     map.work = fan.work();
-    map.estimate = Some(fan.estimate().with(patchwork.estimate));
+    map.estimate = Some(fan.estimate().with(piecewise.estimate));
     progress(1.0);
     map
 }
 
-/// The share of the tolerance that the patchwork may add to the rays' error.
-const PATCHWORK_SHARE: f64 = 0.5;
+/// The share of the tolerance that the polynomials may add to the rays' error.
+const PIECEWISE_SHARE: f64 = 0.5;
 
 fn pixel_by_pixel<S: Surface + ?Sized>(
     surface: &S,

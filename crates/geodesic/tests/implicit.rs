@@ -10,7 +10,7 @@ use geodesic::frame::Frame;
 use geodesic::implicit::{ImplicitSurface, PlaceError, SpaceFan, SpaceFrame, SpaceTraceError};
 use geodesic::map::pixel_place;
 use geodesic::metric::Metric;
-use geodesic::patchwork::Patchwork;
+use geodesic::piecewise::PiecewiseMap;
 use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::trace::{Options, Status, trace};
 use shapes::*;
@@ -333,8 +333,8 @@ fn pictures(chart: &ParametricSurface, space: &ImplicitSurface, uv: [f64; 2], zo
     };
     let space_fan = SpaceFan::build(space, &in_space, size, &FanOptions::default());
     let space_fan = space_fan.expect("a fan");
-    let patchwork = Patchwork::cut(&space_fan, size, 0.05);
-    let map = patchwork.map(false);
+    let piecewise = PiecewiseMap::cut(&space_fan, size, 0.05);
+    let map = piecewise.map(false);
     let pixel = 2.0 * zoom / 120.0;
     let sides = chart.sides();
     let mut worst = 0.0_f64;
@@ -380,7 +380,7 @@ fn pictures_of_any_size_are_alike() {
         let near = [0.5, 1.0, 2.0].map(|x| scale * x);
         let frame = SpaceFrame::new(&solid, near, 0.3, 1.5 * scale).expect("a frame");
         let fan = SpaceFan::build(&solid, &frame, size, &FanOptions::default()).expect("a fan");
-        let map = Patchwork::cut(&fan, size, 0.05).map(false);
+        let map = PiecewiseMap::cut(&fan, size, 0.05).map(false);
         assert!(map.status.iter().all(|status| *status == Status::Complete));
         let offsets = map.offset.into_iter();
         offsets
@@ -402,7 +402,7 @@ fn a_picture_of_a_cube_shows_one_face() {
     let frame = SpaceFrame::new(&cube, [0.3, 0.2, 1.1], 0.3, 2.0).expect("a frame");
     let size = [96, 96];
     let fan = SpaceFan::build(&cube, &frame, size, &FanOptions::default()).expect("a fan");
-    let map = Patchwork::cut(&fan, size, 0.05).map(false);
+    let map = PiecewiseMap::cut(&fan, size, 0.05).map(false);
     for index in 0..size[0] * size[1] {
         let [x, y] = pixel_place(size, index % size[0], index / size[0]).0;
         let at = combine(1.0, frame.at, 1.0, frame.velocity([x, y]));

@@ -3,7 +3,7 @@
 
 use geodesic::ends::{Coordinates, End, Ends};
 use geodesic::map::pixel_place;
-use geodesic::patchwork::Patchwork;
+use geodesic::piecewise::PiecewiseMap;
 use geodesic::point::PicturePoint;
 use geodesic::trace::Status;
 
@@ -89,11 +89,11 @@ fn great_circles_on_an_implicit_sphere_are_interpolated_in_space() {
     for (zoom, least) in [(0.3, -2.0), (2.0, -2.0), (4.0, -2.0), (1.0, 0.3)] {
         let sphere = Sphere::new(zoom, least);
         let size = [257, 193];
-        let patchwork = Patchwork::cut(&sphere, size, TOLERANCE);
-        let map = patchwork.map(true);
+        let piecewise = PiecewiseMap::cut(&sphere, size, TOLERANCE);
+        let map = piecewise.map(true);
         let pixels = size[0] * size[1];
-        assert!(patchwork.samples < u64::from(pixels) / 4, "{zoom}");
-        assert!(patchwork.estimate.max <= TOLERANCE, "{zoom}");
+        assert!(piecewise.samples < u64::from(pixels) / 4, "{zoom}");
+        assert!(piecewise.estimate.max <= TOLERANCE, "{zoom}");
         let pixel = 2.0 * zoom / f64::from(size[1]);
         let mut mistaken = 0;
         for index in 0..pixels {

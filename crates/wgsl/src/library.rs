@@ -87,6 +87,6 @@ pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl")
 /// Painter of solids.
 pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 /// The pass from a table of polynomials to colours.
-pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");
+pub const PASS_RESOLVE_PIECEWISE: Piece<'static> = piece!("pass/resolve_piecewise.wgsl");
 /// The pass of traced pictures.
 pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");

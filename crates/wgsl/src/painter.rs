@@ -35,8 +35,8 @@ pub fn solids() -> Result<Joined, InternalError> {
 }
 
 /// The pass from a table of polynomials to colours.
-pub fn resolve_patchwork() -> Result<Joined, InternalError> {
-    let pass = library::PASS_RESOLVE_PATCHWORK;
+pub fn resolve_piecewise() -> Result<Joined, InternalError> {
+    let pass = library::PASS_RESOLVE_PIECEWISE;
     fulfils(&pass, &library::CONTRACT_SEEN)?;
     join(&[
         library::NUMBER,

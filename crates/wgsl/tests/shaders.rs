@@ -46,7 +46,7 @@ fn every_painter_validates() {
         ("vectors", painter::vectors()),
         ("curves", painter::curves()),
         ("surfaces", painter::surfaces()),
-        ("resolve patchwork", painter::resolve_patchwork()),
+        ("resolve piecewise", painter::resolve_piecewise()),
         ("trace scene", painter::trace_scene()),
     ] {
         joined.unwrap_or_else(|error| panic!("{name}: {}", error.message));

@@ -8,7 +8,7 @@ use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Map, MapOptions, exponential_map};
 use geodesic::moved::Moved;
-use geodesic::patchwork::Patchwork;
+use geodesic::piecewise::PiecewiseMap;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
@@ -44,7 +44,7 @@ pub const TOLERANCE: f64 = 0.1;
 /// The error that is allowed in a picture of a view that moves.
 pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The share of it that polynomials between the rays may add.
-const PATCHWORK_SHARE: f64 = 0.25;
+const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on its surface or metric, with the size of its picture.
 #[derive(Clone, Debug)]
@@ -172,13 +172,13 @@ impl PlacedCamera {
             None => self.fan(surface, &self.frame, interpolation),
         };
         progress(0.5);
-        let mut patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
-        patchwork.origin = self.frame.uv.0;
+        let mut piecewise = PiecewiseMap::cut(&fan, self.size, PIECEWISE_SHARE * self.tolerance);
+        piecewise.origin = self.frame.uv.0;
         progress(1.0);
-        RayEnds::Patchwork {
+        RayEnds::Piecewise {
             work: fan.work(),
-            estimate: fan.estimate().with(patchwork.estimate),
-            patchwork: Box::new(patchwork),
+            estimate: fan.estimate().with(piecewise.estimate),
+            piecewise: Box::new(piecewise),
         }
     }
 

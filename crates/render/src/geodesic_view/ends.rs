@@ -7,22 +7,22 @@ use std::borrow::Cow;
 
 use geodesic::ends::{Estimate, GeodesicWork};
 use geodesic::map::Map;
-use geodesic::patchwork::{BLOCK, Patchwork, Rows};
+use geodesic::piecewise::{BLOCK, PiecewiseMap, Rows};
 use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::Paint;
-use super::resolve::{resolve, resolve_patchwork};
+use super::resolve::{resolve, resolve_piecewise};
 use crate::counters::PixelCounters;
 
 /// The ends of the geodesics of all pixels.
 #[derive(Clone, Debug)]
 pub enum RayEnds {
     /// Polynomials between rays that the pixels share.
-    Patchwork {
+    Piecewise {
         /// The ends.
-        patchwork: Box<Patchwork>,
+        piecewise: Box<PiecewiseMap>,
         /// The work that it took.
         work: GeodesicWork,
         /// Its estimated error.
@@ -54,7 +54,7 @@ impl RayEnds {
     /// Returns the work that it took.
     pub fn work(&self) -> GeodesicWork {
         match self {
-            Self::Patchwork { work, .. } => *work,
+            Self::Piecewise { work, .. } => *work,
             Self::Map(map) => map.work,
         }
     }
@@ -62,7 +62,7 @@ impl RayEnds {
     /// Returns its estimated error, as far as the method knows it.
     pub fn estimate(&self) -> Option<Estimate> {
         match self {
-            Self::Patchwork { estimate, .. } => Some(*estimate),
+            Self::Piecewise { estimate, .. } => Some(*estimate),
             Self::Map(map) => map.estimate,
         }
     }
@@ -70,8 +70,8 @@ impl RayEnds {
     /// All pixels' ends.
     pub(crate) fn map(&self, counters: &PixelCounters) -> Cow<'_, Map> {
         match self {
-            Self::Patchwork { patchwork, .. } => {
-                let map = patchwork.map(true);
+            Self::Piecewise { piecewise, .. } => {
+                let map = piecewise.map(true);
                 counters.count_ends(map.status.len());
                 Cow::Owned(map)
             }
@@ -82,8 +82,8 @@ impl RayEnds {
     /// Returns the statuses of all pixels' geodesics.
     pub(crate) fn statuses(&self, counters: &PixelCounters) -> Cow<'_, [Status]> {
         match self {
-            Self::Patchwork { patchwork, .. } => {
-                let status = patchwork.map(false).status;
+            Self::Piecewise { piecewise, .. } => {
+                let status = piecewise.map(false).status;
                 counters.count_ends(status.len());
                 Cow::Owned(status)
             }
@@ -104,8 +104,8 @@ impl RayEnds {
         counters: &PixelCounters,
     ) -> (RgbaImage, Vec<Status>) {
         match self {
-            Self::Patchwork { patchwork, .. } => {
-                let (image, status) = resolve_patchwork(patchwork, paint, layer);
+            Self::Piecewise { piecewise, .. } => {
+                let (image, status) = resolve_piecewise(piecewise, paint, layer);
                 counters.count_ends(status.len());
                 (image, status)
             }
@@ -127,7 +127,7 @@ impl RayEnds {
         }
         let bands = image.par_chunks_mut(4 * band).enumerate();
         match self {
-            Self::Patchwork { patchwork, .. } => {
+            Self::Piecewise { piecewise, .. } => {
                 let buffers = || {
                     let status = vec![Status::Complete; band];
                     (vec![[0.0; 2]; band], vec![[0.0; 4]; band], status)
@@ -141,11 +141,11 @@ impl RayEnds {
                         by_pixel: bytemuck::cast_slice_mut(by_pixel),
                         status: &mut *status,
                     };
-                    patchwork.block_row(row as u32, rows);
+                    piecewise.block_row(row as u32, rows);
                     counters.count_ends(count);
                     let ends = EndsOfRows {
                         first: row * BLOCK as usize,
-                        origin: patchwork.origin,
+                        origin: piecewise.origin,
                         offset,
                         by_pixel,
                         status,

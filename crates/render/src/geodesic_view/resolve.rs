@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use expr::processor::{Processor, Work};
 use geodesic::map::Map;
-use geodesic::patchwork::{BLOCK, Patchwork, Rows};
+use geodesic::piecewise::{BLOCK, PiecewiseMap, Rows};
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -72,23 +72,23 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
     image
 }
 
-/// Colours a patchwork, on all cores: some rows are computed, coloured and laid over while they are in the cache. Gives
+/// Colours a piecewise map, on all cores: some rows are computed, coloured and laid over while they are in the cache. Gives
 /// each pixel's status too.
-pub(super) fn resolve_patchwork(
-    patchwork: &Patchwork,
+pub(super) fn resolve_piecewise(
+    piecewise: &PiecewiseMap,
     paint: &Paint,
     layer: Option<&dyn Layer>,
 ) -> (RgbaImage, Vec<Status>) {
-    let [width, height] = patchwork.size.map(|side| side as usize);
-    let mut image = RgbaImage::new(patchwork.size[0], patchwork.size[1]);
+    let [width, height] = piecewise.size.map(|side| side as usize);
+    let mut image = RgbaImage::new(piecewise.size[0], piecewise.size[1]);
     let mut status = vec![Status::Complete; width * height];
     if status.is_empty() {
         return (image, status);
     }
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
-    let sampler = cover.sampler(patchwork.origin, paint.coarse);
+    let sampler = cover.sampler(piecewise.origin, paint.coarse);
     let (cover, sampler) = (&cover, &sampler);
-    let ring = Ring::of(paint.mark_centre, patchwork.size);
+    let ring = Ring::of(paint.mark_centre, piecewise.size);
     let processor = Processor::here();
     let band = BLOCK as usize * width;
     let buffers = || (vec![[0.0; 2]; band], vec![[0.0; 4]; band]);
@@ -104,7 +104,7 @@ pub(super) fn resolve_patchwork(
                 by_pixel: bytemuck::cast_slice_mut(by_pixel),
                 status: &mut *status,
             };
-            patchwork.block_row(number as u32, rows);
+            piecewise.block_row(number as u32, rows);
             for (y, pixels) in pixels.chunks_exact_mut(4 * width).enumerate() {
                 processor.run(ImageRow {
                     width,
@@ -127,7 +127,7 @@ pub(super) fn resolve_patchwork(
             if let Some(layer) = layer {
                 let ends = EndsOfRows {
                     first: number * BLOCK as usize,
-                    origin: patchwork.origin,
+                    origin: piecewise.origin,
                     offset,
                     by_pixel,
                     status,

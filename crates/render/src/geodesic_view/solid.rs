@@ -5,7 +5,7 @@ use std::sync::Arc;
 use geodesic::fan::{FanOptions, Interpolation};
 use geodesic::implicit::{SpaceFan, SpaceFrame};
 use geodesic::map::{self, MapOptions, pixel_place};
-use geodesic::patchwork::Patchwork;
+use geodesic::piecewise::PiecewiseMap;
 use geodesic::pixels::Map;
 use geodesic::trace::{Options, Status};
 use geometry::SolidSurface;
@@ -22,7 +22,7 @@ use crate::viewpoint::{GeodesicCamera, Pose};
 /// parameters.
 const FIRST_ZOOM: f64 = 0.55 * std::f64::consts::FRAC_PI_2;
 /// The share of the tolerance that polynomials between the rays may add.
-const PATCHWORK_SHARE: f64 = 0.25;
+const PIECEWISE_SHARE: f64 = 0.25;
 
 /// A geodesic camera on a solid, with the size of its picture.
 #[derive(Clone, Debug)]
@@ -194,10 +194,10 @@ impl PlacedSolidCamera {
             ));
         };
         progress(0.5);
-        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
-        let mut map = patchwork.map(true);
+        let piecewise = PiecewiseMap::cut(&fan, self.size, PIECEWISE_SHARE * self.tolerance);
+        let mut map = piecewise.map(true);
         map.work = fan.work();
-        map.estimate = Some(fan.estimate().with(patchwork.estimate));
+        map.estimate = Some(fan.estimate().with(piecewise.estimate));
         progress(1.0);
         Ok(map)
     }

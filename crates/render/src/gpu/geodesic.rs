@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use geodesic::patchwork::Patchwork;
+use geodesic::piecewise::PiecewiseMap;
 use geodesic::trace::Status;
 use image::RgbaImage;
 
@@ -90,7 +90,7 @@ impl ResolvePass {
         task: &ResolveTask,
         progress: &dyn Fn(f32),
     ) -> Result<Resolved, RenderError> {
-        let RayEnds::Patchwork { patchwork, .. } = &**task.ends else {
+        let RayEnds::Piecewise { piecewise, .. } = &**task.ends else {
             return Err(RenderError::Gpu("a map has no table".to_owned()));
         };
         let gpu = factory.gpu;
@@ -100,13 +100,13 @@ impl ResolvePass {
         let pipeline = match &self.pipeline {
             Some(pipeline) => pipeline.clone(),
             None => {
-                let built = factory.resolve_pipeline(&wgsl::painter::resolve_patchwork()?);
+                let built = factory.resolve_pipeline(&wgsl::painter::resolve_piecewise()?);
                 self.pipeline.insert(built).clone()
             }
         };
         let sampler = self.sampler(factory, task.cover.repeats);
         let image = self.image(factory, &task.cover.texture);
-        let table = self.table(gpu, task.ends, patchwork);
+        let table = self.table(gpu, task.ends, piecewise);
         let counts = gpu.output("counts", 4 * STATUSES as u64)?;
         let bound = Bound {
             pipeline: &pipeline,
@@ -139,13 +139,18 @@ impl ResolvePass {
         Ok(Resolved { pixels, counts })
     }
 
-    fn table(&mut self, gpu: &Gpu, ends: &Arc<RayEnds>, patchwork: &Patchwork) -> &mut DeviceEnds {
+    fn table(
+        &mut self,
+        gpu: &Gpu,
+        ends: &Arc<RayEnds>,
+        piecewise: &PiecewiseMap,
+    ) -> &mut DeviceEnds {
         recent(
             &mut self.tables,
             |table| Arc::ptr_eq(&table.ends, ends),
             || DeviceEnds {
                 ends: ends.clone(),
-                words: gpu.storage("table", bytemuck::cast_slice(&patchwork.table())),
+                words: gpu.storage("table", bytemuck::cast_slice(&piecewise.table())),
                 counts: None,
             },
         )

@@ -393,7 +393,7 @@ mod tests {
                 emphasis,
             ]
         );
-        let resolve = painter::resolve_patchwork().expect("valid");
+        let resolve = painter::resolve_piecewise().expect("valid");
         assert_same_layout!(
             resolve,
             "Resolve",

@@ -238,7 +238,7 @@ mod tests {
             coarse: false,
         };
         let seen = placed.ends(&|_| {});
-        assert!(matches!(seen, RayEnds::Patchwork { .. }));
+        assert!(matches!(seen, RayEnds::Piecewise { .. }));
         let counters = PixelCounters::default();
         let over = GeodesicOverlay::new(&request, &placed, &counters);
         let layer = over.layer().expect("lines");

@@ -7,7 +7,7 @@
 mod cache;
 mod solid_colours;
 
-use ::geodesic::patchwork::table::code_of;
+use ::geodesic::piecewise::table::code_of;
 use ::geodesic::trace::{Options, Status};
 use geometry::ManifoldError;
 use scene::{Object, ObjectId, Scene};
@@ -203,7 +203,7 @@ impl ViewRenderer for GeodesicRenderer {
         let map = self.maps.get(shared, request, options, &followed)?;
         self.maps.next();
         let image = match &*map.ends {
-            RayEnds::Patchwork { .. } if shared.gpu.is_some() => {
+            RayEnds::Piecewise { .. } if shared.gpu.is_some() => {
                 by_gpu(shared, request, options, &map, progress)?
             }
             _ => by_software(shared, request, options, &map),

@@ -7,7 +7,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use expr::processor::{Processor, Work};
-use geodesic::patchwork::BLOCK;
+use geodesic::piecewise::BLOCK;
 use geodesic::trace::Status;
 
 use super::super::{StrokeColour, StrokeStyle};

@@ -1,8 +1,8 @@
-//! A picture's ends as a patchwork of polynomials: few evaluations of an [`Ends`] in, all pixels out.
+//! A picture's ends as a piecewise-polynomial map: few evaluations of an [`Ends`] in, all pixels out.
 //!
 //! The picture is cut into squares of pixels, as large as one polynomial in each meets the tolerance, by evaluations
 //! that took no part in it. Pixels that no square covers are evaluated one by one. The same table is read by the CPU
-//! ([`Patchwork::map`]) and by a fixed pass on the GPU ([`table`]).
+//! ([`PiecewiseMap::map`]) and by a fixed pass on the GPU ([`table`]).
 //!
 //! A square is one polynomial only if all the ends that were looked at in it are complete: at the corners, at the
 //! nodes, on the sides. Or else all others have left through an edge beyond which the ends say where they would be: then
@@ -60,7 +60,7 @@ pub struct Patch<const N: usize = 2> {
     pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; N],
     /// The estimated error of the polynomials, in pixels.
     pub error: f32,
-    /// True if an edge goes through it: a pixel whose value lies beyond [`Patchwork::bounds`] has left the domain. Only in
+    /// True if an edge goes through it: a pixel whose value lies beyond [`PiecewiseMap::bounds`] has left the domain. Only in
     /// plain coordinates.
     pub edge: bool,
 }
@@ -68,7 +68,7 @@ pub struct Patch<const N: usize = 2> {
 /// A block of pixels that have been evaluated one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Single<const N: usize = 2> {
-    /// Offsets of the ends, in plain coordinates, from [`Patchwork::origin`]; 64 pixels, row by row.
+    /// Offsets of the ends, in plain coordinates, from [`PiecewiseMap::origin`]; 64 pixels, row by row.
     pub offset: Vec<[f32; N]>,
     /// Their derivatives by one pixel to the right, then by one pixel **down**.
     pub by_pixel: Vec<[[f32; N]; 2]>,
@@ -87,9 +87,9 @@ pub enum Cover {
     Nothing(Status),
 }
 
-/// The whole picture.
+/// The whole picture: the exponential map as polynomials on squares of pixels.
 #[derive(Clone, Debug)]
-pub struct Patchwork<const N: usize = 2> {
+pub struct PiecewiseMap<const N: usize = 2> {
     /// Pixels: width, height.
     pub size: [u32; 2],
     /// The camera's place, from which offsets count: its (u, v) in a chart. To be set anew where the ends were those of a
@@ -115,7 +115,7 @@ pub struct Patchwork<const N: usize = 2> {
     pub samples: u64,
 }
 
-impl<const N: usize> Default for Patchwork<N> {
+impl<const N: usize> Default for PiecewiseMap<N> {
     fn default() -> Self {
         Self {
             size: [0; 2],
@@ -133,7 +133,7 @@ impl<const N: usize> Default for Patchwork<N> {
     }
 }
 
-impl<const N: usize> Patchwork<N> {
+impl<const N: usize> PiecewiseMap<N> {
     /// Cuts a picture, on all cores of the current rayon pool; the outcome does not depend on their number.
     /// `tolerance` is what the polynomials may add to the error, in pixels of the length that one has on the surface.
     pub fn cut(ends: &dyn Ends<N>, size: [u32; 2], tolerance: f64) -> Self {
@@ -170,7 +170,7 @@ impl<const N: usize> Patchwork<N> {
             })
             .collect();
         let [across, down] = size.map(|n| n.div_ceil(BLOCK) as usize);
-        let mut patchwork = Self {
+        let mut piecewise = Self {
             size,
             origin,
             base: origin,
@@ -181,19 +181,19 @@ impl<const N: usize> Patchwork<N> {
         };
         if size[0] > 0 && size[1] > 0 {
             let end = ends.end(PicturePoint::default());
-            patchwork.samples += 1;
+            piecewise.samples += 1;
             if end.status == Status::Complete {
-                patchwork.centre_by_pixel = subdivider.pixel(end, PicturePoint::default()).1;
+                piecewise.centre_by_pixel = subdivider.pixel(end, PicturePoint::default()).1;
             }
         }
         for part in parts {
-            patchwork.samples += part.samples;
+            piecewise.samples += part.samples;
             for piece in part.all {
-                patchwork.put(piece);
+                piecewise.put(piece);
             }
         }
-        patchwork.estimate = patchwork.estimated();
-        patchwork
+        piecewise.estimate = piecewise.estimated();
+        piecewise
     }
 
     fn put(&mut self, piece: Piece<N>) {
@@ -309,7 +309,7 @@ impl<const N: usize> Patchwork<N> {
             status,
         } = rows;
         Processor::here().run(Band {
-            patchwork: self,
+            piecewise: self,
             block_row: row,
             rows: Rows {
                 offset: &mut *offset,

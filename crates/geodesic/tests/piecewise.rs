@@ -1,10 +1,10 @@
-//! The patchwork against exponential maps in closed form.
+//! The piecewise map against exponential maps in closed form.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use geodesic::ends::{Coordinates, End, Ends, Polar};
 use geodesic::map::pixel_place;
-use geodesic::patchwork::{BLOCK, Cover, DEGREE, Patchwork, table};
+use geodesic::piecewise::{BLOCK, Cover, DEGREE, PiecewiseMap, table};
 use geodesic::point::PicturePoint;
 use geodesic::trace::Status;
 
@@ -173,8 +173,8 @@ impl Ends for Sphere {
 }
 
 /// The largest distance in space between a sphere's pixels and the truth, and between their derivatives, in pixels.
-fn off_sphere(sphere: &Sphere, patchwork: &Patchwork) -> (f64, f64) {
-    let map = patchwork.map(true);
+fn off_sphere(sphere: &Sphere, piecewise: &PiecewiseMap) -> (f64, f64) {
+    let map = piecewise.map(true);
     let size = map.size;
     let per_place = 2.0 / f64::from(size[0].min(size[1]));
     let pixel = sphere.zoom * per_place;
@@ -231,19 +231,19 @@ fn a_sphere_is_met_through_poles_and_seams_by_few_evaluations() {
             angle: 0.4,
             poles,
         };
-        let patchwork = Patchwork::cut(&sphere, size, TOLERANCE);
-        let (off, slope) = off_sphere(&sphere, &patchwork);
+        let piecewise = PiecewiseMap::cut(&sphere, size, TOLERANCE);
+        let (off, slope) = off_sphere(&sphere, &piecewise);
         let case = format!("{at:?} z = {zoom} {size:?}");
         assert!(off < TOLERANCE, "{off} px, {case}");
         assert!(slope < 0.04, "{slope} px a pixel, {case}");
-        assert!(patchwork.estimate.max <= TOLERANCE, "{case}");
+        assert!(piecewise.estimate.max <= TOLERANCE, "{case}");
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if size[0] == 512 {
             assert!(
-                patchwork.samples * 20 < pixels && patchwork.singles.is_empty(),
+                piecewise.samples * 20 < pixels && piecewise.singles.is_empty(),
                 "{} evaluations, {} blocks of single pixels, {case}",
-                patchwork.samples,
-                patchwork.singles.len()
+                piecewise.samples,
+                piecewise.singles.len()
             );
         }
     }
@@ -261,7 +261,7 @@ fn deep_zooms_keep_their_digits() {
                 poles: true,
             };
             let size = [64, 64];
-            let map = Patchwork::cut(&sphere, size, TOLERANCE).map(true);
+            let map = PiecewiseMap::cut(&sphere, size, TOLERANCE).map(true);
             for index in 0..map.offset.len() {
                 let PicturePoint(place) = pixel_place(size, index as u32 % 64, index as u32 / 64);
                 let [x, y] = place.map(|x| x * zoom);
@@ -314,9 +314,9 @@ impl<F: Fn([f64; 2]) -> ([f64; 2], Status) + Sync> Ends for Flat<F> {
 /// The largest error in pixels; statuses must agree.
 fn off_flat<F: Fn([f64; 2]) -> ([f64; 2], Status) + Sync>(
     flat: &Flat<F>,
-    patchwork: &Patchwork,
+    piecewise: &PiecewiseMap,
 ) -> f64 {
-    let map = patchwork.map(false);
+    let map = piecewise.map(false);
     let size = map.size;
     let mut worst = 0.0_f64;
     for index in 0..map.offset.len() {
@@ -354,8 +354,8 @@ fn edges_are_exact_to_the_pixel_wherever_they_run() {
             },
         };
         for size in [[513, 300], [256, 256]] {
-            let patchwork = Patchwork::cut(&flat, size, TOLERANCE);
-            let off = off_flat(&flat, &patchwork);
+            let piecewise = PiecewiseMap::cut(&flat, size, TOLERANCE);
+            let off = off_flat(&flat, &piecewise);
             assert!(off < TOLERANCE, "{off} px, edge {n}");
         }
     }
@@ -381,7 +381,7 @@ fn round_edges_and_holes_are_seen_where_they_bend_into_squares() {
             },
         };
         let size = [400, 300];
-        let map = Patchwork::cut(&flat, size, TOLERANCE).map(false);
+        let map = PiecewiseMap::cut(&flat, size, TOLERANCE).map(false);
         let wrong = (0..map.status.len())
             .filter(|&k| {
                 let PicturePoint(place) = pixel_place(size, k as u32 % 400, k as u32 / 400);
@@ -406,8 +406,8 @@ fn what_lies_behind_a_cone_s_tip_is_torn_along_a_line_to_the_pixel() {
             },
         };
         let size = [300, 300];
-        let patchwork = Patchwork::cut(&flat, size, TOLERANCE);
-        let map = patchwork.map(false);
+        let piecewise = PiecewiseMap::cut(&flat, size, TOLERANCE);
+        let map = piecewise.map(false);
         let mut wrong = 0;
         for index in 0..map.offset.len() {
             let (at, _) = (flat.map)(pixel_place(size, index as u32 % 300, index as u32 / 300).0);
@@ -463,9 +463,9 @@ fn the_estimate_is_at_least_half_the_truth_on_random_fields() {
         };
         let size = if n % 2 == 0 { [384, 256] } else { [150, 201] };
         for tolerance in [TOLERANCE, 0.2] {
-            let patchwork = Patchwork::cut(&flat, size, tolerance);
-            let truth = off_flat(&flat, &patchwork);
-            let estimate = patchwork.estimate.max;
+            let piecewise = PiecewiseMap::cut(&flat, size, tolerance);
+            let truth = off_flat(&flat, &piecewise);
+            let estimate = piecewise.estimate.max;
             assert!(
                 truth <= 2.0 * estimate + 1e-4,
                 "field {n}: {truth} px, estimated {estimate}"
@@ -488,19 +488,19 @@ fn every_block_is_covered_once() {
                 ([x + 0.2 * (9.0 * y).sin(), y], status)
             },
         };
-        let patchwork = Patchwork::cut(&flat, size, TOLERANCE);
+        let piecewise = PiecewiseMap::cut(&flat, size, TOLERANCE);
         let across = size[0].div_ceil(BLOCK);
         assert_eq!(
-            patchwork.covers.len() as u32,
+            piecewise.covers.len() as u32,
             across * size[1].div_ceil(BLOCK)
         );
-        let mut by_patch = vec![0; patchwork.patches.len()];
-        let mut by_single = vec![0; patchwork.singles.len()];
-        for (n, cover) in (0..).zip(&patchwork.covers) {
+        let mut by_patch = vec![0; piecewise.patches.len()];
+        let mut by_single = vec![0; piecewise.singles.len()];
+        for (n, cover) in (0..).zip(&piecewise.covers) {
             let corner = [n % across.max(1) * BLOCK, n / across.max(1) * BLOCK];
             match *cover {
                 Cover::Patch(index) => {
-                    let patch = &patchwork.patches[index as usize];
+                    let patch = &piecewise.patches[index as usize];
                     by_patch[index as usize] += 1;
                     for (k, at) in corner.into_iter().enumerate() {
                         let end = patch.corner[k] + patch.extent[k];
@@ -511,7 +511,7 @@ fn every_block_is_covered_once() {
                 Cover::Nothing(status) => assert_eq!(status, Status::Undefined),
             }
         }
-        for (patch, covered) in patchwork.patches.iter().zip(by_patch) {
+        for (patch, covered) in piecewise.patches.iter().zip(by_patch) {
             let [columns, rows] = patch.extent.map(|n| n.div_ceil(BLOCK));
             assert_eq!(
                 columns * rows,
@@ -523,7 +523,7 @@ fn every_block_is_covered_once() {
         }
         assert!(by_single.into_iter().all(|n| n == 1));
         if size[0] > 0 {
-            let off = off_flat(&flat, &patchwork);
+            let off = off_flat(&flat, &piecewise);
             assert!(off < TOLERANCE, "{off} px, {size:?}");
         }
     }
@@ -540,8 +540,8 @@ fn one_core_or_many_make_the_same_map() {
     let map = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("a pool").install(|| {
-            let patchwork = Patchwork::cut(&sphere, [513, 300], TOLERANCE);
-            (patchwork.map(true), patchwork.table())
+            let piecewise = PiecewiseMap::cut(&sphere, [513, 300], TOLERANCE);
+            (piecewise.map(true), piecewise.table())
         })
     };
     let (one, three) = (map(1), map(3));
@@ -565,8 +565,8 @@ fn the_middle_of_an_odd_picture_is_the_camera_itself_and_no_zoom_is_finite() {
             angle: 0.0,
             poles: true,
         };
-        let patchwork = Patchwork::cut(&sphere, size, TOLERANCE);
-        let map = patchwork.map(true);
+        let piecewise = PiecewiseMap::cut(&sphere, size, TOLERANCE);
+        let map = piecewise.map(true);
         assert!(map.offset.as_flattened().iter().all(|x| x.is_finite()));
         assert!(
             map.by_pixel
@@ -575,7 +575,7 @@ fn the_middle_of_an_odd_picture_is_the_camera_itself_and_no_zoom_is_finite() {
                 .iter()
                 .all(|x| x.is_finite())
         );
-        assert!(patchwork.estimate.max.is_finite() && patchwork.estimate.max <= TOLERANCE);
+        assert!(piecewise.estimate.max.is_finite() && piecewise.estimate.max <= TOLERANCE);
         if size[0] % 2 == 1 && size[1] % 2 == 1 {
             let middle = map.offset.len() / 2;
             assert_eq!(map.offset[middle], [0.0; 2]);
@@ -593,9 +593,9 @@ fn the_table_says_the_same_as_the_map() {
         poles: true,
     };
     let size = [200, 136];
-    let patchwork = Patchwork::cut(&sphere, size, TOLERANCE);
-    let map = patchwork.map(true);
-    let words = patchwork.table();
+    let piecewise = PiecewiseMap::cut(&sphere, size, TOLERANCE);
+    let map = piecewise.map(true);
+    let words = piecewise.table();
     let float = |at: u32| f32::from_bits(words[at as usize]);
     assert_eq!(words.len() as u32, words[7]);
     let mut seen = [0; 3];

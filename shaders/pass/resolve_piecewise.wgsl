@@ -1,5 +1,5 @@
 // The geodesic view from a table of polynomials → colours. One invocation a pixel, a workgroup a block of the table;
-// no light and no gamma change. The table's layout stands in crates/geodesic/src/patchwork/table.rs.
+// no light and no gamma change. The table's layout stands in crates/geodesic/src/piecewise/table.rs.
 
 const STATUS_COMPLETE: u32 = 0u;
 // Words of the table; a test compares these numbers with those that it is written with.
@@ -174,7 +174,7 @@ fn end_at(x: i32, y: i32) -> End {
 }
 
 @compute @workgroup_size(8, 8)
-fn resolve_patchwork(@builtin(global_invocation_id) id: vec3u) {
+fn resolve_piecewise(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= resolve.size.x || id.y >= resolve.rows.y {
         return;
     }

@@ -1,4 +1,4 @@
-//! The pixels of a patchwork, some rows at a time: polynomials in, offsets out, in loops that become vectors.
+//! The pixels of a piecewise map, some rows at a time: polynomials in, offsets out, in loops that become vectors.
 
 use std::array::from_fn;
 
@@ -6,7 +6,7 @@ use expr::processor::Work;
 
 use super::angle::{angle, larger_and_ratio};
 use super::fit::COUNT;
-use super::{BLOCK, Cover, Patch, Patchwork};
+use super::{BLOCK, Cover, Patch, PiecewiseMap};
 use crate::ends::{Coordinates, Polar};
 use crate::status::Status;
 
@@ -22,7 +22,7 @@ pub struct Rows<'a, const N: usize = 2> {
 
 /// The blocks of one row of blocks, to be evaluated into rows that begin with it.
 pub(super) struct Band<'a, 'r, const N: usize> {
-    pub(super) patchwork: &'a Patchwork<N>,
+    pub(super) piecewise: &'a PiecewiseMap<N>,
     /// The number of the row of blocks, from the top.
     pub(super) block_row: u32,
     pub(super) rows: Rows<'r, N>,
@@ -34,21 +34,21 @@ impl<const N: usize> Work for Band<'_, '_, N> {
     #[inline(always)]
     fn run(self) {
         let Self {
-            patchwork,
+            piecewise,
             block_row,
             mut rows,
         } = self;
-        let [width, height] = patchwork.size;
+        let [width, height] = piecewise.size;
         let across = width.div_ceil(BLOCK);
         let top = block_row * BLOCK;
-        let covers = &patchwork.covers[(block_row * across) as usize..][..across as usize];
+        let covers = &piecewise.covers[(block_row * across) as usize..][..across as usize];
         let mut block = 0;
         while block < across {
             let left = block * BLOCK;
             let cover = covers[block as usize];
             let right = match cover {
                 Cover::Patch(index) => {
-                    let patch = &patchwork.patches[index as usize];
+                    let patch = &piecewise.patches[index as usize];
                     patch.corner[0] + patch.extent[0]
                 }
                 _ => (left + BLOCK).min(width),
@@ -56,8 +56,8 @@ impl<const N: usize> Work for Band<'_, '_, N> {
             let count = BLOCK.min(height - top);
             let strip = match cover {
                 Cover::Patch(index) => {
-                    let patch = &patchwork.patches[index as usize];
-                    Some(Strip::of(patchwork, patch, top, left))
+                    let patch = &piecewise.patches[index as usize];
+                    Some(Strip::of(piecewise, patch, top, left))
                 }
                 _ => None,
             };
@@ -66,7 +66,7 @@ impl<const N: usize> Work for Band<'_, '_, N> {
                 let pixels = from..from + (right - left) as usize;
                 match (cover, &strip) {
                     (Cover::Single(index), _) => {
-                        let single = &patchwork.singles[index as usize];
+                        let single = &piecewise.singles[index as usize];
                         let first = row * BLOCK as usize;
                         copy(&single.offset[first..], part(rows.offset, &pixels));
                         copy(&single.by_pixel[first..], part(rows.by_pixel, &pixels));
@@ -115,7 +115,7 @@ struct Strip<const N: usize> {
     start: f32,
     step: f32,
     apex: Option<(usize, About)>,
-    /// [`Patchwork::bounds`], where an edge goes through it.
+    /// [`PiecewiseMap::bounds`], where an edge goes through it.
     bounds: Option<[[f32; 2]; N]>,
 }
 
@@ -195,7 +195,7 @@ fn bounded(x: f32) -> f32 {
 impl<const N: usize> Strip<N> {
     /// The rows from `row` on, the pixels from `column` on.
     #[inline(always)]
-    fn of(patchwork: &Patchwork<N>, patch: &Patch<N>, row: u32, column: u32) -> Self {
+    fn of(piecewise: &PiecewiseMap<N>, patch: &Patch<N>, row: u32, column: u32) -> Self {
         let step = [2.0 / patch.extent[0] as f32, 2.0 / patch.extent[1] as f32];
         let mut y: Column = [0.0; BLOCK as usize];
         for (n, y) in y.iter_mut().enumerate() {
@@ -227,7 +227,7 @@ impl<const N: usize> Strip<N> {
                 }
             }
         }
-        let origin = patchwork.base;
+        let origin = piecewise.base;
         let (apex, centre) = match patch.coordinates {
             Coordinates::Plain => {
                 let centre = from_fn(|k| (patch.centre[k] - origin[k]) as f32);
@@ -235,7 +235,7 @@ impl<const N: usize> Strip<N> {
             }
             Coordinates::Apex { axis, end } => {
                 let axis = usize::from(axis.min(1));
-                let polar = patchwork.polars[axis][usize::from(end.min(1))].unwrap_or_default();
+                let polar = piecewise.polars[axis][usize::from(end.min(1))].unwrap_or_default();
                 let about = About::of(axis, &polar, origin);
                 (Some((axis, about)), patch.centre.map(|x| x as f32))
             }
@@ -248,7 +248,7 @@ impl<const N: usize> Strip<N> {
             start: ((column - patch.corner[0]) as f32 + 0.5) * step[0] - 1.0,
             step: step[0],
             apex,
-            bounds: patch.edge.then_some(patchwork.bounds),
+            bounds: patch.edge.then_some(piecewise.bounds),
         }
     }
 

@@ -1,4 +1,4 @@
-//! A patchwork as an array of 32-bit words, as a fixed pass on the GPU reads it. Numbers are `f32` bit by bit.
+//! A piecewise map as an array of 32-bit words, as a fixed pass on the GPU reads it. Numbers are `f32` bit by bit.
 //!
 //! | words | what |
 //! | --- | --- |
@@ -28,7 +28,7 @@
 //! **A single** has [`SINGLE_WORDS`] words, eight for each of its 64 pixels, row by row: 0, 1 the offset of (u,v) from
 //! the camera; 2 … 5 ∂(u,v) by one pixel to the right and by one pixel down; 6 the status; 7 nothing.
 
-use super::{BLOCK, Cover, DEGREE, Patchwork};
+use super::{BLOCK, Cover, DEGREE, PiecewiseMap};
 use crate::ends::Coordinates;
 use crate::status::Status;
 
@@ -53,7 +53,7 @@ pub fn code_of(status: Status) -> u32 {
     }
 }
 
-impl Patchwork {
+impl PiecewiseMap {
     /// The words of the table.
     pub fn table(&self) -> Vec<u32> {
         let covers = HEADER_WORDS;
