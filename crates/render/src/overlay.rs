@@ -36,7 +36,7 @@ use crate::occlusion::Occlusion;
 use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples};
-use crate::style::{self, Decoder, Encoder};
+use crate::style::{self, Decoder};
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
 
@@ -169,7 +169,6 @@ struct StrokeStyle {
     /// … and that of its rim.
     rim: f32,
     decoder: Decoder,
-    encoder: Encoder,
 }
 
 /// The colour of a line.
@@ -196,7 +195,6 @@ impl StrokeStyle {
             half,
             rim: half + 0.8 * unit.max(0.8),
             decoder: Decoder::get(),
-            encoder: Encoder::get(),
         }
     }
 
@@ -214,10 +212,9 @@ impl StrokeStyle {
         if line >= 1.0 {
             pixel[..3].copy_from_slice(&ink.srgb);
         } else if dark > 0.0 {
-            let (decoder, encoder) = (self.decoder, self.encoder);
-            blend_by(decoder, encoder, pixel, [0.0; 3], dark);
+            blend_by(self.decoder, pixel, [0.0; 3], dark);
             if line > 0.0 {
-                blend_by(decoder, encoder, pixel, ink.light, line);
+                blend_by(self.decoder, pixel, ink.light, line);
             }
         }
     }
@@ -244,15 +241,15 @@ fn stroke(
 
 /// Lays a colour (linear light) over a pixel's bytes.
 fn blend(pixel: &mut [u8], colour: [f32; 3], share: f32) {
-    blend_by(Decoder::get(), Encoder::get(), pixel, colour, share);
+    blend_by(Decoder::get(), pixel, colour, share);
 }
 
-/// Measures distances with tables that exist already.
+/// As [`blend`], with the table fetched before.
 #[inline]
-fn blend_by(decoder: Decoder, encoder: Encoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
+fn blend_by(decoder: Decoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
     for (byte, colour) in pixel.iter_mut().zip(colour) {
         let under = decoder.decode(*byte);
-        *byte = encoder.encode(under + share * (colour - under));
+        *byte = style::encode(under + share * (colour - under));
     }
 }
 

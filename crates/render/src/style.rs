@@ -330,40 +330,69 @@ impl Decoder {
     }
 }
 
-/// Linear light to an sRGB byte; see [`Encoder::encode`].
+/// Linear light to the nearest sRGB byte. Values outside `[0, 1]` are clamped; what is no number gives 0.
+#[inline(always)]
 pub fn encode(light: f32) -> u8 {
-    Encoder::get().encode(light)
+    encode_word(light) as u8
 }
 
-/// The table from linear light to sRGB, fetched once for many colours.
-#[derive(Clone, Copy, Debug)]
-pub struct Encoder(&'static [u8; STEPS]);
-
-/// Steps of the table, a power of two.
-const STEPS: usize = 1 << 15;
-
-impl Encoder {
-    /// The table.
-    pub fn get() -> Self {
-        static TABLE: LazyLock<Box<[u8; STEPS]>> = LazyLock::new(|| {
-            let byte = |step: usize| {
-                let light = step as f32 / (STEPS - 1) as f32;
-                let c = if light <= 0.003_130_8 {
-                    12.92 * light
-                } else {
-                    1.055 * light.powf(1.0 / 2.4) - 0.055
-                };
-                (c * 255.0).round() as u8
-            };
-            Box::new(std::array::from_fn(byte))
-        });
-        Self(&TABLE)
+/// Colours in linear light to the bytes of opaque pixels, as many as are given and at most L.
+#[inline(always)]
+pub(crate) fn encode_pixels<const L: usize>(light: &[[f32; L]; 3], pixels: &mut [u8]) {
+    let mut words = [0; L];
+    for k in 0..L {
+        let [r, g, b] = [light[0][k], light[1][k], light[2][k]];
+        words[k] = encode_word(r) | encode_word(g) << 8 | encode_word(b) << 16 | 0xff << 24;
     }
+    for (pixel, word) in pixels.chunks_exact_mut(4).zip(words) {
+        pixel.copy_from_slice(&word.to_le_bytes());
+    }
+}
 
-    /// The byte of a value: the nearest, but for ties to within a tenth of a step. Values outside `[0, 1]` are clamped.
-    #[inline]
-    pub fn encode(self, light: f32) -> u8 {
-        let step = (light.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32 as usize;
-        self.0[step & (STEPS - 1)]
+/// As [`encode`]. It has neither a branch nor a table, so that a loop over colours is one over vectors of them: a table
+/// that is as fine would fill the processor's first cache.
+///
+/// The curve of IEC 61966-2-1 is nearly a polynomial in the fourth root of the light; these coefficients of degree 6
+/// are those of least error on `[0.0031308, 1]`, which is 0.0004 of a byte.
+#[inline(always)]
+fn encode_word(light: f32) -> u32 {
+    let light = if light > 0.0 { light } else { 0.0 };
+    let light = if light < 1.0 { light } else { 1.0 };
+    let x = light.sqrt().sqrt();
+    let curve = 17.416_418;
+    let curve = curve * x - 81.286_2;
+    let curve = curve * x + 167.723_03;
+    let curve = curve * x - 217.615_95;
+    let curve = curve * x + 348.358_07;
+    let curve = curve * x + 35.588_457;
+    let curve = curve * x - 15.183_459;
+    let line = 12.92 * 255.0 * light;
+    let byte = if light <= 0.003_130_8 { line } else { curve };
+    // 2²³ leaves no bits for a fraction: the sum's last bits are the nearest whole number.
+    (byte + 8_388_608.0).to_bits() & 0xff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::encode;
+
+    #[test]
+    fn light_becomes_the_nearest_byte_of_the_srgb_curve() {
+        let mut worst = 0.0_f64;
+        for step in 0..=1_000_000 {
+            let light = f64::from(step) / 1e6;
+            let curve = if light <= 0.003_130_8 {
+                12.92 * light
+            } else {
+                1.055 * light.powf(1.0 / 2.4) - 0.055
+            };
+            let off = (f64::from(encode(light as f32)) - 255.0 * curve).abs();
+            worst = worst.max(off);
+        }
+        assert!(worst < 0.5005, "{worst}");
+        assert_eq!(
+            [-1.0, f32::NAN, 2.0, f32::INFINITY].map(encode),
+            [0, 0, 255, 255]
+        );
     }
 }

@@ -9,7 +9,6 @@ mod named;
 mod orientation;
 
 pub use curvature::CurvatureScale;
-pub(crate) use filter::Footprint;
 pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
 
@@ -36,7 +35,7 @@ const MAX_BYTES: u64 = 1 << 30;
 pub struct Texture {
     levels: Vec<Level>,
     /// The image in linear light, made on first use: a GPU has no use for it.
-    light: OnceLock<Vec<filter::Light>>,
+    light: OnceLock<filter::LinearTexels>,
     /// The covers that [`Texture::cover`] has made.
     covers: [OnceLock<Arc<Texture>>; 3],
     /// The texture that [`Texture::flipped`] has made.
@@ -256,7 +255,7 @@ impl Texture {
         Sampler::new(self, [0.0; 2], [1.0; 2], [true; 2])
     }
 
-    fn light(&self) -> &[filter::Light] {
+    fn light(&self) -> &filter::LinearTexels {
         self.light.get_or_init(|| filter::light_of(&self.levels))
     }
 }

@@ -3,6 +3,7 @@
 //! A pixel shows the image's own colour times the surface's: no light, no gamma change. Its footprint in the image is
 //! what the map knows of its derivative; where it knows none, the difference to the pixel's neighbours.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use expr::processor::{Processor, Work};
@@ -14,11 +15,11 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::{EndsOfRows, HATCH, LEAST_RING, Layer, RING, UNSEEN, hatching};
-use crate::style::{self, Encoder};
-use crate::texture::{Footprint, Sampler, Texture};
+use crate::style;
+use crate::texture::{Sampler, Texture};
 
 /// Pixels that go through each stage together.
-const STRIP: usize = 64;
+const STRIP: usize = 32;
 
 /// The textures and colours that a map is coloured with.
 #[derive(Clone, Copy, Debug)]
@@ -147,27 +148,96 @@ pub(super) fn resolve_piecewise(
 pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
+    let unit = style::pixel_unit(size).max(0.4);
+    let reach = unit.round().max(1.0) as usize;
     let hatchings: OnceLock<Vec<(Status, Hatching)>> = OnceLock::new();
+    let rows: Vec<&[Status]> = status.chunks_exact(width.max(1)).collect();
     image
         .par_chunks_mut(4 * width)
         .enumerate()
         .for_each(|(y, pixels)| {
-            let row = &status[y * width..(y + 1) * width];
-            if row.iter().all(|&status| status == Status::Complete) {
+            let unseen = unseen_runs(rows[y]);
+            if unseen.is_empty() {
                 return;
             }
             let hatchings = hatchings.get_or_init(|| {
                 let of = |status| (status, Hatching::new(status, size));
                 UNSEEN.map(of).into()
             });
-            for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-                let found = hatchings.iter().find(|(status, _)| *status == row[x]);
-                if let Some((_, hatching)) = found {
-                    let border = is_border(size, status, [x, y]);
-                    pixel.copy_from_slice(&hatching.at(border, x + y));
+            let hatching = |status| {
+                let found = hatchings.iter().find(|(other, _)| *other == status);
+                found.map(|(_, hatching)| hatching)
+            };
+            let (pixels, _) = pixels.as_chunks_mut::<4>();
+            for (run, status) in &unseen {
+                if let Some(hatching) = hatching(*status) {
+                    let stripes = &hatching.stripes[run.start + y..run.end + y];
+                    pixels[run.clone()].copy_from_slice(stripes);
+                }
+            }
+            // Something of the surface is seen within the reach of the border's pixels.
+            for other in y.saturating_sub(reach)..(y + reach + 1).min(rows.len()) {
+                let down = other.abs_diff(y);
+                let across = (reach * reach - down * down).isqrt();
+                for (run, status) in near(&unseen, &seen_runs(rows[other]), across) {
+                    if let Some(hatching) = hatching(status) {
+                        pixels[run].fill(hatching.border);
+                    }
                 }
             }
         });
+}
+
+/// The runs of pixels of a row that see nothing of the surface for one reason.
+fn unseen_runs(row: &[Status]) -> Vec<(Range<usize>, Status)> {
+    // Most rows have none: a count needs no branches.
+    let complete = row.iter().filter(|&&it| it == Status::Complete).count();
+    if complete == row.len() {
+        return Vec::new();
+    }
+    let mut end = 0;
+    let runs = row.chunk_by(|a, b| a == b).map(|run| {
+        end += run.len();
+        (end - run.len()..end, run[0])
+    });
+    runs.filter(|(_, status)| *status != Status::Complete)
+        .collect()
+}
+
+/// The runs of pixels of a row that see the surface.
+fn seen_runs(row: &[Status]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let complete = |status: &Status| *status == Status::Complete;
+    let runs = row.chunk_by(|a, b| complete(a) == complete(b)).map(|run| {
+        end += run.len();
+        (end - run.len()..end, run[0])
+    });
+    runs.filter(|(_, status)| complete(status))
+        .map(|(run, _)| run)
+        .collect()
+}
+
+/// The parts of unseen runs that are at most so many pixels away from seen ones.
+fn near(
+    unseen: &[(Range<usize>, Status)],
+    seen: &[Range<usize>],
+    pixels: usize,
+) -> Vec<(Range<usize>, Status)> {
+    let mut parts = Vec::new();
+    let (mut i, mut j) = (0, 0);
+    while let (Some((run, status)), Some(other)) = (unseen.get(i), seen.get(j)) {
+        let from = run.start.max(other.start.saturating_sub(pixels));
+        let to = run.end.min(other.end + pixels);
+        if from < to {
+            parts.push((from..to, *status));
+        }
+        if run.end < other.end + pixels {
+            i += 1;
+        } else {
+            j += 1;
+        }
+    }
+    parts
 }
 
 /// An image as it goes on beyond the domain's sides.
@@ -231,52 +301,78 @@ impl Work for ImageRow<'_> {
     #[inline(always)]
     fn run(mut self) {
         let pixels = std::mem::take(&mut self.pixels);
-        let (width, y, tint) = (self.width, self.y, self.tint);
-        let here = y * width..(y + 1) * width;
+        let here = self.y * self.width..(self.y + 1) * self.width;
         let (offset, status) = (&self.offset[here.clone()], &self.status[here.clone()]);
         let by_pixel = self.by_pixel.get(here);
-        let sampler = self.sampler;
-        let mut derivatives = [[0.0; 4]; STRIP];
-        let mut footprints = [Footprint::default(); STRIP];
-        let mut colours = [[0.0; 3]; STRIP];
-        let encoder = Encoder::get();
+        let mut derivatives = [[0.0; STRIP]; 4];
+        let mut at = [[0.0; STRIP]; 2];
+        let mut light = [[0.0; STRIP]; 3];
         for (strip, pixels) in pixels.chunks_mut(4 * STRIP).enumerate() {
             let first = strip * STRIP;
             let count = pixels.len() / 4;
             for k in 0..count {
-                let known = by_pixel.map_or([f32::NAN; 4], |row| row[first + k]);
-                derivatives[k] = if (known[0] + known[1] + known[2] + known[3]).is_finite() {
-                    known
-                } else if status[first + k] == Status::Complete {
-                    self.differences(first + k)
-                } else {
-                    [0.0; 4]
-                };
+                // What has no end is looked up where the camera is, and not shown.
+                let complete = status[first + k] == Status::Complete;
+                let [u, v] = offset[first + k];
+                at[0][k] = if complete { u } else { 0.0 };
+                at[1][k] = if complete { v } else { 0.0 };
             }
-            for (footprint, derivative) in footprints.iter_mut().zip(&derivatives) {
-                *footprint = sampler.footprint(*derivative);
+            if let Some(known) = by_pixel.map(|row| &row[first..first + count]) {
+                for (k, &[ax, ay, bx, by]) in known.iter().enumerate() {
+                    derivatives[0][k] = ax;
+                    derivatives[1][k] = ay;
+                    derivatives[2][k] = bx;
+                    derivatives[3][k] = by;
+                }
+            } else {
+                derivatives = [[f32::NAN; STRIP]; 4];
             }
-            sampler.dither(y, &mut footprints);
-            for k in 0..count {
-                if status[first + k] == Status::Complete {
-                    let [r, g, b] = sampler.averaged(offset[first + k], footprints[k]);
-                    colours[k] = [r * tint[0], g * tint[1], b * tint[2]];
+            let [ax, ay, bx, by] = &derivatives;
+            let mut unknown = 0;
+            for k in 0..STRIP {
+                unknown |= u32::from(!is_finite(ax[k] + ay[k] + bx[k] + by[k]));
+            }
+            if unknown != 0 {
+                self.fill_unknown(first, count, &mut derivatives);
+            }
+            let footprints = self.sampler.footprints(&derivatives, self.y);
+            self.sampler.averages(&at, &footprints, &mut light);
+            for (light, tint) in light.iter_mut().zip(self.tint) {
+                for light in light {
+                    *light *= tint;
                 }
             }
-            for (pixel, [r, g, b]) in pixels.chunks_exact_mut(4).zip(&colours) {
-                let bytes = [
-                    encoder.encode(*r),
-                    encoder.encode(*g),
-                    encoder.encode(*b),
-                    255,
-                ];
-                pixel.copy_from_slice(&bytes);
-            }
+            style::encode_pixels(&light, pixels);
         }
     }
 }
 
+#[inline(always)]
+fn is_finite(x: f32) -> bool {
+    x.abs() < f32::INFINITY
+}
+
 impl ImageRow<'_> {
+    /// Gives pixels of a strip, from a column on, whose derivatives are not known the differences to their neighbours.
+    #[inline(never)]
+    fn fill_unknown(&self, first: usize, count: usize, derivatives: &mut [[f32; STRIP]; 4]) {
+        for k in 0..STRIP {
+            let sum: f32 = derivatives.iter().map(|all| all[k]).sum();
+            if sum.is_finite() {
+                continue;
+            }
+            let index = self.y * self.width + first + k;
+            let found = if k < count && self.status[index] == Status::Complete {
+                self.differences(first + k)
+            } else {
+                [0.0; 4]
+            };
+            for (all, found) in derivatives.iter_mut().zip(found) {
+                all[k] = found;
+            }
+        }
+    }
+
     /// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
     /// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
     #[inline(never)]
@@ -345,27 +441,6 @@ impl Hatching {
                 .collect(),
         }
     }
-
-    fn at(&self, border: bool, place: usize) -> [u8; 4] {
-        if border {
-            return self.border;
-        }
-        self.stripes.get(place).copied().unwrap_or(self.border)
-    }
-}
-
-/// Returns true if something of the surface is seen beside a pixel that shows nothing of it.
-fn is_border(size: [u32; 2], all: &[Status], [x, y]: [usize; 2]) -> bool {
-    let [width, height] = size;
-    let unit = style::pixel_unit(size).max(0.4);
-    let seen = |dx: i64, dy: i64| {
-        let (x, y) = (x as i64 + dx, y as i64 + dy);
-        let inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
-        inside && all[y as usize * width as usize + x as usize] == Status::Complete
-    };
-    let reach = (unit.round() as i64).max(1);
-    (-reach..=reach)
-        .any(|dy| (-reach..=reach).any(|dx| dx * dx + dy * dy <= reach * reach && seen(dx, dy)))
 }
 
 /// The hatching itself: stripes at 45°, their edges softened over a pixel. `place` is the sum of a pixel's column and

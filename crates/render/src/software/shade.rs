@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::mesh::{Corner, Eye, SUBPIXEL};
 use super::raster::Edges;
 use crate::style;
-use crate::texture::{Footprint, Sampler};
+use crate::texture::Sampler;
 
 /// The appearance of triangles of one kind of one object.
 #[derive(Clone, Debug)]
@@ -84,9 +84,9 @@ impl Planes {
 }
 
 /// Fragments of one [`Block`].
-const LANES: usize = 16;
+const LANES: usize = 32;
 /// Blocks that wait.
-const BLOCKS: usize = 4;
+const BLOCKS: usize = 2;
 
 /// Places on triangles of one material that wait for their light.
 #[derive(Default)]
@@ -106,10 +106,9 @@ struct Block {
     slopes: [[f32; LANES]; 6],
     side: [f32; LANES],
     uv: [[f32; LANES]; 2],
-    footprints: [Footprint; LANES],
     /// The factor of the colour, and the white that is added.
     lights: [[f32; LANES]; 2],
-    light: [[f32; 3]; LANES],
+    light: [[f32; LANES]; 3],
     /// The caller's own words.
     to: [[u16; 2]; LANES],
 }
@@ -159,7 +158,13 @@ impl Fragments {
     #[inline(always)]
     pub(super) fn lit(&self, number: usize) -> ([u16; 2], [f32; 3]) {
         let block = &self.blocks[number / LANES % BLOCKS];
-        (block.to[number % LANES], block.light[number % LANES])
+        let lane = number % LANES;
+        let [r, g, b] = [
+            block.light[0][lane],
+            block.light[1][lane],
+            block.light[2][lane],
+        ];
+        (block.to[lane], [r, g, b])
     }
 
     /// Finds the light of all.
@@ -186,7 +191,7 @@ impl Block {
                     let inverse = 1.0 / self.values[INVERSE][k].max(self.values[LEAST][k]);
                     let [u, v] = UV.map(|n| self.values[n][k] * inverse);
                     let facing = (1.0 - (u * u + v * v).min(1.0)).sqrt();
-                    self.light[k] = colour.map(|c| c * style::glyph_light(facing));
+                    self.set(k, colour.map(|c| c * style::glyph_light(facing)));
                 }
             }
             MaterialKind::Cone => {
@@ -194,28 +199,39 @@ impl Block {
                     let normal = Vec3::from(NORMAL.map(|n| self.values[n][k]));
                     let to_eye = Vec3::from(to_eye(eye, [self.at[0][k], self.at[1][k]]));
                     let facing = normal.normalize_or(to_eye).dot(to_eye).abs();
-                    self.light[k] = colour.map(|c| c * style::glyph_light(facing));
+                    self.set(k, colour.map(|c| c * style::glyph_light(facing)));
                 }
             }
             MaterialKind::Surface(image) => {
                 self.interpolate();
-                self.illuminate(eye);
-                for k in 0..LANES {
-                    self.footprints[k] = image.footprint([0, 1, 2, 3].map(|n| self.slopes[n][k]));
+                // Lanes without a fragment are looked up at the image's corner, and not shown.
+                for uv in &mut self.uv {
+                    uv[filled..].fill(0.0);
                 }
-                for k in 0..filled {
-                    let uv = [self.uv[0][k], self.uv[1][k]];
-                    let texel = image.averaged(uv, self.footprints[k]);
-                    let (diffuse, white) = (self.lights[0][k], self.lights[1][k]);
-                    self.light[k] = [0, 1, 2].map(|c| texel[c] * colour[c] * diffuse + white);
+                self.illuminate(eye);
+                let [ax, ay, bx, by, ..] = self.slopes;
+                let footprints = image.footprints(&[ax, ay, bx, by], 0);
+                image.averages(&self.uv, &footprints, &mut self.light);
+                for (light, colour) in self.light.iter_mut().zip(colour) {
+                    for k in 0..LANES {
+                        light[k] = light[k] * colour * self.lights[0][k] + self.lights[1][k];
+                    }
                 }
             }
         }
         if material.emphasis != 0.0 {
-            for light in &mut self.light {
-                *light = style::emphasised(*light, material.emphasis);
+            for k in 0..LANES {
+                let light = [self.light[0][k], self.light[1][k], self.light[2][k]];
+                self.set(k, style::emphasised(light, material.emphasis));
             }
         }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, [r, g, b]: [f32; 3]) {
+        self.light[0][lane] = r;
+        self.light[1][lane] = g;
+        self.light[2][lane] = b;
     }
 
     /// Texture coordinates and their slopes.

@@ -70,8 +70,7 @@ pub(super) fn stated_texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
 }
 
 /// The linear colour of an image at a place of it.
-pub(super) fn texel(texture: &Texture, [u, v]: [f64; 2]) -> DVec3 {
-    let sampler = texture.sampler();
-    let light = sampler.averaged([u as f32, v as f32], sampler.footprint([0.0; 4]));
+pub(super) fn texel(texture: &Texture, place: [f64; 2]) -> DVec3 {
+    let light = texture.sample(place.map(|x| x as f32), [0.0; 2], [0.0; 2]);
     DVec3::from_array(light.map(f64::from))
 }

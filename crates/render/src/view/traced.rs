@@ -528,11 +528,10 @@ fn hit(scene: &TracedScene, request: &PictureRequest, face: &Face) -> Option<Hit
 
 /// The mean light of all pixels as bytes.
 fn picture(size: [u32; 2], sums: &LightSums, settings: &TracedSettings) -> RgbaImage {
-    let encoder = style::Encoder::get();
     let mut image = RgbaImage::new(size[0], size[1]);
     for (pixel, light) in image.pixels_mut().zip(sums.means()) {
         let [r, g, b] = match settings.look {
-            PictureLook::Geotrace => light.to_array().map(|light| encoder.encode(light as f32)),
+            PictureLook::Geotrace => light.to_array().map(|light| style::encode(light as f32)),
             PictureLook::Crt => gamma_encoded(light, settings.gamma),
         };
         pixel.0 = [r, g, b, u8::MAX];

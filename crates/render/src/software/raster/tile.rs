@@ -1,7 +1,7 @@
 //! Samples: the depth and light of a tile's pixels, and which triangles they see.
 
 use crate::solids::{SolidSample, SolidTile};
-use crate::style::Encoder;
+use crate::style::{encode, encode_pixels};
 
 /// Pixels along a tile's side.
 pub(in crate::software) const TILE: usize = 64;
@@ -36,7 +36,6 @@ pub(in crate::software) struct Tile {
     background: [f32; 4],
     /// The encoded colour of an empty pixel.
     empty: [u8; 4],
-    encoder: Encoder,
 }
 
 /// The triangles of a batch that a tile's samples see.
@@ -64,11 +63,10 @@ impl Tile {
             background,
             empty: {
                 let [r, g, b, alpha] = background;
-                let [r, g, b] = [r, g, b].map(crate::style::encode);
+                let [r, g, b] = [r, g, b].map(encode);
                 let alpha = (255.0 * alpha).round() as u8;
                 if alpha == 0 { [0; 4] } else { [r, g, b, alpha] }
             },
-            encoder: Encoder::get(),
         }
     }
 
@@ -186,11 +184,25 @@ impl Tile {
     #[inline(always)]
     pub(super) fn pixels(&self) -> Vec<[u8; 4]> {
         let mut pixels = vec![self.empty; AREA];
+        let mut light = [[0.0; TILE]; 3];
+        let mut alphas = [u8::MAX; TILE];
         for (y, row) in self.rows.each() {
             let first = y * TILE;
             let own = first + row.start..first + row.end;
-            for (pixel, index) in pixels[own.clone()].iter_mut().zip(own) {
-                *pixel = self.mean(index);
+            for (k, index) in own.clone().enumerate() {
+                let (mean, alpha) = self.mean(index);
+                alphas[k] = alpha;
+                for (light, mean) in light.iter_mut().zip(mean) {
+                    light[k] = mean;
+                }
+            }
+            let seen = &mut pixels[own.clone()];
+            encode_pixels(&light, seen.as_flattened_mut());
+            for ((pixel, alpha), index) in seen.iter_mut().zip(alphas).zip(own) {
+                pixel[3] = alpha;
+                if self.split[index] == EMPTY {
+                    *pixel = self.empty;
+                }
             }
         }
         pixels
@@ -198,18 +210,20 @@ impl Tile {
 
     /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
     pub(in crate::software) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
-        self.mean((y - self.origin[1]) * TILE + x - self.origin[0])
+        let index = (y - self.origin[1]) * TILE + x - self.origin[0];
+        if self.split[index] == EMPTY {
+            return self.empty;
+        }
+        let ([r, g, b], alpha) = self.mean(index);
+        [encode(r), encode(g), encode(b), alpha]
     }
 
+    /// The mean of a pixel's samples in linear light, and its alpha; nothing of an empty one.
     #[inline(always)]
-    fn mean(&self, index: usize) -> [u8; 4] {
+    fn mean(&self, index: usize) -> ([f32; 3], u8) {
         match self.split[index] {
-            EMPTY => self.empty,
-            WHOLE => {
-                let [r, g, b] = self.light[index];
-                let encoder = self.encoder;
-                [encoder.encode(r), encoder.encode(g), encoder.encode(b), 255]
-            }
+            EMPTY => ([0.0; 3], 0),
+            WHOLE => (self.light[index], u8::MAX),
             split => {
                 let seen = self.depth(index).map(|depth| depth > 0.0);
                 self.mixed(self.splits[usize::from(split)], seen)
@@ -217,8 +231,8 @@ impl Tile {
         }
     }
 
-    /// The mean of samples, some of which see the background.
-    fn mixed(&self, mut samples: [[f32; 3]; 4], seen: [bool; 4]) -> [u8; 4] {
+    /// The mean of samples, some of which see the background, and its alpha.
+    fn mixed(&self, mut samples: [[f32; 3]; 4], seen: [bool; 4]) -> ([f32; 3], u8) {
         let [r, g, b, alpha] = self.background;
         for (sample, seen) in samples.iter_mut().zip(seen) {
             if !seen {
@@ -226,21 +240,20 @@ impl Tile {
             }
         }
         if alpha == 1.0 {
-            let sum = |k: usize| samples.iter().map(|light| light[k]).sum::<f32>();
-            let mean = |k: usize| self.encoder.encode(0.25 * sum(k));
-            return [mean(0), mean(1), mean(2), 255];
+            let mean = |k: usize| 0.25 * samples.iter().map(|light| light[k]).sum::<f32>();
+            return ([mean(0), mean(1), mean(2)], u8::MAX);
         }
         let alphas = seen.map(|seen| if seen { 1.0 } else { alpha });
         let sum: f32 = alphas.iter().sum();
         if sum == 0.0 {
-            return [0; 4];
+            return ([0.0; 3], 0);
         }
         let mean = |k: usize| {
             let weighted = samples.iter().zip(alphas).map(|(light, a)| a * light[k]);
-            self.encoder.encode(weighted.sum::<f32>() / sum)
+            weighted.sum::<f32>() / sum
         };
         let alpha = (0.25 * 255.0 * sum).round() as u8;
-        [mean(0), mean(1), mean(2), alpha]
+        ([mean(0), mean(1), mean(2)], alpha)
     }
 }
 
@@ -319,7 +332,7 @@ mod tests {
             tile.put(index, 0b1111, [1.0; 3]);
             tile.put(index, 0b0011, [0.0; 3]);
         }
-        let half = crate::style::encode(0.5);
+        let half = encode(0.5);
         assert_eq!(tile.pixel(6, 1), [half, half, half, 255]);
         assert!(tile.splits.len() <= AREA);
         // A tile that is used again has forgotten everything.
