@@ -42,6 +42,7 @@
 pub mod actions;
 pub mod attributes;
 pub mod codes;
+mod cut;
 pub mod declarations;
 pub mod document;
 pub mod grammar;

@@ -1,7 +1,7 @@
 //! A Geotrace program that is edited: the language as a [`Grammar`] of the kernel's document.
 //!
-//! `;` delimits declarations and `#` comments whatever any name means, so a chunk is a declaration up to its `;`, with the
-//! white space and comments before it. The parser reads a chunk through a `NameScope` that the document's [`ScopeView`]
+//! `;` delimits declarations and `#` comments whatever any name means ([`cut`]), so a chunk is a declaration up to its `;`, with
+//! the white space and comments before it. The parser reads a chunk through a `NameScope` that the document's [`ScopeView`]
 //! implements; what the hooks are called with is recorded, packed.
 
 use std::sync::Arc;
@@ -16,6 +16,7 @@ use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::actions::{Actions, Declaration, Interval, Operator, Parameter, StatedAttribute};
+use super::cut::{CutState, LOOKAHEAD, cut};
 use super::declarations::DeclarationKeyword;
 use super::parser::deferred::{Deferred, References};
 use super::parser::lints::shadowed_split;
@@ -111,23 +112,15 @@ impl<'d> ReadDeclaration<'d> {
 }
 
 impl Grammar for Geotrace {
-    /// True inside a comment.
-    type CutState = bool;
+    const LOOKAHEAD: usize = LOOKAHEAD;
+    type CutState = CutState;
     type Builtins = Vocabulary;
     type Symbol = Symbol;
     type Analysis = ChunkAnalysis;
     type Deferred = Deferred;
 
-    fn cut(text: &str, from: usize, mut in_comment: bool, ends: &mut Vec<usize>) -> bool {
-        for (at, byte) in text.bytes().enumerate().skip(from) {
-            match byte {
-                b'\n' => in_comment = false,
-                b'#' => in_comment = true,
-                b';' if !in_comment => ends.push(at + 1),
-                _ => {}
-            }
-        }
-        in_comment
+    fn cut(text: &str, _: usize, state: CutState, ends: &mut Vec<usize>) -> CutState {
+        cut(text, state, ends)
     }
 
     fn builtins(vocabulary: &Vocabulary) -> Vec<Symbol> {

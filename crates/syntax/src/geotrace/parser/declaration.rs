@@ -427,7 +427,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `IDS = IDS "," id | id`, and the `)` behind it.
     fn ids(&mut self, opening: Span) -> Result<(), Stop> {
         self.new_parameter()?;
-        while self.current.kind == TokenKind::Comma {
+        while self.is_separator() {
             self.advance(Mode::Name);
             self.new_parameter()?;
         }

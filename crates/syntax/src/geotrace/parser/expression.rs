@@ -273,7 +273,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     fn tuple(&mut self) -> Result<u32, Stop> {
         let mut count = 1;
         self.add()?;
-        while self.current.kind == TokenKind::Comma {
+        while self.is_separator() {
             self.advance(Mode::Expression);
             self.add()?;
             count += 1;

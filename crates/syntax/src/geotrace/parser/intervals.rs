@@ -101,7 +101,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         self.advance(Mode::Expression);
         self.expression()?;
-        if self.current.kind != TokenKind::Comma {
+        if !self.is_separator() {
             return Err(match self.current.kind {
                 TokenKind::BracketClose => self.missing_end(opening),
                 _ => self.unclosed(opening, ']', "`,` or "),
@@ -111,7 +111,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.expression()?;
         let mut kind = IntervalKind::Range;
         match (self.current.kind, owner) {
-            (TokenKind::Comma, IntervalOwner::Param) => {
+            (TokenKind::Semicolon, _) if !self.is_separator() => {}
+            (TokenKind::Comma | TokenKind::Semicolon, IntervalOwner::Param) => {
                 let diagnostic = self.expected_diagnostic("`]`").with_hint(
                     "a param's interval is `[min, max]`; one with a count belongs to a `grid`",
                 );
@@ -123,7 +124,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     .with_hint("a grid's interval is `[a, b, n]`");
                 return Err(self.reject(diagnostic));
             }
-            (TokenKind::Comma, _) => {
+            (TokenKind::Comma | TokenKind::Semicolon, _) => {
                 self.advance(Mode::Expression);
                 self.expression()?;
                 kind = IntervalKind::Grid;

@@ -6,6 +6,7 @@ use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
 use crate::geotrace::attributes::{self, AttributeWord};
 use crate::geotrace::codes;
+use crate::geotrace::cut::separators;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::Fault;
 use crate::geotrace::symbols::NameScope;
@@ -232,6 +233,37 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         let diagnostic = diagnostic.with_related(opening, format!("`{open}` opens here"));
         self.reject(diagnostic)
+    }
+
+    /// Returns true at a `,` between brackets, and at a `;` that was meant to be one, which it reports.
+    pub(super) fn is_separator(&mut self) -> bool {
+        match self.current.kind {
+            TokenKind::Comma => true,
+            TokenKind::Semicolon => self.takes_semicolon(),
+            _ => false,
+        }
+    }
+
+    #[cold]
+    fn takes_semicolon(&mut self) -> bool {
+        let Some(place) = separators(self.source, self.current.span.start) else {
+            return false;
+        };
+        let written = place.text(self.source).replace(';', ",");
+        let diagnostic = self
+            .here(
+                codes::UNEXPECTED_TOKEN,
+                "expected `,` between brackets, found `;`",
+            )
+            .with_hint(
+                "a `;` ends a declaration: components are separated by `,`, as in `(1, 2, 3)`",
+            )
+            .with_fix(Fix {
+                title: "Write `,` for `;`".to_owned(),
+                ..Fix::change(place, &written, true).with_all()
+            });
+        self.reject(diagnostic);
+        true
     }
 
     /// Reports that no declaration begins with the current token, and what may have been meant: a misspelt

@@ -1,0 +1,92 @@
+//! The ends of declarations, found without parsing them.
+//!
+//! A `;` ends a declaration. Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a
+//! comment or nothing follows; else it was meant to separate components, and the parser says so. So the beginning of a
+//! declaration also decides where the one above ends ([`LOOKAHEAD`]).
+
+use super::declarations::DeclarationKeyword;
+use crate::span::Span;
+
+/// The number of bytes behind the white space at a chunk's start that decide that the chunk above ends there: those of the
+/// longest keyword, and one that shows where it ends.
+pub(super) const LOOKAHEAD: usize = "background".len() + 1;
+
+/// The length, in bytes, in which a bracket with a `;` is searched for its end: long texts take linear time.
+const SEARCH_LENGTH: usize = 2000;
+
+/// The state of the search behind a part of a text.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CutState {
+    /// The offset of the first byte that has not been taken.
+    at: usize,
+    in_comment: bool,
+    /// The number of brackets that are open.
+    depth: u32,
+}
+
+/// Appends to `ends` the offsets behind the declarations that end in a text, as far as the text decides them. `state` is that
+/// of the call with its beginning.
+pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
+    for (at, byte) in text.bytes().enumerate().skip(state.at) {
+        match byte {
+            b'\n' => state.in_comment = false,
+            _ if state.in_comment => {}
+            b'#' => state.in_comment = true,
+            b'(' | b'[' | b'{' => state.depth = state.depth.saturating_add(1),
+            b')' | b']' | b'}' => state.depth = state.depth.saturating_sub(1),
+            b';' => {
+                let is_end = match state.depth {
+                    0 => Some(true),
+                    _ => is_end_between_brackets(&text[at + 1..]),
+                };
+                let Some(is_end) = is_end else {
+                    state.at = at;
+                    return state;
+                };
+                if is_end {
+                    ends.push(at + 1);
+                    state.depth = 0;
+                }
+            }
+            _ => {}
+        }
+    }
+    state.at = text.len();
+    state
+}
+
+/// Whether a `;` between brackets ends a declaration before the text behind it. Returns `None` if that is too short to say.
+fn is_end_between_brackets(behind: &str) -> Option<bool> {
+    let behind = behind.trim_start();
+    let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
+    if end.is_none() && behind.len() < LOOKAHEAD {
+        return None;
+    }
+    let word = &behind[..end.unwrap_or(behind.len())];
+    Some(behind.starts_with('#') || DeclarationKeyword::from_text(word).is_some())
+}
+
+/// Returns the place from a `;` between brackets to the last one before the innermost of them closes. Returns `None` if it
+/// does not close before the declaration ends.
+pub(super) fn separators(text: &str, first: u32) -> Option<Span> {
+    let start = first as usize;
+    let mut last = start;
+    let mut depth = 0u32;
+    for (at, byte) in text.bytes().enumerate().skip(start).take(SEARCH_LENGTH) {
+        match byte {
+            b'#' => return None,
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' if depth == 0 => return Some(Span::new(first, last as u32 + 1)),
+            b')' | b']' | b'}' => depth -= 1,
+            b';' => {
+                let behind = text[at + 1..].trim_start();
+                if behind.is_empty() || is_end_between_brackets(behind) == Some(true) {
+                    return None;
+                }
+                last = at;
+            }
+            _ => {}
+        }
+    }
+    None
+}
