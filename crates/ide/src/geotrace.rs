@@ -34,6 +34,7 @@ pub mod rename;
 pub mod semantic;
 pub mod signature;
 mod solid;
+mod start;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};

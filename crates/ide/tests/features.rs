@@ -103,13 +103,30 @@ fn hover_at_an_application_tells_its_value_and_the_curvature_there() {
         description.text
     };
     let text = shown("param a : [0, 1]; point p = s|(a, 0);");
-    assert_eq!(
-        text[0],
-        "`s(a, 0)` = (2, 0, 0), with every param at its start"
-    );
+    assert_eq!(text[0], "`s(a, 0)` = (2, 0, 0), for `a = 0`");
     assert_eq!(
         text[1],
         "there K = 0.25, E = 4, F = 0, G = 4, from exact derivatives"
+    );
+    let text =
+        shown("param b : [1, 2], [0, 3]; param a = 0.5 : [0, 1]; point p = s|(a, b_2 - b_2);");
+    assert!(
+        text[0].ends_with(", for `b = (1, 0)`, `a = 0.5`"),
+        "{text:?}"
+    );
+    let text = shown("param a = 0.5 : [0, 1]; define c| = 4 a;");
+    assert_eq!(text[0], "= 2, for `a = 0.5`");
+    let stretched = "surface w|(u, v) = (a u, k v, 0), u : [0, 1], v : [0, 1];";
+    let text = shown(&format!(
+        "param a = 3 : [1, 4]; param unread : [0, 1]; grid k : [2, 4, 3]; {stretched}"
+    ));
+    assert!(text[1].contains("E = 9, F = 0, G = 4"), "{text:?}");
+    assert!(text[1].ends_with(", for `a = 3`, `k = 2`"), "{text:?}");
+    let many = "param a : [0, 1]; param b : [0, 1]; param c : [0, 1]; param d : [0, 1]; param f : [0, 1]; param g : [0, 1];";
+    let text = shown(&format!("{many} define sum| = a + b + c + d + f + g;"));
+    assert!(
+        text[0].ends_with("`d = 0` and 2 more at their start"),
+        "{text:?}"
     );
     let text = shown("vector w = s|_u(0, 0) @ s(0, 0);");
     assert_eq!(text[0], "`s_u(0, 0)` = (0, 2, 0)");

@@ -201,10 +201,7 @@ fn hover_tells_what_a_solid_is() {
     let wanted = "within `x : [-1.01, 1.01]`, `y : [-1.01, 1.01]`, `z : [-1.01, 1.01]`";
     assert!(ball.contains(wanted), "{ball}");
     let ground = told("param h : [0, 1]; solid g¦round(x,y,z) = z - h;");
-    assert!(
-        ground.contains("endless, with every param at its start"),
-        "{ground}"
-    );
+    assert!(ground.contains("endless, for `h = 0`"), "{ground}");
     let cube = told(&at("cube(x"));
     assert!(cube.contains("a part"), "{cube}");
     let mirror = told(&at("mirror"));

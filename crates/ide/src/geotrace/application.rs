@@ -18,6 +18,7 @@ use syntax::symbol::SymbolId;
 use super::analysis::GeotraceAnalysis;
 use super::hints::{short, shown};
 use super::outline::parameters_of;
+use super::start;
 
 /// The most tokens that an application has.
 const LONGEST: usize = 200;
@@ -101,7 +102,7 @@ impl Application {
     fn sentences(&self, analysis: &GeotraceAnalysis) -> Option<Vec<String>> {
         let needed = Needed::compile(analysis, &self.symbols)?;
         let result = shown(&needed.value(&self.text)?);
-        let start = needed.start();
+        let start = &needed.start;
         let written: Vec<&str> = self.text.split_whitespace().collect();
         let mut sentences = vec![format!("`{}` = {result}{start}", written.join(" "))];
         if !self.is_derived {
@@ -154,36 +155,26 @@ pub(crate) fn value(analysis: &GeotraceAnalysis, span: Span) -> Option<String> {
     }
     let needed = Needed::compile(analysis, &analysis.symbols_in(span))?;
     let result = needed.value(&analysis.slice(span))?;
-    Some(format!("= {}{}", shown(&result), needed.start()))
+    Some(format!("= {}{}", shown(&result), needed.start))
 }
 
 /// The declarations that an expression needs, compiled.
 struct Needed {
     compilation: Compilation,
     params: ParamValues,
-    /// True if a param or a grid moves one of them.
-    is_moved: bool,
+    /// The end of a sentence with a value.
+    start: String,
 }
 
 impl Needed {
     fn compile(analysis: &GeotraceAnalysis, symbols: &[SymbolId]) -> Option<Self> {
         let compilation = scene::geotrace::compile(&declarations(analysis, symbols)?);
-        let params = ParamValues::initial(compilation.scene.as_ref()?);
-        let moves =
-            |id: &SymbolId| analysis.item_of(*id).is_some() && analysis.depends_on_settings(*id);
+        let scene = compilation.scene.as_ref()?;
         Some(Self {
-            params,
+            params: ParamValues::initial(scene),
+            start: start::of_scene(scene),
             compilation,
-            is_moved: symbols.iter().any(moves),
         })
-    }
-
-    /// The end of a sentence with a value.
-    fn start(&self) -> &'static str {
-        match self.is_moved {
-            true => ", with every param at its start",
-            false => "",
-        }
     }
 
     fn value(&self, expression: &str) -> Option<Value> {

@@ -20,6 +20,7 @@ use super::hints::{constant, shown};
 use super::item::Item;
 use super::outline::parameters;
 use super::solid;
+use super::start;
 use crate::description::Description;
 
 /// A description in this language.
@@ -188,11 +189,7 @@ fn written_intervals(analysis: &GeotraceAnalysis, item: &Item<'_>) -> String {
 fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let excerpt = analysis.excerpt([item.index]);
     if let Some(value) = constant(&excerpt, item.name) {
-        return Some(if analysis.depends_on_settings(item.symbol?) {
-            format!("= {value}, with every param at its start")
-        } else {
-            format!("= {value}")
-        });
+        return Some(format!("= {value}{}", start::of_scene(excerpt.scene())));
     }
     let values = ParamValues::initial(excerpt.scene());
     let scene::Outcome::Instances(instances) = excerpt.value(item.name, &values)? else {
@@ -200,9 +197,10 @@ fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     };
     let first = instances.first()?;
     Some(format!(
-        "{} values, one for each value of the grids; the first is {}",
+        "{} values, one for each value of the grids; the first is {}{}",
         instances.len(),
-        shown(&first.value)
+        shown(&first.value),
+        start::of_scene(excerpt.scene())
     ))
 }
 
@@ -239,10 +237,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
         Shape::Background(_) => "a colour for each unit direction".to_owned(),
         _ => return None,
     };
-    Some(match object.params.is_empty() {
-        true => told,
-        false => format!("{told}, with every param at its start"),
-    })
+    Some(format!("{told}{}", start::of_object(scene, object)))
 }
 
 /// The comment right above a declaration, or behind it on its line.

@@ -9,6 +9,7 @@ use scene::ParamValues;
 use super::analysis::GeotraceAnalysis;
 use super::hints::short;
 use super::item::Item;
+use super::start;
 
 /// Points along each axis at which a surface is looked at, its sides included.
 const LATTICE: u32 = 25;
@@ -29,7 +30,9 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
         let names = item.parameters().map(|(name, _)| name);
         let [u, v]: [&str; 2] = names.collect::<Vec<_>>().try_into().ok()?;
         let mut sentences = Vec::new();
-        sentences.extend(first_form(surface, [u, v]));
+        sentences.extend(
+            first_form(surface, [u, v]).map(|told| told + &start::of_object(scene, object)),
+        );
         sentences.extend(regularity(surface, [u, v]));
         sentences.extend(topology(surface, [u, v]));
         Some(sentences)

@@ -12,6 +12,7 @@ use super::analysis::{GeotraceAnalysis, Target};
 use super::completion_place::{Expected, in_set};
 use super::hints::short;
 use super::item::Item;
+use super::start;
 
 /// The most kinds of leaf that are told.
 const MOST_LEAVES: usize = 12;
@@ -36,7 +37,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     if rays.world().solid_count() == 0 {
         return text;
     }
-    text.push(extent(&rays, object.params.is_empty()));
+    text.push(extent(&rays, &start::of_object(scene, object)));
     text.extend(leaves(&rays));
     text
 }
@@ -69,12 +70,8 @@ pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Stri
     }
 }
 
-/// The box of a solid.
-fn extent(rays: &RayScene, is_fixed: bool) -> String {
-    let start = match is_fixed {
-        true => "",
-        false => ", with every param at its start",
-    };
+/// The box of a solid; `start` says for which params.
+fn extent(rays: &RayScene, start: &str) -> String {
     let Some(bounds) = rays.bounds() else {
         return format!("endless{start}");
     };
