@@ -77,6 +77,20 @@ pub(crate) fn here(
     Some(label.hidden(occlusion.hides(place, None)))
 }
 
+/// The letters of figures among some objects.
+pub(crate) fn letters(
+    objects: &[OverlayObject],
+    camera: &Camera,
+    occlusion: &Occlusion,
+) -> Vec<TextLabel> {
+    let letters = objects.iter().filter_map(|object| {
+        let (letter, place) = object.letter?;
+        let label = TextLabel::beside(camera.pixel_of(place)?, letter);
+        Some(label.hidden(occlusion.hides(place, None)))
+    });
+    letters.collect()
+}
+
 /// sRGB colours of lines.
 mod ink {
     use crate::trail::TrailKind;

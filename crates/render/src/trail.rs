@@ -9,6 +9,8 @@ use geometry::{GeodesicStart, Knot, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
+use crate::point::WorldPoint;
+
 /// Points for each zoom that is walked.
 const POINTS: f64 = 48.0;
 /// The most points of one step.
@@ -25,6 +27,15 @@ pub enum TrailKind {
     Measured,
 }
 
+/// A place of a figure with its letter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// The letter, which is written beside it.
+    pub letter: char,
+    /// The place (u, v).
+    pub at: [f64; 2],
+}
+
 /// A path on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
@@ -36,6 +47,8 @@ pub struct Trail {
     pub points: Vec<[f64; 2]>,
     /// Its length, in the surface's units.
     pub length: f64,
+    /// The place that it rings, if it is the mark of one.
+    pub mark: Option<Mark>,
 }
 
 impl Trail {
@@ -46,6 +59,7 @@ impl Trail {
             surface,
             points: vec![at],
             length: 0.0,
+            mark: None,
         }
     }
 
@@ -106,25 +120,34 @@ impl TrailKind {
     }
 }
 
-/// A trail's places in space; `None` where its surface is undefined, nothing for a metric.
-pub(crate) fn in_space(
-    scene: &Scene,
-    params: &ParamValues,
-    trail: &Trail,
-) -> Option<Vec<Option<Knot>>> {
+/// A trail in space.
+pub(crate) struct SpaceTrail {
+    /// Its places; `None` where its surface is undefined.
+    pub(crate) line: Vec<Option<Knot>>,
+    /// The place that it rings, with its letter.
+    pub(crate) mark: Option<(char, WorldPoint)>,
+}
+
+/// A trail in space; `None` for one on a metric.
+pub(crate) fn in_space(scene: &Scene, params: &ParamValues, trail: &Trail) -> Option<SpaceTrail> {
     let object = scene.objects.get(trail.surface.0 as usize)?;
     let uniforms = params.first_instance(scene, object);
     let manifold = Manifold::new(scene, trail.surface, &uniforms).ok()?;
     let surface: &dyn Surface = manifold.surface();
     surface.is_embedded().then(|| {
-        let knot = |&uv: &[f64; 2]| {
+        let place = |uv: [f64; 2]| {
             let position = surface.jet(uv.into()).position;
             let defined = position.iter().all(|x| x.is_finite());
-            defined.then_some(Knot {
-                uv,
-                position: Some(position),
-            })
+            defined.then_some(position)
         };
-        trail.points.iter().map(knot).collect()
+        let knot = |&uv: &[f64; 2]| {
+            let position = Some(place(uv)?);
+            Some(Knot { uv, position })
+        };
+        let mark = trail.mark;
+        SpaceTrail {
+            line: trail.points.iter().map(knot).collect(),
+            mark: mark.and_then(|mark| Some((mark.letter, WorldPoint(place(mark.at)?)))),
+        }
     })
 }

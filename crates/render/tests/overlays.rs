@@ -6,7 +6,7 @@ use image::{Rgba, RgbaImage};
 use render::request::{Overlays, Spacing};
 use render::sample::{Samples, sample};
 use render::texture::Texture;
-use render::trail::{Trail, TrailKind};
+use render::trail::{Mark, Trail, TrailKind};
 use render::viewpoint::GeodesicCamera;
 use render::{Backend, RenderedImage};
 use scene::ObjectId;
@@ -215,6 +215,7 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
         surface: ObjectId(0),
         points,
         length: 0.8,
+        mark: None,
     };
     let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
     let grey = Arc::new(grey);
@@ -261,5 +262,61 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
             let middle = |(x, y): &&(u32, u32)| *y < 90 && x.abs_diff(64) <= 4;
             assert_eq!(changed.iter().filter(middle).count(), line);
         }
+    }
+}
+
+#[test]
+fn a_marked_place_has_its_letter_in_both_views() {
+    let scene = scene("surface s(u,v) = (u, v, 0), u : [-1,1], v : [-1,1];");
+    let params = ParamValues::initial(&scene);
+    let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
+    let grey = Arc::new(grey);
+    // To the right of the middle, and above it.
+    let at = [0.5, 0.5];
+    let ring = (0..=40).map(|k| {
+        let (sin, cos) = (f64::from(k) * PI / 20.0).sin_cos();
+        [at[0] + 0.03 * cos, at[1] + 0.03 * sin]
+    });
+    let ring = Trail {
+        kind: TrailKind::Measured,
+        surface: ObjectId(0),
+        points: ring.collect(),
+        length: 0.06 * PI,
+        mark: None,
+    };
+    for space in [false, true] {
+        let draw = |mark: Option<Mark>| {
+            let base = if space {
+                Wanted::space([200, 200])
+                    .with_space(|options| options.camera.eye = Some([0.0, -0.1, 4.0].into()))
+            } else {
+                Wanted::geodesic(ObjectId(0), [200, 200]).with_inside(|options| {
+                    options.mark_centre = false;
+                    options.camera = options.camera.at([0.0; 2]).zoomed(1.0);
+                })
+            };
+            let request = Wanted {
+                backend: Backend::Software,
+                textures: vec![(ObjectId(0), grey.clone())],
+                trails: vec![Arc::new(Trail {
+                    mark,
+                    ..ring.clone()
+                })],
+                ..base
+            };
+            request.draw(&scene, &params).expect("a picture").image
+        };
+        let plain = draw(None);
+        let lettered = draw(Some(Mark { letter: 'B', at }));
+        let changed: Vec<(u32, u32)> = lettered
+            .enumerate_pixels()
+            .filter(|(x, y, pixel)| *pixel != plain.get_pixel(*x, *y))
+            .map(|(x, y, _)| (x, y))
+            .collect();
+        assert!(changed.len() > 30, "{}", changed.len());
+        // A letter is small, and beside its ring.
+        let is_near = |(x, y): &(u32, u32)| (110..190).contains(x) && (20..90).contains(y);
+        assert!(changed.iter().all(is_near), "{space}: {changed:?}");
+        assert!(changed.len() < 400, "{}", changed.len());
     }
 }

@@ -8,7 +8,7 @@ use geodesic::measure::{self, Connection, MeasureError};
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status};
 use geometry::{GeodesicStart, knots_at};
-use render::trail::{Trail, TrailKind};
+use render::trail::{Mark, Trail, TrailKind};
 use scene::ObjectId;
 
 use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity, angle, number, place};
@@ -36,10 +36,15 @@ pub(crate) fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> 
         note: Some(error.to_string()),
         ..Measured::default()
     });
-    for at in &figure.places {
+    for (letter, at) in figure.lettered() {
+        let rings = drawing.rim(at, MARK * surface.scale().size);
+        let mark = Some(Mark { letter, at });
+        // A ring that the border of the surface cuts in pieces has its letter once.
+        let marks = std::iter::once(mark).chain(std::iter::repeat(None));
+        let rings = rings.into_iter().zip(marks);
         found
             .lines
-            .extend(drawing.rim(*at, MARK * surface.scale().size));
+            .extend(rings.map(|(ring, mark)| Arc::new(Trail { mark, ..ring })));
     }
     found
 }
@@ -131,7 +136,7 @@ impl Drawing<'_> {
         let mut answer = Measured {
             rows: vec![Quantity::new("radius", number(radius))],
             radius: Some(radius),
-            lines: self.rim(centre, radius),
+            lines: self.rim(centre, radius).into_iter().map(Arc::new).collect(),
             ..Measured::default()
         };
         let beside = |value: f64, flat: f64, name: &str| {
@@ -173,9 +178,13 @@ impl Drawing<'_> {
     fn triangle(&self, corners: [[f64; 2]; 3]) -> Result<Measured, MeasureError> {
         let found = measure::triangle(self.surface, corners)?;
         let mut rows = Vec::new();
-        for (name, side) in ["a", "b", "c"].iter().zip(&found.sides) {
+        let ends = ["B to C", "C to A", "A to B"];
+        for ((name, ends), side) in ["a", "b", "c"].iter().zip(ends).zip(&found.sides) {
             let length = side.map_or_else(|| "none found".to_owned(), |side| number(side.length));
-            rows.push(Quantity::new(format!("side {name}"), length));
+            rows.push(Quantity::new(
+                format!("side {name}"),
+                format!("{length}; {ends}"),
+            ));
         }
         for (name, at) in ["A", "B", "C"].iter().zip(found.angles) {
             let shown = at.map_or_else(|| "none".to_owned(), angle);
@@ -213,11 +222,11 @@ impl Drawing<'_> {
         let start = GeodesicStart::Chart(it.from.0, it.direction.0);
         let knots = knots_at(self.surface, &start, &lengths);
         let points: Vec<_> = knots.into_iter().map_while(|k| Some(k?.uv)).collect();
-        self.trail(points, it.length)
+        self.trail(points, it.length).map(Arc::new)
     }
 
     /// A circle as lines: it has gaps where rays end.
-    fn rim(&self, centre: [f64; 2], radius: f64) -> Vec<Arc<Trail>> {
+    fn rim(&self, centre: [f64; 2], radius: f64) -> Vec<Trail> {
         let Ok(frame) = Frame::new(self.surface, centre, 0.0, 1.0) else {
             return Vec::new();
         };
@@ -236,14 +245,13 @@ impl Drawing<'_> {
             .collect()
     }
 
-    fn trail(&self, points: Vec<[f64; 2]>, length: f64) -> Option<Arc<Trail>> {
-        (points.len() > 1).then(|| {
-            Arc::new(Trail {
-                kind: TrailKind::Measured,
-                surface: self.id,
-                points,
-                length,
-            })
+    fn trail(&self, points: Vec<[f64; 2]>, length: f64) -> Option<Trail> {
+        (points.len() > 1).then(|| Trail {
+            kind: TrailKind::Measured,
+            surface: self.id,
+            points,
+            length,
+            mark: None,
         })
     }
 }

@@ -67,6 +67,13 @@ pub(crate) struct Figure {
     pub(crate) radius: Option<f64>,
 }
 
+impl Figure {
+    /// Its places in order, each with its letter.
+    pub(crate) fn lettered(&self) -> impl Iterator<Item = (char, [f64; 2])> + '_ {
+        ('A'..='Z').zip(self.places.iter().copied())
+    }
+}
+
 /// The answer for a figure.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Measured {

@@ -142,6 +142,7 @@ impl AxesBox {
                 width: WIDTH,
                 lift: 0.0,
             },
+            letter: None,
         }
     }
 

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use geodesic::trace::Status;
 use image::RgbaImage;
 
-use super::{curves, cut_locus, ink, labels, legend, lines, trail_words, wave_words};
+use super::{TextLabel, curves, cut_locus, ink, labels, legend, lines, trail_words, wave_words};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
 use crate::point::PixelPoint;
@@ -47,7 +47,7 @@ impl<'a> GeodesicOverlay<'a> {
                 &curve,
                 camera,
                 request.scale,
-                request.overlays.labels,
+                request.overlays.labels || trails.iter().any(|trail| trail.mark.is_some()),
                 counters,
             ),
             geodesics,
@@ -111,18 +111,31 @@ impl<'a> GeodesicOverlay<'a> {
         key.draw(image, self.request.scale);
         if self.request.overlays.labels {
             drawn.push("labels");
-            let middle = [0, 1].map(|k| 0.5 * f64::from(self.camera.size()[k]));
-            let here = labels::TextLabel::beside(PixelPoint(middle), labels::HERE);
-            let places = self.lines.as_ref().map(curves::Lines::name_places);
-            let places = places.unwrap_or_default();
-            let names = self.geodesics.iter().zip(places);
-            let names = names.filter_map(|((_, name), place)| {
-                Some(labels::TextLabel::beside(place?, name.as_str()))
-            });
-            let labels: Vec<_> = std::iter::once(here).chain(names).collect();
-            labels::write(image, &labels, self.request);
         }
+        labels::write(image, &self.labels(), self.request);
         ([self.notes, notes].concat(), drawn)
+    }
+
+    /// Returns the words at places of the picture: the letters of figures, and with labels the names of geodesics and that of the
+    /// observer.
+    fn labels(&self) -> Vec<TextLabel> {
+        let places = self.lines.as_ref().map(curves::Lines::name_places);
+        let places = places.unwrap_or_default();
+        let (geodesics, trails) = places.split_at(self.geodesics.len().min(places.len()));
+        let letters = self.trails.iter().zip(trails).filter_map(|(trail, place)| {
+            let letter = trail.mark?.letter;
+            Some(TextLabel::beside((*place)?, letter))
+        });
+        let mut all: Vec<TextLabel> = letters.collect();
+        if self.request.overlays.labels {
+            let middle = [0, 1].map(|k| 0.5 * f64::from(self.camera.size()[k]));
+            all.push(TextLabel::beside(PixelPoint(middle), labels::HERE));
+            let names = self.geodesics.iter().zip(geodesics);
+            all.extend(names.filter_map(|((_, name), place)| {
+                Some(TextLabel::beside((*place)?, name.as_str()))
+            }));
+        }
+        all
     }
 
     /// Draws the requested overlays that follow from the pixels' ends themselves. Returns notes for a reader, and the

@@ -13,9 +13,11 @@ use super::legend::Legend;
 use crate::error::RenderError;
 use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use crate::placement::Placement;
+use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples, line_samples, vector};
 use crate::style::{self, LineStyle, Look};
+use crate::trail::SpaceTrail;
 use crate::viewpoint::GeodesicCamera;
 
 /// Something to be drawn in space that is no object of the scene.
@@ -31,6 +33,8 @@ pub(crate) struct OverlayObject {
     pub(crate) colour: [f32; 3],
     /// The look of its lines.
     pub(crate) line: LineStyle,
+    /// A letter, beside a place.
+    pub(crate) letter: Option<(char, DrawingPoint)>,
 }
 
 impl OverlayObject {
@@ -77,17 +81,18 @@ const BORDER: [u8; 3] = [255, 210, 60];
 /// Returns the objects that show a request's trails.
 pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
     let lines = request.trails.iter().filter_map(|trail| {
-        let line = crate::trail::in_space(&request.scene, &request.params, trail)?;
-        Some((trail.kind, line))
+        let trail_in_space = crate::trail::in_space(&request.scene, &request.params, trail)?;
+        Some((trail.kind, trail_in_space))
     });
     lines
-        .filter(|(_, line)| line.len() > 1)
-        .map(|(kind, line)| OverlayObject {
+        .filter(|(_, trail)| trail.line.len() > 1)
+        .map(|(kind, SpaceTrail { line, mark })| OverlayObject {
             name: kind.name(),
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
             colour: style::linear(ink::trail(kind)),
             line: TRAILS,
+            letter: mark.map(|(letter, place)| (letter, placement.local(place))),
         })
         .collect()
 }
@@ -248,6 +253,7 @@ fn frame_objects(
             samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
             colour: style::linear(colour),
             line: FRAME,
+            letter: None,
         });
     }
     let [right, up] = half_extent(request.size);
@@ -289,6 +295,7 @@ fn curves(
         samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
         colour: style::linear(colour),
         line,
+        letter: None,
     }
 }
 

@@ -246,7 +246,7 @@ impl ViewRenderer for SpaceRenderer {
         };
         notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
-        if request.overlays.labels {
+        if is_labelled(request, &overlay) {
             labels.extend(self::labels(
                 shared, request, options, &framed, &camera, &overlay,
             ));
@@ -547,8 +547,13 @@ fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
     closed.is_some_and(|closed| !closed.points_outwards)
 }
 
-/// The names of the objects that are drawn, where they are seen, and that of the observer; dim where a surface lies
-/// before them.
+/// Returns true if there are words at places of a picture, beside those of its axes.
+pub(super) fn is_labelled(request: &PictureRequest, extras: &[OverlayObject]) -> bool {
+    request.overlays.labels || extras.iter().any(|extra| extra.letter.is_some())
+}
+
+/// The letters of figures; with labels, the names of the objects that are drawn, where they are seen, and that of the observer.
+/// They are dim where a surface lies before them.
 pub(super) fn labels(
     shared: &mut SharedState,
     request: &PictureRequest,
@@ -586,10 +591,12 @@ pub(super) fn labels(
         let label = TextLabel::beside(camera.pixel_of(place)?, object.name.as_str());
         Some(label.hidden(seen.is_none()))
     };
-    let names = drawn.filter_map(label);
-    names
-        .chain(overlay::here(extras, camera, &occlusion))
-        .collect()
+    let mut all = overlay::letters(extras, camera, &occlusion);
+    if request.overlays.labels {
+        all.extend(drawn.filter_map(label));
+        all.extend(overlay::here(extras, camera, &occlusion));
+    }
+    all
 }
 
 /// Parameters from shares of the domain.

@@ -1,6 +1,6 @@
 //! The 3D view in layers: its curves, geodesics and axes as vectors, and its names.
 
-use super::{SpaceRenderer, drawables, labels, options, tints};
+use super::{SpaceRenderer, drawables, is_labelled, labels, options, tints};
 use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
@@ -51,7 +51,7 @@ impl SpaceRenderer {
             .axes
             .as_ref()
             .map_or_else(Vec::new, |axes| axes.labels(camera));
-        if request.overlays.labels {
+        if is_labelled(request, &stage.overlay) {
             let extras = &stage.overlay;
             words.extend(labels(
                 shared,
