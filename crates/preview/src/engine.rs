@@ -10,5 +10,6 @@ pub(crate) mod recording;
 pub(crate) mod remembered;
 pub(crate) mod render_thread;
 pub(crate) mod request;
+mod snapping;
 pub(crate) mod textures;
 pub(crate) mod typing;

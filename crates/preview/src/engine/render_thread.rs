@@ -34,6 +34,8 @@ pub(crate) enum RenderEvent {
     Picked {
         request: Box<PictureRequest>,
         hit: Option<Hit>,
+        /// The pixel of a place that was snapped to.
+        snapped: Option<[f64; 2]>,
         purpose: Purpose,
     },
     /// The camera that sees everything was found, or could not be.
@@ -55,9 +57,26 @@ pub(crate) enum Purpose {
     /// Its declaration is to be shown.
     Open,
     /// The place is one of a figure that is measured.
-    Measure,
+    Measure(Snapping),
     /// The place is under the pointer while it rests or moves.
-    Pointer,
+    Pointer(Snapping),
+}
+
+/// Whether a place that is looked for snaps to points, ends and corners nearby.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Snapping {
+    On,
+    Off,
+}
+
+impl Purpose {
+    /// Returns the snapping of a place that is measured; `None` of another.
+    pub(crate) fn snapping(self) -> Option<Snapping> {
+        match self {
+            Self::Measure(snapping) | Self::Pointer(snapping) => Some(snapping),
+            Self::Place(_) | Self::Open => None,
+        }
+    }
 }
 
 /// The longest time for which a finished picture waits for another one, so that the window draws itself once for both.
@@ -147,8 +166,8 @@ impl RenderThread {
     }
 
     /// Asks what is under the pointer, in the place of an earlier such question that has not been begun.
-    pub(crate) fn point(&self, request: PictureRequest, at: [f64; 2]) {
-        let job = Job::Pick(Box::new(request), at, Purpose::Pointer);
+    pub(crate) fn point(&self, request: PictureRequest, at: [f64; 2], snapping: Snapping) {
+        let job = Job::Pick(Box::new(request), at, Purpose::Pointer(snapping));
         self.queue.push(Rank::Pointer as u8, JobKey::Pointer, job);
     }
 
@@ -226,6 +245,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 RenderEvent::Picked {
                     request,
                     hit: None,
+                    snapped: None,
                     purpose,
                 }
             }

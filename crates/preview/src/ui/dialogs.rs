@@ -137,8 +137,9 @@ const KEYS_WIDTH: f32 = 150.0;
 const ACTION_WIDTH: f32 = 300.0;
 
 /// The keys that are the same in all views.
-const KEYS: [Key; 5] = [
+const KEYS: [Key; 6] = [
     Key::new("M", "measure on surfaces"),
+    Key::new("Alt and click", "measure there, without snapping"),
     Key::new("F6, Shift+F6", "the next view, the one before"),
     Key::new("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view"),
     Key::new("Ctrl+ + − 0", "interface scale"),

@@ -9,11 +9,12 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{DragValue, Grid, Rect, Response, Ui};
+use egui::{Color32, DragValue, Grid, Rect, Response, Stroke, Ui};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
 
 use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
+use crate::engine::render_thread::Snapping;
 use crate::state::camera_controller::Subject;
 use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity};
 use crate::state::motion::Motion;
@@ -23,6 +24,8 @@ use crate::ui::window::Window;
 
 /// The time for which the pointer rests before the status line has the place under it, in seconds.
 const POINTER_RESTS: f64 = 0.15;
+/// The radius of the ring around the place to which a click would snap, in points.
+const RING: f32 = 7.0;
 
 /// The state of the window in which surfaces are measured.
 #[derive(Debug, Default)]
@@ -46,8 +49,10 @@ pub(crate) struct Measuring {
 /// The place under the pointer.
 #[derive(Debug)]
 struct Pointer {
-    /// The request of the picture and the pixel that were asked for last.
-    asked: Option<(PictureRequest, [f64; 2])>,
+    /// The request of the picture, the pixel and the snapping that were asked for last.
+    asked: Option<(PictureRequest, [f64; 2], Snapping)>,
+    /// The pixel to which a click there would snap.
+    snapped: Option<[f64; 2]>,
     /// The place of that picture on the screen.
     picture: Rect,
     /// The place that was found there, with its surface.
@@ -62,6 +67,7 @@ impl Default for Pointer {
     fn default() -> Self {
         Self {
             asked: None,
+            snapped: None,
             picture: Rect::NOTHING,
             found: None,
             surface: String::new(),
@@ -75,6 +81,11 @@ impl Measuring {
     /// Returns whether the window is open: then clicks on pictures are places to be measured.
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
+    }
+
+    /// Returns whether a click at the pointer would snap.
+    pub(crate) fn snaps(&self) -> bool {
+        self.is_open && self.pointer.snapped.is_some()
     }
 
     /// Returns the place under the pointer in short, with its surface, while it is over the picture that it was asked for.
@@ -192,11 +203,14 @@ pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, respon
         return;
     };
     let now = pixel(request, response.rect, at);
+    let snapping = match window.dialogs.measuring.is_open() {
+        true => snapping(ui),
+        false => Snapping::Off,
+    };
     let known = &window.dialogs.measuring.pointer.asked;
-    if known
-        .as_ref()
-        .is_some_and(|(before, pixel)| *pixel == now && before == request)
-    {
+    if known.as_ref().is_some_and(|(before, pixel, known)| {
+        (*pixel, *known) == (now, snapping) && before == request
+    }) {
         return;
     }
     if !window.dialogs.measuring.is_open() {
@@ -209,10 +223,47 @@ pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, respon
     }
     let request = request.clone();
     let thread = &window.pictures.render_thread;
-    thread.point(request.clone(), now);
+    thread.point(request.clone(), now, snapping);
     let pointer = &mut window.dialogs.measuring.pointer;
-    pointer.asked = Some((request, now));
+    pointer.asked = Some((request, now, snapping));
     pointer.picture = response.rect;
+}
+
+/// The snapping of clicks: Alt turns it off.
+pub(crate) fn snapping(ui: &Ui) -> Snapping {
+    match ui.input(|input| input.modifiers.alt) {
+        true => Snapping::Off,
+        false => Snapping::On,
+    }
+}
+
+/// Takes over the pixel to which a click at the pointer would snap.
+pub(crate) fn take_snap(window: &mut Window, snapped: Option<[f64; 2]>) {
+    window.dialogs.measuring.pointer.snapped = snapped;
+}
+
+/// Draws a ring around the place to which a click at the pointer would snap.
+pub(crate) fn paint_snap(window: &Window, ui: &Ui, response: &Response) {
+    let measuring = &window.dialogs.measuring;
+    let Pointer {
+        snapped: Some([x, y]),
+        asked: Some((request, _, Snapping::On)),
+        picture,
+        ..
+    } = &measuring.pointer
+    else {
+        return;
+    };
+    if !measuring.is_open() || !response.hovered() || *picture != response.rect {
+        return;
+    }
+    let share = |at: f64, side: u32| (at / f64::from(side)) as f32;
+    let [width, height] = request.size;
+    let offset = egui::vec2(share(*x, width), share(*y, height)) * picture.size();
+    let painter = ui.painter_at(*picture);
+    let at = picture.left_top() + offset;
+    painter.circle_stroke(at, RING, Stroke::new(4.0, Color32::from_black_alpha(160)));
+    painter.circle_stroke(at, RING, Stroke::new(2.0, Color32::WHITE));
 }
 
 /// Measures the last place of the pointer anew where its surface has changed.
@@ -304,6 +355,7 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     });
     let measuring = &mut window.dialogs.measuring;
     ui.weak(measuring.tool.hint());
+    ui.weak("A ring shows the point, end or corner that a click takes; Alt turns this off.");
     if let Some(figure) = &mut measuring.figure {
         ui.separator();
         ui.strong(format!("{} on {}", figure.tool.title(), figure.surface));

@@ -195,6 +195,11 @@ impl Window {
         &self.model
     }
 
+    /// Returns whether a click at the pointer would be measured at a point, an end or a corner nearby.
+    pub fn snaps(&self) -> bool {
+        self.dialogs.measuring.snaps()
+    }
+
     /// Returns the counters of this window.
     pub fn counters(&self) -> &Counters {
         &self.records.counters

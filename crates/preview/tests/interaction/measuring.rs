@@ -210,6 +210,7 @@ fn a_triangle_has_its_excess() {
     equal(number(&mut hand, "area"), excess);
     equal(number(&mut hand, "∫K"), excess);
     let sides = ["side a", "side b", "side c"].map(|name| number(&mut hand, name));
+    assert!(text(&mut hand, "side a").ends_with("; B to C"));
     let [a, b, c] = sides;
     // The law of cosines for the angle opposite c.
     let angle = (c.cos() - a.cos() * b.cos()) / (a.sin() * b.sin());
@@ -244,4 +245,70 @@ fn only_surfaces_are_measured() {
     let at = hand.space().center();
     hand.click_at(at);
     hand.until("a sentence", |hand| hand.shows("`p` is no surface"));
+}
+
+const MARKED: &str = "surface s(u, v) = (u, v, 0), u : [0, 2], v : [0, 1];
+point p = (0.5, 0.25, 0);
+geodesic g(t) : s = (1, 0) @ (0.5, 0.75), t : [0, 1];
+";
+
+/// The place of the picture of `s` from inside that is a few pixels beside (u, v).
+fn beside(hand: &Hand, [u, v]: [f64; 2]) -> Pos2 {
+    let camera = hand.camera("s");
+    let offset = [u - 1.0, v - 0.5].map(|x| (x / camera.zoom) as f32);
+    at(hand, "s", offset) + Vec2::new(3.0, -2.0)
+}
+
+#[test]
+fn clicks_snap_to_points_and_ends_of_geodesics() {
+    let mut hand = Hand::on(MARKED);
+    open(&mut hand);
+    hand.click("Distance");
+    for place in [[0.5, 0.25], [1.5, 0.75]] {
+        let place = beside(&hand, place);
+        hand.click_at(place);
+        hand.settle();
+    }
+    equal(number(&mut hand, "distance"), 1.25_f64.sqrt());
+    // The corner of the figure that is there.
+    for place in [[0.5, 0.25], [0.5, 0.75]] {
+        let place = beside(&hand, place);
+        hand.click_at(place);
+        hand.settle();
+    }
+    equal(number(&mut hand, "distance"), 0.5);
+    // Alt turns it off.
+    hand.harness
+        .event(egui::Event::ModifiersChanged(Modifiers::ALT));
+    hand.click("Place");
+    hand.click("Distance");
+    for place in [[0.5, 0.25], [1.5, 0.75]] {
+        let place = beside(&hand, place);
+        hand.click_at(place);
+        hand.settle();
+    }
+    // Both clicks are off by as much: the places are not those of the point and of the end.
+    let values = |hand: &Hand| {
+        hand.names()
+            .into_iter()
+            .filter(|name| name == "0.5")
+            .count()
+    };
+    assert_eq!(values(&hand), 0, "{:?}", hand.names());
+    near(number(&mut hand, "distance"), 1.25_f64.sqrt());
+}
+
+#[test]
+fn a_click_on_a_point_of_a_surface_in_space_is_a_place_of_the_surface() {
+    let mut hand =
+        Hand::on("surface s(u, v) = (u, v, 0), u : [0, 2], v : [0, 2]; point p = (1, 1, 0);");
+    open(&mut hand);
+    let at = hand.space().center() + Vec2::new(3.0, 3.0);
+    hand.harness.hover_at(at);
+    hand.until("a ring", |hand| hand.window().snaps());
+    hand.click_at(at);
+    equal(number(&mut hand, "K"), 0.0);
+    let shown = text(&mut hand, "(u, v)");
+    assert_eq!(shown, "(1, 1)");
+    assert!(!hand.shows("is no surface"));
 }

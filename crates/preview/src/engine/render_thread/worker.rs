@@ -14,9 +14,10 @@ use render::view::Interrupt;
 use render::view::space;
 use render::viewpoint::{Projection, Viewpoint};
 use render::{PictureRequest, RenderError, Renderer, ViewId};
-use scene::{ObjectId, ParamValues, Scene};
+use scene::{Object, ObjectId, ParamValues, Scene};
 
-use super::{Purpose, RenderEvent, VersionedRequest};
+use super::{Purpose, RenderEvent, Snapping, VersionedRequest};
+use crate::engine::snapping::{self, Snap, SnapTargets};
 use crate::state::SpaceCamera;
 
 /// The state of the render thread between two pictures.
@@ -30,10 +31,30 @@ pub(super) struct Worker {
     home: Option<Home>,
     /// The time that the last picture of each pane took.
     took: BTreeMap<ViewId, Duration>,
+    /// The places to which clicks snap.
+    targets: Option<SnapTargets>,
 }
 
 /// The target of a camera is not nearer than this, in radii of the scene.
 const NEAREST_TARGET: f64 = 0.1;
+
+/// Returns true if a place of an object can be measured at.
+fn is_measurable(scene: &Scene, id: ObjectId) -> bool {
+    scene
+        .get(id)
+        .is_some_and(|object| object.shape.manifold().is_some())
+}
+
+/// The request of a view in space without points, vectors and curves; `None` of another view.
+fn without_lines(request: &PictureRequest) -> Option<PictureRequest> {
+    let mut request = request.clone();
+    let scene = request.scene.clone();
+    let space = request.view.space_mut()?;
+    let is_line = |object: &Object| !object.shape.is_surface() && object.shape.solid().is_none();
+    let lines = scene.numbered().filter(|(_, object)| is_line(object));
+    space.hidden.extend(lines.map(|(id, _)| id));
+    Some(request)
+}
 
 /// The camera that sees everything, and all that it depends on.
 struct Home {
@@ -56,6 +77,7 @@ impl Worker {
             interrupt,
             home: None,
             took: BTreeMap::new(),
+            targets: None,
         }
     }
 
@@ -117,10 +139,31 @@ impl Worker {
         at: [f64; 2],
         purpose: Purpose,
     ) -> RenderEvent {
-        let hit = self.renderer.pick(request, PixelPoint(at));
+        let at = PixelPoint(at);
+        if purpose.snapping() == Some(Snapping::On)
+            && let Some(Snap { hit, at }) =
+                snapping::snap(&mut self.renderer, &mut self.targets, request, at)
+        {
+            return RenderEvent::Picked {
+                request: Box::new(request.clone()),
+                hit: Some(hit),
+                snapped: Some(at.0),
+                purpose,
+            };
+        }
+        let mut hit = self.renderer.pick(request, at);
+        if purpose.snapping().is_some()
+            && let Ok(Some(found)) = &hit
+            && !is_measurable(&request.scene, found.object)
+            && let Some(beneath) = without_lines(request)
+            && let Ok(Some(below)) = self.renderer.pick(&beneath, at)
+        {
+            hit = Ok(Some(below));
+        }
         RenderEvent::Picked {
             request: Box::new(request.clone()),
             hit: hit.ok().flatten(),
+            snapped: None,
             purpose,
         }
     }

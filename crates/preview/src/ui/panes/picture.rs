@@ -66,6 +66,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
         .pointer(window, ui, pane, &response);
     if response.hovered() {
         crate::ui::measure::follow_pointer(window, ui, pane, &response);
+        crate::ui::measure::paint_snap(window, ui, &response);
     }
 }
 

@@ -49,9 +49,8 @@ impl Window {
     /// A click on a pixel of a picture of a view in space. One by a key is never the first half of two.
     pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
         if self.dialogs.measuring.is_open() {
-            self.pictures
-                .render_thread
-                .pick(request, at, Purpose::Measure);
+            let purpose = Purpose::Measure(crate::ui::measure::snapping(ui));
+            self.pictures.render_thread.pick(request, at, purpose);
             return;
         }
         self.end_click();
@@ -129,8 +128,8 @@ impl Window {
                 }
                 return;
             }
-            Purpose::Measure => return crate::ui::measure::add_place(self, &name, hit),
-            Purpose::Pointer => return crate::ui::measure::point(self, &name, hit),
+            Purpose::Measure(_) => return crate::ui::measure::add_place(self, &name, hit),
+            Purpose::Pointer(_) => return crate::ui::measure::point(self, &name, hit),
         };
         let [u, v] = hit.parameters;
         let sentence = match object.shape.domain() {

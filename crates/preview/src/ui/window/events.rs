@@ -151,10 +151,12 @@ impl Window {
             RenderEvent::Picked {
                 request,
                 hit,
+                snapped,
                 purpose,
             } => {
-                if purpose != Purpose::Pointer {
-                    self.pictures.render_thread.note_answer();
+                match purpose {
+                    Purpose::Pointer(_) => crate::ui::measure::take_snap(self, snapped),
+                    _ => self.pictures.render_thread.note_answer(),
                 }
                 if let Some(hit) = hit {
                     self.take_hit(&request, &hit, purpose);

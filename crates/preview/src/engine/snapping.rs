@@ -1,0 +1,362 @@
+//! Places to which clicks snap while something is measured: declared points that lie on a surface, the ends of declared
+//! geodesics, and the lettered places of figures.
+//!
+//! A request and a pixel flow in; the place within a few pixels flows out, exactly, with its pixel. The places of a scene are
+//! found once for its params.
+
+use std::sync::Arc;
+
+use expr::Input;
+use expr::tape::{Registers, Tape};
+use geodesic::surface::{Side, Surface};
+use geometry::{Manifold, follow_declared};
+use render::point::{PixelPoint, WorldPoint};
+use render::shared::Shared;
+use render::view::Hit;
+use render::{PictureRequest, Renderer};
+use scene::{Object, ObjectId, ParamValues, Scene, Shape};
+
+/// The greatest distance of a click from a place to which it snaps, in pixels.
+pub(crate) const REACH: f64 = 10.0;
+/// The distance of the pixels that say how a view from inside lies on its surface.
+const PROBE: f64 = 2.0;
+/// A place lies on a surface if it is this near, as a share of the surface's size.
+const ON_SURFACE: f64 = 1e-6;
+/// A place of the picture shows a target if it is this near to it, as a share of the surface's size.
+const SEEN: f64 = 0.03;
+/// The places along each side of a domain from which the place of a point is searched for.
+const LATTICE: u32 = 32;
+/// The most steps of that search.
+const STEPS: u32 = 40;
+/// The most instances of an object.
+const INSTANCES: u64 = 64;
+
+/// A place to which clicks snap.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    surface: ObjectId,
+    uv: [f64; 2],
+    /// Its place in space; none on a metric.
+    position: Option<[f64; 3]>,
+}
+
+/// The places of a scene.
+#[derive(Debug)]
+pub(super) struct SnapTargets {
+    scene: Shared<Scene>,
+    settings: Arc<ParamValues>,
+    declared: Vec<Target>,
+}
+
+/// A place that was snapped to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Snap {
+    pub(super) hit: Hit,
+    pub(super) at: PixelPoint,
+}
+
+/// Returns what a click on a pixel snaps to. `known` keeps the places of the scene.
+pub(super) fn snap(
+    renderer: &mut Renderer,
+    known: &mut Option<SnapTargets>,
+    request: &PictureRequest,
+    at: PixelPoint,
+) -> Option<Snap> {
+    let is_known = known
+        .as_ref()
+        .is_some_and(|it| it.scene == request.scene && it.settings == request.params);
+    if !is_known {
+        *known = Some(SnapTargets {
+            scene: request.scene.clone(),
+            settings: request.params.clone(),
+            declared: declared(&request.scene, &request.params),
+        });
+    }
+    let declared = known.as_ref().map_or(&[][..], |it| &it.declared);
+    let corners = corners(request);
+    let targets = declared.iter().chain(&corners);
+    match request.view.geodesic_camera() {
+        Some(camera) => from_inside(
+            renderer,
+            request,
+            at,
+            targets.filter(|it| it.surface == camera.surface),
+        ),
+        None => in_space(renderer, request, at, targets),
+    }
+}
+
+/// Snaps in a view in space: to the nearest place that is seen.
+fn in_space<'t>(
+    renderer: &mut Renderer,
+    request: &PictureRequest,
+    at: PixelPoint,
+    targets: impl Iterator<Item = &'t Target>,
+) -> Option<Snap> {
+    let camera = renderer.camera(request).ok()?;
+    let pixel = |target: &Target| {
+        let local = camera.placement.local(WorldPoint(target.position?));
+        camera.pixel_of(local)
+    };
+    let mut near: Vec<(f64, PixelPoint, &Target)> = targets
+        .filter_map(|target| {
+            let place = pixel(target)?;
+            Some((distance(place, at), place, target))
+        })
+        .filter(|(far, ..)| *far <= REACH)
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    near.into_iter().find_map(|(_, place, target)| {
+        let seen = renderer.pick(request, place).ok().flatten()?;
+        let (WorldPoint(seen), position) = (seen.position?, target.position?);
+        let off = [0, 1, 2].map(|k| seen[k] - position[k]);
+        let radius = camera.placement.radius;
+        (norm(off) <= SEEN * radius).then(|| Snap {
+            hit: target.hit(),
+            at: place,
+        })
+    })
+}
+
+/// Snaps in a view from inside. Where the pixels beside the one that was clicked on lie on the surface says how far from it,
+/// in pixels, a place is.
+fn from_inside<'t>(
+    renderer: &mut Renderer,
+    request: &PictureRequest,
+    at: PixelPoint,
+    targets: impl Iterator<Item = &'t Target>,
+) -> Option<Snap> {
+    let targets: Vec<&Target> = targets.collect();
+    let surface = targets.first()?.surface;
+    let manifold = manifold(&request.scene, &request.params, surface)?;
+    let surface = manifold.surface();
+    let mut place = |dx: f64, dy: f64| {
+        let pixel = PixelPoint([at.0[0] + dx, at.0[1] + dy]);
+        Some(renderer.pick(request, pixel).ok()??.parameters)
+    };
+    let (here, right, below) = (place(0.0, 0.0)?, place(PROBE, 0.0)?, place(0.0, PROBE)?);
+    let [a, c] = between(surface, here, right).map(|x| x / PROBE);
+    let [b, d] = between(surface, here, below).map(|x| x / PROBE);
+    let determinant = a * d - b * c;
+    let pixels = |target: &&&Target| {
+        let [u, v] = between(surface, here, target.uv);
+        [(u * d - b * v) / determinant, (a * v - u * c) / determinant]
+    };
+    let offsets = targets.iter().map(|target| (pixels(&target), target));
+    let near = offsets.filter(|([x, y], _)| x.hypot(*y) <= REACH);
+    let ([x, y], target) = near.min_by(|a, b| {
+        let [a, b] = [a.0, b.0].map(|[x, y]| x.hypot(y));
+        a.total_cmp(&b)
+    })?;
+    Some(Snap {
+        hit: target.hit(),
+        at: PixelPoint([at.0[0] + x, at.0[1] + y]),
+    })
+}
+
+impl Target {
+    fn hit(&self) -> Hit {
+        Hit {
+            object: self.surface,
+            position: self.position.map(WorldPoint),
+            parameters: self.uv,
+            instance: 0,
+            leaf: None,
+            polar: None,
+        }
+    }
+}
+
+/// The step from one place of the chart to another, across sides that wrap.
+fn between(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    let (domain, sides) = (surface.domain(), surface.sides());
+    [0, 1].map(|axis| {
+        let step = to[axis] - from[axis];
+        match sides.of(axis)[0] {
+            Side::Wrap => {
+                let period = domain[axis][1] - domain[axis][0];
+                step - period * (step / period).round()
+            }
+            _ => step,
+        }
+    })
+}
+
+/// The lettered places of the figures in a picture.
+fn corners(request: &PictureRequest) -> Vec<Target> {
+    let marks = request
+        .trails
+        .iter()
+        .filter_map(|trail| Some((trail.surface, trail.mark?.at)));
+    let mut last: Option<(ObjectId, Manifold)> = None;
+    let mut all = Vec::new();
+    for (id, uv) in marks {
+        if last.as_ref().is_none_or(|(known, _)| *known != id) {
+            last = manifold(&request.scene, &request.params, id).map(|it| (id, it));
+        }
+        if let Some((_, manifold)) = &last {
+            all.push(target(manifold.surface(), id, uv));
+        }
+    }
+    all
+}
+
+/// The declared points that lie on surfaces, and the ends of the declared geodesics.
+fn declared(scene: &Scene, params: &ParamValues) -> Vec<Target> {
+    let points: Vec<[f64; 3]> = scene
+        .objects
+        .iter()
+        .flat_map(|object| positions(scene, params, object))
+        .collect();
+    let mut all = Vec::new();
+    for (id, object) in scene.numbered() {
+        if object.shape.manifold().is_none() {
+            continue;
+        }
+        let Some(manifold) = manifold(scene, params, id) else {
+            continue;
+        };
+        let surface = manifold.surface();
+        if surface.is_embedded() {
+            let places = points.iter().filter_map(|place| locate(surface, *place));
+            all.extend(places.map(|uv| target(surface, id, uv)));
+        }
+        for (geodesic, _) in scene.geodesics_on(id) {
+            let followed = follow_declared(scene, params, geodesic);
+            for line in followed.lines.iter().take(INSTANCES as usize) {
+                let ends = [line.first(), line.last()].into_iter().flatten().flatten();
+                all.extend(ends.map(|knot| target(surface, id, knot.uv)));
+            }
+        }
+    }
+    all
+}
+
+fn manifold(scene: &Scene, params: &ParamValues, id: ObjectId) -> Option<Manifold> {
+    let uniforms = params.first_instance(scene, scene.get(id)?);
+    Manifold::new(scene, id, &uniforms).ok()
+}
+
+fn target(surface: &dyn Surface, id: ObjectId, uv: [f64; 2]) -> Target {
+    let position = || surface.jet(uv.into()).position;
+    Target {
+        surface: id,
+        uv,
+        position: surface.is_embedded().then(position),
+    }
+}
+
+/// The places of the instances of a point; none of another object.
+fn positions(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 3]> {
+    let Shape::Point { position } = &object.shape else {
+        return Vec::new();
+    };
+    let tape = Tape::new(&scene.graph, position);
+    let instances = params.instance_count(scene, object).min(INSTANCES);
+    let place = |index: u64| {
+        let uniforms = params.instance(scene, object, index);
+        let number = |input: &Input| match *input {
+            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+            Input::Variable(_) => f64::NAN,
+        };
+        let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
+        let mut out = [f64::NAN; 3];
+        tape.eval(&mut Registers::default(), &inputs, &mut out);
+        out
+    };
+    (0..instances).map(place).collect()
+}
+
+/// The place of a surface that is a point of space; `None` where none is.
+///
+/// Gauss–Newton steps lead to it from the nearest place of a lattice.
+fn locate(surface: &dyn Surface, place: [f64; 3]) -> Option<[f64; 2]> {
+    let domain = surface.domain();
+    let off = |uv: [f64; 2]| {
+        let position = surface.jet(uv.into()).position;
+        [0, 1, 2].map(|k| place[k] - position[k])
+    };
+    let share = |axis: usize, k: u32| {
+        let [low, high] = domain[axis];
+        low + (high - low) * f64::from(k) / f64::from(LATTICE)
+    };
+    let lattice = (0..=LATTICE).flat_map(|i| (0..=LATTICE).map(move |j| (i, j)));
+    let lattice = lattice.map(|(i, j)| [share(0, i), share(1, j)]);
+    let far = |uv: &[f64; 2]| norm(off(*uv));
+    let finite = lattice.filter(|uv| far(uv).is_finite());
+    let mut uv = finite.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    for _ in 0..STEPS {
+        let jet = surface.jet(uv.into());
+        let off = off(uv);
+        let [e, f, g] = [
+            dot(jet.du, jet.du),
+            dot(jet.du, jet.dv),
+            dot(jet.dv, jet.dv),
+        ];
+        let [p, q] = [dot(jet.du, off), dot(jet.dv, off)];
+        let determinant = e * g - f * f;
+        if determinant <= 1e-12 * e * g || !determinant.is_finite() {
+            break;
+        }
+        let step = [(p * g - f * q) / determinant, (e * q - p * f) / determinant];
+        uv = [0, 1].map(|k| (uv[k] + step[k]).clamp(domain[k][0], domain[k][1]));
+    }
+    (far(&uv) <= ON_SURFACE * surface.scale().size).then_some(uv)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn distance(PixelPoint(a): PixelPoint, PixelPoint(b): PixelPoint) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::{ObjectId, ParamValues};
+
+    use super::{declared, locate, manifold};
+
+    #[test]
+    fn a_point_of_a_surface_is_found_and_no_other() {
+        let text = "surface s(u, v) = ((2 + cos v) cos u, (2 + cos v) sin u, sin v), u : [0, 2pi], v : [0, 2pi];";
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let torus = manifold(&scene, &params, ObjectId(0)).expect("a surface");
+        let place = |u: f64, v: f64| {
+            let r = 2.0 + v.cos();
+            [r * u.cos(), r * u.sin(), v.sin()]
+        };
+        for [u, v] in [[1.0, 2.0], [6.28, 0.01], [3.3, 6.0]] {
+            let found = locate(torus.surface(), place(u, v)).expect("it is there");
+            assert!(
+                (found[0] - u).abs() < 1e-9 && (found[1] - v).abs() < 1e-9,
+                "{found:?}"
+            );
+        }
+        assert_eq!(locate(torus.surface(), [2.0, 0.0, 0.0]), None);
+    }
+
+    #[test]
+    fn points_on_surfaces_and_ends_of_geodesics_are_targets() {
+        let text = "param a = 1 : [0, 2];
+            surface s(u, v) = (u, v, a u v), u : [0, 2], v : [0, 2];
+            metric h(u, v) = (1, 0, 1), u : [0, 4], v : [0, 1];
+            point p = (1, 1, a);
+            point beside = (1, 1, 5);
+            geodesic g(t) : h = (1, 0) @ (0.5, 0.5), t : [0, 2];";
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let found = declared(&scene, &params);
+        let places: Vec<(u32, [f64; 2])> = found
+            .iter()
+            .map(|it| (it.surface.0, it.uv.map(|x| (x * 1e6).round() / 1e6)))
+            .collect();
+        assert_eq!(places, [(0, [1.0, 1.0]), (1, [0.5, 0.5]), (1, [2.5, 0.5])]);
+    }
+}
