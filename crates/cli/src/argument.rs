@@ -1,5 +1,6 @@
 //! Parsers of arguments: texts of the command line flow in, typed values flow out.
 
+mod figure;
 mod look;
 
 use clap::ValueEnum;
@@ -10,6 +11,7 @@ use render::MAX_SIDE;
 use crate::number;
 use render::view::{View, ViewId, Views};
 
+pub(crate) use figure::{FigureArgument, PathArgument, figure, path};
 pub(crate) use look::{ObjectColour, TextureFile, colour, object_colour, setting, texture};
 
 /// The format of a result: for people or for programs.

@@ -119,3 +119,50 @@ fn a_picture_for_print_is_white_where_nothing_is() {
     let image = image::load_from_memory(&other).expect("a PNG").into_rgba8();
     assert_eq!(image.get_pixel(0, 0).0, [0, 0, 255, 255]);
 }
+
+/// A figure and a walk, as the window remembers them.
+const DRAWN: &str = r#"{
+    "format": 1,
+    "view": {"preferences": {"background": [1, 2, 3]}},
+    "drawn": {
+        "figure": {"surface": "s", "kind": "triangle", "places": [[0.5, 1], [1, 1], [0.7, 1.5]]},
+        "paths": {"s": [[0.5, 1.2], [0.6, 1.3], [0.7, 1.6]]}
+    }
+}"#;
+
+#[test]
+fn figures_and_paths_are_drawn_as_the_window_shows_them() {
+    let folder = folder();
+    let folder = folder.path();
+    std::fs::write(folder.join(".a.gtr.geotrace.json"), DRAWN).expect("writing");
+    let figure = "--figure s=triangle:0.5,1:1,1:0.7,1.5";
+    let path = "--path s=0.5,1.2:0.6,1.3:0.7,1.6";
+    for view in [
+        "--eye 4,3,2 --background 010203",
+        "--view geodesic --at 0.7,1.2 --zoom 1",
+    ] {
+        let plain = match view.contains("--view") {
+            true => picture(folder, view),
+            false => picture(folder, &format!("{view} --show-camera s")),
+        };
+        let camera = match view.contains("--view") {
+            true => "",
+            false => "--show-camera s",
+        };
+        let remembered = picture(folder, &format!("--like-window {view}"));
+        let stated = picture(folder, &format!("{view} {camera} {figure} {path}"));
+        assert!(remembered == stated, "{view}");
+        assert!(stated != plain, "{view}");
+        let alone = picture(folder, &format!("{view} {camera} {figure}"));
+        assert!(alone != stated && alone != plain, "{view}");
+    }
+    let refused = |options: &str, wanted: &str| {
+        let output = render(folder, &format!("-o out.png {options}"));
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains(wanted), "{told}");
+    };
+    refused("--figure c=place:0,0", "c");
+    refused("--figure s=place:0,9", "--figure s=place");
+    refused("--path s=0,0", "two places or more");
+}

@@ -1,18 +1,25 @@
 //! The command that draws a picture again: a request flows in, the options of `geotrace render` flow out, and a line for a
 //! shell.
 //!
-//! Numbers have as many digits as they need to be read back as they are. The trails of walks have no options.
+//! Numbers have as many digits as they need to be read back as they are.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use render::figure::Figure;
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing, Theme};
+use render::shared::Shared;
 use render::texture::Texture;
+use render::trail::{Trail, TrailKind};
 use render::view::View;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection};
 use render::{PictureMethod, PictureRequest, ViewId, Views};
 use scene::{GridId, ObjectId};
+
+/// The most places of a path that has an option: Linux takes words up to 128 KiB, and a place takes up to 50 bytes.
+pub const MOST_PLACES: usize = 2000;
 
 /// An option of `geotrace render`.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -51,8 +58,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         colours: _,
         overlays,
         scale,
-        // No option: they are drawn where they have been walked or measured.
-        trails: _,
+        trails,
         // A picture that is kept is of a view at rest.
         moving: _,
     } = request;
@@ -93,6 +99,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
     }
     objects(&mut options, request);
     over(&mut options, overlays);
+    self::trails(&mut options, request, trails);
     if *scale != 1.0 {
         options.add("scale", scale.to_string());
     }
@@ -334,6 +341,43 @@ fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
         Some(Spacing::Auto) => options.flag("wavefronts", true),
         Some(Spacing::Every(distance)) => options.numbers("wavefronts", &[distance]),
     }
+}
+
+/// The figures that are drawn, and the paths that were walked.
+fn trails(options: &mut Vec<PictureOption>, request: &PictureRequest, trails: &[Shared<Trail>]) {
+    let mut known: Vec<(ObjectId, &Arc<Figure>)> = Vec::new();
+    for trail in trails {
+        let Some(surface) = request.scene.get(trail.surface) else {
+            continue;
+        };
+        match &trail.kind {
+            TrailKind::Walked if (2..=MOST_PLACES).contains(&trail.points.len()) => {
+                let value = format!("{}={}", surface.name, places(&trail.points));
+                options.add("path", value);
+            }
+            TrailKind::Walked => {}
+            TrailKind::Measured(figure) if known.contains(&(trail.surface, figure)) => {}
+            TrailKind::Measured(figure) => {
+                known.push((trail.surface, figure));
+                let (name, kind) = (&surface.name, figure.kind.name());
+                let mut value = format!("{name}={kind}:{}", places(&figure.places));
+                if let Some(radius) = figure.radius {
+                    value.push_str(&format!(":{radius}"));
+                }
+                options.add("figure", value);
+            }
+        }
+    }
+}
+
+/// Returns whether a path has an option: one of many places does not, because a command line has limits.
+pub fn has_option(trail: &Trail) -> bool {
+    trail.kind != TrailKind::Walked || trail.points.len() <= MOST_PLACES
+}
+
+fn places(places: &[[f64; 2]]) -> String {
+    let places: Vec<String> = places.iter().map(|place| list(place)).collect();
+    places.join(":")
 }
 
 #[cfg(test)]

@@ -106,10 +106,10 @@ mod ink {
     const MEASURED: [u8; 3] = [200, 255, 60];
 
     /// Returns the colour of a trail.
-    pub(super) fn trail(kind: TrailKind) -> [u8; 3] {
+    pub(super) fn trail(kind: &TrailKind) -> [u8; 3] {
         match kind {
             TrailKind::Walked => WALKED,
-            TrailKind::Measured => MEASURED,
+            TrailKind::Measured(_) => MEASURED,
         }
     }
 }
@@ -158,7 +158,7 @@ pub(crate) fn over_space(
     let legend = !key.is_empty();
     for trail in request.trails.iter().filter(|it| it.kind.has_key()) {
         if space::is_shown(&request.scene, trail.surface) {
-            key.line(ink::trail(trail.kind), &trail_words(trail));
+            key.line(ink::trail(&trail.kind), &trail_words(trail));
         }
     }
     key.draw(image, request.scale);

@@ -2,13 +2,17 @@
 //!
 //! A camera's steps flow in, points of the chart flow out, close enough to be joined by straight lines.
 
+use std::sync::Arc;
+
 use geodesic::frame::Frame;
-use geodesic::surface::Surface;
+use geodesic::metric::Metric;
+use geodesic::surface::{Side, Surface};
 use geodesic::trace::{Options, Trace, TraceError};
 use geometry::{GeodesicStart, Knot, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
+use crate::figure::Figure;
 use crate::point::WorldPoint;
 
 /// Points for each zoom that is walked.
@@ -19,12 +23,12 @@ const MOST_FOR_STEP: f64 = 512.0;
 const MOST_POINTS: usize = 1 << 16;
 
 /// The origin of a trail, which decides how it looks.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum TrailKind {
     /// A camera has walked it.
     Walked,
-    /// It is what was measured: a side, a circle.
-    Measured,
+    /// It is a line of a figure: a side, a circle, the mark at a place.
+    Measured(Arc<Figure>),
 }
 
 /// A place of a figure with its letter.
@@ -59,6 +63,21 @@ impl Trail {
             surface,
             points: vec![at],
             length: 0.0,
+            mark: None,
+        }
+    }
+
+    /// A trail through places of a surface that straight lines of the chart join, across sides that wrap. Its length is that of
+    /// these lines; where a line crosses a pole or a side with a flip, that of the chord.
+    pub fn through(surface: &dyn Surface, id: ObjectId, points: Vec<[f64; 2]>) -> Self {
+        let length = points
+            .windows(2)
+            .map(|ends| length(surface, [ends[0], ends[1]]));
+        Self {
+            kind: TrailKind::Walked,
+            surface: id,
+            length: length.sum(),
+            points,
             mark: None,
         }
     }
@@ -105,17 +124,60 @@ impl Trail {
     }
 }
 
+/// The share of a wrapping side beyond which a step is one through a pole or a flip.
+const TURNS: f64 = 0.2;
+
+/// The length of a straight line of the chart: ∫√(E du² + 2F du dv + G dv²), by Gauss's rule with three nodes.
+fn length(surface: &dyn Surface, [from, to]: [[f64; 2]; 2]) -> f64 {
+    let (domain, sides) = (surface.domain(), surface.sides());
+    let mut turns = false;
+    let step = [0, 1].map(|axis| {
+        let period = domain[axis][1] - domain[axis][0];
+        let mut step = to[axis] - from[axis];
+        if sides.of(axis)[0] == Side::Wrap {
+            step -= period * (step / period).round();
+        }
+        turns |= step.abs() > TURNS * period && sides.of(axis)[0] != Side::Edge;
+        step
+    });
+    if turns && surface.is_embedded() {
+        let [a, b] = [from, to].map(|uv| surface.jet(uv.into()).position);
+        return (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    }
+    let node = 0.5 * 0.6_f64.sqrt();
+    let nodes = [(0.5 - node, 5.0), (0.5, 8.0), (0.5 + node, 5.0)];
+    let speed = |t: f64| {
+        let uv = [0, 1].map(|axis| {
+            let [low, high] = domain[axis];
+            let at = from[axis] + t * step[axis];
+            // Behind a side that wraps, the chart begins again.
+            match sides.of(axis)[0] {
+                Side::Wrap => low + (at - low).rem_euclid(high - low),
+                _ => at,
+            }
+        });
+        let Metric { e, f, g, .. } = Metric::of(&surface.jet(uv.into()));
+        let [u, v] = step;
+        (e * u * u + 2.0 * f * u * v + g * v * v).max(0.0).sqrt()
+    };
+    let sum = nodes
+        .map(|(t, weight)| weight * speed(t))
+        .iter()
+        .sum::<f64>();
+    sum / 18.0
+}
+
 impl TrailKind {
     /// Returns whether its length stands in the picture: what was measured stands beside it.
-    pub(crate) fn has_key(self) -> bool {
-        self == Self::Walked
+    pub(crate) fn has_key(&self) -> bool {
+        *self == Self::Walked
     }
 
     /// Its name in notes.
-    pub(crate) fn name(self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Walked => "trail",
-            Self::Measured => "measured",
+            Self::Measured(_) => "measured",
         }
     }
 }

@@ -278,7 +278,7 @@ fn a_marked_place_has_its_letter_in_both_views() {
         [at[0] + 0.03 * cos, at[1] + 0.03 * sin]
     });
     let ring = Trail {
-        kind: TrailKind::Measured,
+        kind: TrailKind::Measured(Arc::default()),
         surface: ObjectId(0),
         points: ring.collect(),
         length: 0.06 * PI,

@@ -13,6 +13,7 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
+use render::trail::TrailKind;
 use render::view::{Interrupt, space, traced};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use tracer::PictureLook;
@@ -21,8 +22,8 @@ use scene::Scene;
 
 use super::animation::{self, Animation};
 use crate::argument::{
-    self, Assignment, Choice, Format, ObjectColour, PlaceArgument, Quantity, Size, TextureFile,
-    Triple,
+    self, Assignment, Choice, FigureArgument, Format, ObjectColour, PathArgument, PlaceArgument,
+    Quantity, Size, TextureFile, Triple,
 };
 use crate::failure::Failure;
 use crate::interruption;
@@ -159,6 +160,14 @@ pub(super) struct Arguments {
     /// The estimated error, painted over the picture
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     error: bool,
+    /// A figure on a surface, as the window measures it: place, distance, circle or triangle with its places A, B, C; of a
+    /// circle the middle and a place of its rim, or its radius. May be given several times
+    #[arg(long, value_name = "SURFACE=KIND:U,V:…", value_parser = argument::figure, allow_hyphen_values = true, help_heading = "Drawn over the picture", hide_short_help = true)]
+    figure: Vec<FigureArgument>,
+    /// A path on a surface through places that straight lines of its chart join, with its length, as the window draws a walk.
+    /// May be given several times
+    #[arg(long, value_name = "SURFACE=U,V:U,V:…", value_parser = argument::path, allow_hyphen_values = true, help_heading = "Drawn over the picture", hide_short_help = true)]
+    path: Vec<PathArgument>,
     /// An object that is not drawn; what lies on it is. May be given several times
     #[arg(long, value_name = "OBJECT", help_heading = "3D view")]
     hide: Vec<String>,
@@ -323,6 +332,12 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
         let mut frame = frame.map_err(animation::failure)?;
         frame.textures = images.at(&frame.scene, &frame.params)?;
         frame.curved.clear();
+        if *frame.params != *request.params {
+            // They are measured on the surface as it is now.
+            frame.trails.retain(|trail| trail.kind == TrailKind::Walked);
+            let figures = picture::figures(arguments, program, &frame.params)?;
+            frame.trails.extend(figures);
+        }
         Ok(frame)
     };
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {

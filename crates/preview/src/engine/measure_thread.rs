@@ -13,7 +13,7 @@ use crate::channel::EventSender;
 use crate::engine::figures;
 use crate::queue::LatestQueue;
 use crate::state::camera_controller::Subject;
-use crate::state::measuring::{Figure, Measured, Quantity, angle, number, place};
+use crate::state::measuring::{Measured, PlacedFigure, Quantity, angle, number, place};
 
 /// A question about a surface.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(crate) enum MeasureQuestion {
         camera: Option<Frame>,
     },
     /// A figure.
-    Figure(Figure),
+    Figure(PlacedFigure),
     /// A walk from one frame to another, of a length; `turned` is the sum of the turns on the way.
     Walk {
         start: Frame,
@@ -44,7 +44,7 @@ pub(crate) enum MeasureAnswer {
     /// Of the place under the pointer: its rows, and in short.
     Pointer(Vec<Quantity>, String),
     /// Of a figure.
-    Figure(Figure, Measured),
+    Figure(PlacedFigure, Measured),
     /// Of a walk.
     Walk(Vec<Quantity>),
     /// The step of the camera that leads back, in units of its frame; none where no geodesic was found.
@@ -127,7 +127,7 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
             MeasureAnswer::Pointer(rows, in_short(surface, *uv))
         }
         MeasureQuestion::Figure(figure) => {
-            let measured = figures::measured(surface, subject.surface, figure);
+            let measured = figures::measured(surface, subject.surface, &figure.figure);
             MeasureAnswer::Figure(figure.clone(), measured)
         }
         MeasureQuestion::Walk {

@@ -3,12 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use render::shared::Shared;
+use render::trail::Trail;
 use render::{PictureRequest, ViewId, Views};
 use scene::Scene;
 
+use crate::engine::figures;
 use crate::engine::request::{at_rest, picture_request};
 use crate::engine::textures::Library;
-use crate::io::persistence;
+use crate::io::persistence::{self, Drawn, DrawnFigure};
+use crate::state::measuring::PlacedFigure;
 use crate::state::view::Theme;
 use crate::state::{Choice, Model};
 
@@ -25,6 +29,7 @@ pub fn remembered(
     size: [u32; 2],
 ) -> Result<PictureRequest, String> {
     let known = persistence::read(program).map_err(|reason| reason.to_string())?;
+    let drawn = known.drawn;
     let is_light = known.view.preferences.theme == Theme::Light;
     let mut model = Model::default();
     model.turn_to(known.view);
@@ -40,6 +45,30 @@ pub fn remembered(
     let active = model.surfaces().into_iter().next();
     let active = active.as_deref();
     let request = picture_request(&mut model, &mut library, views, id, size, active, false);
-    let request = request.ok_or_else(|| format!("there is no view `{id}`"))?;
+    let mut request = request.ok_or_else(|| format!("there is no view `{id}`"))?;
+    request.trails = trails(&mut model, id, &drawn);
     Ok(at_rest(request, &model, size))
+}
+
+/// The trails of a view: in space those on all surfaces, from inside those on its own. What cannot be drawn is left out.
+fn trails(model: &mut Model, id: &ViewId, drawn: &Drawn) -> Vec<Shared<Trail>> {
+    let is_shown = |name: &str| id.object.as_deref().is_none_or(|own| own == name);
+    let mut all = Vec::new();
+    for (name, places) in drawn.paths.iter().filter(|(name, _)| is_shown(name)) {
+        if let Some(subject) = model.subject(name)
+            && let Ok(manifold) = subject.manifold()
+        {
+            let trail = Trail::through(manifold.surface(), subject.surface, places.clone());
+            all.push(Arc::new(trail).into());
+        }
+    }
+    let figure = drawn.figure.as_ref().and_then(DrawnFigure::placed);
+    if let Some(PlacedFigure { surface, figure }) = figure.filter(|it| is_shown(&it.surface))
+        && let Some(subject) = model.subject(&surface)
+        && let Ok(manifold) = subject.manifold()
+    {
+        let measured = figures::measured(manifold.surface(), subject.surface, &figure);
+        all.extend(measured.lines.into_iter().map(Shared::from));
+    }
+    all
 }

@@ -13,12 +13,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use export::whole_file::{phrase, write_whole};
+use render::figure::{Figure, FigureKind};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::channel::EventSender;
 use crate::io::files::read_limited;
 use crate::state::layout::Layout;
+use crate::state::measuring::PlacedFigure;
 use crate::state::{StatusMessage, View};
 
 /// The number of the format that is written.
@@ -43,6 +45,59 @@ pub(crate) struct Known {
     /// The layouts of the panes, for a window alone and for one beside an editor.
     #[serde(default)]
     pub(crate) layouts: BTreeMap<String, Value>,
+    /// The lines that are drawn on surfaces beside those of the program.
+    #[serde(default)]
+    pub(crate) drawn: Drawn,
+}
+
+/// The lines that are drawn on surfaces: a figure that is measured, and the paths of walks.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default)]
+pub(crate) struct Drawn {
+    /// The figure.
+    pub(crate) figure: Option<DrawnFigure>,
+    /// The places (u, v) of paths, by their surfaces' names; those that a command line cannot take are left out.
+    pub(crate) paths: BTreeMap<String, Vec<[f64; 2]>>,
+}
+
+/// A figure on a surface.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub(crate) struct DrawnFigure {
+    surface: String,
+    kind: String,
+    places: Vec<[f64; 2]>,
+    #[serde(default)]
+    radius: Option<f64>,
+}
+
+impl From<&PlacedFigure> for DrawnFigure {
+    fn from(PlacedFigure { surface, figure }: &PlacedFigure) -> Self {
+        Self {
+            surface: surface.clone(),
+            kind: figure.kind.name().to_owned(),
+            places: figure.places.clone(),
+            radius: figure.radius,
+        }
+    }
+}
+
+impl DrawnFigure {
+    /// The figure; `None` if what is remembered makes no sense.
+    pub(crate) fn placed(&self) -> Option<PlacedFigure> {
+        let kind = FigureKind::ALL
+            .into_iter()
+            .find(|it| it.name() == self.kind)?;
+        let numbers = self.places.iter().flatten().chain(&self.radius);
+        let is_sane = self.places.len() <= kind.places() && { numbers }.all(|x| x.is_finite());
+        is_sane.then(|| PlacedFigure {
+            surface: self.surface.clone(),
+            figure: Figure {
+                kind,
+                places: self.places.clone(),
+                radius: self.radius,
+            },
+        })
+    }
 }
 
 /// Returns the file that remembers a program's view.
@@ -212,9 +267,16 @@ impl ViewStore {
     }
 
     /// Takes a view to be remembered, and the panes' places in a kind of window if they were arranged, without waiting.
-    pub(crate) fn keep(&mut self, view: &View, window: &str, layout: Option<&Layout>) {
+    pub(crate) fn keep(
+        &mut self,
+        view: &View,
+        drawn: Drawn,
+        window: &str,
+        layout: Option<&Layout>,
+    ) {
         let mut next = Known {
             view: kept(view),
+            drawn,
             layouts: self.last.layouts.clone(),
         };
         if let Some(Ok(layout)) = layout.map(serde_json::to_value) {
@@ -249,7 +311,7 @@ fn kept(view: &View) -> View {
 
 #[cfg(test)]
 mod tests {
-    use super::{Known, load, place, save};
+    use super::{Drawn, DrawnFigure, Known, load, place, save};
     use crate::state::{Choice, Look, View};
 
     fn known() -> Known {
@@ -266,6 +328,15 @@ mod tests {
         Known {
             view,
             layouts: layouts.into(),
+            drawn: Drawn {
+                figure: Some(DrawnFigure {
+                    surface: "s".into(),
+                    kind: "circle".into(),
+                    places: vec![[0.25, 1.5]],
+                    radius: Some(0.5),
+                }),
+                paths: [("s".to_owned(), vec![[0.0, 1.0], [0.5, 1.25]])].into(),
+            },
         }
     }
 

@@ -2,76 +2,38 @@
 
 use std::sync::Arc;
 
+use render::figure::{Figure, FigureKind};
 use render::trail::Trail;
 
-/// The kind of figure that clicks make.
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub(crate) enum MeasureTool {
-    /// A place: its curvatures.
-    #[default]
-    Place,
-    /// Two places: the geodesics between them.
-    Distance,
-    /// A circle about the geodesic camera, through the place that is clicked on.
-    Circle,
-    /// Three places: a triangle of shortest geodesics.
-    Triangle,
-}
-
-impl MeasureTool {
-    /// All of them, in the order in which they are offered.
-    pub(crate) const ALL: [Self; 4] = [Self::Place, Self::Distance, Self::Circle, Self::Triangle];
-
-    /// Its title.
-    pub(crate) fn title(self) -> &'static str {
-        match self {
-            Self::Place => "Place",
-            Self::Distance => "Distance",
-            Self::Circle => "Circle",
-            Self::Triangle => "Triangle",
-        }
-    }
-
-    /// The clicks that it takes, in words.
-    pub(crate) fn hint(self) -> &'static str {
-        match self {
-            Self::Place => "Click on a place of a surface, in any view.",
-            Self::Distance => "Click on two places of a surface, in any view.",
-            Self::Circle => {
-                "Click on a place: the circle about the geodesic camera goes through it."
-            }
-            Self::Triangle => "Click on the three corners, in any view.",
-        }
-    }
-
-    /// The number of clicks that it takes.
-    pub(crate) fn clicks(self) -> usize {
-        match self {
-            Self::Place | Self::Circle => 1,
-            Self::Distance => 2,
-            Self::Triangle => 3,
-        }
+/// The title of a kind of figure.
+pub(crate) fn title(kind: FigureKind) -> &'static str {
+    match kind {
+        FigureKind::Place => "Place",
+        FigureKind::Distance => "Distance",
+        FigureKind::Circle => "Circle",
+        FigureKind::Triangle => "Triangle",
     }
 }
 
-/// A figure on a surface.
+/// The clicks that a kind of figure takes, in words.
+pub(crate) fn hint(kind: FigureKind) -> &'static str {
+    match kind {
+        FigureKind::Place => "Click on a place of a surface, in any view.",
+        FigureKind::Distance => "Click on two places of a surface, in any view.",
+        FigureKind::Circle => {
+            "Click on a place: the circle about the geodesic camera goes through it."
+        }
+        FigureKind::Triangle => "Click on the three corners, in any view.",
+    }
+}
+
+/// A figure on a surface. The first place of a circle is that of the camera.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Figure {
-    /// Its kind.
-    pub(crate) tool: MeasureTool,
+pub(crate) struct PlacedFigure {
     /// The surface's name.
     pub(crate) surface: String,
-    /// The places that were clicked on, (u, v); of a circle the camera's place comes first.
-    pub(crate) places: Vec<[f64; 2]>,
-    /// The radius of a circle, where it was entered; else it goes through its second place.
-    pub(crate) radius: Option<f64>,
-}
-
-impl Figure {
-    /// Its places in order, each with its letter.
-    pub(crate) fn lettered(&self) -> impl Iterator<Item = (char, [f64; 2])> + '_ {
-        ('A'..='Z').zip(self.places.iter().copied())
-    }
+    /// The places that were clicked on, and what is measured of them.
+    pub(crate) figure: Figure,
 }
 
 /// The answer for a figure.

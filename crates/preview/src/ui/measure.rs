@@ -10,13 +10,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{Color32, DragValue, Grid, Rect, Response, Stroke, Ui};
+use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
 
 use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
 use crate::engine::render_thread::Snapping;
 use crate::state::camera_controller::Subject;
-use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity};
+use crate::state::measuring::{Measured, PlacedFigure, Quantity, hint, title};
 use crate::state::motion::Motion;
 use crate::state::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 use crate::ui::camera_input::pixel;
@@ -34,10 +35,10 @@ pub(crate) struct Measuring {
     is_open: bool,
     /// It is there once something has been measured.
     thread: Option<MeasureThread>,
-    tool: MeasureTool,
-    figure: Option<Figure>,
+    tool: FigureKind,
+    figure: Option<PlacedFigure>,
     /// The figure that was asked for last, on its surface.
-    asked: Option<(Subject, Figure)>,
+    asked: Option<(Subject, PlacedFigure)>,
     /// The answer for the last figure that has one.
     found: Option<Measured>,
     pointer: Pointer,
@@ -81,6 +82,11 @@ impl Measuring {
     /// Returns whether the window is open: then clicks on pictures are places to be measured.
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
+    }
+
+    /// Returns the figure that is measured.
+    pub(crate) fn figure(&self) -> Option<&PlacedFigure> {
+        self.figure.as_ref()
     }
 
     /// Returns whether a click at the pointer would snap.
@@ -140,21 +146,23 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     let camera = camera.and_then(|camera| camera.chart().copied());
     let measuring = &mut window.dialogs.measuring;
     let tool = measuring.tool;
-    let begun = measuring.figure.take().filter(|figure| {
-        let clicked = figure.places.len();
-        figure.tool == tool && figure.surface == surface && clicked < tool.clicks()
+    let begun = measuring.figure.take().filter(|placed| {
+        let Figure { kind, places, .. } = &placed.figure;
+        *kind == tool && placed.surface == surface && places.len() < tool.places()
     });
-    let mut figure = begun.unwrap_or_else(|| {
-        let centre = camera.filter(|_| tool == MeasureTool::Circle);
-        Figure {
-            tool,
+    let mut placed = begun.unwrap_or_else(|| {
+        let centre = camera.filter(|_| tool == FigureKind::Circle);
+        PlacedFigure {
             surface: surface.to_owned(),
-            places: centre.map(|camera| camera.at).into_iter().collect(),
-            radius: None,
+            figure: Figure {
+                kind: tool,
+                places: centre.map(|camera| camera.at).into_iter().collect(),
+                radius: None,
+            },
         }
     });
-    figure.places.push(hit.parameters);
-    measuring.figure = Some(figure);
+    placed.figure.places.push(hit.parameters);
+    measuring.figure = Some(placed);
     measuring.found = None;
 }
 
@@ -344,8 +352,8 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
 fn contents(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
     ui.horizontal_wrapped(|ui| {
-        for tool in MeasureTool::ALL {
-            let chosen = ui.selectable_label(measuring.tool == tool, tool.title());
+        for tool in FigureKind::ALL {
+            let chosen = ui.selectable_label(measuring.tool == tool, title(tool));
             if chosen.clicked() && measuring.tool != tool {
                 measuring.tool = tool;
                 measuring.clear();
@@ -354,11 +362,11 @@ fn contents(window: &mut Window, ui: &mut Ui) {
         }
     });
     let measuring = &mut window.dialogs.measuring;
-    ui.weak(measuring.tool.hint());
+    ui.weak(hint(measuring.tool));
     ui.weak("A ring shows the point, end or corner that a click takes; Alt turns this off.");
-    if let Some(figure) = &mut measuring.figure {
+    if let Some(PlacedFigure { surface, figure }) = &mut measuring.figure {
         ui.separator();
-        ui.strong(format!("{} on {}", figure.tool.title(), figure.surface));
+        ui.strong(format!("{} on {surface}", title(figure.kind)));
         places(ui, figure);
         if let Some(found) = &measuring.found {
             rows(ui, "figure", &found.rows);
@@ -434,7 +442,7 @@ fn ask_figure(window: &mut Window) {
     };
     let measuring = &mut window.dialogs.measuring;
     let is_known =
-        |(before, known): &(Subject, Figure)| before.is_same(&subject) && *known == figure;
+        |(before, known): &(Subject, PlacedFigure)| before.is_same(&subject) && *known == figure;
     if measuring.asked.as_ref().is_some_and(is_known) {
         return;
     }

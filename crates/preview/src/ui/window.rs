@@ -26,6 +26,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::Ui;
+use export::command_line::MOST_PLACES;
 use ide::Languages;
 use render::{Renderer, ViewId, Views};
 
@@ -33,10 +34,11 @@ use crate::engine::compiler::Compiler;
 use crate::engine::render_thread::RenderThread;
 use crate::engine::textures::Library;
 use crate::io::link::Link;
+use crate::io::persistence::{Drawn, DrawnFigure};
 use crate::io::report::{Counters, Report};
 use crate::state::layout::Layout;
 use crate::state::model::Emphasis;
-use crate::state::{Model, StatusMessage};
+use crate::state::{CameraPath, Model, StatusMessage};
 use crate::ui::camera_input::Held;
 use crate::ui::dialogs::Dialogs;
 use crate::ui::gpu_surface::GpuSurface;
@@ -195,6 +197,20 @@ impl Window {
         &self.model
     }
 
+    /// The lines that are drawn on surfaces beside those of the program.
+    fn drawn(&self) -> Drawn {
+        let shown = self.model.paths.iter().filter(|(_, path)| {
+            let places = path.trail.points.len();
+            self.model.view.preferences.marks.trail && (2..=MOST_PLACES).contains(&places)
+        });
+        let places =
+            |(name, path): (&String, &Arc<CameraPath>)| (name.clone(), path.trail.points.clone());
+        Drawn {
+            figure: self.dialogs.measuring.figure().map(DrawnFigure::from),
+            paths: shown.map(places).collect(),
+        }
+    }
+
     /// Returns whether a click at the pointer would be measured at a point, an end or a corner nearby.
     pub fn snaps(&self) -> bool {
         self.dialogs.measuring.snaps()
@@ -287,9 +303,10 @@ impl Window {
             self.model.history.settle();
         }
         let kind = self.kind();
+        let drawn = self.drawn();
         if let Some(store) = &mut self.records.view_store {
             let layout = self.panes.layout();
-            store.keep(&self.model.view, kind, layout.as_ref());
+            store.keep(&self.model.view, drawn, kind, layout.as_ref());
         }
         self.wake_in_time(ui);
         self.tell();

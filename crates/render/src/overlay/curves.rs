@@ -110,7 +110,7 @@ fn piece_count(length: f64, samples: u32, camera: &PlacedCamera) -> u32 {
 pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
     let mut curve = SurfaceCurve {
         name: String::new(),
-        colour: ink::trail(trail.kind),
+        colour: ink::trail(&trail.kind),
         notes: Vec::new(),
         pieces: Vec::new(),
     };

@@ -105,7 +105,7 @@ impl<'a> GeodesicOverlay<'a> {
         for trail in &self.trails {
             drawn.push(trail.kind.name());
             if trail.kind.has_key() {
-                key.line(ink::trail(trail.kind), &trail_words(trail));
+                key.line(ink::trail(&trail.kind), &trail_words(trail));
             }
         }
         key.draw(image, self.request.scale);

@@ -82,7 +82,7 @@ const BORDER: [u8; 3] = [255, 210, 60];
 pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
     let lines = request.trails.iter().filter_map(|trail| {
         let trail_in_space = crate::trail::in_space(&request.scene, &request.params, trail)?;
-        Some((trail.kind, trail_in_space))
+        Some((&trail.kind, trail_in_space))
     });
     lines
         .filter(|(_, trail)| trail.line.len() > 1)

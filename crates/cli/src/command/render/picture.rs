@@ -1,17 +1,24 @@
 //! The request of a picture: the options of `geotrace render` and a program flow in.
 
+use std::sync::Arc;
+
+use geometry::Manifold;
+use render::figure::Figure;
+use render::measured::{lines, measure};
 use render::point::WorldPoint;
 use render::request::{Overlays, Spacing, Theme, ViewPart};
+use render::shared::Shared;
 use render::style;
+use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
-use render::{PictureRequest, ViewId, Views};
+use render::{PictureRequest, RenderError, ViewId, Views};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
 use super::images::Images;
-use crate::argument::{ObjectColour, Triple};
+use crate::argument::{ObjectColour, Pair, PathArgument, Triple};
 use crate::failure::Failure;
 use crate::program::LoadedProgram;
 
@@ -24,7 +31,10 @@ pub(super) fn request(
 ) -> Result<PictureRequest, Failure> {
     let params = program.params(&arguments.set)?;
     let view = view(arguments, views, program, &params)?;
+    let mut trails = paths(arguments, program, &params)?;
+    trails.extend(figures(arguments, program, &params)?);
     Ok(PictureRequest {
+        trails,
         overlays: overlays(arguments),
         theme: arguments.theme,
         scale: arguments.scale as f32,
@@ -41,6 +51,74 @@ pub(super) fn request(
             arguments.size(program.scene()),
         )
     })
+}
+
+/// Returns the paths.
+fn paths(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Vec<Shared<Trail>>, Failure> {
+    let path = |path: &PathArgument| {
+        let (id, manifold) = manifold(&path.surface, program, params)?;
+        let places = places("--path", &path.places, program, params)?;
+        Ok(Arc::new(Trail::through(manifold.surface(), id, places)).into())
+    };
+    arguments.path.iter().map(path).collect()
+}
+
+/// Returns the lines of the figures, measured on the surfaces of some params.
+///
+/// # Errors
+/// A place that is none of the surface, or what cannot be measured there.
+pub(super) fn figures(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Vec<Shared<Trail>>, Failure> {
+    let mut trails = Vec::new();
+    for stated in &arguments.figure {
+        let (id, manifold) = manifold(&stated.surface, program, params)?;
+        let radius = stated.radius.as_ref();
+        let figure = Arc::new(Figure {
+            kind: stated.kind,
+            places: places("--figure", &stated.places, program, params)?,
+            radius: radius
+                .map(|radius| program.number("--figure", radius, params))
+                .transpose()?,
+        });
+        let surface = manifold.surface();
+        let finding = measure(surface, &figure).map_err(|error| {
+            let (name, kind) = (&stated.surface, stated.kind.name());
+            Failure::usage(format!("--figure {name}={kind}: {error}"))
+        })?;
+        let lines = lines(surface, id, &figure, Some(&finding));
+        trails.extend(lines.into_iter().map(Shared::from));
+    }
+    Ok(trails)
+}
+
+fn places(
+    option: &str,
+    places: &[Pair],
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Vec<[f64; 2]>, Failure> {
+    let place = |Pair(place): &Pair| program.numbers(option, place, params);
+    places.iter().map(place).collect()
+}
+
+/// The surface or metric of a name, with its numbers in place.
+fn manifold(
+    name: &str,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<(ObjectId, Manifold), Failure> {
+    let (id, object) = program.surface(Some(name))?;
+    let uniforms = params.first_instance(program.scene(), object);
+    let manifold = Manifold::new(program.scene(), id, &uniforms);
+    let manifold = manifold.map_err(|error| super::failure(RenderError::Manifold(error)))?;
+    Ok((id, manifold))
 }
 
 fn overlays(arguments: &Arguments) -> Overlays {
@@ -263,6 +341,8 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         ("--axes", arguments.axes),
         ("--labels", arguments.labels),
         ("--legend", arguments.legend),
+        ("--figure", !arguments.figure.is_empty()),
+        ("--path", !arguments.path.is_empty()),
         ("--show-camera", arguments.show_camera.is_some()),
         ("--orthographic", arguments.orthographic),
     ];

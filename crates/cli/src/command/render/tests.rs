@@ -2,15 +2,21 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use clap::CommandFactory;
 use export::command_line::{command, options};
+use geometry::Manifold;
+use render::figure::{Figure, FigureKind};
 use render::geodesic_view::PlacedCamera;
+use render::measured::{lines, measure};
 use render::point::WorldPoint;
 use render::request::part::SpaceOptions;
 use render::request::{Overlays, Spacing, Theme};
+use render::shared::Shared;
 use render::style;
 use render::texture::Texture;
+use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
@@ -259,7 +265,48 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
             _ => None,
         },
     };
+    if !is_traced {
+        let own = (!is_space).then_some(surface);
+        request.trails = trails(bench, random, &request, own.unwrap_or(bench.object("s")));
+    }
     request
+}
+
+/// A path and a few figures on a surface, in places where there is something to be measured.
+fn trails(
+    bench: &Bench,
+    random: &mut Random,
+    request: &PictureRequest,
+    surface: ObjectId,
+) -> Vec<Shared<Trail>> {
+    let scene = bench.program.scene();
+    let object = scene.get(surface).expect("a surface");
+    let uniforms = request.params.first_instance(scene, object);
+    let manifold = Manifold::new(scene, surface, &uniforms).expect("a surface");
+    let mut place = || [random.between(0.3, 1.2), random.between(0.4, 1.2)];
+    let points: Vec<[f64; 2]> = (0..4).map(|_| place()).collect();
+    let places = [place(), place(), place()];
+    let mut all = Vec::new();
+    if random.often() {
+        all.push(Arc::new(Trail::through(manifold.surface(), surface, points)).into());
+    }
+    for kind in FigureKind::ALL {
+        if random.below(6) > 0 {
+            continue;
+        }
+        let count = 1 + random.below(kind.places() as u64) as usize;
+        let is_circle = kind == FigureKind::Circle;
+        let radius = (is_circle && random.often()).then(|| random.between(0.05, 0.3));
+        let figure = Arc::new(Figure {
+            kind,
+            places: places[..count].to_vec(),
+            radius,
+        });
+        let finding = measure(manifold.surface(), &figure).expect("measures");
+        let drawn = lines(manifold.surface(), surface, &figure, Some(&finding));
+        all.extend(drawn.into_iter().map(Shared::from));
+    }
+    all
 }
 
 /// The names of the options of the requests that were written so far.
@@ -288,9 +335,14 @@ fn a_request_is_read_back_from_its_command_and_draws_the_same_bytes() {
             images(&request) == images(&again),
             "round {round}: {words:?}"
         );
-        // An image that was read twice is another one.
+        let drawn = |request: &PictureRequest| -> Vec<Trail> {
+            request.trails.iter().map(|it| (**it).clone()).collect()
+        };
+        assert_eq!(drawn(&request), drawn(&again), "round {round}: {words:?}");
+        // An image that was read twice is another one, and so is a trail.
         let same_images = PictureRequest {
             textures: request.textures.clone(),
+            trails: request.trails.clone(),
             ..again.clone()
         };
         assert!(request == same_images, "round {round}: {words:?}");

@@ -146,8 +146,12 @@ fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, outpu
     if window.text.has_unsaved() {
         sentence.push_str("; it reads the file, and the program is not saved");
     }
-    if !request.trails.is_empty() {
-        sentence.push_str("; it draws no paths that were walked or measured");
+    if !request
+        .trails
+        .iter()
+        .all(|trail| command_line::has_option(trail))
+    {
+        sentence.push_str("; the path that was walked is too long for it, and is left out");
     }
     window.status_message = Some(StatusMessage::info(sentence));
 }

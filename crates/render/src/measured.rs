@@ -1,0 +1,154 @@
+//! The measures of figures, and the lines that show them.
+//!
+//! A surface and a [`Figure`] flow in; what was found flows out, with trails for a picture. So a window and a command line
+//! measure and draw the same.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use geodesic::frame::Frame;
+use geodesic::measure::{
+    self, Circle, Connection, Connections, MeasureError, PlaceMeasures, RayStop, Triangle,
+};
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status};
+use geometry::{GeodesicStart, knots_at};
+use scene::ObjectId;
+
+use crate::figure::{Figure, FigureKind};
+use crate::trail::{Mark, Trail, TrailKind};
+
+/// The points of a geodesic that is drawn.
+const POINTS: u32 = 96;
+/// The points of a circle that is drawn.
+const RIM: u32 = 180;
+/// The radius of the mark at a place, as a share of the surface's size.
+const MARK: f64 = 0.012;
+
+/// The measures of a figure.
+#[derive(Clone, Debug)]
+pub enum Finding {
+    /// Of a place.
+    Place(PlaceMeasures),
+    /// The geodesics between two places.
+    Distance(Connections),
+    /// A circle of a radius, or the ray that ends before it.
+    Circle(f64, Result<Circle, RayStop>),
+    /// A triangle.
+    Triangle(Triangle),
+    /// Places are missing, or no geodesic leads to the rim of a circle.
+    Nothing,
+}
+
+/// Measures a figure.
+///
+/// # Errors
+/// Those of [`geodesic::measure`].
+pub fn measure(surface: &dyn Surface, figure: &Figure) -> Result<Finding, MeasureError> {
+    Ok(match (figure.kind, &figure.places[..], figure.radius) {
+        (FigureKind::Place, [at], _) => Finding::Place(measure::place(surface, *at)?),
+        (FigureKind::Distance, [from, to], _) => {
+            Finding::Distance(measure::between(surface, *from, *to, None)?)
+        }
+        (FigureKind::Circle, [centre, ..], Some(radius)) => {
+            Finding::Circle(radius, measure::circle(surface, *centre, radius)?)
+        }
+        (FigureKind::Circle, [centre, rim], None) => {
+            match measure::distance(surface, *centre, *rim)? {
+                Some(Connection { length, .. }) => {
+                    Finding::Circle(length, measure::circle(surface, *centre, length)?)
+                }
+                None => Finding::Nothing,
+            }
+        }
+        (FigureKind::Triangle, [a, b, c], _) => {
+            Finding::Triangle(measure::triangle(surface, [*a, *b, *c])?)
+        }
+        _ => Finding::Nothing,
+    })
+}
+
+/// Returns the lines that show a figure on the surface of an object, and the marks at its places. `finding` is what
+/// [`measure`] gave, if it gave anything.
+pub fn lines(
+    surface: &dyn Surface,
+    id: ObjectId,
+    figure: &Arc<Figure>,
+    finding: Option<&Finding>,
+) -> Vec<Arc<Trail>> {
+    let drawing = Drawing {
+        surface,
+        id,
+        figure,
+    };
+    let mut lines: Vec<Trail> = match (finding, &figure.places[..]) {
+        (Some(Finding::Distance(all)), _) => {
+            all.found.iter().flat_map(|it| drawing.line(it)).collect()
+        }
+        (Some(Finding::Circle(radius, _)), [centre, ..]) => drawing.rim(*centre, *radius),
+        (Some(Finding::Triangle(found)), _) => {
+            let sides = found.sides.iter().flatten();
+            sides.flat_map(|side| drawing.line(side)).collect()
+        }
+        _ => Vec::new(),
+    };
+    for (letter, at) in figure.lettered() {
+        let mut rings = drawing.rim(at, MARK * surface.scale().size);
+        // A ring that the border of the surface cuts in pieces has its letter once.
+        if let Some(ring) = rings.first_mut() {
+            ring.mark = Some(Mark { letter, at });
+        }
+        lines.extend(rings);
+    }
+    lines.into_iter().map(Arc::new).collect()
+}
+
+/// A surface on which a figure is drawn.
+struct Drawing<'a> {
+    surface: &'a dyn Surface,
+    id: ObjectId,
+    figure: &'a Arc<Figure>,
+}
+
+impl Drawing<'_> {
+    /// A geodesic as a line.
+    fn line(&self, it: &Connection) -> Option<Trail> {
+        let lengths: Vec<f64> = (0..=POINTS)
+            .map(|k| it.length * f64::from(k) / f64::from(POINTS))
+            .collect();
+        let start = GeodesicStart::Chart(it.from.0, it.direction.0);
+        let knots = knots_at(self.surface, &start, &lengths);
+        let points: Vec<_> = knots.into_iter().map_while(|k| Some(k?.uv)).collect();
+        self.trail(points, it.length)
+    }
+
+    /// A circle as lines: it has gaps where rays end.
+    fn rim(&self, centre: [f64; 2], radius: f64) -> Vec<Trail> {
+        let Ok(frame) = Frame::new(self.surface, centre, 0.0, 1.0) else {
+            return Vec::new();
+        };
+        let point = |k: u32| {
+            let (sin, cos) = (TAU * f64::from(k) / f64::from(RIM)).sin_cos();
+            let options = Options::default();
+            let ray = frame.trace(self.surface, [cos, sin], radius, &options);
+            let ray = ray.ok().filter(|it| it.status == Status::Complete)?;
+            Some(ray.uv.0)
+        };
+        let all: Vec<Option<[f64; 2]>> = (0..=RIM).map(point).collect();
+        let pieces = all.split(Option::is_none);
+        let pieces = pieces.map(|piece| piece.iter().flatten().copied().collect());
+        pieces
+            .filter_map(|piece| self.trail(piece, TAU * radius))
+            .collect()
+    }
+
+    fn trail(&self, points: Vec<[f64; 2]>, length: f64) -> Option<Trail> {
+        (points.len() > 1).then(|| Trail {
+            kind: TrailKind::Measured(Arc::clone(self.figure)),
+            surface: self.id,
+            points,
+            length,
+            mark: None,
+        })
+    }
+}
