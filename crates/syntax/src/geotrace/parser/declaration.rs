@@ -58,9 +58,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             );
         }
         if is_word && (guess.is_some() || is_free) {
-            // Whatever was split off the word, the whole of it is looked at.
+            // Whatever was split off the word, the whole of it is looked at. What stands before it stays reported.
+            let flagged = self.flagged;
             self.lexer.rewind(word.start);
             self.fetch(Mode::Name);
+            self.flagged |= flagged;
         }
         let unworded = match following {
             _ if !is_free => None,
