@@ -16,7 +16,7 @@ use geometry::{GeodesicStart, knots_at};
 use scene::ObjectId;
 
 use crate::figure::{Figure, FigureKind};
-use crate::trail::{Mark, Trail, TrailKind};
+use crate::trail::{PlaceMark, Trail, TrailKind};
 
 /// The points of a geodesic that is drawn.
 const POINTS: u32 = 96;
@@ -27,7 +27,7 @@ const MARK: f64 = 0.012;
 
 /// The measures of a figure.
 #[derive(Clone, Debug)]
-pub enum Finding {
+pub enum FigureMeasures {
     /// Of a place.
     Place(PlaceMeasures),
     /// The geodesics between two places.
@@ -35,7 +35,7 @@ pub enum Finding {
     /// A circle of a radius, or the ray that ends before it.
     Circle(f64, Result<Circle, RayStop>),
     /// A triangle.
-    Triangle(Triangle),
+    Triangle(Box<Triangle>),
     /// Places are missing, or no geodesic leads to the rim of a circle.
     Nothing,
 }
@@ -44,27 +44,27 @@ pub enum Finding {
 ///
 /// # Errors
 /// Those of [`geodesic::measure`].
-pub fn measure(surface: &dyn Surface, figure: &Figure) -> Result<Finding, MeasureError> {
+pub fn measure(surface: &dyn Surface, figure: &Figure) -> Result<FigureMeasures, MeasureError> {
     Ok(match (figure.kind, &figure.places[..], figure.radius) {
-        (FigureKind::Place, [at], _) => Finding::Place(measure::place(surface, *at)?),
+        (FigureKind::Place, [at], _) => FigureMeasures::Place(measure::place(surface, *at)?),
         (FigureKind::Distance, [from, to], _) => {
-            Finding::Distance(measure::between(surface, *from, *to, None)?)
+            FigureMeasures::Distance(measure::between(surface, *from, *to, None)?)
         }
         (FigureKind::Circle, [centre, ..], Some(radius)) => {
-            Finding::Circle(radius, measure::circle(surface, *centre, radius)?)
+            FigureMeasures::Circle(radius, measure::circle(surface, *centre, radius)?)
         }
         (FigureKind::Circle, [centre, rim], None) => {
             match measure::distance(surface, *centre, *rim)? {
                 Some(Connection { length, .. }) => {
-                    Finding::Circle(length, measure::circle(surface, *centre, length)?)
+                    FigureMeasures::Circle(length, measure::circle(surface, *centre, length)?)
                 }
-                None => Finding::Nothing,
+                None => FigureMeasures::Nothing,
             }
         }
         (FigureKind::Triangle, [a, b, c], _) => {
-            Finding::Triangle(measure::triangle(surface, [*a, *b, *c])?)
+            FigureMeasures::Triangle(Box::new(measure::triangle(surface, [*a, *b, *c])?))
         }
-        _ => Finding::Nothing,
+        _ => FigureMeasures::Nothing,
     })
 }
 
@@ -74,7 +74,7 @@ pub fn lines(
     surface: &dyn Surface,
     id: ObjectId,
     figure: &Arc<Figure>,
-    finding: Option<&Finding>,
+    finding: Option<&FigureMeasures>,
 ) -> Vec<Arc<Trail>> {
     let drawing = Drawing {
         surface,
@@ -82,11 +82,11 @@ pub fn lines(
         figure,
     };
     let mut lines: Vec<Trail> = match (finding, &figure.places[..]) {
-        (Some(Finding::Distance(all)), _) => {
+        (Some(FigureMeasures::Distance(all)), _) => {
             all.found.iter().flat_map(|it| drawing.line(it)).collect()
         }
-        (Some(Finding::Circle(radius, _)), [centre, ..]) => drawing.rim(*centre, *radius),
-        (Some(Finding::Triangle(found)), _) => {
+        (Some(FigureMeasures::Circle(radius, _)), [centre, ..]) => drawing.rim(*centre, *radius),
+        (Some(FigureMeasures::Triangle(found)), _) => {
             let sides = found.sides.iter().flatten();
             sides.flat_map(|side| drawing.line(side)).collect()
         }
@@ -96,7 +96,7 @@ pub fn lines(
         let mut rings = drawing.rim(at, MARK * surface.scale().size);
         // A ring that the border of the surface cuts in pieces has its letter once.
         if let Some(ring) = rings.first_mut() {
-            ring.mark = Some(Mark { letter, at });
+            ring.mark = Some(PlaceMark { letter, at });
         }
         lines.extend(rings);
     }

@@ -33,7 +33,7 @@ pub enum TrailKind {
 
 /// A place of a figure with its letter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mark {
+pub struct PlaceMark {
     /// The letter, which is written beside it.
     pub letter: char,
     /// The place (u, v).
@@ -52,7 +52,7 @@ pub struct Trail {
     /// Its length, in the surface's units.
     pub length: f64,
     /// The place that it rings, if it is the mark of one.
-    pub mark: Option<Mark>,
+    pub mark: Option<PlaceMark>,
 }
 
 impl Trail {

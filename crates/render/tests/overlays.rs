@@ -6,7 +6,7 @@ use image::{Rgba, RgbaImage};
 use render::request::{Overlays, Spacing};
 use render::sample::{Samples, sample};
 use render::texture::Texture;
-use render::trail::{Mark, Trail, TrailKind};
+use render::trail::{PlaceMark, Trail, TrailKind};
 use render::viewpoint::GeodesicCamera;
 use render::{Backend, RenderedImage};
 use scene::ObjectId;
@@ -285,7 +285,7 @@ fn a_marked_place_has_its_letter_in_both_views() {
         mark: None,
     };
     for space in [false, true] {
-        let draw = |mark: Option<Mark>| {
+        let draw = |mark: Option<PlaceMark>| {
             let base = if space {
                 Wanted::space([200, 200])
                     .with_space(|options| options.camera.eye = Some([0.0, -0.1, 4.0].into()))
@@ -307,7 +307,7 @@ fn a_marked_place_has_its_letter_in_both_views() {
             request.draw(&scene, &params).expect("a picture").image
         };
         let plain = draw(None);
-        let lettered = draw(Some(Mark { letter: 'B', at }));
+        let lettered = draw(Some(PlaceMark { letter: 'B', at }));
         let changed: Vec<(u32, u32)> = lettered
             .enumerate_pixels()
             .filter(|(x, y, pixel)| *pixel != plain.get_pixel(*x, *y))

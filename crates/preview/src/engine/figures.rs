@@ -6,7 +6,7 @@ use std::sync::Arc;
 use geodesic::measure::{Circle, Connections, PlaceMeasures, RayStop, Triangle};
 use geodesic::surface::Surface;
 use render::figure::Figure;
-use render::measured::{Finding, lines, measure};
+use render::measured::{FigureMeasures, lines, measure};
 use scene::ObjectId;
 
 use crate::state::measuring::{Measured, Quantity, angle, number, place};
@@ -20,11 +20,11 @@ pub(crate) fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> 
     let finding = measure(surface, &figure);
     let lines = lines(surface, id, &figure, finding.as_ref().ok());
     let told = match &finding {
-        Ok(Finding::Place(found)) => place_rows(surface, found),
-        Ok(Finding::Distance(all)) => distance_rows(all),
-        Ok(Finding::Circle(radius, found)) => circle_rows(*radius, found),
-        Ok(Finding::Triangle(found)) => triangle_rows(found),
-        Ok(Finding::Nothing) => Measured {
+        Ok(FigureMeasures::Place(found)) => place_rows(surface, found),
+        Ok(FigureMeasures::Distance(all)) => distance_rows(all),
+        Ok(FigureMeasures::Circle(radius, found)) => circle_rows(*radius, found),
+        Ok(FigureMeasures::Triangle(found)) => triangle_rows(found),
+        Ok(FigureMeasures::Nothing) => Measured {
             note: (figure.places.len() == figure.kind.places())
                 .then(|| "no geodesic from the camera to that place was found".to_owned()),
             ..Measured::default()

@@ -62,7 +62,7 @@ pub(crate) enum Purpose {
     Pointer(Snapping),
 }
 
-/// Whether a place that is looked for snaps to points, ends and corners nearby.
+/// The treatment of a place that is near a point, an end or a corner: taken to it, or left where it is.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Snapping {
     On,

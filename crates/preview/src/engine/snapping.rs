@@ -33,7 +33,7 @@ const INSTANCES: u64 = 64;
 
 /// A place to which clicks snap.
 #[derive(Clone, Copy, Debug)]
-struct Target {
+struct SnapTarget {
     surface: ObjectId,
     uv: [f64; 2],
     /// Its place in space; none on a metric.
@@ -45,7 +45,7 @@ struct Target {
 pub(super) struct SnapTargets {
     scene: Shared<Scene>,
     settings: Arc<ParamValues>,
-    declared: Vec<Target>,
+    declared: Vec<SnapTarget>,
 }
 
 /// A place that was snapped to.
@@ -91,14 +91,14 @@ fn in_space<'t>(
     renderer: &mut Renderer,
     request: &PictureRequest,
     at: PixelPoint,
-    targets: impl Iterator<Item = &'t Target>,
+    targets: impl Iterator<Item = &'t SnapTarget>,
 ) -> Option<Snap> {
     let camera = renderer.camera(request).ok()?;
-    let pixel = |target: &Target| {
+    let pixel = |target: &SnapTarget| {
         let local = camera.placement.local(WorldPoint(target.position?));
         camera.pixel_of(local)
     };
-    let mut near: Vec<(f64, PixelPoint, &Target)> = targets
+    let mut near: Vec<(f64, PixelPoint, &SnapTarget)> = targets
         .filter_map(|target| {
             let place = pixel(target)?;
             Some((distance(place, at), place, target))
@@ -124,9 +124,9 @@ fn from_inside<'t>(
     renderer: &mut Renderer,
     request: &PictureRequest,
     at: PixelPoint,
-    targets: impl Iterator<Item = &'t Target>,
+    targets: impl Iterator<Item = &'t SnapTarget>,
 ) -> Option<Snap> {
-    let targets: Vec<&Target> = targets.collect();
+    let targets: Vec<&SnapTarget> = targets.collect();
     let surface = targets.first()?.surface;
     let manifold = manifold(&request.scene, &request.params, surface)?;
     let surface = manifold.surface();
@@ -138,7 +138,7 @@ fn from_inside<'t>(
     let [a, c] = between(surface, here, right).map(|x| x / PROBE);
     let [b, d] = between(surface, here, below).map(|x| x / PROBE);
     let determinant = a * d - b * c;
-    let pixels = |target: &&&Target| {
+    let pixels = |target: &&&SnapTarget| {
         let [u, v] = between(surface, here, target.uv);
         [(u * d - b * v) / determinant, (a * v - u * c) / determinant]
     };
@@ -154,7 +154,7 @@ fn from_inside<'t>(
     })
 }
 
-impl Target {
+impl SnapTarget {
     fn hit(&self) -> Hit {
         Hit {
             object: self.surface,
@@ -183,7 +183,7 @@ fn between(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
 }
 
 /// The lettered places of the figures in a picture.
-fn corners(request: &PictureRequest) -> Vec<Target> {
+fn corners(request: &PictureRequest) -> Vec<SnapTarget> {
     let marks = request
         .trails
         .iter()
@@ -202,7 +202,7 @@ fn corners(request: &PictureRequest) -> Vec<Target> {
 }
 
 /// The declared points that lie on surfaces, and the ends of the declared geodesics.
-fn declared(scene: &Scene, params: &ParamValues) -> Vec<Target> {
+fn declared(scene: &Scene, params: &ParamValues) -> Vec<SnapTarget> {
     let points: Vec<[f64; 3]> = scene
         .objects
         .iter()
@@ -237,9 +237,9 @@ fn manifold(scene: &Scene, params: &ParamValues, id: ObjectId) -> Option<Manifol
     Manifold::new(scene, id, &uniforms).ok()
 }
 
-fn target(surface: &dyn Surface, id: ObjectId, uv: [f64; 2]) -> Target {
+fn target(surface: &dyn Surface, id: ObjectId, uv: [f64; 2]) -> SnapTarget {
     let position = || surface.jet(uv.into()).position;
-    Target {
+    SnapTarget {
         surface: id,
         uv,
         position: surface.is_embedded().then(position),

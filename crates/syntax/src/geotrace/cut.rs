@@ -55,7 +55,7 @@ pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> Cut
     state
 }
 
-/// Whether a `;` between brackets ends a declaration before the text behind it. Returns `None` if that is too short to say.
+/// Returns true if a `;` between brackets ends a declaration, by the text behind it; `None` if that is too short to say.
 fn is_end_between_brackets(behind: &str) -> Option<bool> {
     let behind = behind.trim_start();
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
