@@ -165,4 +165,5 @@ fn figures_and_paths_are_drawn_as_the_window_shows_them() {
     refused("--figure c=place:0,0", "c");
     refused("--figure s=place:0,9", "--figure s=place");
     refused("--path s=0,0", "two places or more");
+    refused("--path s=0,0:0,9", "lies outside the domain");
 }

@@ -54,6 +54,9 @@ pub(super) fn request(
 }
 
 /// Returns the paths.
+///
+/// # Errors
+/// A place that is none of the surface.
 fn paths(
     arguments: &Arguments,
     program: &LoadedProgram,
@@ -62,6 +65,10 @@ fn paths(
     let path = |path: &PathArgument| {
         let (id, manifold) = manifold(&path.surface, program, params)?;
         let places = places("--path", &path.places, program, params)?;
+        for at in &places {
+            geodesic::measure::place(manifold.surface(), *at)
+                .map_err(|error| Failure::usage(format!("--path {}: {error}", path.surface)))?;
+        }
         Ok(Arc::new(Trail::through(manifold.surface(), id, places)).into())
     };
     arguments.path.iter().map(path).collect()
