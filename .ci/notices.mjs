@@ -1,0 +1,144 @@
+// Writes the licences of all that is linked into the program for a platform, each text once. Fails where a package has no
+// licence text, and where the licence is none of those that deny.toml allows.
+//   node .ci/notices.mjs PLATFORM FILE
+import { execFileSync } from "node:child_process";
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { basename, dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const TARGETS = {
+    "linux-x64": "x86_64-unknown-linux-gnu",
+    "linux-arm64": "aarch64-unknown-linux-gnu",
+    "darwin-x64": "x86_64-apple-darwin",
+    "darwin-arm64": "aarch64-apple-darwin",
+    "win32-x64": "x86_64-pc-windows-msvc",
+};
+const root = dirname(dirname(fileURLToPath(import.meta.url)));
+const [platform, out] = process.argv.slice(2);
+if (!(platform in TARGETS) || !out) {
+    console.error(`usage: node .ci/notices.mjs ${Object.keys(TARGETS).join("|")} FILE`);
+    process.exit(2);
+}
+
+const options = ["metadata", "--locked", "--format-version", "1", "--filter-platform", TARGETS[platform]];
+const metadata = JSON.parse(execFileSync("cargo", options, { cwd: root, encoding: "utf8", maxBuffer: 2 ** 28 }));
+
+/** What the package `geotrace` is linked with, itself and the workspace left out; by name. */
+function linked() {
+    const nodes = new Map(metadata.resolve.nodes.map((node) => [node.id, node]));
+    const packages = new Map(metadata.packages.map((one) => [one.id, one]));
+    const found = new Set();
+    const open = metadata.packages.filter((one) => one.name === "geotrace").map((one) => one.id);
+    for (let id = open.pop(); id !== undefined; id = open.pop()) {
+        if (!found.has(id)) {
+            found.add(id);
+            const normal = nodes.get(id).deps.filter((to) => to.dep_kinds.some((kind) => kind.kind === null));
+            open.push(...normal.map((to) => to.pkg));
+        }
+    }
+    const others = [...found].map((id) => packages.get(id)).filter((one) => one.source !== null);
+    return others.sort((a, b) => (a.name + a.version < b.name + b.version ? -1 : 1));
+}
+
+const allowed = new Set(
+    /^allow = \[([^\]]*)\]/m
+        .exec(readFileSync(join(root, "deny.toml"), "utf8"))[1]
+        .split(",")
+        .map((name) => name.trim().replaceAll('"', ""))
+        .filter((name) => name !== ""),
+);
+
+/** Whether an SPDX expression can be met by allowed licences. */
+function isAllowed(expression) {
+    const words = expression.replaceAll("/", " OR ").match(/[()]|[^\s()]+/g) ?? [];
+    let at = 0;
+    const either = () => {
+        let met = both();
+        while (words[at] === "OR") {
+            at += 1;
+            met = both() || met;
+        }
+        return met;
+    };
+    const both = () => {
+        let met = one();
+        while (words[at] === "AND") {
+            at += 1;
+            met = one() && met;
+        }
+        return met;
+    };
+    const one = () => {
+        const word = words[at];
+        at += 1;
+        if (word === "(") {
+            const met = either();
+            at += 1;
+            return met;
+        }
+        const exception = words[at] === "WITH";
+        at += exception ? 2 : 0;
+        return allowed.has(word) && !exception;
+    };
+    return either();
+}
+
+const IS_LICENCE = /^(licen[cs]e|copying|copyright|notice|unlicense|ofl|ufl)/i;
+
+/** The licence files of a package: beside its manifest, in folders below, and each text beside a font. */
+function texts(one) {
+    const folder = dirname(one.manifest_path);
+    const entries = readdirSync(folder, { withFileTypes: true, recursive: true });
+    return entries
+        .filter((entry) => entry.isFile())
+        .map((entry) => join(entry.parentPath ?? entry.path, entry.name))
+        .filter((path) => (IS_LICENCE.test(basename(path)) && !path.endsWith(".rs")) || /\bfonts\b.*\.txt$/.test(path))
+        .sort()
+        .map((path) => readFileSync(path, "utf8").replaceAll("\r\n", "\n").trim());
+}
+
+/** The text of a licence that a package names and does not bring along. */
+function standard(one) {
+    if (/Apache-2\.0/.test(one.license)) {
+        return readFileSync(join(root, "LICENSE-APACHE"), "utf8").trim();
+    }
+    if (/MIT/.test(one.license)) {
+        const owner = one.authors.join(", ") || `the authors of ${one.name}`;
+        return readFileSync(join(root, "LICENSE-MIT"), "utf8").replace(/^Copyright.*$/m, `Copyright (c) ${owner}`).trim();
+    }
+    if (/BSL-1\.0/.test(one.license)) {
+        return "Boost Software License 1.0, https://www.boost.org/LICENSE_1_0.txt: programs in machine code need no notice.";
+    }
+    return undefined;
+}
+
+const faults = [];
+const packages = linked();
+const users = new Map();
+for (const one of packages) {
+    if (!isAllowed(one.license ?? "")) {
+        faults.push(`${one.name} ${one.version}: deny.toml does not allow its licence, ${one.license ?? "none"}`);
+    }
+    let found = texts(one);
+    if (found.length === 0) {
+        found = [standard(one)].filter((text) => text !== undefined);
+    }
+    if (found.length === 0) {
+        faults.push(`${one.name} ${one.version}: no licence text`);
+    }
+    for (const text of found) {
+        users.set(text, [...(users.get(text) ?? []), `${one.name} ${one.version}`]);
+    }
+}
+if (packages.length === 0) {
+    faults.push("nothing is linked: is there a package `geotrace`?");
+}
+if (faults.length > 0) {
+    console.error(faults.join("\n"));
+    process.exit(1);
+}
+
+const line = "-".repeat(80);
+const list = packages.map((one) => `${one.name} ${one.version}: ${one.license}${one.repository ? `, ${one.repository}` : ""}`);
+const all = [...users].map(([text, names]) => `${line}\n${[...new Set(names)].join(", ")}\n${line}\n\n${text}\n`);
+writeFileSync(out, `Geotrace contains these packages, under these licences:\n\n${list.join("\n")}\n\n${all.join("\n")}`);
