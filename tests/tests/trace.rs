@@ -418,6 +418,50 @@ fn a_metric_without_a_shape_has_no_position() {
     assert_close("height", height, 1_f64.exp(), 1e-8);
 }
 
+/// Lines that take more than the evaluations of a picture's pixel.
+#[test]
+fn a_single_geodesic_may_take_what_it_needs() {
+    let lines = [
+        (
+            "(cos v cos u, cos v sin u, 0.01sin v), u : [0, 2pi], v : [-pi/2, pi/2]",
+            "--from 0.3,0.2 --direction 0.05,1 --length 20",
+        ),
+        (
+            "(u, v, 0.01sin(400pi u)), u : [0, 1], v : [0, 1]",
+            "--from 0.01,0.2 --direction 1,0.1 --length 7",
+        ),
+        (
+            "((1 + 0.9999cos v)cos u, (1 + 0.9999cos v)sin u, 0.9999sin v), u : [0, 2pi], v : [0, 2pi]",
+            "--from 0,0 --direction 0.3,1 --length 200",
+        ),
+    ];
+    for (surface, line) in lines {
+        let program = format!("surface s(u, v) = {surface};");
+        let trace = |more: &str| {
+            let arguments = format!("trace - {line} --tolerance 1e-13 --format json {more}");
+            geotrace(arguments.trim().split(' '))
+                .input(program.as_str())
+                .run()
+        };
+        let json = trace("").expect_status(0).json();
+        assert_eq!(json["status"], "complete", "{line}: {json}");
+        assert!(json["evaluations"].as_u64() > Some(20_000), "{json}");
+        let json = trace("--max-evaluations 20000").expect_status(0).json();
+        assert_eq!(json["status"], "work_limit", "{line}: {json}");
+        assert!(json["evaluations"].as_u64() <= Some(20_000), "{json}");
+    }
+}
+
+#[test]
+fn a_line_on_which_a_parameter_stands_still_is_named() {
+    let program = "surface s(u, v) = (u^3, v, u^6), u : [-1, 1], v : [-1, 1];";
+    let arguments = "trace - --from 0.5,0 --direction -1,0.3 --length 0.5";
+    let run = geotrace(arguments.split(' ')).input(program).run();
+    run.expect_status(0)
+        .expect_text("σu is 0 on the line u ≈ 0;")
+        .expect_text("another parameter than u leads across");
+}
+
 #[test]
 fn methods_of_whole_pictures_are_refused_for_one_geodesic() {
     for method in ["fan", "fan-linear"] {

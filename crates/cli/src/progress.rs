@@ -33,6 +33,20 @@ impl Progress {
         }
     }
 
+    /// Shows how long a piece of work has taken whose end nobody knows.
+    pub(crate) fn of_unknown_length(label: &'static str) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.set_message(label);
+        bar.enable_steady_tick(DELAY);
+        Self {
+            bar,
+            start: Instant::now(),
+        }
+    }
+
     /// Reports that the work is done to this fraction, 0 to 1. May be called from any thread, and often.
     pub(crate) fn reach(&self, fraction: f32) {
         if self.start.elapsed() > DELAY {

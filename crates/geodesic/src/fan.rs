@@ -38,7 +38,7 @@ use crate::metric::Metric;
 use crate::point::PicturePoint;
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
-use crate::surface::Surface;
+use crate::surface::{Surface, affordable_evaluations};
 use crate::trace;
 use cell::Found;
 use polar::{PLACES, polar};
@@ -62,7 +62,8 @@ pub struct FanOptions {
     pub tolerance: f64,
     /// Between rays.
     pub interpolation: Interpolation,
-    /// The most evaluations of all rays together, with room kept for the pixels that have to be followed by themselves.
+    /// The most evaluations of all rays together, with room kept for the pixels that have to be followed by themselves;
+    /// fewer of a surface whose evaluation is dear ([`affordable_evaluations`]).
     /// Where they do not suffice, what is unknown says so: [`Status::WorkLimit`].
     pub max_evaluations: u64,
 }
@@ -101,6 +102,10 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not
     /// depend on their number.
     pub fn build(surface: &'s S, frame: &Frame, size: [u32; 2], options: &FanOptions) -> Self {
+        let options = &FanOptions {
+            max_evaluations: affordable_evaluations(surface, options.max_evaluations),
+            ..*options
+        };
         let layout = ChartLayout::of(surface);
         let start = FanStart::of(surface, &layout, frame, size);
         let sectors = match &start {

@@ -159,6 +159,12 @@ impl Surface for MetricSurface {
         false
     }
 
+    fn instruction_count(&self) -> usize {
+        self.tape
+            .operation_count()
+            .max(self.jets.instruction_count())
+    }
+
     fn chart_data(&self) -> &ChartData {
         &self.chart_data
     }
@@ -212,7 +218,9 @@ fn regular_jet(form: &Form, r: f64, uv: [f64; 2]) -> Jet {
     let [e, f, g] = form.efg;
     let root = e.sqrt();
     // The frame's components of a vector with these inner products with σu and σv.
-    let vector = |by_u: f64, by_v: f64| [by_u / root, (by_v - f / e * by_u) * root / r];
+    // The quotient first: E √E may be beyond all numbers.
+    let share = root / r;
+    let vector = |by_u: f64, by_v: f64| [by_u / root, (by_v - f / e * by_u) * share];
     let [eu, fu, gu] = form.by_u;
     let [ev, fv, gv] = form.by_v;
     let uu = vector(0.5 * eu, fu - 0.5 * ev);

@@ -45,16 +45,17 @@ pub struct MapOptions {
     pub method: Method,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
-    /// The most evaluations of all pixels together. A method that follows them one by one gives each the same share of
-    /// it, but at least [`LEAST_FOR_PIXEL`] and at most [`MOST_FOR_PIXEL`].
+    /// The most evaluations of all pixels together; fewer of a surface whose evaluation is dear ([`affordable_evaluations`](crate::surface::affordable_evaluations)).
+    /// A method that follows pixels one by one has [`MapOptions::evaluations_per_pixel`] on the average.
     pub max_evaluations: u64,
     /// True if [`Map::by_pixel`] is wanted, of the methods that know it.
     pub by_pixel: bool,
 }
 
-/// However many pixels there are, each may have so many evaluations: more than most fixed numbers of steps need.
-pub const LEAST_FOR_PIXEL: u64 = 1000;
-/// However few pixels there are, each has no more evaluations.
+/// However many pixels there are, so many evaluations are allowed for each on the average: several times what those of
+/// benign surfaces take.
+pub const LEAST_FOR_PIXEL: u64 = 400;
+/// However few pixels there are, none has more evaluations.
 pub const MOST_FOR_PIXEL: u64 = 20_000;
 
 impl Default for MapOptions {
@@ -62,14 +63,16 @@ impl Default for MapOptions {
         Self {
             method: Method::default(),
             tolerance: 0.1,
-            max_evaluations: 400_000_000,
+            max_evaluations: 40_000_000,
             by_pixel: true,
         }
     }
 }
 
 impl MapOptions {
-    /// The most evaluations for one pixel of a picture of this size, by a method that follows them one by one.
+    /// The most evaluations for a pixel of a picture of this size on the average, by a method that follows them one by one:
+    /// the same share of [`MapOptions::max_evaluations`] for each, but at least [`LEAST_FOR_PIXEL`] and at most
+    /// [`MOST_FOR_PIXEL`].
     pub fn evaluations_per_pixel(&self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         (self.max_evaluations / pixels.max(1)).clamp(LEAST_FOR_PIXEL, MOST_FOR_PIXEL)

@@ -161,13 +161,34 @@ pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64;
 }
 
 /// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on (do Carmo, *Differential Geometry of Curves and
-/// Surfaces*, 1976, section 3-3). Each quotient is taken before the product, which might overflow.
+/// Surfaces*, 1976, section 3-3).
 #[inline(always)]
 pub fn gaussian_curvature(jet: &Jet) -> f64 {
+    let normal = cross(jet.du, jet.dv);
+    if (1e-280..1e280).contains(&dot(normal, normal)) {
+        curvature_in_range(jet)
+    } else {
+        extreme_curvature(jet, normal)
+    }
+}
+
+/// The same without a branch, for several points at once, where EG − F² is in the range of numbers. Each quotient is taken
+/// before the product, which might overflow.
+#[inline(always)]
+pub(crate) fn curvature_in_range(jet: &Jet) -> f64 {
     let normal = cross(jet.du, jet.dv);
     let share = 1.0 / dot(normal, normal);
     let [l, m, n] = [jet.duu, jet.duv, jet.dvv].map(|second| dot(second, normal));
     (l * share) * (n * share) - (m * share) * (m * share)
+}
+
+/// The same where EG − F² may be out of range.
+#[cold]
+fn extreme_curvature(jet: &Jet, normal: [f64; 3]) -> f64 {
+    let r = norm(normal);
+    let normal = normal.map(|x| x / r);
+    let [l, m, n] = [jet.duu, jet.duv, jet.dvv].map(|second| dot(second, normal) / r);
+    l * n - m * m
 }
 
 /// The Christoffel symbols of the second kind: `[k][0]` = Γᵏ_uu, `[k][1]` = Γᵏ_uv, `[k][2]` = Γᵏ_vv.

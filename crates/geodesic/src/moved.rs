@@ -82,6 +82,10 @@ impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
         self.surface.is_embedded()
     }
 
+    fn instruction_count(&self) -> usize {
+        self.surface.instruction_count()
+    }
+
     fn chart_data(&self) -> &ChartData {
         &self.chart_data
     }

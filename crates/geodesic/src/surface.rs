@@ -31,6 +31,10 @@ pub trait Surface: Sync {
     fn is_embedded(&self) -> bool {
         true
     }
+    /// The number of instructions that a jet takes; 0 where it is not known.
+    fn instruction_count(&self) -> usize {
+        0
+    }
     /// Returns the data of its chart.
     fn chart_data(&self) -> &ChartData;
     /// The domain: `[[u min, u max], [v min, v max]]`.
@@ -50,6 +54,19 @@ pub trait Surface: Sync {
     fn scale(&self) -> Scale {
         self.chart_data().scale
     }
+}
+
+/// Limits on evaluations are stated for surfaces whose jets take at most this many instructions.
+pub const USUAL_INSTRUCTIONS: usize = 200;
+
+/// The limit on evaluations of a surface: of one whose jets take k times [`USUAL_INSTRUCTIONS`] a k-th of `limit`, so that it
+/// bounds the run time.
+pub fn affordable_evaluations<S: Surface + ?Sized>(surface: &S, limit: u64) -> u64 {
+    let [cost, usual] = [surface.instruction_count(), USUAL_INSTRUCTIONS].map(|n| n as u64);
+    if cost <= usual {
+        return limit;
+    }
+    (u128::from(limit) * u128::from(usual) / u128::from(cost)) as u64
 }
 
 /// The data of a chart beside the surface's jets.
@@ -152,6 +169,10 @@ impl Surface for ParametricSurface {
             let out: &mut [Lanes; 18] = bytemuck::cast_mut(out);
             self.tape.eval(registers, &self.fixed, at, out);
         });
+    }
+
+    fn instruction_count(&self) -> usize {
+        self.tape.instruction_count()
     }
 
     fn chart_data(&self) -> &ChartData {

@@ -49,6 +49,10 @@ pub struct Options {
     pub keep_fields: bool,
 }
 
+/// The most evaluations that a geodesic is worth which is followed for its own sake: a few seconds. One of many, as in a picture,
+/// has those of [`Options::default`].
+pub const MOST_OF_ONE: usize = 10_000_000;
+
 impl Default for Options {
     fn default() -> Self {
         Self {

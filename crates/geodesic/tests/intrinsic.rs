@@ -327,3 +327,17 @@ fn jets_at_several_points_are_those_at_each() {
         }
     }
 }
+
+#[test]
+fn the_curvature_of_a_sphere_of_any_size_is_found() {
+    for size in [1e-150, 1e-90, 1e90, 1e150] {
+        let surfaces: [&dyn Surface; 2] = [
+            &spheroid_metric(size, size, 0.0),
+            &sphere_in_units(1.0, size, 0.0),
+        ];
+        for s in surfaces {
+            let found = gaussian_curvature(&s.jet([0.4, 0.3].into())) * size * size;
+            assert!((found - 1.0).abs() < 1e-9, "{found} for {size}");
+        }
+    }
+}

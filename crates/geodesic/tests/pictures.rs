@@ -5,8 +5,9 @@ mod shapes;
 use geodesic::frame::Frame;
 use geodesic::map::{MapOptions, Method, exponential_map, pixel_place};
 use geodesic::metric::Metric;
+use geodesic::point::Uv;
 use geodesic::reference::Reference;
-use geodesic::surface::Surface;
+use geodesic::surface::{ChartData, Jet, Surface, USUAL_INSTRUCTIONS};
 use geodesic::trace::{Options, Status};
 use shapes::*;
 
@@ -220,7 +221,51 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
 #[test]
 fn pixels_share_a_picture_s_work() {
     let share = |side| MapOptions::default().evaluations_per_pixel([side; 2]);
-    assert_eq!([100, 512, 16_384].map(share), [20_000, 1525, 1000]);
+    assert_eq!([32, 200, 16_384].map(share), [20_000, 1000, 400]);
+}
+
+/// A surface whose jets claim to take this many instructions.
+struct Dear<S>(S, usize);
+
+impl<S: Surface> Surface for Dear<S> {
+    fn jet(&self, uv: Uv) -> Jet {
+        self.0.jet(uv)
+    }
+
+    fn instruction_count(&self) -> usize {
+        self.1
+    }
+
+    fn chart_data(&self) -> &ChartData {
+        self.0.chart_data()
+    }
+}
+
+#[test]
+fn a_picture_s_work_is_bounded_whatever_an_evaluation_takes() {
+    let size = [24; 2];
+    for (instructions, most) in [(0, 300_000), (USUAL_INSTRUCTIONS * 100, 3_000)] {
+        let s = Dear(torus(0.4), instructions);
+        // So far that no pixel's geodesic can be followed.
+        let frame = Frame::new(&s, [0.3, 0.2], 0.0, 1e6).expect("a frame");
+        for method in [Method::Fan, Method::Adaptive] {
+            let options = MapOptions {
+                method,
+                max_evaluations: 300_000,
+                ..MapOptions::default()
+            };
+            let map = exponential_map(&s, &frame, size, &options, &|_| {});
+            // A start is looked at in any case.
+            let most = most + 10 * 24 * 24;
+            assert!(
+                map.work.evaluations <= most,
+                "{method:?}: {} of {most}",
+                map.work.evaluations
+            );
+            let unknown = map.status.iter().filter(|x| **x == Status::WorkLimit);
+            assert!(unknown.count() > 24 * 20, "{method:?}");
+        }
+    }
 }
 
 #[test]

@@ -5,7 +5,12 @@ use super::{Case, complete, go, worst};
 
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for (length, bound) in [(5.0, 1e-10), (20.0, 1e-13 * f64::exp(20.0))] {
+    for (length, bound) in [
+        (5.0, 1e-10),
+        (20.0, 1e-13 * f64::exp(20.0)),
+        (24.0, 1e-13 * f64::exp(24.0)),
+        (27.0, 1e-13 * f64::exp(27.0)),
+    ] {
         let case = format!("half-plane, L={length}");
         cases.push(Case::new(
             "H1",

@@ -14,7 +14,7 @@ pub mod spheroids;
 mod whole;
 
 use geodesic::surface::Surface;
-use geodesic::trace::{Method, Options, Status, Trace, trace};
+use geodesic::trace::{MOST_OF_ONE, Method, Options, Status, Trace, trace};
 
 /// What one run of a case gave.
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +120,14 @@ impl Case {
             most: self.most,
             thesis: thesis.value,
         }
+    }
+}
+
+/// The same options with the evaluations that `geotrace trace` allows unless it is told otherwise.
+fn with_more_work(options: &Options) -> Options {
+    Options {
+        max_evaluations: MOST_OF_ONE,
+        ..*options
     }
 }
 

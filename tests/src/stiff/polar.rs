@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::shapes::{cone, log_polar, sphere_in_units, spheroid, stereographic};
+use super::shapes::{cone, log_polar, sphere_in_units, spheroid, spheroid_metric, stereographic};
 use super::{Case, Measured, complete, distance, go, off, worst};
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status};
@@ -104,15 +104,31 @@ pub(super) fn cases() -> Vec<Case> {
         (1.0, 1e-6),
         (1.0, 1e6),
         (1e-10, 1e6),
+        (1.0, 1e-150),
+        (1.0, 1e150),
+        (1e-150, 1.0),
+        (1e150, 1.0),
     ] {
         let case = format!("sphere of radius {size:.0e} in units of {unit:.0e}");
         cases.push(Case::new(
             "R2",
             case,
             "change/rounding",
-            10.0,
+            // There the chart's own extent is at the end of what numbers can be.
+            if (1e-100..1e100).contains(&unit) {
+                10.0
+            } else {
+                1e3
+            },
             move |options| invariance(unit, size, options),
         ));
+    }
+    for size in [1e-6, 1e6, 1e-150, 1e150] {
+        let case = format!("metric of a sphere of radius {size:.0e}");
+        let quantity = "change/rounding";
+        cases.push(Case::new("R3", case, quantity, 10.0, move |options| {
+            metric_invariance(size, options)
+        }));
     }
     cases
 }
@@ -144,6 +160,29 @@ fn past_origin(miss: f64, options: &Options) -> Measured {
     complete(&end, |end| {
         off(end, [x * cu - y * su, x * su + y * cu, 0.0])
     })
+}
+
+/// How much the end depends on the size of a sphere that is given by its metric, in roundings of its length.
+fn metric_invariance(size: f64, options: &Options) -> Measured {
+    let [plain, other] = [1.0, size].map(|size| spheroid_metric(size, size, 0.0));
+    let sphere = sphere_in_units(1.0, 1.0, 0.0);
+    let runs = [
+        ([0.3, 0.2], [1.0, 0.5], 3.0),
+        ([2.0, -0.9], [0.2, -1.0], 0.5),
+        ([5.0, 1.0], [-1.0, 0.1], 2.0),
+    ];
+    worst(runs.map(|(from, direction, length)| {
+        let a = go(&plain, from, direction, length, options);
+        let b = go(&other, from, direction, length * size, options);
+        if a.status != Status::Complete {
+            return complete(&a, |_| 0.0);
+        }
+        complete(&b, |b| {
+            let rounding = f64::EPSILON * length * a.steps as f64;
+            let [a, b] = [a.uv, b.uv].map(|uv| sphere.jet(uv).position);
+            distance(a, b) / rounding
+        })
+    }))
 }
 
 /// Great circles in a sheared chart: their error, or, where rounding eats it up, how far beyond its estimate.

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::shapes::{catenoid, helicoid, pseudosphere, spheroid, torus, triaxial, zoll};
-use super::{Case, Measured, complete, go, worst};
+use super::{Case, MOST_OF_ONE, Measured, complete, go, with_more_work, worst};
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace};
 
@@ -107,6 +107,36 @@ pub(super) fn cases() -> Vec<Case> {
             })
         },
     ));
+    cases.push(
+        Case::new(
+            "T7",
+            "near-horn torus r=0.9999, L=200, tolerance 10⁻¹³",
+            "Clairaut",
+            1e-10,
+            |options| {
+                let (s, options) = (torus(0.9999), exacting(options));
+                let (from, direction) = ([0.0, 0.0], [0.3, 1.0]);
+                let end = go(&s, from, direction, 200.0, &options);
+                complete(&end, |end| clairaut_change(&s, from, direction, end))
+            },
+        )
+        .within(MOST_OF_ONE),
+    );
+    cases.push(
+        Case::new(
+            "E5",
+            "spheroid b=0.01, L=20, tolerance 10⁻¹³",
+            "Clairaut",
+            1e-11,
+            |options| {
+                let (s, options) = (spheroid(1.0, 0.01), exacting(options));
+                let (from, direction) = ([0.3, 0.2], [0.05, 1.0]);
+                let end = go(&s, from, direction, 20.0, &options);
+                complete(&end, |end| clairaut_change(&s, from, direction, end))
+            },
+        )
+        .within(MOST_OF_ONE),
+    );
     for (b, what, length, bound) in [
         (0.01, "10 times over the rim, L=20", 20.0, 1e-10),
         (100.0, "L=300", 300.0, 1e-11),
@@ -234,4 +264,12 @@ fn umbilic(options: &Options) -> Measured {
         );
         complete(&end, |end| super::off(end, [-x, 0.0, -z]))
     }))
+}
+
+/// Steps as exact as they can be, and the work that they take.
+fn exacting(options: &Options) -> Options {
+    Options {
+        tolerance: 1e-13,
+        ..with_more_work(options)
+    }
 }

@@ -1,7 +1,9 @@
 //! Chaos, creases and edges that are cusps: B1, K1, K2.
 
-use super::shapes::{bent_plane, bumps, cuspidal, folded_plane, roof};
-use super::{Case, Measured, complete, distance, go, worst};
+use std::f64::consts::TAU;
+
+use super::shapes::{bent_plane, bumps, cubed_plane, cuspidal, folded_plane, ripple, roof};
+use super::{Case, MOST_OF_ONE, Measured, complete, distance, go, with_more_work, worst};
 use geodesic::trace::{Options, Status};
 
 pub(super) fn cases() -> Vec<Case> {
@@ -133,6 +135,51 @@ pub(super) fn cases() -> Vec<Case> {
             },
         )
         .within(2_000),
+    );
+    cases.push(Case::new(
+        "K3",
+        "the plane as (u³, v), run into u=0",
+        "short of the line",
+        1e-11,
+        |options| {
+            let s = cubed_plane();
+            worst(
+                [[-1.0, 0.3], [-1.0, 0.0], [-1.0, -2.0]].map(|[u, v]: [f64; 2]| {
+                    // σu = (3/4, 0) and σv = (0, 1) at (1/2, 0); the line is 1/8 away.
+                    let expected = 0.125 * (0.75 * u).hypot(v) / (0.75 * u).abs();
+                    let end = go(&s, [0.5, 0.0], [u, v], 1.0, options);
+                    Measured {
+                        value: if end.status == Status::Degenerate {
+                            (expected - end.length).abs()
+                        } else {
+                            f64::NAN
+                        },
+                        evaluations: end.evaluations,
+                    }
+                }),
+            )
+        },
+    ));
+    cases.push(
+        Case::new(
+            "B2",
+            "ripple of 200 waves, L=7, tolerance 10⁻¹³",
+            "straight line, unrolled",
+            1e-10,
+            |options| {
+                let s = ripple();
+                let options = Options {
+                    tolerance: 1e-13,
+                    ..with_more_work(options)
+                };
+                let slope = 0.01 * 200.0 * TAU * f64::cos(200.0 * TAU * 0.01);
+                let speed = (1.0 + slope * slope + 0.01).sqrt();
+                let end = go(&s, [0.01, 0.2], [1.0, 0.1], 7.0, &options);
+                // v grows evenly: the sheet is bent across it alone.
+                complete(&end, |end| (end.uv[1] - (0.2 + 0.7 / speed)).abs())
+            },
+        )
+        .within(MOST_OF_ONE),
     );
     cases
 }

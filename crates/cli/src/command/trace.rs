@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args};
 use geodesic::frame::trace_heading;
 use geodesic::implicit::{SpaceFrame, SpaceTrace, SpaceTraceError};
+use geodesic::point::Uv;
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
 use geometry::SolidSurface;
@@ -14,9 +15,10 @@ use serde::Serialize;
 
 use crate::argument::{self, Assignment, Choice, Format, PlaceArgument, Quantity};
 use crate::failure::Failure;
-use crate::number::{self, show};
+use crate::number::{self, show, show_measured};
 use crate::output;
 use crate::program::LoadedProgram;
+use crate::progress::Progress;
 use crate::registry::Context;
 
 /// Follow one geodesic of a surface, a metric or a solid: the straightest line from a point in a direction.
@@ -40,7 +42,7 @@ The status is one of
   cone_point    it ran into the tip of a cone, from where no direction is straight on
   degenerate    the parametrisation lost its rank: σu and σv are parallel there; the gradient of a solid is 0 there
   undefined     the surface is undefined there
-  work_limit    it took more evaluations than allowed"
+  work_limit    it took more evaluations than allowed (--max-evaluations)"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
@@ -66,6 +68,9 @@ pub(super) struct Arguments {
     /// The error allowed in a step, relative to the step's length, up to 0.01; 3e-10 unless given
     #[arg(long, value_name = "T", value_parser = argument::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
+    /// The most evaluations of the surface and its derivatives; 10 million unless given, which take a few seconds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_evaluations: Option<u32>,
     /// How it is integrated
     #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]
     method: PictureMethod,
@@ -121,8 +126,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         });
     }
     let options = options(arguments)?;
+    let progress = Progress::of_unknown_length("following the geodesic");
     if object.shape.solid().is_some() {
         let (from, trace) = on_solid(arguments, &program, &params, id, length, &options)?;
+        drop(progress);
         return match arguments.format {
             Format::Json => output::print_json(&document_in_space(&trace)),
             Format::Human => output::print(&text_in_space(&trace, from)),
@@ -145,9 +152,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Ok(trace) => trace,
         Err(error) => stopped_at_start(error, surface)?,
     };
+    drop(progress);
     match arguments.format {
         Format::Json => output::print_json(&document(&trace)),
-        Format::Human => output::print(&text(&trace, from)),
+        Format::Human => output::print(&text(&trace, from, surface)),
     }
 }
 
@@ -233,7 +241,7 @@ fn text_in_space(trace: &SpaceTrace, from: [f64; 3]) -> String {
             format!("after {length} the solid has no tangent plane: its gradient is 0 there")
         }
         Status::Undefined => format!("after {length} the solid is undefined"),
-        Status::WorkLimit => format!("it used up its evaluations after {length}"),
+        Status::WorkLimit => format!("{} after {length}", used_up()),
     };
     let moved = if from == trace.start {
         String::new()
@@ -270,6 +278,9 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
     }
     let mut options = Options {
         compare: true,
+        max_evaluations: arguments
+            .max_evaluations
+            .map_or(trace::MOST_OF_ONE, |most| most as usize),
         ..Options::default()
     };
     if let Some(tolerance) = arguments.tolerance {
@@ -307,20 +318,50 @@ fn document(trace: &Trace) -> TraceJson {
     }
 }
 
-fn text(trace: &Trace, from: [f64; 2]) -> String {
+fn used_up() -> &'static str {
+    "it used up its evaluations (`--max-evaluations` allows more)"
+}
+
+/// σu or σv is taken for zero where the length of its coordinate line is this share of the other's.
+const VANISHING: f64 = 1e-3;
+
+/// The reason why σu and σv span no plane at the end of a trace, and what helps where one of them is zero.
+fn lost_rank(surface: &dyn Surface, uv: Uv) -> String {
+    let jet = surface.jet(uv);
+    let domain = surface.domain();
+    // The lengths of coordinate lines, which do not depend on the parameters' units.
+    let lengths = [(jet.du, domain[0]), (jet.dv, domain[1])].map(|(tangent, [low, high])| {
+        let largest = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        largest * (high - low)
+    });
+    let (axis, name, tangent) = if lengths[0] < VANISHING * lengths[1] {
+        (0, "u", "σu")
+    } else if lengths[1] < VANISHING * lengths[0] {
+        (1, "v", "σv")
+    } else {
+        return "σu and σv are parallel there".into();
+    };
+    // The geodesic ends just before the line.
+    let unit = VANISHING * (domain[axis][1] - domain[axis][0]);
+    let line = show_measured((uv[axis] / unit).round() * unit);
+    format!(
+        "{tangent} is 0 on the line {name} ≈ {line}; where the surface is smooth there, another parameter than {name} leads across"
+    )
+}
+
+fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface) -> String {
     let [u, v] = trace.uv.0;
     let length = show(trace.length);
     let end = match trace.status {
         Status::Complete => format!("it has its full length, {length}"),
         Status::LeftDomain => format!("it left the domain after {length}"),
         Status::ConePoint => format!("it ran into the tip of a cone after {length}"),
-        Status::Degenerate => {
-            format!(
-                "after {length} the parametrisation lost its rank: σu and σv are parallel there"
-            )
-        }
+        Status::Degenerate => format!(
+            "after {length} the parametrisation lost its rank: {}",
+            lost_rank(surface, trace.uv)
+        ),
         Status::Undefined => format!("after {length} the surface is undefined"),
-        Status::WorkLimit => format!("it used up its evaluations after {length}"),
+        Status::WorkLimit => format!("{} after {length}", used_up()),
     };
     format!(
         "\

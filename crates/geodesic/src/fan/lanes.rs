@@ -7,7 +7,7 @@
 use std::convert::Infallible;
 
 use crate::chart::{ApexChart, ChartLayout, rotated, turned as turned_by};
-use crate::metric::{acceleration, combine, cross, dot, gaussian_curvature, turned};
+use crate::metric::{acceleration, combine, cross, curvature_in_range, dot, turned};
 use crate::runge_kutta::{
     self, DOPRI5, GeodesicEquation, RatesOfChange, States, Step, StepParameter,
 };
@@ -118,7 +118,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
                 for lane in 0..LANES {
                     let jet = out.jets.lane(lane);
                     [along[0][lane], along[1][lane]] = acceleration(&jet, [x[lane], y[lane]]).0;
-                    curvature[lane] = gaussian_curvature(&jet);
+                    curvature[lane] = curvature_in_range(&jet);
                 }
                 (out.acceleration, out.curvature) = (along, curvature);
             }
@@ -172,7 +172,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
             let direction = [turn[0][lane], turn[1][lane]];
             let rates = acceleration(&jet, rotated(direction, [x[lane], y[lane]]));
             [along[0][lane], along[1][lane]] = turned_by(direction, rates.0);
-            curvature[lane] = gaussian_curvature(&plain);
+            curvature[lane] = curvature_in_range(&plain);
             out.jets.set(lane, &jet);
         }
         (out.turn, out.acceleration, out.curvature) = (turn, along, curvature);

@@ -9,7 +9,7 @@ use crate::metric::Metric;
 use crate::point::{PicturePoint, Uv};
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
-use crate::surface::{Side, Surface};
+use crate::surface::{Side, Surface, affordable_evaluations};
 use crate::trace;
 
 /// One row of a map; its parts are those of [`Map`](super::Map).
@@ -103,6 +103,7 @@ pub(super) fn row<S: Surface + ?Sized>(
             line.rk4(places, steps, limited, &mut out);
         }
         _ => {
+            let share = affordable_evaluations(surface, share);
             let share = usize::try_from(share).unwrap_or(usize::MAX);
             line.adaptive(places, share, options, &mut out);
             out.work.evaluations = atlas.evaluations() as u64;
@@ -135,22 +136,29 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         }
     }
 
+    /// Follows the pixels with at most `share` evaluations on the average: each has half of it for certain, and what those
+    /// before it have left over.
     fn adaptive(
         &self,
-        places: impl Iterator<Item = PicturePoint>,
+        places: impl ExactSizeIterator<Item = PicturePoint>,
         share: usize,
         options: &MapOptions,
         out: &mut Row,
     ) {
         let mirrored = self.frame.is_mirrored(self.surface);
         let mut pace = Neighbour::default();
+        let mut to_come = places.len();
+        let limit = self.atlas.evaluations() + share.saturating_mul(to_come);
         for place in places {
+            to_come -= 1;
             let Some(pixel) = self.pixel(place, options.by_pixel, out) else {
                 continue;
             };
             out.work.followed += 1;
             let length = pixel.length;
-            let end = self.follow(pixel, options.tolerance * self.pixel, share, &mut pace, out);
+            let left = limit.saturating_sub(self.atlas.evaluations() + share / 2 * to_come);
+            let most = left.min(MOST_FOR_PIXEL as usize);
+            let end = self.follow(pixel, options.tolerance * self.pixel, most, &mut pace, out);
             let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv.0, end.state.at);
             let mut by_place = [[0.0; 2]; 2];
             if end.status == Status::Complete {

@@ -420,3 +420,25 @@ pub(crate) fn waves_over_plane(waves: &[[f64; 3]], torn: bool) -> ParametricSurf
     }
     m.done([u, v, z], [[-50.0, 50.0], [-50.0, 50.0]])
 }
+
+/// The plane, (u³, v, 0): σu is 0 on the line u = 0.
+#[allow(dead_code)]
+pub(crate) fn cubed_plane() -> ParametricSurface {
+    let mut m = Maker::new();
+    let square = m.mul(m.u, m.u);
+    let cube = m.mul(square, m.u);
+    let zero = m.c(0.0);
+    let v = m.v;
+    m.done([cube, v, zero], [[-1.0, 1.0], [-1.0, 1.0]])
+}
+
+/// A sheet with 200 waves, (u, v, sin(400πu)/100).
+#[allow(dead_code)]
+pub(crate) fn ripple() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let phase = m.scale(200.0 * TAU, u);
+    let wave = m.f(Unary::Sin, phase);
+    let height = m.scale(0.01, wave);
+    m.done([u, v, height], [[0.0, 1.0], [0.0, 1.0]])
+}
