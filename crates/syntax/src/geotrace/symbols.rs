@@ -11,7 +11,7 @@ use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 /// The length of the longest name, in bytes.
-pub(crate) const MAX_NAME_LENGTH: usize = 255;
+pub const MAX_NAME_LENGTH: usize = 255;
 
 /// The names defined at a place of a text.
 pub type SymbolTrie = Trie<SymbolId>;

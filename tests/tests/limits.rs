@@ -1,0 +1,321 @@
+//! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
+
+use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
+use geodesic::measure::MOST_CONNECTIONS;
+use geodesic::trace::MOST_OF_ONE;
+use render::texture::{MAX_FILE_PIXELS, MAX_FILE_SIDE};
+use render::view::traced;
+use scene::crt;
+use scene::limits;
+use testing::examples::repository;
+
+/// A limit.
+struct Limit {
+    what: &'static str,
+    most: String,
+    why: &'static str,
+    /// What is said, as it stands in the sources; what is in braces is put in there.
+    said: &'static str,
+    /// How to raise it; empty where nobody needs to.
+    raised: &'static str,
+}
+
+fn limit(
+    what: &'static str,
+    most: impl std::fmt::Display,
+    why: &'static str,
+    said: &'static str,
+    raised: &'static str,
+) -> Limit {
+    Limit {
+        what,
+        most: most.to_string(),
+        why,
+        said,
+        raised,
+    }
+}
+
+/// A count with its digits in groups of three.
+fn grouped(count: impl Into<u64>) -> String {
+    let digits = count.into().to_string();
+    let mut text = String::new();
+    for (n, digit) in digits.chars().enumerate() {
+        if n > 0 && (digits.len() - n).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn bytes(count: u64) -> String {
+    format!("{} MB", count >> 20)
+}
+
+fn programs() -> Vec<Limit> {
+    vec![
+        limit(
+            "a program's size",
+            bytes(ide::language::LONGEST_PROGRAM),
+            "memory",
+            "it is longer than {} MB",
+            "",
+        ),
+        limit(
+            "the length of a name, in characters",
+            syntax::geotrace::symbols::MAX_NAME_LENGTH,
+            "words are split into names",
+            "a name has at most {MAX_NAME_LENGTH} characters",
+            "",
+        ),
+        limit(
+            "brackets within brackets, operators within operators",
+            syntax::geotrace::parser::MAX_DEPTH,
+            "the stack",
+            "this is nested deeper than {MAX_DEPTH} levels",
+            "name a part by a declaration of its own",
+        ),
+        limit(
+            "findings in a program",
+            grouped(syntax::text::MAX_DIAGNOSTICS as u64),
+            "memory, and nobody reads more",
+            "more than {MAX_DIAGNOSTICS} findings: the rest is left out",
+            "",
+        ),
+        limit(
+            "operations of all expressions with their derivatives",
+            grouped(expr::graph::DEFAULT_LIMIT as u64),
+            "memory and run time: derivatives of derivatives multiply",
+            "this expression, or a derivative in it, has more operations than a program may have",
+            "",
+        ),
+        limit(
+            "values of a grid along an axis",
+            grouped(limits::MAX_AXIS),
+            "memory",
+            "the count of this interval is {}, and the limit is {largest}",
+            "",
+        ),
+        limit(
+            "instances of an object, the product of its grids",
+            grouped(limits::MAX_INSTANCES),
+            "memory",
+            "would be drawn {times} times, and the limit is {MAX_INSTANCES}: {}",
+            "",
+        ),
+        limit(
+            "samples of all objects",
+            grouped(limits::MAX_SAMPLES),
+            "memory",
+            "has {} samples{all}; the limit is {MAX_SAMPLES} in all",
+            "",
+        ),
+        limit(
+            "components of params and grids",
+            grouped(limits::MAX_UNIFORMS),
+            "what every GPU takes: 64 KiB",
+            "the params and grids have {components} components, and the limit is {MAX_UNIFORMS}",
+            "",
+        ),
+        limit(
+            "leaves of all solids, instances included",
+            grouped(limits::MAX_LEAVES),
+            "memory",
+            "this solid has {count} leaves, instances included, and the limit is {MAX_LEAVES}",
+            "",
+        ),
+    ]
+}
+
+fn scripts() -> Vec<Limit> {
+    vec![
+        limit(
+            "rounds of loops and calls of a script",
+            grouped(crt::MAX_WORK),
+            "a script ends",
+            "it takes more than {MAX_WORK} rounds and calls",
+            "",
+        ),
+        limit(
+            "calls within calls",
+            crt::MAX_CALLS,
+            "the stack",
+            "calls within calls are limited to {MAX_CALLS}",
+            "",
+        ),
+        limit(
+            "elements of a list, bytes of a string",
+            grouped(crt::MAX_SIZE),
+            "memory",
+            "a string has {MAX_SIZE} bytes at most",
+            "",
+        ),
+    ]
+}
+
+fn pictures() -> Vec<Limit> {
+    vec![
+        limit(
+            "a side of a picture, in pixels",
+            grouped(render::MAX_SIDE),
+            "memory; what GPUs draw",
+            "each side is from 1 to {MAX_SIDE}",
+            "",
+        ),
+        limit(
+            "a side of an image, in pixels",
+            grouped(MAX_FILE_SIDE),
+            "memory: a small file may unpack to a large image",
+            "and {MAX_FILE_SIDE} on a side",
+            "",
+        ),
+        limit(
+            "pixels of an image",
+            grouped(MAX_FILE_PIXELS),
+            "as above",
+            "is too large: it may have {} million pixels",
+            "",
+        ),
+        limit(
+            "samples of a pixel in the traced view",
+            grouped(traced::MAX_SAMPLES),
+            "run time",
+            "is not in",
+            "`--samples`, up to this",
+        ),
+        limit(
+            "reflections and refractions in the traced view",
+            traced::MAX_BOUNCES,
+            "run time",
+            "is not in",
+            "`--bounces`, up to this",
+        ),
+    ]
+}
+
+fn geodesics() -> Vec<Limit> {
+    let picture = MapOptions::default().max_evaluations;
+    vec![
+        limit(
+            "evaluations of the surface in a view from inside; fewer where one evaluation is dear",
+            grouped(picture),
+            "run time: a few seconds",
+            "could not be followed within the limit of work",
+            "a smaller `--zoom`: shorter geodesics",
+        ),
+        limit(
+            "evaluations for a pixel with `--method adaptive`, on the average of a large picture",
+            grouped(LEAST_FOR_PIXEL),
+            "run time",
+            "could not be followed within the limit of work",
+            "",
+        ),
+        limit(
+            "evaluations for a pixel",
+            grouped(MOST_FOR_PIXEL),
+            "run time",
+            "could not be followed within the limit of work",
+            "`geotrace trace` follows one geodesic farther",
+        ),
+        limit(
+            "evaluations of a geodesic that `trace` follows",
+            grouped(MOST_OF_ONE as u64),
+            "run time: a few seconds",
+            "it used up its evaluations",
+            "`--max-evaluations`",
+        ),
+        limit(
+            "geodesics between two places that `measure` lists",
+            MOST_CONNECTIONS,
+            "run time",
+            "there may be more",
+            "`--within` says how far to look",
+        ),
+    ]
+}
+
+fn table(limits: &[Limit]) -> String {
+    let mut text = String::from(
+        "\n| limit | at most | why | what is said | how to raise it |\n| --- | --: | --- | --- | --- |\n",
+    );
+    for limit in limits {
+        // What is put in stands as an ellipsis.
+        let mut said = String::new();
+        let mut inside = false;
+        for c in limit.said.chars() {
+            match c {
+                '{' => {
+                    inside = true;
+                    said.push('…');
+                }
+                '}' => inside = false,
+                c if !inside => said.push(c),
+                _ => {}
+            }
+        }
+        text.push_str(&format!(
+            "| {} | {} | {} | {said} | {} |\n",
+            limit.what, limit.most, limit.why, limit.raised
+        ));
+    }
+    text
+}
+
+fn page() -> String {
+    let mut text = String::from(
+        "# Limits\n\nNothing that one types takes a machine down: sizes and work are limited, and each limit ends in a sentence. This\n\
+         page is generated from the constants of the code; `UPDATE=1 cargo test --workspace --test limits` writes it.\n",
+    );
+    for (title, limits) in [
+        ("Programs", programs()),
+        ("Scripts", scripts()),
+        ("Pictures", pictures()),
+        ("Geodesics", geodesics()),
+    ] {
+        text.push_str(&format!("\n## {title}\n{}", table(&limits)));
+    }
+    text
+}
+
+#[test]
+fn the_page_of_limits_has_the_numbers_of_the_code() {
+    let path = repository().join("docs/limits.md");
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(path, page()).expect("docs/ is writable");
+        return;
+    }
+    let found = std::fs::read_to_string(path).expect("docs/limits.md");
+    assert_eq!(
+        found,
+        page(),
+        "docs/limits.md is old; UPDATE=1 writes it anew"
+    );
+}
+
+/// All sources of the crates, without the breaks of lines in long texts.
+fn sources(folder: &std::path::Path, text: &mut String) {
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            sources(&path, text);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            text.push_str(&std::fs::read_to_string(&path).expect("a source"));
+        }
+    }
+}
+
+#[test]
+fn every_sentence_of_the_page_of_limits_is_one_of_the_program() {
+    let mut all = String::new();
+    sources(&repository().join("crates"), &mut all);
+    for limit in [programs(), scripts(), pictures(), geodesics()]
+        .into_iter()
+        .flatten()
+    {
+        // What clap says of a number that is out of an option's range stands in no source of ours.
+        if limit.said != "is not in" {
+            assert!(all.contains(limit.said), "{}: {}", limit.what, limit.said);
+        }
+    }
+}
