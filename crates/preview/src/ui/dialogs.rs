@@ -255,7 +255,7 @@ mod tests {
         let rows = super::rows(&columns);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
-        assert_eq!(keys.len(), 24);
+        assert_eq!(keys.len(), 25);
         assert_eq!(rows[3].1, ["", "zoom in, out"]);
         assert_eq!(rows[4].1, ["look around", "move"]);
     }

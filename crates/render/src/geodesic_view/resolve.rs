@@ -176,10 +176,11 @@ pub(crate) fn hatch(image: &mut RgbaImage, status: &[Status]) {
                 }
             }
             // Something of the surface is seen within the reach of the border's pixels.
-            for other in y.saturating_sub(reach)..(y + reach + 1).min(rows.len()) {
+            let around = y.saturating_sub(reach)..(y + reach + 1).min(rows.len());
+            for (other, row) in around.clone().zip(&rows[around]) {
                 let down = other.abs_diff(y);
                 let across = (reach * reach - down * down).isqrt();
-                for (run, status) in near(&unseen, &seen_runs(rows[other]), across) {
+                for (run, status) in near(&unseen, &seen_runs(row), across) {
                     if let Some(hatching) = hatching(status) {
                         pixels[run].fill(hatching.border);
                     }

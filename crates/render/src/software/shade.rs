@@ -181,6 +181,7 @@ impl Fragments {
     }
 }
 
+#[allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
 impl Block {
     #[inline(always)]
     fn shade(&mut self, filled: usize, material: &Material, eye: &Eye) {

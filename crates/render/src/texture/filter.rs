@@ -8,6 +8,8 @@
 //! vectors, the fetch of texels too (a gather, where the processor has one). What differs by level is written to
 //! arrays first, by a pass for each level that some pixel needs: neighbours need one or two.
 
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+
 use super::{Level, Texture};
 use crate::style::decode;
 
@@ -367,7 +369,7 @@ impl<const L: usize> PixelLevels<L> {
                 continue;
             }
             for k in 0..L {
-                let first = level.first as i32;
+                let first = level.first;
                 pixels.first[k] = if levels[k] == number {
                     first
                 } else {
@@ -630,7 +632,7 @@ mod tests {
                     let allowed = if reach > 1e3 {
                         1.0
                     } else {
-                        1e-4 * f64::from(reach).max(1.0)
+                        1e-4 * reach.max(1.0)
                     };
                     for channel in 0..3 {
                         let found = f64::from(colours[channel][k]);

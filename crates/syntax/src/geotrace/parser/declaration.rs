@@ -213,7 +213,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.surface()?;
                 self.expression()?;
                 if self.current.kind != TokenKind::Comma {
-                    let what = "the parameters where it starts, or `,` and an interval after two places";
+                    let what =
+                        "the parameters where it starts, or `,` and an interval after two places";
                     self.origin(what, GEODESIC)?;
                 }
                 self.domain_items()?;
