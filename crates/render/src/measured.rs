@@ -69,7 +69,7 @@ pub fn measure(surface: &dyn Surface, figure: &Figure) -> Result<FigureMeasures,
 }
 
 /// Returns the lines that show a figure on the surface of an object, and the marks at its places. `finding` is what
-/// [`measure`] gave, if it gave anything.
+/// [`measure()`] gave, if it gave anything.
 pub fn lines(
     surface: &dyn Surface,
     id: ObjectId,

@@ -1,6 +1,6 @@
 //! A Geotrace program that is edited: the language as a [`Grammar`] of the kernel's document.
 //!
-//! `;` delimits declarations and `#` comments whatever any name means ([`cut`]), so a chunk is a declaration up to its `;`, with
+//! `;` delimits declarations and `#` comments whatever any name means (`cut`), so a chunk is a declaration up to its `;`, with
 //! the white space and comments before it. The parser reads a chunk through a `NameScope` that the document's [`ScopeView`]
 //! implements; what the hooks are called with is recorded, packed.
 
