@@ -354,14 +354,8 @@ impl Hand {
 
     /// Drags a slider from its left end by so many points.
     pub(crate) fn slide(&mut self, name: &str, by: f32) {
-        let handle = |hand: &Self| {
-            let slider = hand.harness.get_by_role_and_label(Role::Slider, name);
-            slider.rect().left_center() + Vec2::new(6.0, 0.0)
-        };
-        // The pointer leaves a picture, and what stood there of its place goes: the slider may move.
-        self.harness.hover_at(handle(self));
-        self.settle();
-        let from = handle(self);
+        let slider = self.harness.get_by_role_and_label(Role::Slider, name);
+        let from = slider.rect().left_center() + Vec2::new(6.0, 0.0);
         let way = Vec2::new(by, 0.0);
         self.drag(from, way, PointerButton::Primary, Modifiers::NONE);
     }

@@ -96,7 +96,7 @@ fn a_place_has_its_curvatures_and_the_camera_stays() {
     });
     // Closed, clicks move the camera again.
     hand.press(Modifiers::NONE, Key::M);
-    assert!(!hand.shows("Click on a place of a surface"));
+    assert!(!hand.shows("principal"));
     hand.click_at(space);
     hand.settle();
     assert_ne!(hand.camera("s"), camera);
