@@ -3,6 +3,8 @@
 use testing::binary::{Geotrace, geotrace};
 use testing::examples;
 
+const SCRIPT: &str = "Scene { Sphere { center -> vec3(0, 0, 0)  radius -> 1 } }\n";
+
 fn without_display(arguments: &[&str]) -> Geotrace {
     geotrace(arguments)
         .environment("DISPLAY", "")
@@ -46,6 +48,18 @@ fn show_makes_both_pictures_instead() {
             assert_eq!(image.to_rgba8().dimensions(), (800, 800), "{name}");
         }
     }
+}
+
+#[test]
+fn show_draws_the_view_that_a_language_has_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = folder.path().join("ball.crt");
+    std::fs::write(&script, SCRIPT).expect("written");
+    let run = without_display(&["show"])
+        .argument(&script)
+        .folder(folder.path())
+        .run();
+    run.expect_status(0).expect_text("ball.png: traced view");
 }
 
 #[test]

@@ -31,21 +31,26 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         }
     }
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    draw(arguments, context, "3d", ".png")?;
+    draw(arguments, context, &[], ".png")?;
     // A program without a surface has no geodesic view.
     if program.surface(None).is_ok() {
-        draw(arguments, context, "geodesic", "-inside.png")?;
+        draw(arguments, context, &["--view", "geodesic"], "-inside.png")?;
     }
     Ok(())
 }
 
-/// Runs `geotrace render`, to a file that is named after the program.
-fn draw(arguments: &Arguments, context: &Context, view: &str, ending: &str) -> Result<(), Failure> {
+/// Runs `geotrace render` with options, to a file that is named after the program.
+fn draw(
+    arguments: &Arguments,
+    context: &Context,
+    options: &[&str],
+    ending: &str,
+) -> Result<(), Failure> {
     let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
     output.push(ending);
-    let words = ["geotrace", "render", "--view", view, "-o"].map(OsString::from);
-    let words = words.into_iter().chain([output, "--".into()]);
-    let words = words.chain([arguments.file.clone().into_os_string()]);
+    let words = [&["geotrace", "render"], options, &["-o"]].concat();
+    let words = words.into_iter().map(OsString::from);
+    let words = words.chain([output, "--".into(), arguments.file.clone().into_os_string()]);
     let parsed = super::Arguments::parse_with(&context.registry, words);
     let mut render = parsed.map_err(|error| Failure::Internal {
         message: format!("a picture cannot be asked for: {error}"),
