@@ -133,7 +133,8 @@ impl Interval {
             Binary::Sub => a.plus(b.negative()),
             Binary::Mul => a.times(b),
             Binary::Div => a.over(b),
-            Binary::Pow => a.power(b),
+            // A power is defined where only one of its operands is, so what `of` adds does not hold.
+            Binary::Pow => return a.power(b).partially(a.partial || b.partial),
             Binary::Zmul => return a.annihilating(b),
             Binary::Min => Self::exact(a.lower.min(b.lower), a.upper.min(b.upper)),
             Binary::Max => Self::exact(a.lower.max(b.lower), a.upper.max(b.upper)),

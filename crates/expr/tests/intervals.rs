@@ -76,6 +76,19 @@ proptest! {
 }
 
 #[test]
+fn a_power_of_what_is_undefined_is_1_where_the_tape_has_it_so() {
+    let undefined = Interval::unary(Unary::Sqrt, Interval::point(-1.0));
+    assert!(undefined.is_empty());
+    let about_zero = Interval::new(-0.25, 0.25);
+    let power = Interval::binary(Binary::Pow, undefined, about_zero);
+    assert!(power.contains(f64::powf(f64::NAN, 0.0)), "{power:?}");
+    let about_one = Interval::new(0.75, 1.25);
+    let power = Interval::binary(Binary::Pow, about_one, undefined);
+    assert!(power.contains(f64::powf(1.0, f64::NAN)), "{power:?}");
+    assert!(power.is_partial());
+}
+
+#[test]
 fn every_case_of_the_conformance_list_has_its_value_and_true_values_are_contained() {
     for case in cases().iter().chain(&anchors()) {
         for width in [0.0, 1e-9, 0.25] {

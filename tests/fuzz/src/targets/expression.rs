@@ -1,0 +1,136 @@
+//! Expressions: an input is a program for a stack of nodes.
+
+use expr::interval::Interval;
+use expr::ops::Operation;
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+
+/// The most operations of an expression.
+const LONGEST: usize = 64;
+/// The numbers that an expression has.
+const CONSTANTS: [f64; 12] = [
+    0.0, -0.0, 1.0, -1.0, 2.0, 0.5, -3.0, 0.1, 1e-9, 1e9, 1e150, -1e-150,
+];
+/// The places at which it is evaluated.
+const PLACES: [[f64; 2]; 4] = [[0.0, 1.0], [0.7, -1.3], [-2.0, 2.0], [3.5, 1e-3]];
+
+/// Inputs of different lengths that use all of the table.
+pub(crate) fn seeds() -> Vec<Vec<u8>> {
+    (1..12_u8)
+        .map(|k| {
+            (0..6 * k)
+                .map(|at| at.wrapping_mul(29).wrapping_add(k))
+                .collect()
+        })
+        .collect()
+}
+
+/// A node, and its value at each place as the expression stands; `None` where a number on the way is not finite: there
+/// simplification may remove it.
+#[derive(Clone)]
+struct Term {
+    node: NodeId,
+    values: [Option<f64>; 4],
+}
+
+/// Builds an expression. Its tape has the value of the expression as it stands, intervals about its places contain it, and
+/// the kernel of each eighth expression is valid WGSL or is refused.
+pub(crate) fn run(input: &[u8]) {
+    let mut graph = Graph::default();
+    let mut stack = Vec::new();
+    let operations: Vec<Operation> = Operation::all().collect();
+    for &byte in input.iter().take(LONGEST) {
+        let next = match byte {
+            0..48 => variable(&mut graph, usize::from(byte % 2)),
+            48..80 => {
+                let value = CONSTANTS[usize::from(byte) % CONSTANTS.len()];
+                let node = graph.constant(value);
+                Term {
+                    node,
+                    values: [Some(value); 4],
+                }
+            }
+            // The same operand twice, which chance makes seldom.
+            80..96 => match stack.last() {
+                Some(term) => Term::clone(term),
+                None => variable(&mut graph, 0),
+            },
+            _ => {
+                let operation = operations[usize::from(byte - 96) % operations.len()];
+                let mut operands: Vec<Term> = Vec::new();
+                for k in 0..operation.arity() {
+                    operands.push(stack.pop().unwrap_or_else(|| variable(&mut graph, k % 2)));
+                }
+                apply(&mut graph, operation, &operands)
+            }
+        };
+        stack.push(next);
+    }
+    let Some(term) = stack.pop() else {
+        return;
+    };
+    check_values(&graph, &term);
+    // Validating a kernel takes a hundred times as long as all else.
+    if input.len() % 8 != 0 {
+        return;
+    }
+    let zero = graph.constant(0.0);
+    if let Ok(kernel) = wgsl::kernel::sample_surface(&graph, [term.node, zero, zero]) {
+        assert!(!kernel.source().is_empty(), "a kernel has a text");
+    }
+}
+
+fn variable(graph: &mut Graph, k: usize) -> Term {
+    let node = graph.input(Input::Variable(k as u32));
+    let values = PLACES.map(|place| Some(place[k]));
+    Term { node, values }
+}
+
+fn apply(graph: &mut Graph, operation: Operation, operands: &[Term]) -> Term {
+    let nodes: Vec<NodeId> = operands.iter().map(|it| it.node).collect();
+    let [first, second] = [nodes[0], *nodes.last().expect("an operand")];
+    let node = operation.node(graph, first, second);
+    let values = std::array::from_fn(|at| {
+        let numbers: Option<Vec<f64>> = operands.iter().map(|it| it.values[at]).collect();
+        let value = operation.eval(&numbers?)?;
+        value.is_finite().then_some(value)
+    });
+    Term { node, values }
+}
+
+fn check_values(graph: &Graph, term: &Term) {
+    let tape = Tape::new(graph, &[term.node]);
+    let pick = |input: &Input, place: [f64; 2]| match *input {
+        Input::Variable(k) => place[k as usize],
+        Input::Uniform(_) => f64::NAN,
+    };
+    for (place, expected) in PLACES.into_iter().zip(term.values) {
+        let row: Vec<f64> = tape.inputs().iter().map(|it| pick(it, place)).collect();
+        let mut out = [f64::NAN];
+        tape.eval(&mut Registers::default(), &row, &mut out);
+        let text = || expr::print::expression(graph, term.node, 500);
+        if let Some(expected) = expected {
+            assert!(
+                out[0] == expected,
+                "{} at {place:?} is {:?}, not {expected:?}",
+                text(),
+                out[0]
+            );
+        }
+        let about: Vec<Interval> = row
+            .iter()
+            .map(|x| Interval::new(x - 0.25, x + 0.25))
+            .collect();
+        let mut ranges = [Interval::point(0.0)];
+        tape.eval_intervals(&mut Registers::default(), &about, &mut ranges);
+        if !out[0].is_nan() {
+            assert!(
+                ranges[0].contains(out[0]),
+                "{} at {place:?} is {:?}, not in {:?}",
+                text(),
+                out[0],
+                ranges[0]
+            );
+        }
+    }
+}
