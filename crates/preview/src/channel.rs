@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use crate::state::StatusMessage;
+use session::StatusMessage;
 
 /// Sends events of one type to the window; cheap to clone.
 pub(crate) struct EventSender<T> {
@@ -124,8 +124,9 @@ pub(crate) fn report_when_done(
 
 #[cfg(test)]
 mod tests {
+    use session::StatusMessage;
+
     use super::{EventSender, report_when_done};
-    use crate::state::StatusMessage;
 
     #[test]
     fn what_becomes_of_a_work_is_reported_also_where_it_fails() {

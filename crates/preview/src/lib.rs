@@ -1,21 +1,20 @@
 //! The live preview window: views of a program while it is written.
 //!
 //! ```text
-//! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ state/model
+//! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ session::Model
 //!                                                                                       │
-//!        ui/: keys, pointer, sliders, menus ──window, panes──▶ state/model: plain data ◀─┘
-//!                                                                  │ engine/request: what is to be seen
-//!                                                                  ▼
-//!                                         engine/render_thread: the renderer ──pictures──▶ ui/panes
+//!   ui/: keys, pointer, sliders, menus ──window, panes──▶ session: plain data ◀─────────┘
+//!                                                            │ session::request: what is to be seen
+//!                                                            ▼
+//!                                    engine/render_thread: the renderer ──pictures──▶ ui/panes
 //! ```
 //!
 //! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window makes
-//! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `state`, then
-//! `channel`, `queue`, `examples` and `platform`.
+//! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `channel`,
+//! `queue`, `examples` and `platform`. What is neither window nor thread nor file is in the crate `session`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
-//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that
-//! costs
+//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
 //! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
 
 mod channel;
@@ -24,7 +23,6 @@ mod examples;
 mod io;
 mod platform;
 mod queue;
-pub mod state;
 mod ui;
 
 use std::fmt;

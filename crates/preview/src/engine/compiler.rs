@@ -6,14 +6,19 @@ use std::time::Instant;
 
 use ide::Language;
 use protocol::changes::Changes;
-use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::line_index::LineIndex;
-use syntax::span::Span;
+use session::Compiled;
+use session::reader::{Read, Reader, SourceText, unreadable};
 
 use crate::channel::EventSender;
-use crate::engine::reader::{Read, Reader, SourceText};
 use crate::queue::LatestQueue;
-use crate::state::{Compiled, Finding};
+
+/// A text that the thread has compiled.
+#[derive(Debug)]
+pub(crate) struct CompiledText {
+    pub(crate) compiled: Compiled,
+    /// The time at which the text arrived.
+    pub(crate) arrived: Instant,
+}
 
 /// Hands texts to the thread, which ends with the last clone; cheap to clone.
 #[derive(Clone, Debug)]
@@ -38,13 +43,13 @@ struct Waiting {
 
 impl Compiler {
     /// Starts the thread.
-    pub(crate) fn start(events: EventSender<Compiled>) -> Self {
+    pub(crate) fn start(events: EventSender<CompiledText>) -> Self {
         Self::reading_by(events, Reader::read)
     }
 
     /// Starts the thread with another function that reads texts.
     fn reading_by(
-        events: EventSender<Compiled>,
+        events: EventSender<CompiledText>,
         read: impl Fn(&mut Reader, &SourceText<'_>) -> Read + Send + 'static,
     ) -> Self {
         let queue = LatestQueue::default();
@@ -94,26 +99,9 @@ impl Drop for Texts {
     }
 }
 
-/// Makes the event of a text that has just arrived and was read in no time.
-pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
-    let findings = findings(&text, &read.diagnostics);
-    Compiled {
-        version,
-        ok: findings.iter().all(|it| it.severity != Severity::Error),
-        findings,
-        scene: read.program.scene,
-        stale: read.program.stale,
-        declared: read.declarations,
-        analysis: read.analysis,
-        text,
-        arrived: Instant::now(),
-        took: std::time::Duration::ZERO,
-    }
-}
-
 fn work(
     queue: &LatestQueue<(), Waiting>,
-    events: &EventSender<Compiled>,
+    events: &EventSender<CompiledText>,
     read: impl Fn(&mut Reader, &SourceText<'_>) -> Read,
 ) {
     let mut reader = Reader::default();
@@ -127,56 +115,22 @@ fn work(
             changes: order.changes.as_ref(),
         };
         let read = catch_unwind(AssertUnwindSafe(|| read(&mut reader, &source)));
-        let (read, fault) = match read {
-            Ok(read) => (read, None),
+        let mut compiled = match read {
+            Ok(read) => read.compiled(order.version, order.text),
             Err(_) => {
                 reader = Reader::default();
-                (Read::default(), Some(fault()))
+                unreadable(order.version, order.text)
             }
         };
-        let mut compiled = compiled(order.version, order.text, read);
-        if let Some(fault) = fault {
-            compiled.ok = false;
-            compiled.findings.push(fault);
-        }
-        compiled.arrived = order.arrived;
         compiled.took = start.elapsed();
+        let compiled = CompiledText {
+            compiled,
+            arrived: order.arrived,
+        };
         if !events.send(compiled) {
             return;
         }
     }
-}
-
-/// Makes the finding for a text whose compilation panicked.
-fn fault() -> Finding {
-    Finding {
-        severity: Severity::Error,
-        span: Span::default(),
-        line: 1,
-        column: 1,
-        message: "internal error: the program could not be read".to_owned(),
-        hint: Some("please report it, with the program".to_owned()),
-    }
-}
-
-/// Adds lines and columns to diagnostics.
-fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
-    if diagnostics.is_empty() {
-        return Vec::new();
-    }
-    let index = LineIndex::new(text);
-    let finding = |diagnostic: &Diagnostic| {
-        let place = index.position(diagnostic.span.start);
-        Finding {
-            severity: diagnostic.severity,
-            span: diagnostic.span,
-            line: place.line,
-            column: place.column,
-            message: diagnostic.message.clone(),
-            hint: diagnostic.hint.clone(),
-        }
-    };
-    diagnostics.iter().map(finding).collect()
 }
 
 #[cfg(test)]
@@ -187,14 +141,14 @@ mod tests {
 
     use ide::Languages;
     use protocol::changes::Changes;
+    use session::Compiled;
+    use session::reader::Reader;
 
-    use super::Compiler;
+    use super::{CompiledText, Compiler};
     use crate::channel::EventSender;
-    use crate::engine::reader::Reader;
-    use crate::state::Compiled;
 
-    fn next(events: &Receiver<Compiled>) -> Compiled {
-        events.recv().expect("the thread lives")
+    fn next(events: &Receiver<CompiledText>) -> Compiled {
+        events.recv().expect("the thread lives").compiled
     }
 
     fn compile(compiler: &Compiler, version: i32, text: &str) {

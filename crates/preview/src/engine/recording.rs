@@ -7,8 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
+use session::StatusMessage;
+
 use crate::channel::EventSender;
-use crate::state::StatusMessage;
 use film::{Ended, Film};
 
 /// A recording that runs. Dropped, it is called off, and leaves nothing behind.

@@ -4,17 +4,19 @@ use std::path::Path;
 use std::sync::Arc;
 
 use render::shared::Shared;
+use render::texture::Texture;
 use render::trail::Trail;
 use render::{PictureRequest, ViewId, Views};
 use scene::Scene;
+use session::figures;
+use session::measuring::PlacedFigure;
+use session::request::{at_rest, picture_request};
+use session::textures::ImageState;
+use session::view::Theme;
+use session::{Choice, Model};
 
-use crate::engine::figures;
-use crate::engine::request::{at_rest, picture_request};
 use crate::engine::textures::Library;
 use crate::io::persistence::{self, Drawn, DrawnFigure};
-use crate::state::measuring::PlacedFigure;
-use crate::state::view::Theme;
-use crate::state::{Choice, Model};
 
 /// Returns the request for a view's picture as the window remembers it: of the params, cameras, colours, textures and
 /// overlays that were chosen there. A window that follows the desktop's theme is taken for a dark one.
@@ -38,7 +40,8 @@ pub fn remembered(
     let mut library = Library::default();
     for name in model.surfaces() {
         if let Choice::Image(path) = model.view.texture(&name) {
-            library.read_now(path)?;
+            let texture = Texture::load(path).map_err(|error| error.to_string())?;
+            library.put(path.clone(), ImageState::Ready(Arc::new(texture)));
         }
     }
     // The surface whose camera a window shows that has just been opened.

@@ -11,10 +11,11 @@ use render::counters::WorkCounters;
 use render::rendered::RenderedImage;
 use render::view::{Hit, Interrupt};
 use render::{PictureRequest, Renderer, ViewId};
+use session::SpaceCamera;
+use session::snapping::Snapping;
 
 use crate::channel::EventSender;
 use crate::queue::LatestQueue;
-use crate::state::SpaceCamera;
 use worker::Worker;
 
 /// An event of the render thread.
@@ -60,13 +61,6 @@ pub(crate) enum Purpose {
     Measure(Snapping),
     /// The place is under the pointer while it rests or moves.
     Pointer(Snapping),
-}
-
-/// The treatment of a place that is near a point, an end or a corner: taken to it, or left where it is.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum Snapping {
-    On,
-    Off,
 }
 
 impl Purpose {

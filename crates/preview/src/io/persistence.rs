@@ -16,12 +16,12 @@ use export::whole_file::{phrase, write_whole};
 use render::figure::{Figure, FigureKind};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use session::layout::Layout;
+use session::measuring::PlacedFigure;
+use session::{StatusMessage, View};
 
 use crate::channel::EventSender;
 use crate::io::files::read_limited;
-use crate::state::layout::Layout;
-use crate::state::measuring::PlacedFigure;
-use crate::state::{StatusMessage, View};
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
@@ -311,8 +311,9 @@ fn kept(view: &View) -> View {
 
 #[cfg(test)]
 mod tests {
+    use session::{Choice, Look, View};
+
     use super::{Drawn, DrawnFigure, Known, load, place, save};
-    use crate::state::{Choice, Look, View};
 
     fn known() -> Known {
         let mut view = View::default();

@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use eframe::{App, CreationContext, Frame, NativeOptions};
 use egui::{Ui, ViewportCommand};
+use session::StatusMessage;
 
 use crate::io::report::Report;
-use crate::state::StatusMessage;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
 use crate::{Failure, Faults, Options, Source};

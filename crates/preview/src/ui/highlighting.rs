@@ -7,10 +7,9 @@ use egui::text::{ByteIndex, LayoutJob, LayoutSection, TextFormat};
 use egui::{Color32, FontId, Galley, Stroke, Ui};
 use ide::Language;
 use ide::highlight::{Highlight, HighlightKind};
+use session::Finding;
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
-
-use crate::state::Finding;
 
 /// The last layout.
 #[derive(Debug, Default)]

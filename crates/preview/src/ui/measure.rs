@@ -13,13 +13,14 @@ use egui::{Color32, DragValue, Grid, Rect, Response, Stroke, Ui};
 use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
+use session::camera_controller::Subject;
+use session::measuring::{Measured, PlacedFigure, Quantity, hint, title};
+use session::motion::Motion;
+use session::questions::{MeasureAnswer, MeasureQuestion};
+use session::snapping::Snapping;
+use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
-use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
-use crate::engine::render_thread::Snapping;
-use crate::state::camera_controller::Subject;
-use crate::state::measuring::{Measured, PlacedFigure, Quantity, hint, title};
-use crate::state::motion::Motion;
-use crate::state::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
+use crate::engine::measure_thread::MeasureThread;
 use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 
@@ -146,22 +147,9 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     let camera = camera.and_then(|camera| camera.chart().copied());
     let measuring = &mut window.dialogs.measuring;
     let tool = measuring.tool;
-    let begun = measuring.figure.take().filter(|placed| {
-        let Figure { kind, places, .. } = &placed.figure;
-        *kind == tool && placed.surface == surface && places.len() < tool.places()
-    });
-    let mut placed = begun.unwrap_or_else(|| {
-        let centre = camera.filter(|_| tool == FigureKind::Circle);
-        PlacedFigure {
-            surface: surface.to_owned(),
-            figure: Figure {
-                kind: tool,
-                places: centre.map(|camera| camera.at).into_iter().collect(),
-                radius: None,
-            },
-        }
-    });
-    placed.figure.places.push(hit.parameters);
+    let centre = camera.map(|camera| camera.at);
+    let begun = measuring.figure.take();
+    let placed = PlacedFigure::with_place(begun, tool, surface, centre, hit.parameters);
     measuring.figure = Some(placed);
     measuring.found = None;
 }

@@ -3,10 +3,10 @@
 use egui::{Atom, Checkbox, Key, MenuBar, Panel, Response, RichText, Ui, ViewportCommand};
 use render::view::View;
 use render::{ViewId, Views};
+use session::layout::Arrangement;
+use session::pane::Pane;
+use session::{Model, Step, WAVEFRONTS};
 
-use crate::state::layout::Arrangement;
-use crate::state::pane::Pane;
-use crate::state::{Model, Step, WAVEFRONTS};
 use crate::ui::dialogs::help::HelpPage;
 use crate::ui::dialogs::{picture, program, record};
 use crate::ui::panes::program::commands::{self, TextCommand};

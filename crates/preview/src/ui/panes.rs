@@ -12,9 +12,9 @@ use egui_tiles::{
     TileId, Tiles, Tree, UiResponse,
 };
 use render::ViewId;
+use session::layout::{Arrangement, Layout};
+use session::pane::Pane;
 
-use crate::state::layout::{Arrangement, Layout};
-use crate::state::pane::Pane;
 use crate::ui::window::Window;
 use settings::SettingsTab;
 

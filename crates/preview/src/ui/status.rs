@@ -1,10 +1,10 @@
 //! Above the panes, what the user must know; below them, the status line, which counts the errors.
 
 use egui::{Panel, RichText, Ui};
+use session::StatusMessage;
+use session::measuring::number;
 
 use crate::io::link::DisconnectReason;
-use crate::state::StatusMessage;
-use crate::state::measuring::number;
 use crate::ui::window::{Pictures, TextSource, Window};
 
 /// Shows a banner above the panes when the server is gone.

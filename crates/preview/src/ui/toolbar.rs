@@ -1,11 +1,11 @@
 //! The buttons beside the menus, for what is done most: each has an icon, and its name and key where the pointer rests.
 
 use egui::{Align, Layout, Ui};
+use session::Marks;
 
 use super::dialogs::{picture, record};
 use super::icons::{Icon, button};
 use super::{measure, navigation};
-use crate::state::Marks;
 use crate::ui::window::Window;
 
 /// The width of a button with its space, in points.

@@ -29,17 +29,17 @@ use egui::Ui;
 use export::command_line::MOST_PLACES;
 use ide::Languages;
 use render::{Renderer, ViewId, Views};
+use session::layout::Layout;
+use session::model::Emphasis;
+use session::{CameraPath, Model, StatusMessage};
 
 use crate::engine::compiler::Compiler;
 use crate::engine::render_thread::RenderThread;
-use crate::engine::textures::Library;
+use crate::engine::textures::{ImageFiles, Library};
 use crate::io::link::Link;
 use crate::io::persistence::{Drawn, DrawnFigure};
 use crate::io::report::{Counters, Report};
-use crate::state::layout::Layout;
-use crate::state::model::Emphasis;
-use crate::state::{CameraPath, Model, StatusMessage};
-use crate::ui::camera_input::Held;
+use crate::ui::camera_input::held;
 use crate::ui::dialogs::Dialogs;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::panes::Panes;
@@ -108,7 +108,7 @@ impl Window {
                     sender.for_part(|event| WindowEvent::Render(Box::new(event))),
                     Renderer::software().with_views(views.clone()),
                 ),
-                library: Library::new(sender.for_part(WindowEvent::Texture)),
+                library: Library::new(ImageFiles::new(sender.for_part(WindowEvent::Texture))),
                 of_views: BTreeMap::new(),
             },
             panes: Panes::new(first.clone(), text.is_own()),
@@ -164,7 +164,7 @@ impl Window {
 
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
-        self.pictures.library.folder = program.parent().map(Path::to_owned);
+        self.pictures.library.source.folder = program.parent().map(Path::to_owned);
         if !self.remembers_views() {
             return;
         }
@@ -296,8 +296,8 @@ impl Window {
         }
         let arrows = self.has_arrows(ui);
         let rests = ui.input(|input| {
-            let held = input.pointer.any_down() || Held::new(input, &self.input.held, arrows).any();
-            !held && input.time >= self.display.clock.gesture_until
+            let is_held = input.pointer.any_down() || held(input, &self.input.held, arrows).any();
+            !is_held && input.time >= self.display.clock.gesture_until
         });
         if rests {
             self.model.history.settle();

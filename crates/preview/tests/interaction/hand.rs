@@ -8,7 +8,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder, Node};
 use preview::Window;
-use preview::state::{ChartCamera, InsideCamera, SolidCamera};
+use session::{ChartCamera, InsideCamera, SolidCamera};
 use tempfile::TempDir;
 
 /// A sphere whose radius is a param, and a point beside it.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
-use preview::state::Choice;
+use session::Choice;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -254,7 +254,7 @@ fn settings_of_the_window_are_steps_that_can_be_undone() {
     hand.settings("Preferences");
     hand.click_on(Role::ComboBox, "Theme");
     hand.click("Dark");
-    assert_eq!(model(&hand).theme, preview::state::Theme::Dark);
+    assert_eq!(model(&hand).theme, session::Theme::Dark);
     hand.settle();
     hand.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(model(&hand), before);

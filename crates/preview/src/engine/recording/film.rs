@@ -17,12 +17,12 @@ use image::RgbaImage;
 use render::shared::Shared;
 use render::{PictureRequest, Renderer, Views};
 use scene::ObjectId;
+use session::InsideCamera;
+use session::camera_controller::{CameraController, Subject};
+use session::motion::Motion;
+use session::path::{CameraPath, between};
 
 use crate::io::files;
-use crate::state::InsideCamera;
-use crate::state::camera_controller::{CameraController, Subject};
-use crate::state::motion::Motion;
-use crate::state::path::{CameraPath, between};
 
 /// The content of a recording.
 #[derive(Debug)]

@@ -8,11 +8,11 @@ use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
 use render::request::{SCALES, Theme};
 use render::{Backend, PictureRequest, ViewId, style};
+use session::StatusMessage;
+use session::request::with_curvatures;
 
 use crate::channel::report_when_done;
-use crate::engine::request::with_curvatures;
 use crate::io::files;
-use crate::state::StatusMessage;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a picture.

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Grid, Ui};
+use session::StatusMessage;
 
 use super::picture::{self, Decision};
-use crate::state::StatusMessage;
 use crate::ui::window::{Next, TextSource, Window};
 
 /// The dialog for the file of a program.

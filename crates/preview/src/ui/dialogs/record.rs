@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
 use export::animation::{self, Clip, Course, ParamChange};
 use render::ViewId;
+use session::motion::Motion;
+use session::{InsideCamera, StatusMessage};
 
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
 use crate::engine::recording::film::{Film, RecordingFormat};
-use crate::state::motion::Motion;
-use crate::state::{InsideCamera, StatusMessage};
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a recording.

@@ -5,8 +5,8 @@ use egui::{
     WidgetInfo,
 };
 use render::{ViewId, Views};
+use session::Model;
 
-use crate::state::Model;
 use crate::ui::gpu_surface::TextureBinding;
 use crate::ui::welcome;
 use crate::ui::window::Window;
@@ -188,7 +188,7 @@ fn refinement(window: &Window, pane: &ViewId) -> Option<[u32; 2]> {
     if !window.shows_traced(pane) {
         return None;
     }
-    let done = window.pictures.shown(pane)?.samples?;
+    let done = window.pictures.shown(pane)?.detail.samples?;
     Some([done, window.model.view.preferences.samples])
 }
 

@@ -4,9 +4,8 @@
 //! what is empty is left out, and shares are numbers.
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
-
-use crate::state::layout::{Layout, Share};
-use crate::state::pane::Pane;
+use session::layout::{Layout, Share};
+use session::pane::Pane;
 
 /// Returns the layout of a tree; nothing of an empty one.
 pub(super) fn layout_of(tree: &Tree<Pane>) -> Option<Layout> {
@@ -113,8 +112,8 @@ fn of_tile(tiles: &Tiles<Pane>, tile: TileId) -> Option<Layout> {
 
 #[cfg(test)]
 mod tests {
-    use crate::state::layout::{Layout, Share};
-    use crate::state::pane::Pane;
+    use session::layout::{Layout, Share};
+    use session::pane::Pane;
 
     fn view(name: &str) -> Layout {
         Layout::Pane(Pane::View(name.into()))

@@ -2,9 +2,9 @@
 //! seen.
 
 use render::ViewId;
+use session::pane::Pane;
 
 use super::Window;
-use crate::state::pane::Pane;
 use crate::ui::camera_input::{CameraInput, input_of};
 
 /// The view that the user is busy with.

@@ -1,10 +1,10 @@
 //! The display that the window is shown by: its GPU, its size and its style.
 
 use egui::{Color32, Ui, Vec2};
+use session::clicks::DOUBLE_CLICK;
+use session::{Preferences, Theme};
 
-use super::clicks::DOUBLE_CLICK;
 use super::frame_clock::FrameClock;
-use crate::state::{Preferences, Theme};
 use crate::ui::event_splitter::EventSplitter;
 use crate::ui::gpu_surface::GpuSurface;
 

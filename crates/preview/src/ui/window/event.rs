@@ -2,20 +2,22 @@
 
 use std::sync::mpsc::Receiver;
 
+use session::StatusMessage;
+use session::questions::MeasureAnswer;
+use session::textures::TextureRead;
+
 use crate::channel::EventSender;
-use crate::engine::measure_thread::MeasureAnswer;
+use crate::engine::compiler::CompiledText;
 use crate::engine::render_thread::RenderEvent;
-use crate::engine::textures::TextureRead;
 use crate::io::file_dialogs::FileChoice;
 use crate::io::link::LinkEvent;
 use crate::io::watch::ChangedFile;
-use crate::state::{Compiled, StatusMessage};
 
 /// An event that a thread sends to the window.
 #[derive(Debug)]
 pub(crate) enum WindowEvent {
     /// A text has been compiled.
-    Compiled(Compiled),
+    Compiled(CompiledText),
     /// The render thread has finished something.
     Render(Box<RenderEvent>),
     /// Something has been measured.

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use protocol::{Command, Event, View};
 use render::ViewId;
+use session::StatusMessage;
+use session::pane::Pane;
 
 use super::event::WindowEvent;
 use super::{Next, TextSource, Window};
+use crate::engine::compiler::CompiledText;
 use crate::engine::render_thread::{Purpose, RenderEvent};
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
 use crate::io::watch::ChangedFile;
-use crate::state::pane::Pane;
-use crate::state::{Compiled, StatusMessage, Step};
 use crate::ui::panes::settings::SettingsTab;
 
 impl Window {
@@ -29,9 +30,9 @@ impl Window {
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
         match event {
             // The text of a program that is no longer shown.
-            WindowEvent::Compiled(compiled) if compiled.version <= self.text.begins_after => {}
-            WindowEvent::Compiled(compiled) => {
-                self.take_compiled(compiled);
+            WindowEvent::Compiled(text) if text.compiled.version <= self.text.begins_after => {}
+            WindowEvent::Compiled(text) => {
+                self.take_compiled(text);
                 self.open_wanted();
             }
             WindowEvent::Render(event) => self.take_rendered(*event),
@@ -78,9 +79,10 @@ impl Window {
         }
     }
 
-    fn take_compiled(&mut self, compiled: Compiled) {
+    fn take_compiled(&mut self, text: CompiledText) {
         self.records.counters.compiled += 1;
-        self.text.reports.note_compiled(&compiled);
+        self.text.reports.note_compiled(&text);
+        let compiled = text.compiled;
         let fresh = compiled.scene.is_some();
         let first = self.model.scene.is_none();
         self.pictures.library.look_again();
@@ -141,7 +143,7 @@ impl Window {
                 self.records.counters.rays = counters.rays;
                 self.records.counters.traced = counters.traced;
                 self.take_picture(&pane, picture, space_camera, &request);
-                let shown = self.pictures.shown(&pane).and_then(|it| it.samples);
+                let shown = self.pictures.shown(&pane).and_then(|it| it.detail.samples);
                 let samples = &mut self.records.counters.samples;
                 match shown {
                     Some(shown) => samples.insert(pane.to_string(), shown),
@@ -164,11 +166,8 @@ impl Window {
             }
             RenderEvent::Framed(home) => {
                 self.pictures.render_thread.note_answer();
-                if let (Some(camera), Some(home)) = (self.model.view.space, home) {
-                    let step = Step::new("Frame everything", "");
-                    let framed = camera.framed(&home);
-                    self.model.change(step, |view| view.space = Some(framed));
-                    self.model.history.settle();
+                if let Some(home) = home {
+                    self.model.frame_everything(&home);
                 }
             }
         }
@@ -239,11 +238,11 @@ impl Window {
             if let Some(name) = surface {
                 self.model.look_through(&name);
             }
-            self.set_traced(true);
+            self.model.set_traced(true);
             return self.bring_forward(&Pane::View(ViewId::of_scene(other)));
         }
         if self.can_be_traced(&ViewId::of_scene(&view)) {
-            self.set_traced(false);
+            self.model.set_traced(false);
         }
         let known = self.views.get(&view);
         match known.map(|known| (known.is_of_object(), surface)) {

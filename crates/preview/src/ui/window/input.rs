@@ -4,17 +4,18 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheelUnit, Ui};
+use session::StatusMessage;
+use session::camera_input::axis_views::Turn;
+use session::clicks::Clicks;
+use session::model::Emphasis;
+use session::motion::Motion;
+use session::pane::Pane;
+use session::{Choice, SpaceCamera, Step};
 
 use super::Window;
-use super::clicks::Clicks;
-use crate::state::StatusMessage;
-use crate::state::model::Emphasis;
-use crate::state::motion::Motion;
-use crate::state::pane::Pane;
-use crate::state::{Choice, SpaceCamera, Step};
-use crate::ui::camera_input::{ARROWS, Held};
+use crate::engine::textures;
+use crate::ui::camera_input::{held, may_be_of_control};
 use crate::ui::held_keys::HeldKeys;
-use crate::ui::navigation::Turn;
 use crate::ui::panes::picture;
 
 /// The state of the user's input between two frames.
@@ -47,7 +48,7 @@ enum Sizing {
 impl Sizing {
     /// The size that is next to this one.
     fn of(self, scale: f32) -> f32 {
-        let mut sizes = crate::state::SCALES.into_iter();
+        let mut sizes = session::SCALES.into_iter();
         let next = match self {
             Self::Plain => None,
             Self::Larger => sizes.find(|it| *it > scale + 0.01).or(Some(scale)),
@@ -116,7 +117,7 @@ impl Window {
         let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
         let arrows = letters && self.has_arrows(ui);
         let has_key = |key| {
-            if ARROWS.contains(&key) {
+            if may_be_of_control(key) {
                 arrows
             } else {
                 letters
@@ -146,7 +147,7 @@ impl Window {
             crate::ui::measure::toggle(self);
         }
         camera.keys(self, ui, &id, arrows);
-        if ui.input(|input| Held::new(input, &self.input.held, arrows).any()) {
+        if ui.input(|input| held(input, &self.input.held, arrows).any()) {
             ui.ctx().request_repaint();
         }
     }
@@ -159,8 +160,7 @@ impl Window {
 
     /// Moves the 3D camera, as one step with what else `hand` does in one go.
     pub(crate) fn move_space(&mut self, hand: &str, camera: SpaceCamera, ui: &Ui) {
-        let step = Step::new("Move the 3D camera", hand);
-        self.model.change(step, |view| view.space = Some(camera));
+        self.model.move_space(hand, camera);
         self.has_moved(ui);
     }
 
@@ -168,13 +168,6 @@ impl Window {
     pub(crate) fn walk(&mut self, surface: &str, motion: Motion, ui: &Ui) {
         self.model.move_camera(surface, motion);
         self.has_moved(ui);
-    }
-
-    /// Puts the 3D camera where everything is seen, from the first direction.
-    pub(crate) fn reset_space(&mut self) {
-        let step = Step::new("Reset the 3D camera", "");
-        self.model.change(step, |view| view.space = None);
-        self.model.history.settle();
     }
 
     /// Puts the camera in space where everything is seen, from where it looks now: the render thread knows how far that
@@ -326,7 +319,7 @@ impl Window {
     /// Adds image files to the list of textures.
     pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         for path in &paths {
-            self.pictures.library.open(path.clone());
+            textures::open(&mut self.pictures.library, path.clone());
         }
         self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
             for path in paths {

@@ -6,8 +6,9 @@ use geodesic::ends::{Estimate, GeodesicWork};
 use render::PictureRequest;
 use render::gpu::Pixels;
 use render::rendered::RenderedImage;
+use session::refinement::PictureDetail;
+use session::request::{differ_by_refinement, differ_by_shown_camera};
 
-use crate::engine::request::{differ_by_refinement, differ_by_shown_camera};
 use crate::ui::gpu_surface::TextureBinding;
 
 /// A pane with a picture.
@@ -49,10 +50,8 @@ pub(crate) struct Picture {
     /// Of a geodesic view: its cost, and how exact it is.
     pub(crate) geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     pub(crate) took: Duration,
-    /// The seconds that a pixel took; of a picture that is refined, a sample of it.
-    pub(super) rate: f64,
-    /// The samples of each pixel, of a picture that is refined.
-    pub(crate) samples: Option<u32>,
+    /// Its cost, and how fine it is.
+    pub(crate) detail: PictureDetail,
     /// The reason why there is no newer one.
     pub(crate) error: Option<String>,
     /// The version of the text that it shows.
@@ -85,14 +84,11 @@ impl PaneView {
     /// Takes over a picture that was drawn.
     pub(super) fn take(&mut self, drawn: RenderedImage, version: i32) {
         let picture = self.picture.get_or_insert_default();
-        let [width, height] = match &drawn.image {
+        let size = match &drawn.image {
             Pixels::Image(image) => [image.width(), image.height()],
             Pixels::Texture(canvas) => canvas.size(),
         };
-        let pixels = f64::from(width) * f64::from(height);
-        let added = drawn.samples.map_or(1, |[_, new]| new.max(1));
-        picture.samples = drawn.samples.map(|[all, _]| all);
-        picture.rate = drawn.took.as_secs_f64() / (pixels * f64::from(added)).max(1.0);
+        picture.detail = PictureDetail::new(size, drawn.took.as_secs_f64(), drawn.samples);
         picture.fresh = Some(drawn.image);
         picture.notes = drawn.notes;
         picture.geodesics = drawn.geodesics.or(picture.geodesics);

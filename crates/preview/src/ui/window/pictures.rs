@@ -7,20 +7,14 @@ use egui::Ui;
 use render::rendered::RenderedImage;
 use render::viewpoint::Viewpoint;
 use render::{PictureRequest, Renderer, ViewId};
+use session::refinement::{self, TracedPane};
+use session::request::{at_rest, picture_request};
+use session::{Model, Preferences, SpaceCamera};
 
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
 use crate::engine::render_thread::{RenderThread, VersionedRequest};
-use crate::engine::request::{at_rest, differ_by_refinement, picture_request};
 use crate::engine::textures::Library;
-use crate::state::{Model, Preferences, SpaceCamera, Step};
-
-/// The time that a picture of a moving view should take, in seconds.
-const MOVING_PICTURE: f64 = 0.022;
-/// The time that a step of a picture that is refined should take, in seconds.
-const REFINED_STEP: f64 = 0.1;
-/// The scale of the first traced picture of a pane.
-const FIRST_TRACED: f64 = 0.25;
 
 /// The pictures of a window, and what draws them.
 pub(crate) struct Pictures {
@@ -49,8 +43,7 @@ impl Pictures {
         took.sum()
     }
 
-    /// The size of the picture for a pane: coarser while it moves, if pictures take long, or may take long since none was
-    /// `traced` yet.
+    /// Returns the size of the picture for a pane: see [`refinement::size`].
     fn size(
         &self,
         preferences: &Preferences,
@@ -59,24 +52,8 @@ impl Pictures {
         moving: bool,
         traced: bool,
     ) -> [u32; 2] {
-        let wanted = match pane.object {
-            None => preferences.space_size,
-            Some(_) => preferences.inside_size,
-        };
-        let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
-        let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
-        if moving && let Some(picture) = self.shown(pane) {
-            let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
-            let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
-            let (steps, least) = if traced { (16.0, 0.0625) } else { (8.0, 0.25) };
-            // In steps, so that the size does not change with every picture.
-            scale *= if traced && picture.samples.is_none() {
-                FIRST_TRACED
-            } else {
-                ((share * steps).floor() / steps).clamp(least, 1.0)
-            };
-        }
-        pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
+        let shown = self.shown(pane).map(|picture| picture.detail);
+        refinement::size(preferences, pane, pixels, moving, traced, shown)
     }
 
     /// Returns the request that was sent last for a pane's picture.
@@ -216,8 +193,7 @@ impl Window {
         picture_request(model, library, views, pane, size, active, moving)
     }
 
-    /// Returns the next request for a pane's traced picture: a coarse one of something new, a whole one of what is at rest,
-    /// and then more samples of it, as many as take a moment.
+    /// Returns the next request for a pane's traced picture: see [`TracedPane::next`].
     fn refined_picture(
         &mut self,
         pane: &ViewId,
@@ -228,36 +204,18 @@ impl Window {
         let preferences = self.model.view.preferences.clone();
         let size = |moving| self.pictures.size(&preferences, pane, room, moving, true);
         let [coarse, whole] = [size(true), size(false)];
-        let mut request = self.picture_request(pane, whole, false)?;
-        request.view.set_samples(1);
+        let request = self.picture_request(pane, whole, false)?;
         let view = self.pictures.of_views.get(pane)?;
-        let sent = view.request.as_ref();
-        let is_known = sent.is_some_and(|sent| differ_by_refinement(sent, &request));
-        if moving || !is_known {
-            request.moving = true;
-            request.size = match sent {
-                Some(sent) if is_known && again => sent.size,
-                _ => coarse,
-            };
-            return (sent != Some(&request)).then_some(request);
-        }
-        let (Some(sent), Some(shown)) = (sent, &view.picture) else {
-            return Some(request);
+        let shown = view.picture.as_ref();
+        let has_failed = shown.is_some_and(|shown| shown.error.is_some());
+        let pane = TracedPane {
+            sent: view.request.as_ref(),
+            shown: shown.map(|shown| shown.detail),
+            is_answered: view.waiting == Waiting::No && !has_failed,
+            moving,
+            again,
         };
-        if view.waiting != Waiting::No || shown.error.is_some() {
-            return None;
-        }
-        if sent.moving || sent.size != whole {
-            return Some(request);
-        }
-        let all = preferences.samples;
-        let done = sent.view.samples()?;
-        let pixels = f64::from(whole[0]) * f64::from(whole[1]);
-        let step = (REFINED_STEP / (shown.rate * pixels).max(1e-9)) as u32;
-        request
-            .view
-            .set_samples((done + step.clamp(1, done)).min(all));
-        (done < all).then_some(request)
+        pane.next(request, coarse, preferences.samples)
     }
 
     /// Returns whether a pane shows the whole scene traced.
@@ -272,17 +230,8 @@ impl Window {
 
     /// Shows the whole scene traced, or as it was.
     pub(crate) fn toggle_traced(&mut self) {
-        self.set_traced(!self.model.view.preferences.traced);
-    }
-
-    /// Shows the whole scene traced, or not.
-    pub(crate) fn set_traced(&mut self, traced: bool) {
-        if self.model.view.preferences.traced != traced {
-            let step = Step::new("Change a setting", "traced");
-            self.model
-                .change(step, |view| view.preferences.traced = traced);
-            self.model.history.settle();
-        }
+        let traced = self.model.view.preferences.traced;
+        self.model.set_traced(!traced);
     }
 
     /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
@@ -345,15 +294,8 @@ impl Window {
     /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
     /// do. It is ignored if the scene or the pane's size has changed since the request.
     fn take_space_camera(&mut self, pane: &ViewId, first: SpaceCamera, request: &PictureRequest) {
-        if self.model.follows_declared_camera() {
-            // Each picture asks for it anew: it may depend on params.
-            if self.model.view.space != Some(first) {
-                self.model.adjust(|view| view.space = Some(first));
-            }
-            return;
-        }
-        if self.model.view.space.is_some() {
-            return;
+        if self.model.view.space.is_some() || self.model.follows_declared_camera() {
+            return self.model.take_first_camera(first);
         }
         let view = self.pictures.of_views.get_mut(pane);
         let Some(sent) = view.and_then(|view: &mut PaneView| view.request.as_mut()) else {
@@ -371,7 +313,7 @@ impl Window {
                 };
             }
         }
-        self.model.adjust(|view| view.space = Some(first));
+        self.model.take_first_camera(first);
     }
 
     /// Returns the request for a picture of a view that is kept.

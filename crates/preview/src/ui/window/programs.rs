@@ -6,18 +6,19 @@ use std::sync::Arc;
 use egui::Context;
 use ide::Languages;
 use render::{ViewId, Views};
+use session::editor::Editor;
+use session::{StatusMessage, View};
 
 use super::Window;
 use super::event::{WindowEvent, WindowEvents};
 use super::text::{SAVED, TextSource, WindowText};
 use crate::Failure;
 use crate::engine::compiler::Compiler;
-use crate::engine::editor::Editor;
+use crate::engine::saving;
 use crate::io::path_list::PathList;
 use crate::io::persistence::{Known, ViewStore};
 use crate::io::settings::{Settings, SharedSettings};
 use crate::io::watch::Watch;
-use crate::state::{StatusMessage, View};
 use crate::ui::panes::Panes;
 
 /// The name of a new program until it is saved.
@@ -79,7 +80,7 @@ impl Window {
     /// programs over from there.
     pub fn remember_paths_in(&mut self, folder: &Path) {
         self.records.recent = PathList::programs(folder);
-        self.pictures.library.opened = PathList::images(folder);
+        self.pictures.library.source.opened = PathList::images(folder);
         self.records.settings = SharedSettings::in_folder(folder);
         if !self.remembers_views() {
             // What was remembered of a program that is open already is not to be used.
@@ -223,7 +224,7 @@ impl Window {
         let TextSource::File { editor, _watch } = &mut self.text.source else {
             return Ok(());
         };
-        editor.save_as(path.clone())?;
+        saving::save_as(editor, path.clone())?;
         editor.language = Arc::clone(self.text.languages.for_path(&path));
         let events = self.events.sender.for_part(WindowEvent::File);
         // A file that is not watched is looked at before it is written over.

@@ -1,10 +1,11 @@
 //! The memory of a window between runs, and its counters.
 
+use session::Model;
+
 use crate::io::path_list::PathList;
 use crate::io::persistence::ViewStore;
 use crate::io::report::{Counters, Report};
 use crate::io::settings::SharedSettings;
-use crate::state::Model;
 
 /// The records of a window.
 #[derive(Default)]

@@ -7,14 +7,15 @@ use std::time::Instant;
 use protocol::Event;
 use render::{PictureRequest, ViewId};
 use scene::SolidLeaf;
+use session::StatusMessage;
+use session::editor::Jump;
+use session::pane::Pane;
 use syntax::span::Span;
 
 use super::Window;
 use super::pane_view::{PaneView, Waiting};
 use super::text::TextSource;
-use crate::engine::editor::Jump;
-use crate::state::pane::Pane;
-use crate::state::{Compiled, StatusMessage};
+use crate::engine::compiler::CompiledText;
 
 /// The names of a camera that is written into a text without one: the first that is free.
 const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
@@ -40,11 +41,11 @@ struct ShownText {
 
 impl ServerReports {
     /// Notes a compiled text, which is reported when its pictures are on the screen.
-    pub(super) fn note_compiled(&mut self, compiled: &Compiled) {
+    pub(super) fn note_compiled(&mut self, text: &CompiledText) {
         self.unshown = Some(ShownText {
-            version: compiled.version,
-            ok: compiled.ok,
-            arrived: compiled.arrived,
+            version: text.compiled.version,
+            ok: text.compiled.ok,
+            arrived: text.arrived,
         });
     }
 }

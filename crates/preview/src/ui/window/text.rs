@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use ide::{Language, Languages};
 use protocol::Event;
+use session::StatusMessage;
+use session::editor::Editor;
 
 use super::Window;
 use super::server_events::ServerReports;
 use crate::engine::compiler::Compiler;
-use crate::engine::editor::{Editor, Saved};
+use crate::engine::saving::{self, Saved};
 use crate::io::link::{DisconnectReason, Link};
 use crate::io::watch::Watch;
-use crate::state::StatusMessage;
 use crate::ui::highlighting;
 use crate::ui::panes::program::completion::Assistant;
 use crate::ui::panes::program::find::Find;
@@ -144,7 +145,7 @@ impl WindowText {
     /// not. Returns nothing if nothing would be lost.
     pub(crate) fn rescue(&self) -> Option<String> {
         match &self.source {
-            TextSource::File { editor, .. } => editor.rescue(),
+            TextSource::File { editor, .. } => saving::rescue(editor),
             TextSource::Attached { .. } => None,
         }
     }
@@ -237,7 +238,7 @@ impl Window {
             crate::ui::dialogs::program::ask_for_target(self, None);
             return;
         }
-        let saved = editor.save();
+        let saved = saving::save(editor);
         self.status_message = Some(match &saved {
             Ok(Saved::Written) => StatusMessage::info(SAVED),
             Ok(Saved::Followed) => StatusMessage::info("The file had changed: this is its text"),

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::{Align, EventFilter, FontId, Id, Rect, ScrollArea, Stroke, StrokeKind, TextEdit, Ui};
+use session::editor::Editor;
+use session::model::ReadText;
+use session::typing;
 use syntax::span::Span;
 
 use super::{completion, find, keys};
-use crate::engine::editor::Editor;
-use crate::engine::typing;
-use crate::state::model::ReadText;
 use crate::ui::window::{TextSource, Window};
 
 /// Returns the id of the field with the text.

@@ -9,11 +9,11 @@ use egui::{
 };
 use ide::completion::Completion;
 use ide::description::Description;
+use session::editor::Editor;
+use session::model::ReadText;
 use syntax::span::Span;
 
 use super::code::{byte, characters};
-use crate::engine::editor::Editor;
-use crate::state::model::ReadText;
 
 /// The width of the list in points, what of it is not text, and the most that letters of entries and of details take.
 const WIDTH: f32 = 260.0;

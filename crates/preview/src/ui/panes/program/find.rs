@@ -2,11 +2,11 @@
 
 use egui::text_edit::TextEditOutput;
 use egui::{Key, KeyboardShortcut, Modifiers, TextEdit, Ui};
+use session::editor::{Editor, Jump};
+use session::typing;
 use syntax::span::Span;
 
 use super::code::rects;
-use crate::engine::editor::{Editor, Jump};
-use crate::engine::typing;
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::{TextSource, Window, WindowText};
 
@@ -51,7 +51,7 @@ impl Window {
 
     /// Opens the search, which gets the keys.
     pub(crate) fn open_find(&mut self) {
-        self.panes.bring_forward(&crate::state::pane::Pane::Program);
+        self.panes.bring_forward(&session::pane::Pane::Program);
         self.text.find.is_open = true;
         self.text.find.wants_focus = true;
     }

@@ -1,9 +1,9 @@
 //! The list of diagnostics at the foot of the program's pane.
 
 use egui::{Frame, Panel, RichText, ScrollArea, Ui};
+use session::Finding;
 use syntax::span::Span;
 
-use crate::state::Finding;
 use crate::ui::highlighting::severity_colour;
 use crate::ui::window::Window;
 

@@ -5,11 +5,11 @@ use std::ops::Range;
 use egui::text::CCursorRange;
 use egui::text_edit::TextEditState;
 use egui::{Event, Id, Key, Modifiers, Ui};
+use session::editor::Editor;
+use session::typing;
 
 use super::code::{byte, characters};
 use super::completion::Assistant;
-use crate::engine::editor::Editor;
-use crate::engine::typing;
 
 /// The keys that move the cursor or change the text around it.
 const MOVING: [Key; 12] = [

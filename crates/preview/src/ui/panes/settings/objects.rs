@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, Grid, Ui};
 use scene::{AttributeValue, Object, Scene};
+use session::{Choice, Step};
 
-use crate::state::{Choice, Step};
 use crate::ui::colour;
 use crate::ui::window::Window;
 

@@ -2,8 +2,8 @@
 
 use egui::{Button, DragValue, Slider, Ui};
 use scene::Param;
+use session::{Model, Step};
 
-use crate::state::{Model, Step};
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::Window;
 

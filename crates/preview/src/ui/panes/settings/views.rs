@@ -1,8 +1,8 @@
 //! The pictures of views, and the preferences of the window.
 
 use egui::{ComboBox, DragValue, Grid, Slider, Ui};
+use session::{MOST_SAMPLES, Model, Preferences, SCALES, Step, Theme};
 
-use crate::state::{MOST_SAMPLES, Model, Preferences, SCALES, Step, Theme};
 use crate::ui::colour;
 use crate::ui::window::Window;
 

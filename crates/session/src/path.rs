@@ -8,8 +8,8 @@ use geodesic::surface::Surface;
 use render::trail::Trail;
 use scene::ObjectId;
 
-use crate::state::ChartCamera;
-use crate::state::motion::{Motion, push};
+use crate::ChartCamera;
+use crate::motion::{Motion, push};
 
 /// The greatest number of motions that are kept: a path of more can no longer be played again.
 const MOST: usize = 1 << 16;
@@ -30,7 +30,7 @@ pub struct CameraPath {
 
 impl CameraPath {
     /// Begins a path where a camera is.
-    pub(crate) fn begin(surface: ObjectId, camera: ChartCamera) -> Self {
+    pub fn begin(surface: ObjectId, camera: ChartCamera) -> Self {
         Self {
             trail: Arc::new(Trail::new(surface, camera.at)),
             start: camera,
@@ -52,12 +52,12 @@ impl CameraPath {
     }
 
     /// Returns the motions in order; none if there were too many to be kept.
-    pub(crate) fn motions(&self) -> &[Motion] {
+    pub fn motions(&self) -> &[Motion] {
         &self.motions
     }
 
     /// Returns whether the trail ends at a chart point.
-    pub(crate) fn ends_at(&self, uv: [f64; 2]) -> bool {
+    pub fn ends_at(&self, uv: [f64; 2]) -> bool {
         self.trail.points.last() == Some(&uv)
     }
 
@@ -111,7 +111,7 @@ fn part(motion: &Motion, share: f64) -> Motion {
 }
 
 /// Returns the part of some motions between two shares of the whole: 0 is its beginning and 1 its end.
-pub(crate) fn between(motions: &[Motion], [from, to]: [f64; 2]) -> Vec<Motion> {
+pub fn between(motions: &[Motion], [from, to]: [f64; 2]) -> Vec<Motion> {
     let whole: f64 = motions.iter().map(weight).sum();
     let (from, to) = (from * whole, to * whole);
     let mut done = 0.0;
@@ -130,7 +130,7 @@ pub(crate) fn between(motions: &[Motion], [from, to]: [f64; 2]) -> Vec<Motion> {
 #[cfg(test)]
 mod tests {
     use super::{between, weight};
-    use crate::state::motion::Motion;
+    use crate::motion::Motion;
 
     #[test]
     fn the_parts_of_a_path_are_the_path() {

@@ -4,20 +4,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use super::Model;
-use crate::state::camera_controller::{CameraController, Subject};
-use crate::state::difference::Difference;
-use crate::state::history::{EndedTrail, Trails};
-use crate::state::motion::Motion;
-use crate::state::{CameraPath, InsideCamera, Step};
+use crate::camera_controller::{CameraController, Subject};
+use crate::difference::Difference;
+use crate::history::{EndedTrail, Trails};
+use crate::motion::Motion;
+use crate::{CameraPath, InsideCamera, Step};
 
 impl Model {
     /// Puts the geodesic camera of a surface on that surface as it is now, and returns it; nothing if the surface has
     /// no place for a camera. In its own view (`is_own_view`) it leaves a trail, where trails are shown.
-    pub(crate) fn settle_camera(
-        &mut self,
-        surface: &str,
-        is_own_view: bool,
-    ) -> Option<InsideCamera> {
+    pub fn settle_camera(&mut self, surface: &str, is_own_view: bool) -> Option<InsideCamera> {
         let subject = self.subject(surface)?;
         let before = self.view.inside.get(surface).copied();
         let mut path = self.paths.remove(surface);
@@ -47,7 +43,7 @@ impl Model {
     }
 
     /// Moves the geodesic camera of a surface: a step that is joined with those before it of the same gesture.
-    pub(crate) fn move_camera(&mut self, surface: &str, motion: Motion) {
+    pub fn move_camera(&mut self, surface: &str, motion: Motion) {
         self.keep_placement();
         let Some(camera) = self.settle_camera(surface, true) else {
             return;
@@ -71,7 +67,7 @@ impl Model {
     }
 
     /// Begins the trails of all cameras anew: a step of its own.
-    pub(crate) fn clear_trails(&mut self) {
+    pub fn clear_trails(&mut self) {
         self.keep_placement();
         let names: Vec<String> = self.paths.keys().cloned().collect();
         let trails = names.into_iter().map(|name| {
@@ -98,7 +94,7 @@ impl Model {
     }
 
     /// Returns a surface, metric or solid with the params' values.
-    pub(crate) fn subject(&mut self, surface: &str) -> Option<Subject> {
+    pub fn subject(&mut self, surface: &str) -> Option<Subject> {
         Some(Subject {
             surface: self.object(surface)?.0,
             settings: self.settings()?,
@@ -106,7 +102,7 @@ impl Model {
         })
     }
 
-    /// Runs `work` with the camera controller of a surface. A panic costs the controller, but not the window: the
+    /// Runs `work` with the camera controller of a surface. A panic costs the controller, but not the session: the
     /// surface's picture says what is wrong.
     fn control<T>(
         &mut self,

@@ -1,9 +1,10 @@
-//! Reads the texts of a window, one after the other.
+//! Reads the texts of a program, one after the other.
 //!
-//! In: a text and its language. Out: its diagnostics, its declarations, and its scene. Only the difference from the text
-//! before is read anew.
+//! In: a text and its language. Out: its diagnostics, its declarations, and its scene, and all of them as the model takes
+//! them over. Only the difference from the text before is read anew.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ide::language::Analysis;
 use ide::language::EditError;
@@ -11,39 +12,101 @@ use ide::outline::DeclarationRange;
 use ide::{Language, Program};
 use protocol::changes::Changes;
 use scene::ProgramScene;
-use syntax::diagnostic::{Code, Diagnostic};
+use syntax::diagnostic::{Code, Diagnostic, Severity};
+use syntax::line_index::LineIndex;
 use syntax::span::Span;
+
+use crate::program::{Compiled, Finding};
 
 /// Keeps the program of the text that was read last.
 #[derive(Debug, Default)]
-pub(crate) struct Reader {
+pub struct Reader {
     /// The name of the language, and the program.
     program: Option<(&'static str, Box<dyn Program>)>,
 }
 
 /// The result of reading a text.
 #[derive(Debug, Default)]
-pub(crate) struct Read {
-    pub(crate) diagnostics: Arc<[Diagnostic]>,
+pub struct Read {
+    /// The diagnostics, sorted by place.
+    pub diagnostics: Arc<[Diagnostic]>,
     /// The declarations of the text, in its order.
-    pub(crate) declarations: Vec<DeclarationRange>,
-    pub(crate) program: ProgramScene,
+    pub declarations: Vec<DeclarationRange>,
+    /// The scene, and what of it is as it last was.
+    pub program: ProgramScene,
     /// The text for the features of an editor; none of a text that cannot be read.
-    pub(crate) analysis: Option<Arc<dyn Analysis>>,
+    pub analysis: Option<Arc<dyn Analysis>>,
 }
 
 /// A text that is to be read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SourceText<'a> {
-    pub(crate) language: &'a dyn Language,
-    pub(crate) text: &'a str,
+pub struct SourceText<'a> {
+    /// The language that it is written in.
+    pub language: &'a dyn Language,
+    /// The whole text.
+    pub text: &'a str,
     /// The changes that make the text of the one that was read before; their places are those of that text.
-    pub(crate) changes: Option<&'a Changes>,
+    pub changes: Option<&'a Changes>,
+}
+
+impl Read {
+    /// Returns the text of a version as the model takes it over, read in no time.
+    pub fn compiled(self, version: i32, text: Arc<str>) -> Compiled {
+        let findings = findings(&text, &self.diagnostics);
+        Compiled {
+            version,
+            ok: findings.iter().all(|it| it.severity != Severity::Error),
+            findings,
+            scene: self.program.scene,
+            stale: self.program.stale,
+            declared: self.declarations,
+            analysis: self.analysis,
+            text,
+            took: Duration::ZERO,
+        }
+    }
+}
+
+/// Returns a text that reading has panicked on, with a finding that says so.
+pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
+    let fault = Finding {
+        severity: Severity::Error,
+        span: Span::default(),
+        line: 1,
+        column: 1,
+        message: "internal error: the program could not be read".to_owned(),
+        hint: Some("please report it, with the program".to_owned()),
+    };
+    Compiled {
+        ok: false,
+        findings: vec![fault],
+        ..Read::default().compiled(version, text)
+    }
+}
+
+/// Adds lines and columns to diagnostics.
+fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+    if diagnostics.is_empty() {
+        return Vec::new();
+    }
+    let index = LineIndex::new(text);
+    let finding = |diagnostic: &Diagnostic| {
+        let place = index.position(diagnostic.span.start);
+        Finding {
+            severity: diagnostic.severity,
+            span: diagnostic.span,
+            line: place.line,
+            column: place.column,
+            message: diagnostic.message.clone(),
+            hint: diagnostic.hint.clone(),
+        }
+    };
+    diagnostics.iter().map(finding).collect()
 }
 
 impl Reader {
     /// Reads a text.
-    pub(crate) fn read(&mut self, source: &SourceText<'_>) -> Read {
+    pub fn read(&mut self, source: &SourceText<'_>) -> Read {
         match self.bring(source) {
             Ok(program) => Read {
                 diagnostics: program.diagnostics(),

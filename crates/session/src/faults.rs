@@ -1,4 +1,4 @@
-//! The faults of a program as the window shows them. While somebody types, most faults are of what is not written yet: a
+//! The faults of a program as they are shown. While somebody types, most faults are of what is not written yet: a
 //! fault is shown only after a pause, and one that is gone is gone at once.
 
 use std::collections::BTreeSet;
@@ -40,12 +40,12 @@ impl ProgramFaults {
     }
 
     /// Shows the newest diagnosis.
-    pub(crate) fn show_latest(&mut self) {
+    pub fn show_latest(&mut self) {
         self.shown.clone_from(&self.latest);
     }
 
     /// Returns whether a fault waits for a pause.
-    pub(crate) fn are_waiting(&self) -> bool {
+    pub fn are_waiting(&self) -> bool {
         self.shown != self.latest
     }
 
@@ -66,7 +66,7 @@ impl ProgramFaults {
     }
 
     /// Returns the number of errors and warnings in words.
-    pub(crate) fn count(&self) -> String {
+    pub fn count(&self) -> String {
         let count = |severity, one: &str| {
             let all = self.shown.findings.iter();
             match all.filter(|it| it.severity == severity).count() {
@@ -90,7 +90,7 @@ mod tests {
     use syntax::span::Span;
 
     use super::{Diagnosis, ProgramFaults};
-    use crate::state::Finding;
+    use crate::Finding;
 
     fn diagnosis(messages: &[&str], stale: &[&str]) -> Diagnosis {
         let finding = |message: &&str| Finding {

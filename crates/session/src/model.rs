@@ -1,8 +1,9 @@
-//! The window's state: the program that is shown, what the user has chosen, and what can be undone.
+//! The state of a session: the program that is shown, what the user has chosen, and what can be undone.
 
 mod geodesic_cameras;
 mod looks;
 mod placement;
+mod space_camera;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use ide::language::Analysis;
 use ide::outline::DeclarationRange;
 use render::trail::Trail;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
@@ -28,7 +29,7 @@ const LIGHT_BACKGROUND: [u8; 3] = [214, 218, 226];
 
 /// The state of what sets an object off in the views in space.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub(crate) enum Emphasis {
+pub enum Emphasis {
     /// No object is set off.
     #[default]
     Off,
@@ -40,12 +41,14 @@ pub(crate) enum Emphasis {
 
 /// A text that has been read, for the features of an editor.
 #[derive(Clone, Debug)]
-pub(crate) struct ReadText {
-    pub(crate) version: i32,
-    pub(crate) analysis: Arc<dyn Analysis>,
+pub struct ReadText {
+    /// Its version.
+    pub version: i32,
+    /// All that an editor asks of it.
+    pub analysis: Arc<dyn Analysis>,
 }
 
-/// The window's state.
+/// The state of a session.
 #[derive(Debug, Default)]
 pub struct Model {
     /// The user's choices of what is seen.
@@ -73,9 +76,9 @@ pub struct Model {
     /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
     /// Set while that object is set off in the views in space too: for a while, so that its colours can be judged.
-    pub(crate) emphasis: Emphasis,
+    pub emphasis: Emphasis,
     /// The window has a light theme.
-    pub(crate) is_light: bool,
+    pub is_light: bool,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
     pub paths: BTreeMap<String, Arc<CameraPath>>,
     /// The lines of what is measured, with their surface's name.
@@ -88,7 +91,7 @@ pub struct Model {
 
 impl Model {
     /// Takes over what was remembered of another program: no step leads back to the one before.
-    pub(crate) fn turn_to(&mut self, view: View) {
+    pub fn turn_to(&mut self, view: View) {
         self.history = History::default();
         self.placing = None;
         self.paths.clear();
@@ -98,7 +101,7 @@ impl Model {
     }
 
     /// Forgets the program that is shown, with its scene.
-    pub(crate) fn forget_program(&mut self) {
+    pub fn forget_program(&mut self) {
         self.scene = None;
         self.text = "".into();
         self.read = false;
@@ -111,7 +114,7 @@ impl Model {
     }
 
     /// Takes over what a text compiled to. What it does not say stays as it is.
-    pub(crate) fn take(&mut self, compiled: Compiled) {
+    pub fn take(&mut self, compiled: Compiled) {
         self.text = compiled.text;
         self.version = compiled.version;
         self.ok = compiled.ok;
@@ -139,7 +142,7 @@ impl Model {
     }
 
     /// Takes over another scene.
-    pub(crate) fn take_scene(&mut self, scene: Arc<Scene>) {
+    pub fn take_scene(&mut self, scene: Arc<Scene>) {
         self.heed_openings(&scene);
         // A camera that the user has not moved belongs to its scene.
         self.history.note_scene();
@@ -240,43 +243,8 @@ impl Model {
         }
     }
 
-    /// Puts the 3D camera anew where everything is seen, unless the user has moved it.
-    pub(crate) fn reframe(&mut self) {
-        if self.view.space.is_some_and(|camera| !camera.moved) {
-            self.adjust(|view| view.space = None);
-        }
-        self.history.reframe();
-    }
-
-    /// The cameras that the program declares, in its order.
-    pub(crate) fn declared_cameras(&self) -> impl Iterator<Item = &Object> {
-        let stage = self.scene.iter().flat_map(|scene| &scene.stage);
-        stage.filter(|object| matches!(object.shape, Shape::Camera(_)))
-    }
-
-    /// The declared camera where the views in space open.
-    pub(crate) fn declared_camera(&self) -> Option<&Object> {
-        let chosen = self.view.preferences.camera.as_deref();
-        let chosen = chosen.and_then(|name| self.declared_cameras().find(|it| it.name == name));
-        chosen.or_else(|| self.declared_cameras().next())
-    }
-
-    /// Opens the views in space in a declared camera.
-    pub(crate) fn look_through(&mut self, camera: &str) {
-        self.change(Step::new("Look through a camera", ""), |view| {
-            view.preferences.camera = Some(camera.to_owned());
-            view.space = None;
-        });
-        self.history.settle();
-    }
-
-    /// Returns whether the views in space stand where the program declares a camera: the user has not moved away.
-    pub(crate) fn follows_declared_camera(&self) -> bool {
-        self.view.space.is_none_or(|camera| !camera.moved) && self.declared_camera().is_some()
-    }
-
     /// Chooses other overlays. Axes need room: a camera that the user has not moved is put anew for them.
-    pub(crate) fn set_marks(&mut self, marks: Marks) {
+    pub fn set_marks(&mut self, marks: Marks) {
         let needs_room = marks.axes != self.view.preferences.marks.axes;
         let step = Step::new("Change the overlays", "");
         self.change(step, |view| view.preferences.marks = marks);
@@ -382,7 +350,7 @@ impl Model {
     }
 
     /// Returns the text that was compiled last, for the features of an editor.
-    pub(crate) fn read_text(&self) -> Option<ReadText> {
+    pub fn read_text(&self) -> Option<ReadText> {
         let analysis = self.analysis.clone()?;
         Some(ReadText {
             version: self.version,
@@ -411,7 +379,7 @@ impl Model {
     }
 
     /// Returns the background of the views in space: the chosen one, else that of the theme.
-    pub(crate) fn background(&self) -> [u8; 3] {
+    pub fn background(&self) -> [u8; 3] {
         let of_theme = match self.is_light {
             true => LIGHT_BACKGROUND,
             false => render::style::BACKGROUND,
@@ -420,7 +388,7 @@ impl Model {
     }
 
     /// Highlights an object: its declaration is at the cursor.
-    pub(crate) fn highlight(&mut self, name: Option<String>) {
+    pub fn highlight(&mut self, name: Option<String>) {
         if self.highlighted != name {
             self.emphasis = Emphasis::Begins;
             self.highlighted = name;

@@ -24,7 +24,7 @@ use super::path::CameraPath;
 
 /// Moves the camera of one surface.
 #[derive(Debug, Default)]
-pub(crate) struct CameraController {
+pub struct CameraController {
     instance: Option<Instance>,
     /// The camera that was put on the instance last, and the result.
     settled: Option<(Option<InsideCamera>, Result<InsideCamera, RenderError>)>,
@@ -32,10 +32,13 @@ pub(crate) struct CameraController {
 
 /// A surface, metric or solid of a scene with the params' values.
 #[derive(Clone, Debug)]
-pub(crate) struct Subject {
-    pub(crate) scene: Arc<Scene>,
-    pub(crate) settings: Arc<ParamValues>,
-    pub(crate) surface: ObjectId,
+pub struct Subject {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The params' values.
+    pub settings: Arc<ParamValues>,
+    /// The surface, metric or solid.
+    pub surface: ObjectId,
 }
 
 /// A subject that is ready for geodesics.
@@ -69,7 +72,7 @@ impl CameraController {
     ///
     /// # Errors
     /// [`RenderError`] if the surface has no place for a camera.
-    pub(crate) fn settle(
+    pub fn settle(
         &mut self,
         subject: &Subject,
         camera: Option<InsideCamera>,
@@ -98,7 +101,7 @@ impl CameraController {
 
     /// Moves a camera that [`CameraController::settle`] has put on the surface, and extends the path that leads to it.
     /// Returns the camera as it was where the motion cannot be made.
-    pub(crate) fn apply(
+    pub fn apply(
         &mut self,
         camera: InsideCamera,
         motion: Motion,
@@ -154,7 +157,7 @@ impl Subject {
     }
 
     /// Returns whether both are the same surface with the same numbers.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
+    pub fn is_same(&self, other: &Self) -> bool {
         self.is_of_scene(other) && self.settings == other.settings
     }
 
@@ -162,7 +165,7 @@ impl Subject {
     ///
     /// # Errors
     /// [`ManifoldError`] if it is none.
-    pub(crate) fn manifold(&self) -> Result<Manifold, ManifoldError> {
+    pub fn manifold(&self) -> Result<Manifold, ManifoldError> {
         let object = self.scene.objects.get(self.surface.0 as usize);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = self.settings.first_instance(&self.scene, object);
@@ -182,11 +185,7 @@ impl Subject {
     ///
     /// # Errors
     /// [`RenderError`] if no camera can be there.
-    pub(crate) fn camera_at(
-        &self,
-        hit: &Hit,
-        zoom: Option<f64>,
-    ) -> Result<InsideCamera, RenderError> {
+    pub fn camera_at(&self, hit: &Hit, zoom: Option<f64>) -> Result<InsideCamera, RenderError> {
         let first = GeodesicCamera::new(self.surface);
         let ground = self.ground()?;
         let camera = match &ground {
@@ -367,9 +366,9 @@ fn walk(
 #[cfg(test)]
 mod tests {
     use super::{CameraController, Subject};
-    use crate::state::motion::Motion;
-    use crate::state::path::{CameraPath, between};
-    use crate::state::{ChartCamera, InsideCamera, SolidCamera};
+    use crate::motion::Motion;
+    use crate::path::{CameraPath, between};
+    use crate::{ChartCamera, InsideCamera, SolidCamera};
     use scene::{ObjectId, ParamValues};
     use std::sync::Arc;
 

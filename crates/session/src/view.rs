@@ -1,6 +1,5 @@
 //! The user's choices of what is seen. All of them are kept by name, so that they outlive compiles, and are written
-//! beside
-//! the file, so that they outlive the window.
+//! down, so that they outlive the session.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -59,7 +58,7 @@ pub struct Look {
 #[derive(Clone, Debug, Default, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Choice {
-    /// The window's default; of the default itself, the built-in picture that shows directions.
+    /// The session's default; of the default itself, the built-in picture that shows directions.
     #[default]
     Default,
     /// No picture: the colour alone.

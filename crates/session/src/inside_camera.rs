@@ -59,7 +59,7 @@ impl InsideCamera {
     }
 
     /// Returns it as a request has it.
-    pub(crate) fn on(&self, surface: ObjectId) -> GeodesicCamera {
+    pub fn on(&self, surface: ObjectId) -> GeodesicCamera {
         GeodesicCamera {
             surface,
             pose: match self {

@@ -22,7 +22,7 @@ pub struct SpaceCamera {
 }
 
 /// The tangent of half the field of view where no camera is declared.
-pub(crate) fn usual_tangent() -> f64 {
+fn usual_tangent() -> f64 {
     (0.5 * render::style::FIELD_OF_VIEW).tan()
 }
 

@@ -5,25 +5,22 @@ use render::view::space::SpaceView;
 use scene::ObjectId;
 
 use super::{Animation, Model, Step, View, advanced};
-use crate::engine::reader::{Reader, SourceText};
-use crate::state::Compiled;
-use crate::state::motion::Motion;
-use crate::state::{ChartCamera, InsideCamera, SpaceCamera};
+use crate::Compiled;
+use crate::motion::Motion;
+use crate::reader::{Reader, SourceText};
+use crate::{ChartCamera, InsideCamera, SpaceCamera};
 
 fn compiled(text: &str) -> Compiled {
     read(&mut Reader::default(), text)
 }
 
 fn read(reader: &mut Reader, text: &str) -> Compiled {
-    crate::engine::compiler::compiled(
-        1,
-        text.into(),
-        reader.read(&SourceText {
-            language: &**ide::Languages::standard().default_language(),
-            text,
-            changes: None,
-        }),
-    )
+    let read = reader.read(&SourceText {
+        language: &**ide::Languages::standard().default_language(),
+        text,
+        changes: None,
+    });
+    read.compiled(1, text.into())
 }
 
 fn model(text: &str) -> Model {

@@ -9,16 +9,16 @@ use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
 use scene::{Object, ObjectId};
 
-use crate::engine::textures::Library;
-use crate::state::model::Emphasis;
-use crate::state::{Choice, Marks, Model};
+use crate::model::Emphasis;
+use crate::textures::{ImageSource, Library};
+use crate::{Choice, Marks, Model};
 
 /// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to be seen. `active` is
 /// the surface whose geodesic camera the views in space show. While the view is `moving`, a picture at once is worth more
 /// than a fine one.
-pub(crate) fn picture_request(
+pub fn picture_request(
     model: &mut Model,
-    library: &mut Library,
+    library: &mut Library<impl ImageSource>,
     views: &Views,
     id: &ViewId,
     size: [u32; 2],
@@ -141,11 +141,7 @@ fn overlays(marks: &Marks) -> Overlays {
 
 /// Returns the request for a picture that is kept: of a view at rest, with no object highlighted or dim, without overlays
 /// that the view does not draw, and with a geodesic camera that is placed by an angle.
-pub(crate) fn at_rest(
-    mut request: PictureRequest,
-    model: &Model,
-    size: [u32; 2],
-) -> PictureRequest {
+pub fn at_rest(mut request: PictureRequest, model: &Model, size: [u32; 2]) -> PictureRequest {
     request.size = size;
     request.moving = false;
     if request.view.samples().is_some() {
@@ -185,7 +181,7 @@ pub(crate) fn at_rest(
 }
 
 /// Returns whether two requests of a view in space differ only by the geodesic camera that it shows, and its trail.
-pub(crate) fn differ_by_shown_camera(before: &PictureRequest, after: &PictureRequest) -> bool {
+pub fn differ_by_shown_camera(before: &PictureRequest, after: &PictureRequest) -> bool {
     let mut like = before.clone();
     if let (Some(space), Some(other)) = (like.view.space_mut(), after.view.space()) {
         space.show_camera = other.show_camera;
@@ -195,7 +191,7 @@ pub(crate) fn differ_by_shown_camera(before: &PictureRequest, after: &PictureReq
 }
 
 /// Returns whether two requests of a traced view are for the same picture, as coarse and as fine as may be.
-pub(crate) fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
+pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
     let mut like = a.clone();
     like.size = b.size;
     like.moving = b.moving;
@@ -206,7 +202,7 @@ pub(crate) fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bo
 }
 
 /// Returns a request whose surfaces have the textures of curvature as images, for a mesh.
-pub(crate) fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
+pub fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
     for id in std::mem::take(&mut request.curved) {
         // A surface whose derivatives are too large shows what it would show otherwise.
         if let Ok(texture) = Texture::curvature(&request.scene, &request.params, id) {
@@ -219,9 +215,8 @@ pub(crate) fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
 #[cfg(test)]
 mod tests {
     use super::{DIMMED, colours};
-    use crate::engine::compiler::compiled;
-    use crate::engine::reader::{Reader, SourceText};
-    use crate::state::Model;
+    use crate::Model;
+    use crate::reader::{Reader, SourceText};
 
     /// The names of the objects that have a colour in a request, with that colour.
     fn coloured(model: &Model, dims: bool) -> Vec<(String, [u8; 3])> {
@@ -253,7 +248,7 @@ define unused = 1;
                 changes: None,
             };
             let read = reader.read(&source);
-            model.take(compiled(version, text.as_str().into(), read));
+            model.take(read.compiled(version, text.as_str().into()));
             model.faults.show_latest();
         };
         take(&mut model, 1, good.to_owned());

@@ -3,7 +3,7 @@
 use render::style::Theme;
 
 use super::Model;
-use crate::state::Choice;
+use crate::Choice;
 
 impl Model {
     /// Returns true if a surface or metric of the scene shows its curvature.
@@ -14,7 +14,7 @@ impl Model {
     }
 
     /// Returns the colour (sRGB) that an object has where none is chosen.
-    pub(crate) fn default_colour(&self, name: &str) -> [u8; 3] {
+    pub fn default_colour(&self, name: &str) -> [u8; 3] {
         let own = self.scene.as_ref().and_then(|scene| {
             let (id, _) = scene.object(name)?;
             let colours = render::style::colours(scene, Theme::Screen, self.shows_curvature());

@@ -1,8 +1,8 @@
-//! Places to which clicks snap while something is measured: declared points that lie on a surface, the ends of declared
+//! Picking for measuring, and the places to which clicks snap then: declared points that lie on a surface, the ends of declared
 //! geodesics, and the lettered places of figures.
 //!
-//! A request and a pixel flow in; the place within a few pixels flows out, exactly, with its pixel. The places of a scene are
-//! found once for its params.
+//! A request and a pixel flow in; what is measured there flows out, or the place within a few pixels, exactly, with its pixel.
+//! The places of a scene are found once for its params.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use render::{PictureRequest, Renderer};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 /// The greatest distance of a click from a place to which it snaps, in pixels.
-pub(crate) const REACH: f64 = 10.0;
+const REACH: f64 = 10.0;
 /// The distance of the pixels that say how a view from inside lies on its surface.
 const PROBE: f64 = 2.0;
 /// A place lies on a surface if it is this near, as a share of the surface's size.
@@ -40,9 +40,18 @@ struct SnapTarget {
     position: Option<[f64; 3]>,
 }
 
-/// The places of a scene.
+/// The treatment of a place that is near a point, an end or a corner.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Snapping {
+    /// It is taken to it.
+    On,
+    /// It is left where it is.
+    Off,
+}
+
+/// The places of a scene to which clicks snap.
 #[derive(Debug)]
-pub(super) struct SnapTargets {
+pub struct SnapTargets {
     scene: Shared<Scene>,
     settings: Arc<ParamValues>,
     declared: Vec<SnapTarget>,
@@ -50,13 +59,68 @@ pub(super) struct SnapTargets {
 
 /// A place that was snapped to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Snap {
-    pub(super) hit: Hit,
-    pub(super) at: PixelPoint,
+struct Snap {
+    hit: Hit,
+    at: PixelPoint,
+}
+
+/// A place of a picture at which something is measured.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeasuredPlace {
+    /// The object there, and its place; `None` where there is none.
+    pub hit: Option<Hit>,
+    /// The pixel that was snapped to: `None` where the place is the one that was asked for.
+    pub snapped: Option<PixelPoint>,
+}
+
+/// Returns the place at which a click on a pixel measures: a surface or a metric that lies under a line there is meant, not
+/// the line. `known` keeps the places of the scene to which clicks snap.
+pub fn measured_place(
+    renderer: &mut Renderer,
+    known: &mut Option<SnapTargets>,
+    request: &PictureRequest,
+    at: PixelPoint,
+    snapping: Snapping,
+) -> MeasuredPlace {
+    if snapping == Snapping::On
+        && let Some(Snap { hit, at }) = snap(renderer, known, request, at)
+    {
+        return MeasuredPlace {
+            hit: Some(hit),
+            snapped: Some(at),
+        };
+    }
+    let mut hit = renderer.pick(request, at).ok().flatten();
+    if let Some(found) = &hit
+        && !is_measurable(&request.scene, found.object)
+        && let Some(beneath) = without_lines(request)
+        && let Ok(Some(below)) = renderer.pick(&beneath, at)
+    {
+        hit = Some(below);
+    }
+    MeasuredPlace { hit, snapped: None }
+}
+
+/// Returns true if a place of an object can be measured at.
+fn is_measurable(scene: &Scene, id: ObjectId) -> bool {
+    scene
+        .get(id)
+        .is_some_and(|object| object.shape.manifold().is_some())
+}
+
+/// The request of a view in space without points, vectors and curves; `None` of another view.
+fn without_lines(request: &PictureRequest) -> Option<PictureRequest> {
+    let mut request = request.clone();
+    let scene = request.scene.clone();
+    let space = request.view.space_mut()?;
+    let is_line = |object: &Object| !object.shape.is_surface() && object.shape.solid().is_none();
+    let lines = scene.numbered().filter(|(_, object)| is_line(object));
+    space.hidden.extend(lines.map(|(id, _)| id));
+    Some(request)
 }
 
 /// Returns what a click on a pixel snaps to. `known` keeps the places of the scene.
-pub(super) fn snap(
+fn snap(
     renderer: &mut Renderer,
     known: &mut Option<SnapTargets>,
     request: &PictureRequest,

@@ -9,13 +9,13 @@ use render::figure::Figure;
 use render::measured::{FigureMeasures, lines, measure};
 use scene::ObjectId;
 
-use crate::state::measuring::{Measured, Quantity, angle, number, place};
+use crate::measuring::{Measured, Quantity, angle, number, place};
 
 /// The most geodesics that are listed.
 const MOST_LISTED: usize = 8;
 
 /// Measures a figure. What cannot be measured is a note; of a figure that lacks places, these are marked.
-pub(crate) fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> Measured {
+pub fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> Measured {
     let figure = Arc::new(figure.clone());
     let finding = measure(surface, &figure);
     let lines = lines(surface, id, &figure, finding.as_ref().ok());

@@ -2,7 +2,7 @@
 
 /// A motion of a geodesic camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Motion {
+pub enum Motion {
     /// Along the geodesic with the velocity xX + yY, for the time 1.
     Walk([f64; 2]),
     /// Turned by radians, anticlockwise.

@@ -1,4 +1,4 @@
-//! The help of the window's editor with what is typed: brackets in pairs, comments, indentation. Places are bytes.
+//! The help of an editor with what is typed: brackets in pairs, comments, indentation. Places are bytes.
 
 use std::ops::Range;
 
@@ -6,23 +6,23 @@ use std::ops::Range;
 const PAIRS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('{', '}')];
 
 /// Returns the bracket that closes this one, if this one opens.
-pub(crate) fn closing(open: char) -> Option<char> {
+pub fn closing(open: char) -> Option<char> {
     let pair = PAIRS.iter().find(|pair| pair.0 == open);
     pair.map(|pair| pair.1)
 }
 
 /// Returns whether a bracket closes.
-pub(crate) fn is_closing(bracket: char) -> bool {
+pub fn is_closing(bracket: char) -> bool {
     PAIRS.iter().any(|pair| pair.1 == bracket)
 }
 
 /// Returns whether a bracket that is opened in front of this character is closed at once: not in front of a word.
-pub(crate) fn closes_before(next: Option<char>) -> bool {
+pub fn closes_before(next: Option<char>) -> bool {
     next.is_none_or(|next| next.is_whitespace() || is_closing(next) || matches!(next, ',' | ';'))
 }
 
 /// Returns the white space that the line of a place begins with.
-pub(crate) fn indentation(text: &str, at: usize) -> &str {
+pub fn indentation(text: &str, at: usize) -> &str {
     let before = text.get(..at).unwrap_or(text);
     let line = &before[before.rfind('\n').map_or(0, |end| end + 1)..];
     let begin = line.find(|c| c != ' ' && c != '\t');
@@ -34,7 +34,7 @@ const INDENT: &str = "    ";
 
 /// Indents the lines of a selection of several lines; writes a step of indentation in the place of any other one. Returns the
 /// text and the selection then.
-pub(crate) fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
+pub fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     if !text[selection.clone()].contains('\n') {
         let end = selection.start + INDENT.len();
         let text = [&text[..selection.start], INDENT, &text[selection.end..]].concat();
@@ -47,7 +47,7 @@ pub(crate) fn indent(text: &str, selection: Range<usize>) -> (String, Range<usiz
 }
 
 /// Takes a step of indentation from the lines of a selection; returns the text and the selection then.
-pub(crate) fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
+pub fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     change_lines(text, selection, |line| {
         let blanks = line.bytes().take_while(|byte| *byte == b' ').count();
         let rest = line.strip_prefix('\t');
@@ -88,11 +88,7 @@ fn lines_of(text: &str, selection: &Range<usize>) -> Range<usize> {
 }
 
 /// Makes comments of the lines of a selection, or of comments lines; returns the text and the selection then.
-pub(crate) fn toggle_comment(
-    text: &str,
-    selection: Range<usize>,
-    mark: &str,
-) -> (String, Range<usize>) {
+pub fn toggle_comment(text: &str, selection: Range<usize>, mark: &str) -> (String, Range<usize>) {
     let Range { start: first, end } = lines_of(text, &selection);
     let lines: Vec<&str> = text[first..end].split('\n').collect();
     let is_blank = |line: &&str| line.trim().is_empty();
@@ -141,7 +137,7 @@ pub(crate) fn toggle_comment(
 
 /// Returns the places of the bracket at a place, before it or behind it, and of its partner. Brackets in comments, which
 /// begin with `comment` and end with their lines, have none.
-pub(crate) fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 2]> {
+pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 2]> {
     let is_bracket = |c: char| closing(c).is_some() || is_closing(c);
     let before = text.get(..at)?.char_indices().next_back();
     let behind = text.get(at..)?.chars().next().map(|c| (at, c));
@@ -174,7 +170,7 @@ pub(crate) fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[
 }
 
 /// Returns the places of a text in another, up to 1000 of them; capitals count if the wanted text has some.
-pub(crate) fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
+pub fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
     if wanted.is_empty() {
         return Vec::new();
     }

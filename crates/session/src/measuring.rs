@@ -6,7 +6,7 @@ use render::figure::{Figure, FigureKind};
 use render::trail::Trail;
 
 /// The title of a kind of figure.
-pub(crate) fn title(kind: FigureKind) -> &'static str {
+pub fn title(kind: FigureKind) -> &'static str {
     match kind {
         FigureKind::Place => "Place",
         FigureKind::Distance => "Distance",
@@ -16,7 +16,7 @@ pub(crate) fn title(kind: FigureKind) -> &'static str {
 }
 
 /// The clicks that a kind of figure takes, in words.
-pub(crate) fn hint(kind: FigureKind) -> &'static str {
+pub fn hint(kind: FigureKind) -> &'static str {
     match kind {
         FigureKind::Place => "Click on a place of a surface, in any view.",
         FigureKind::Distance => "Click on two places of a surface, in any view.",
@@ -29,38 +29,70 @@ pub(crate) fn hint(kind: FigureKind) -> &'static str {
 
 /// A figure on a surface. The first place of a circle is that of the camera.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PlacedFigure {
+pub struct PlacedFigure {
     /// The surface's name.
-    pub(crate) surface: String,
+    pub surface: String,
     /// The places that were clicked on, and what is measured of them.
-    pub(crate) figure: Figure,
+    pub figure: Figure,
+}
+
+impl PlacedFigure {
+    /// Returns the figure with a further place. One that is complete, of another kind or on another surface gives way to a
+    /// new one, which begins at `centre`, the camera's place, where it is a circle.
+    #[must_use]
+    pub fn with_place(
+        begun: Option<Self>,
+        kind: FigureKind,
+        surface: &str,
+        centre: Option<[f64; 2]>,
+        place: [f64; 2],
+    ) -> Self {
+        let begun = begun.filter(|placed| {
+            let figure = &placed.figure;
+            let goes_on = figure.kind == kind && placed.surface == surface;
+            goes_on && figure.places.len() < kind.places()
+        });
+        let mut placed = begun.unwrap_or_else(|| {
+            let centre = centre.filter(|_| kind == FigureKind::Circle);
+            Self {
+                surface: surface.to_owned(),
+                figure: Figure {
+                    kind,
+                    places: centre.into_iter().collect(),
+                    radius: None,
+                },
+            }
+        });
+        placed.figure.places.push(place);
+        placed
+    }
 }
 
 /// The answer for a figure.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Measured {
+pub struct Measured {
     /// Names with values, in the order in which they are shown.
-    pub(crate) rows: Vec<Quantity>,
+    pub rows: Vec<Quantity>,
     /// A sentence on what is missing.
-    pub(crate) note: Option<String>,
+    pub note: Option<String>,
     /// Its lines, to be drawn on the surface.
-    pub(crate) lines: Vec<Arc<Trail>>,
+    pub lines: Vec<Arc<Trail>>,
     /// The radius of a circle.
-    pub(crate) radius: Option<f64>,
+    pub radius: Option<f64>,
 }
 
 /// A quantity of the answer.
 #[derive(Clone, Debug, Eq, PartialEq)]
-pub(crate) struct Quantity {
+pub struct Quantity {
     /// The name of the quantity.
-    pub(crate) name: String,
+    pub name: String,
     /// Its value, in words.
-    pub(crate) value: String,
+    pub value: String,
 }
 
 impl Quantity {
     /// Makes a quantity.
-    pub(crate) fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self {
             name: name.into(),
             value: value.into(),
@@ -69,7 +101,7 @@ impl Quantity {
 }
 
 /// Formats a number with at most eight significant digits.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.7e}").parse().unwrap_or(value);
     let size = rounded.abs();
     if rounded == 0.0 {
@@ -84,12 +116,12 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// Formats an angle in radians, with its degrees.
-pub(crate) fn angle(radians: f64) -> String {
+pub fn angle(radians: f64) -> String {
     format!("{} ({:.4}°)", number(radians), radians.to_degrees())
 }
 
 /// Formats a place of a surface.
-pub(crate) fn place([u, v]: [f64; 2]) -> String {
+pub fn place([u, v]: [f64; 2]) -> String {
     format!("({}, {})", number(u), number(v))
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A pane.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(from = "SavedPane", into = "SavedPane")]
-pub(crate) enum Pane {
+pub enum Pane {
     /// A picture of a view.
     View(ViewId),
     /// Sliders, colours, textures.
@@ -33,7 +33,7 @@ enum SavedPane {
 
 impl Pane {
     /// Returns the view that the pane shows, if it shows one.
-    pub(crate) fn view(&self) -> Option<&ViewId> {
+    pub fn view(&self) -> Option<&ViewId> {
         match self {
             Self::View(id) => Some(id),
             Self::Settings | Self::Program => None,
@@ -41,7 +41,7 @@ impl Pane {
     }
 
     /// Returns whether it shows a view of an object.
-    pub(crate) fn is_of_object(&self) -> bool {
+    pub fn is_of_object(&self) -> bool {
         self.view().is_some_and(|id| id.object.is_some())
     }
 }

@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use super::Model;
-use crate::state::difference::Difference;
-use crate::state::history::EndedTrail;
-use crate::state::{CameraPath, InsideCamera, Step};
+use crate::difference::Difference;
+use crate::history::EndedTrail;
+use crate::{CameraPath, InsideCamera, Step};
 
 /// A placing that can be withdrawn.
 #[derive(Debug)]

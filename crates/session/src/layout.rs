@@ -6,7 +6,7 @@ use super::pane::Pane;
 
 /// An arrangement of the views.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum Arrangement {
+pub enum Arrangement {
     /// As when a program is opened.
     First,
     /// All in a row.
@@ -19,7 +19,7 @@ pub(crate) enum Arrangement {
 
 impl Arrangement {
     /// All of them, with their titles.
-    pub(crate) const ALL: [(&'static str, Self); 4] = [
+    pub const ALL: [(&'static str, Self); 4] = [
         ("As at first", Self::First),
         ("Views side by side", Self::Row),
         ("Views one above the other", Self::Column),
@@ -30,7 +30,7 @@ impl Arrangement {
 /// Panes and how they are arranged.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) enum Layout {
+pub enum Layout {
     /// A pane.
     Pane(Pane),
     /// One behind the other.
@@ -49,20 +49,16 @@ pub(crate) enum Layout {
 /// A part of a row or a column.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub(crate) struct Share {
+pub struct Share {
     /// Its share of the room, compared with its neighbours.
-    pub(crate) share: f32,
-    pub(crate) content: Layout,
+    pub share: f32,
+    /// The panes in it.
+    pub content: Layout,
 }
 
 impl Layout {
     /// Lays out text and settings one above the other, `side` wide, and beside them the views, each as wide as 1.
-    pub(crate) fn set_out(
-        written: &[Pane],
-        views: &[Pane],
-        arrangement: Arrangement,
-        side: f32,
-    ) -> Self {
+    pub fn set_out(written: &[Pane], views: &[Pane], arrangement: Arrangement, side: f32) -> Self {
         let even = |layouts: Vec<Self>| -> Vec<Share> {
             let share = |content| Share {
                 share: 1.0,

@@ -1,7 +1,7 @@
-//! A compiled program, as the window takes it over.
+//! A compiled program, as the model takes it over.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ide::language::Analysis;
 use ide::outline::DeclarationRange;
@@ -11,28 +11,26 @@ use syntax::span::Span;
 
 /// The result of compiling a text.
 #[derive(Clone, Debug)]
-pub(crate) struct Compiled {
+pub struct Compiled {
     /// The text's version.
-    pub(crate) version: i32,
+    pub version: i32,
     /// The text.
-    pub(crate) text: Arc<str>,
+    pub text: Arc<str>,
     /// Set if the text has no errors.
-    pub(crate) ok: bool,
+    pub ok: bool,
     /// The diagnostics, sorted by place.
-    pub(crate) findings: Vec<Finding>,
+    pub findings: Vec<Finding>,
     /// The scene. The scene of a text with errors has the declarations without errors as they are now, and the others
     /// as they last were. A text of which nothing can be shown has no scene.
-    pub(crate) scene: Option<Arc<Scene>>,
+    pub scene: Option<Arc<Scene>>,
     /// The objects of the scene that are shown as they last were, and those that read such an object.
-    pub(crate) stale: Vec<String>,
+    pub stale: Vec<String>,
     /// The declarations of the text, in its order.
-    pub(crate) declared: Vec<DeclarationRange>,
+    pub declared: Vec<DeclarationRange>,
     /// The text for the features of an editor; none of a text that cannot be read.
-    pub(crate) analysis: Option<Arc<dyn Analysis>>,
-    /// The time at which the text arrived.
-    pub(crate) arrived: Instant,
+    pub analysis: Option<Arc<dyn Analysis>>,
     /// The time that compiling took.
-    pub(crate) took: Duration,
+    pub took: Duration,
 }
 
 /// A diagnostic with its line and column.

@@ -1,0 +1,240 @@
+//! Views along the axes: their names and keys, the way of the camera there, and where the ends of the axes are seen.
+//!
+//! The camera in space turns about its target, in a quarter of a second. The ends of the axes are drawn as a gizmo; a click
+//! on one turns the camera to it.
+
+use glam::DVec3;
+
+use crate::camera::SpaceCamera;
+use crate::history::Step;
+use crate::model::Model;
+
+/// A view along an axis.
+#[derive(Debug)]
+pub struct AxisView {
+    /// Its name: "Top".
+    pub title: &'static str,
+    /// The digit whose key turns the camera to it.
+    pub digit: char,
+    /// Set if Ctrl, or the command key of a Mac, is held with the digit: of the views from behind.
+    pub command: bool,
+    /// The keys in words.
+    pub keys: &'static str,
+    /// The axis in space, from 0.
+    pub axis: usize,
+    /// 1 or −1: the end of the axis that is nearest to the eye.
+    pub sign: f64,
+}
+
+impl AxisView {
+    const fn new(title: &'static str, digit: char, keys: &'static str, axis: usize) -> Self {
+        Self {
+            title,
+            digit,
+            command: false,
+            keys,
+            axis,
+            sign: 1.0,
+        }
+    }
+
+    /// The view from the negative end.
+    const fn negative(self) -> Self {
+        Self { sign: -1.0, ..self }
+    }
+
+    const fn with_command(self) -> Self {
+        Self {
+            command: true,
+            ..self
+        }
+    }
+
+    /// Returns the unit vector from the target to the eye.
+    pub fn direction(&self) -> DVec3 {
+        self.sign * [DVec3::X, DVec3::Y, DVec3::Z][self.axis]
+    }
+
+    /// Returns the end of the axis: "+z". `axis` is that of the text, from 0, which scripts may name otherwise than the
+    /// space.
+    pub fn end(&self, axis: usize) -> String {
+        let sign = if self.sign < 0.0 { '−' } else { '+' };
+        format!("{sign}{}", ["x", "y", "z"][axis])
+    }
+}
+
+/// The views, in the order of a menu.
+pub static AXIS_VIEWS: [AxisView; 6] = [
+    AxisView::new("Front", '1', "1", 1).negative(),
+    AxisView::new("Back", '1', "Ctrl+1", 1).with_command(),
+    AxisView::new("Right", '3', "3", 0),
+    AxisView::new("Left", '3', "Ctrl+3", 0)
+        .negative()
+        .with_command(),
+    AxisView::new("Top", '7', "7", 2),
+    AxisView::new("Bottom", '7', "Ctrl+7", 2)
+        .negative()
+        .with_command(),
+];
+
+/// The end of an axis as a camera sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisEnd {
+    /// The view that looks from there.
+    pub view: &'static AxisView,
+    /// Its place about the middle of a gizmo, to the right and down; an axis across the line of sight has the length 1.
+    pub at: [f64; 2],
+    /// Its distance from the middle towards the eye, from −1 to 1.
+    pub depth: f64,
+}
+
+impl AxisEnd {
+    /// Returns the six ends as a camera sees them, the farthest first.
+    pub fn all(camera: &SpaceCamera) -> [Self; 6] {
+        let [right, up, back] = camera.axes();
+        let mut ends = AXIS_VIEWS.each_ref().map(|view| {
+            let way = view.direction();
+            Self {
+                view,
+                at: [way.dot(right), -way.dot(up)],
+                depth: way.dot(back),
+            }
+        });
+        ends.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        ends
+    }
+
+    /// Returns the direction in which a click on it leads the eye: the end that faces the eye leads to the other side.
+    pub fn leads_to(&self) -> DVec3 {
+        let sign = if self.depth > 0.999 { -1.0 } else { 1.0 };
+        sign * self.view.direction()
+    }
+}
+
+/// Seconds for a turn.
+const TURN_TIME: f64 = 0.25;
+
+/// A camera on its way to another direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    from: SpaceCamera,
+    to: SpaceCamera,
+    /// The camera that was put in place last.
+    last: SpaceCamera,
+    /// The time at which it began, in seconds.
+    begun: f64,
+}
+
+impl Turn {
+    /// Begins to turn the camera in space about its target, so that it looks against a direction: a step that can be
+    /// undone. `now` is in seconds, of any clock. `None` where there is no camera yet.
+    pub fn begin(model: &mut Model, direction: DVec3, now: f64) -> Option<Self> {
+        let from = model.view.space?;
+        let to = from.seen_from(direction);
+        let step = Step::new("Turn the 3D camera", "");
+        model.change(step, |view| view.space = Some(to));
+        model.history.settle();
+        // The step leads to the end of the way; what is seen until then is none.
+        model.adjust(|view| view.space = Some(from));
+        Some(Self {
+            from,
+            to,
+            last: from,
+            begun: now,
+        })
+    }
+
+    /// Moves a camera that is on its way to where it is `now`, and ends the way where it has arrived, or was moved
+    /// otherwise. Returns whether it has been moved.
+    pub fn advance(turn: &mut Option<Self>, model: &mut Model, now: f64) -> bool {
+        let Some(on_its_way) = turn.take() else {
+            return false;
+        };
+        if model.view.space != Some(on_its_way.last) {
+            return false;
+        }
+        let elapsed = now - on_its_way.begun;
+        let last = on_its_way.at(elapsed / TURN_TIME);
+        model.adjust(|view| view.space = Some(last));
+        if elapsed < TURN_TIME {
+            *turn = Some(Self { last, ..on_its_way });
+        }
+        true
+    }
+
+    /// Returns the camera at a share of the way, from 0 to 1.
+    fn at(&self, share: f64) -> SpaceCamera {
+        if share >= 1.0 {
+            return self.to;
+        }
+        // Slow at both ends.
+        let share = share * share * (3.0 - 2.0 * share);
+        let [from, to] = [self.from, self.to].map(|camera| camera.axes()[2]);
+        let angle = from.dot(to).clamp(-1.0, 1.0).acos();
+        let across = (to - from * from.dot(to)).normalize_or(self.from.axes()[0]);
+        let (sin, cos) = (share * angle).sin_cos();
+        self.from.seen_from(from * cos + across * sin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::{AxisEnd, Turn};
+    use crate::camera::SpaceCamera;
+    use crate::model::Model;
+
+    fn model() -> Model {
+        let mut model = Model::default();
+        model.view.space = Some(SpaceCamera {
+            eye: [0.0, -4.0, 0.0],
+            target: [0.0; 3],
+            radius: 2.0,
+            moved: false,
+            tangent: 0.5,
+        });
+        model
+    }
+
+    #[test]
+    fn the_ends_are_seen_where_the_axes_point() {
+        let camera = model().view.space.expect("a camera");
+        let ends = AxisEnd::all(&camera);
+        assert_eq!((ends[0].view.title, ends[5].view.title), ("Back", "Front"));
+        let end = |title| ends.iter().find(|end| end.view.title == title);
+        let right = end("Right").expect("one of them");
+        assert!((right.at[0] - 1.0).abs() < 1e-12 && right.at[1].abs() < 1e-12);
+        let top = end("Top").expect("one of them");
+        assert!((top.at[1] + 1.0).abs() < 1e-12, "{top:?}");
+        assert_eq!(top.leads_to(), DVec3::Z);
+        assert_eq!(ends[5].leads_to(), DVec3::Y, "to the other side");
+    }
+
+    #[test]
+    fn a_turn_arrives_after_a_quarter_of_a_second_and_is_one_step() {
+        let mut model = model();
+        let first = model.view.space;
+        let mut turn = Turn::begin(&mut model, DVec3::X, 10.0);
+        assert_eq!(model.view.space, first);
+        assert!(Turn::advance(&mut turn, &mut model, 10.125));
+        let between = model.view.space.expect("a camera").eye;
+        assert!(between[0] > 1.0 && between[1] < -1.0, "{between:?}");
+        assert!(Turn::advance(&mut turn, &mut model, 10.25) && turn.is_none());
+        let there = model.view.space.expect("a camera").eye;
+        assert!((there[0] - 4.0).abs() < 1e-9, "{there:?}");
+        assert_eq!(model.undo(), Some("Turn the 3D camera"));
+        assert_eq!(model.view.space, first);
+    }
+
+    #[test]
+    fn a_camera_that_is_moved_on_its_way_stays_where_it_is() {
+        let mut model = model();
+        let mut turn = Turn::begin(&mut model, DVec3::X, 0.0);
+        assert!(Turn::advance(&mut turn, &mut model, 0.1));
+        let moved = model.view.space.map(|camera| camera.moved([1.0, 0.0, 0.0]));
+        model.adjust(|view| view.space = moved);
+        assert!(!Turn::advance(&mut turn, &mut model, 0.2) && turn.is_none());
+        assert_eq!(model.view.space, moved);
+    }
+}

@@ -1,0 +1,172 @@
+//! Clicks on pictures: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration, and so do
+//! two.
+//!
+//! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
+//! An effect that would move the panes under the pointer waits until there can be no second one.
+
+use std::sync::Arc;
+
+use render::view::Hit;
+use render::{PictureRequest, RenderError};
+use scene::{Object, SolidLeaf};
+
+use crate::camera_controller::Subject;
+use crate::inside_camera::InsideCamera;
+use crate::model::Model;
+
+/// The longest time between two clicks that are a double click, in seconds.
+pub const DOUBLE_CLICK: f64 = 0.5;
+
+/// The clicks that may still become double clicks.
+#[derive(Debug, Default)]
+pub struct Clicks {
+    /// The number of clicks so far.
+    count: u64,
+    /// The last one that was the first of two.
+    withdrawn: Option<u64>,
+    /// The last one, for as long as another one may follow.
+    open: Option<Open>,
+}
+
+#[derive(Debug)]
+struct Open {
+    until: f64,
+    /// The surface whose camera it has moved.
+    surface: Option<String>,
+    /// The surface whose camera was shown in space before.
+    shown: Option<String>,
+}
+
+impl Clicks {
+    /// Notes a click at a time in seconds, after the last one has been ended by [`Clicks::end`]; `None` if a key makes it,
+    /// which is never the first half of two. `shown` is the surface whose camera is shown in space. Returns its number.
+    pub fn begin(&mut self, now: Option<f64>, shown: Option<String>) -> u64 {
+        self.count += 1;
+        self.open = now.map(|now| Open {
+            until: now + DOUBLE_CLICK,
+            surface: None,
+            shown,
+        });
+        self.count
+    }
+
+    /// Notes that the last click was one, and nothing more. Returns the surface whose camera it has moved: now its view may
+    /// come forward.
+    pub fn end(&mut self, model: &mut Model) -> Option<String> {
+        model.keep_placement();
+        self.open.take()?.surface
+    }
+
+    /// Ends the last click: it has no further effect.
+    pub fn forget(&mut self, model: &mut Model) {
+        model.keep_placement();
+        self.open = None;
+    }
+
+    /// Withdraws the last click: it was the first half of two. Where it has moved a camera, the surface is returned whose
+    /// camera was shown in space before, which may be none.
+    pub fn withdraw(&mut self, model: &mut Model) -> Option<Option<String>> {
+        let open = self.open.take()?;
+        self.withdrawn = Some(self.count);
+        model.withdraw_placement();
+        open.surface.map(|_| open.shown)
+    }
+
+    /// Returns the time until which another click may still follow the last one, if it may.
+    pub fn until(&self) -> Option<f64> {
+        self.open.as_ref().map(|it| it.until)
+    }
+
+    /// Returns whether a click was the first half of two.
+    pub fn is_withdrawn(&self, number: u64) -> bool {
+        self.withdrawn == Some(number)
+    }
+
+    /// Puts a geodesic camera where a click has found its place. Returns whether the click has ended already, so that the
+    /// surface's view may come forward.
+    pub fn place(
+        &mut self,
+        number: u64,
+        model: &mut Model,
+        surface: &str,
+        camera: InsideCamera,
+    ) -> bool {
+        model.place(surface, camera);
+        match &mut self.open {
+            Some(open) if number == self.count => {
+                open.surface = Some(surface.to_owned());
+                false
+            }
+            _ => {
+                model.keep_placement();
+                true
+            }
+        }
+    }
+}
+
+/// An object that was found under a click.
+#[derive(Clone, Copy, Debug)]
+pub struct ClickedObject<'a> {
+    request: &'a PictureRequest,
+    hit: &'a Hit,
+    /// The object.
+    pub object: &'a Object,
+    /// The part of a solid's set that was hit.
+    pub leaf: Option<&'a SolidLeaf>,
+}
+
+impl<'a> ClickedObject<'a> {
+    /// The object of a hit in a picture; `None` if the picture's scene does not have it.
+    pub fn new(request: &'a PictureRequest, hit: &'a Hit) -> Option<Self> {
+        let object = request.scene.get(hit.object)?;
+        let solid = object.shape.solid();
+        Some(Self {
+            request,
+            hit,
+            object,
+            leaf: solid.and_then(|solid| solid.leaves.get(hit.leaf?)),
+        })
+    }
+
+    /// Returns the place in words.
+    pub fn words(&self) -> String {
+        let name = &self.object.name;
+        let [u, v] = self.hit.parameters;
+        match self.object.shape.domain() {
+            [_, _] => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
+            [_] => format!("{name} at t = {u:.4}"),
+            _ => match self.leaf {
+                Some(leaf) if leaf.name != *name => format!("{name}: {}", leaf.name),
+                _ => name.clone(),
+            },
+        }
+    }
+
+    /// Returns the geodesic camera that a click puts there; `None` where it shows the declaration instead. A solid's
+    /// declaration is what most want of it, unless they look from inside it: `is_inside` says whether they do.
+    ///
+    /// # Errors
+    /// [`RenderError`] if no camera can be there.
+    pub fn camera(
+        &self,
+        model: &Model,
+        is_inside: impl FnOnce(&str) -> bool,
+    ) -> Result<Option<InsideCamera>, RenderError> {
+        let name = &self.object.name;
+        let has_camera = match self.object.shape.solid() {
+            Some(_) => is_inside(name),
+            None => self.object.shape.manifold().is_some(),
+        };
+        if !has_camera {
+            return Ok(None);
+        }
+        let subject = Subject {
+            scene: Arc::clone(self.request.scene.arc()),
+            settings: Arc::clone(&self.request.params),
+            surface: self.hit.object,
+        };
+        let zoom = model.view.inside.get(name).map(InsideCamera::zoom);
+        subject.camera_at(self.hit, zoom).map(Some)
+    }
+}

@@ -1,0 +1,177 @@
+//! A text that is edited, and what is known of its file. Nothing is read or written here.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use ide::edit::Edit;
+use ide::{Analysis, Language};
+use syntax::span::Span;
+
+/// A place of the text that is to be shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Jump {
+    /// The place, in bytes of the text.
+    pub place: Span,
+    /// The place gets the keyboard focus.
+    pub takes_keys: bool,
+}
+
+/// A text that is edited here.
+#[derive(Debug)]
+pub struct Editor {
+    /// The language that the text is written in.
+    pub language: Arc<dyn Language>,
+    /// Its file, or the name that a new program has before it is saved.
+    pub path: PathBuf,
+    /// It has no file yet.
+    pub is_new: bool,
+    /// The text as it is now.
+    pub text: String,
+    /// Counts the texts that were compiled.
+    pub version: i32,
+    /// The file's content, as far as is known.
+    saved: String,
+    /// The file's new text, where it has changed while this one had too.
+    pub conflict: Option<String>,
+    /// A place that the cursor is to be put to.
+    pub jump: Option<Jump>,
+    /// The field that shows the text is to have the keys.
+    pub wants_keys: bool,
+    /// The texts whose place another one has taken by other means than typing, oldest first, until the field that shows
+    /// the text has them among what it can undo.
+    pub replaced: Vec<String>,
+}
+
+impl Editor {
+    /// A file's text.
+    pub fn new(language: Arc<dyn Language>, path: PathBuf, text: String) -> Self {
+        Self {
+            language,
+            path,
+            is_new: false,
+            saved: text.clone(),
+            text,
+            version: 0,
+            conflict: None,
+            jump: None,
+            wants_keys: false,
+            replaced: Vec::new(),
+        }
+    }
+
+    /// A text without a file, which would have this name.
+    pub fn untitled(language: Arc<dyn Language>, name: &str, text: String) -> Self {
+        Self {
+            is_new: true,
+            ..Self::new(language, PathBuf::from(name), text)
+        }
+    }
+
+    /// Returns whether the text differs from the file's, or from what a new one began with.
+    pub fn is_changed(&self) -> bool {
+        self.text != self.saved
+    }
+
+    /// The file holds another text: taken over, unless something was written here that would be lost. Whether the
+    /// text is another one now.
+    pub fn take_changed(&mut self, text: String) -> bool {
+        if text == self.text || text == self.saved {
+            self.saved = text;
+            self.conflict = None;
+            return false;
+        }
+        if self.is_changed() {
+            self.conflict = Some(text);
+            return false;
+        }
+        self.replace(text.clone());
+        self.saved = text;
+        true
+    }
+
+    /// Ends a conflict: with the file's text, or with the own one, which then differs from the file's. Whether the
+    /// text is another one now.
+    pub fn settle(&mut self, take_file: bool) -> bool {
+        let Some(text) = self.conflict.take() else {
+            return false;
+        };
+        if take_file {
+            self.replace(text.clone());
+        }
+        self.saved = text;
+        take_file
+    }
+
+    /// Notes that the file holds the text as it is now.
+    pub fn note_saved(&mut self) {
+        self.saved.clone_from(&self.text);
+    }
+
+    /// Makes an edit of the text as it is now; whether the text is another one then.
+    ///
+    /// # Errors
+    /// Those of `make`; the text is as it was.
+    pub fn write<E: std::fmt::Display>(
+        &mut self,
+        make: impl FnOnce(&dyn Analysis) -> Result<Edit, E>,
+    ) -> Result<bool, String> {
+        let analysis = self.language.read(&self.text);
+        let edit = make(&*analysis).map_err(|refusal| refusal.to_string())?;
+        let text = ide::edit::apply(&self.text, &[edit]);
+        let changed = text != self.text;
+        if changed {
+            self.replace(text);
+        }
+        Ok(changed)
+    }
+
+    /// Puts another text in the place of this one, which the field that shows it can undo.
+    pub fn replace(&mut self, text: String) {
+        self.replaced.push(std::mem::replace(&mut self.text, text));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Editor;
+
+    fn editor() -> Editor {
+        let languages = ide::Languages::standard();
+        let language = languages.default_language().clone();
+        Editor::new(language, "a.gtr".into(), "one".into())
+    }
+
+    #[test]
+    fn a_params_value_is_written_into_its_declaration() {
+        let mut editor = editor();
+        editor.text = "param a : [0, 1];\npoint p = (a, 0, 0);\n".into();
+        assert_eq!(
+            editor.write(|analysis| analysis.edit_param("a", &[0.25])),
+            Ok(true)
+        );
+        assert!(
+            editor.text.starts_with("param a = 0.25 : [0, 1];\n"),
+            "{}",
+            editor.text
+        );
+        assert_eq!(
+            editor.write(|analysis| analysis.edit_param("a", &[0.25])),
+            Ok(false)
+        );
+        assert!(
+            editor
+                .write(|analysis| analysis.edit_param("b", &[0.25]))
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn the_files_text_can_be_taken() {
+        let mut editor = editor();
+        editor.text = "mine".into();
+        editor.take_changed("theirs".into());
+        assert!(editor.settle(true));
+        assert!(!editor.is_changed());
+        assert_eq!(editor.text, "theirs");
+    }
+}

@@ -1,0 +1,92 @@
+//! A session: the program that somebody has open, what was chosen, the cameras, and what can be undone.
+//!
+//! It is plain data with the functions that change it: no window, no thread, no file, no clock. A window and a page put
+//! their own around it: they hand in texts, bytes of images, ways of the pointer and seconds, and draw the requests that
+//! come out.
+//!
+//! ```text
+//! text ──reader──▶ Compiled ──take()──▶ Model ◀──change()── what the user does, each step under its name
+//! (editor, typing)                        │ (model)           ├─ history, difference: undo, redo
+//!                                         │                   ├─ camera_input: keys, drags, wheel ──▶ motions
+//!                                         │                   └─ clicks: hits ──▶ cameras, declarations
+//!                                         ├─ view: what is remembered by name, and between runs
+//!                                         ├─ faults: what is wrong with the text, and when that is shown
+//!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
+//!                                         ├─ motion, path, camera_controller: the motions of the geodesic ones
+//!                                         ├─ measuring, questions, figures: what is measured on a surface
+//!                                         └─ pane, layout: the panes and their places
+//!                                         │
+//! images ──textures──▶ request ◀──────────┘
+//!                         │
+//!                         ▼
+//!                   PictureRequest ──▶ render::Renderer
+//!                    ├─ framing: the first camera in space
+//!                    ├─ refinement: coarse while it moves, fine at rest
+//!                    └─ snapping: the place that is measured at a pixel
+//! ```
+
+pub mod camera;
+pub mod camera_controller;
+pub mod camera_input;
+pub mod clicks;
+mod difference;
+pub mod editor;
+pub mod faults;
+pub mod figures;
+pub mod framing;
+pub mod history;
+pub mod inside_camera;
+pub mod layout;
+pub mod measuring;
+pub mod model;
+pub mod motion;
+pub mod pane;
+pub mod path;
+pub mod program;
+pub mod questions;
+pub mod reader;
+pub mod refinement;
+pub mod request;
+pub mod snapping;
+pub mod textures;
+pub mod typing;
+pub mod view;
+
+pub use camera::SpaceCamera;
+pub use faults::ProgramFaults;
+pub use history::{History, Step};
+pub use inside_camera::{ChartCamera, InsideCamera, SolidCamera};
+pub use model::Model;
+pub use path::CameraPath;
+pub use program::{Compiled, Finding};
+pub use view::{
+    Animation, Choice, Look, MOST_SAMPLES, Marks, Opening, Preferences, SCALES, Theme, View,
+    WAVEFRONTS,
+};
+
+/// A sentence for the status line.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct StatusMessage {
+    /// Set if something failed.
+    pub is_error: bool,
+    /// The sentence.
+    pub text: String,
+}
+
+impl StatusMessage {
+    /// A sentence about something that failed.
+    pub fn error(text: impl Into<String>) -> Self {
+        Self {
+            is_error: true,
+            text: text.into(),
+        }
+    }
+
+    /// A sentence about something that was done.
+    pub fn info(text: impl Into<String>) -> Self {
+        Self {
+            is_error: false,
+            text: text.into(),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Questions about a surface, and their answers: a place, a figure, a walk, the way back.
+//!
+//! A surface with the params' values and a question flow in; rows of names and values flow out, and the lines of figures.
+//! A search for geodesics may take seconds.
+
+use geodesic::frame::Frame;
+use geodesic::measure;
+use geodesic::surface::Surface;
+use geometry::{Manifold, ManifoldError};
+
+use crate::camera_controller::Subject;
+use crate::figures;
+use crate::measuring::{Measured, PlacedFigure, Quantity, angle, number, place};
+
+/// A question about a surface.
+#[derive(Clone, Debug)]
+pub enum MeasureQuestion {
+    /// The place under the pointer, beside a camera.
+    Pointer {
+        /// The place.
+        uv: [f64; 2],
+        /// Its distance and direction (radians) from the camera, where that is known.
+        polar: Option<[f64; 2]>,
+        /// The camera of the surface.
+        camera: Option<Frame>,
+    },
+    /// A figure.
+    Figure(PlacedFigure),
+    /// A walk from one frame to another.
+    Walk {
+        /// The frame at the beginning.
+        start: Frame,
+        /// The frame at the end.
+        end: Frame,
+        /// The sum of the turns on the way, in radians.
+        turned: f64,
+        /// The length of the way.
+        length: f64,
+    },
+    /// The way back from a frame to a place.
+    WayBack {
+        /// The frame.
+        from: Frame,
+        /// The place (u, v).
+        to: [f64; 2],
+    },
+}
+
+/// An answer.
+#[derive(Debug)]
+pub enum MeasureAnswer {
+    /// Of the place under the pointer: its rows, and in short.
+    Pointer(Vec<Quantity>, String),
+    /// Of a figure.
+    Figure(PlacedFigure, Measured),
+    /// Of a walk.
+    Walk(Vec<Quantity>),
+    /// The surface's name, and the step of the camera that leads back, in units of its frame; none where no geodesic was
+    /// found.
+    WayBack(String, Option<[f64; 2]>),
+}
+
+/// Answers questions, and keeps the surface of the last one.
+#[derive(Debug, Default)]
+pub struct Measurer {
+    known: Option<(Subject, Result<Manifold, ManifoldError>)>,
+}
+
+impl Measurer {
+    /// Answers a question; `None` if its subject is no surface.
+    pub fn answer(
+        &mut self,
+        subject: &Subject,
+        question: &MeasureQuestion,
+    ) -> Option<MeasureAnswer> {
+        let known = self.known.take();
+        let known = known.filter(|(before, _)| before.is_same(subject));
+        let (_, manifold) = self
+            .known
+            .insert(known.unwrap_or_else(|| (subject.clone(), subject.manifold())));
+        Some(answer(subject, manifold.as_ref().ok()?, question))
+    }
+}
+
+fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) -> MeasureAnswer {
+    let surface = manifold.surface();
+    match question {
+        MeasureQuestion::Pointer { uv, polar, camera } => {
+            let rows = pointer(surface, *uv, *polar, camera.as_ref());
+            MeasureAnswer::Pointer(rows, in_short(surface, *uv))
+        }
+        MeasureQuestion::Figure(figure) => {
+            let measured = figures::measured(surface, subject.surface, &figure.figure);
+            MeasureAnswer::Figure(figure.clone(), measured)
+        }
+        MeasureQuestion::Walk {
+            start,
+            end,
+            turned,
+            length,
+        } => MeasureAnswer::Walk(walk(surface, start, end, *turned, *length)),
+        MeasureQuestion::WayBack { from, to } => {
+            let name = subject.scene.objects.get(subject.surface.0 as usize);
+            let name = name.map_or_else(String::new, |object| object.name.clone());
+            MeasureAnswer::WayBack(name, way_back(surface, from, *to))
+        }
+    }
+}
+
+/// Returns a place with its curvature, for the status line.
+fn in_short(surface: &dyn Surface, [u, v]: [f64; 2]) -> String {
+    let curvature = measure::place(surface, [u, v]).ok();
+    let curvature = curvature.and_then(|found| found.gaussian);
+    let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
+    format!("(u, v) = ({}, {}){curvature}", short(u), short(v))
+}
+
+/// Formats a number with at most four significant digits.
+fn short(value: f64) -> String {
+    number(format!("{value:.3e}").parse().unwrap_or(value))
+}
+
+fn pointer(
+    surface: &dyn Surface,
+    uv: [f64; 2],
+    polar: Option<[f64; 2]>,
+    camera: Option<&Frame>,
+) -> Vec<Quantity> {
+    let mut rows = vec![Quantity::new("(u, v)", place(uv))];
+    if let Ok(found) = measure::place(surface, uv)
+        && let Some(curvature) = found.gaussian
+    {
+        rows.push(Quantity::new("K", number(curvature)));
+    }
+    // A view from inside shows each place at the end of a geodesic, which need not be the shortest.
+    let name = match polar {
+        Some(_) => "length of the geodesic seen",
+        None => "distance from the camera",
+    };
+    let seen = polar.or_else(|| {
+        let camera = camera?;
+        let it = measure::distance(surface, camera.uv, uv).ok().flatten()?;
+        let [x, y] = in_frame(surface, camera, it.direction.0)?;
+        Some([it.length, y.atan2(x)])
+    });
+    if let Some([distance, direction]) = seen {
+        rows.push(Quantity::new(name, number(distance)));
+        rows.push(Quantity::new("direction", angle(direction)));
+    }
+    rows
+}
+
+/// The share of the zoom that the ends of a walk may lie apart, if the walk is to count as closed.
+const CLOSED: f64 = 1e-3;
+
+fn walk(
+    surface: &dyn Surface,
+    start: &Frame,
+    end: &Frame,
+    turned: f64,
+    length: f64,
+) -> Vec<Quantity> {
+    let mut rows = vec![Quantity::new("length", number(length))];
+    let tolerance = CLOSED * start.zoom(surface);
+    let closing = measure::closing(surface, start, end, turned, tolerance);
+    let Some(closing) = closing.filter(|_| length > tolerance) else {
+        return rows;
+    };
+    match closing.holonomy {
+        Some(holonomy) => rows.push(Quantity::new("holonomy", angle(holonomy))),
+        None if closing.mirrored && closing.gap <= tolerance => {
+            rows.push(Quantity::new(
+                "holonomy",
+                "none: left and right have changed places",
+            ));
+        }
+        None => rows.push(Quantity::new("to the start", number(closing.gap))),
+    }
+    rows
+}
+
+/// The step that leads a camera along the shortest geodesic to a place, in units of its frame.
+fn way_back(surface: &dyn Surface, from: &Frame, to: [f64; 2]) -> Option<[f64; 2]> {
+    let shortest = measure::distance(surface, from.uv, to).ok().flatten()?;
+    let towards = in_frame(surface, from, shortest.direction.0)?;
+    Some(towards.map(|x| x * shortest.length))
+}
+
+/// The coordinates of a tangent vector at a frame's place in the frame; `None` where there are none.
+fn in_frame(surface: &dyn Surface, frame: &Frame, vector: [f64; 2]) -> Option<[f64; 2]> {
+    let plain = frame.plain(surface);
+    let [[a, c], [b, d]] = [plain.x.0, plain.y.0];
+    let determinant = a * d - b * c;
+    let [p, q] = vector;
+    let coordinates = [(p * d - b * q) / determinant, (a * q - p * c) / determinant];
+    coordinates
+        .iter()
+        .all(|x| x.is_finite())
+        .then_some(coordinates)
+}

@@ -1,0 +1,140 @@
+//! Images for surfaces: the texture of each choice, and the images that programs name.
+//!
+//! Choices and words of a scene flow in, textures flow out. Where the images come from is the matter of an
+//! [`ImageSource`]: files of a computer, or bytes that a page was given.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use render::shared::Shared;
+use render::texture::Texture;
+use scene::Scene;
+
+use crate::view::Choice;
+
+/// Finds images and reads them.
+pub trait ImageSource {
+    /// Returns the file that a program names by a word, whether it can be read or not; `None` where none can be meant.
+    fn file_of(&self, word: &str) -> Option<PathBuf>;
+
+    /// Returns whether there is a file now that a program names by a word.
+    fn has(&self, word: &str) -> bool;
+
+    /// Reads an image that something else than the user names: at once, or so that the library gets it later by
+    /// [`Library::take`].
+    fn read(&mut self, path: &Path) -> ImageState;
+}
+
+/// An image file that was read.
+#[derive(Debug)]
+pub struct TextureRead {
+    /// The file.
+    pub path: PathBuf,
+    /// Its texture, or a sentence that says why there is none.
+    pub texture: Result<Arc<Texture>, String>,
+}
+
+/// The state of an image of the library.
+#[derive(Clone, Debug)]
+pub enum ImageState {
+    /// It is on its way.
+    Reading,
+    /// It has been read.
+    Ready(Arc<Texture>),
+    /// It cannot be read, in a sentence.
+    Failed(String),
+}
+
+/// The images that have been read from a source.
+#[derive(Debug, Default)]
+pub struct Library<S> {
+    images: BTreeMap<PathBuf, ImageState>,
+    /// The files of the words by which programs name images.
+    named: BTreeMap<String, Option<PathBuf>>,
+    /// The source that reads them.
+    pub source: S,
+}
+
+impl<S: ImageSource> Library<S> {
+    /// An empty library.
+    pub fn new(source: S) -> Self {
+        Self {
+            images: BTreeMap::new(),
+            named: BTreeMap::new(),
+            source,
+        }
+    }
+
+    /// The texture of a choice. An image that has not been read is sent for, and shows nothing until it comes.
+    pub fn texture(&mut self, choice: &Choice) -> Option<Arc<Texture>> {
+        match choice {
+            Choice::Default | Choice::Curvature => None,
+            Choice::Plain => Some(Texture::plain()),
+            Choice::Image(path) => {
+                if !self.images.contains_key(path) {
+                    let state = self.source.read(path);
+                    self.put(path.clone(), state);
+                }
+                match self.images.get(path) {
+                    Some(ImageState::Ready(texture)) => Some(Arc::clone(texture)),
+                    _ => None,
+                }
+            }
+        }
+    }
+
+    /// The images that a scene names and that have been read; the others are sent for.
+    pub fn named(&mut self, scene: &Scene) -> Vec<(String, Shared<Texture>)> {
+        let mut images = Vec::new();
+        for word in scene.image_words() {
+            let (files, source) = (&mut self.named, &self.source);
+            let file = files
+                .entry(word.to_owned())
+                .or_insert_with(|| source.file_of(word));
+            let choice = file.clone().map(Choice::Image);
+            let texture = choice.and_then(|choice| self.texture(&choice));
+            images.extend(texture.map(|texture| (word.to_owned(), texture.into())));
+        }
+        images
+    }
+
+    /// Looks again for the files of images that programs name, and that were not there.
+    pub fn look_again(&mut self) {
+        let (images, source) = (&mut self.images, &self.source);
+        self.named.retain(|word, file| {
+            let failed = |file: &PathBuf| matches!(images.get(file), Some(ImageState::Failed(_)));
+            let Some(file) = file.as_ref().filter(|file| failed(file)) else {
+                return true;
+            };
+            let is_missing = !source.has(word);
+            if !is_missing {
+                images.remove(file);
+            }
+            is_missing
+        });
+    }
+
+    /// Returns the sentence about an image that cannot be read.
+    pub fn trouble(&self, path: &Path) -> Option<&str> {
+        match self.images.get(path) {
+            Some(ImageState::Failed(sentence)) => Some(sentence),
+            _ => None,
+        }
+    }
+
+    /// Sets the state of an image, which may have had another one: the user has chosen it, or a page has its bytes.
+    pub fn put(&mut self, path: PathBuf, state: ImageState) {
+        self.images.insert(path, state);
+    }
+
+    /// Takes over an image that was read; returns the sentence about one that cannot be.
+    pub fn take(&mut self, read: TextureRead) -> Option<String> {
+        let (state, trouble) = match read.texture {
+            Ok(texture) => (ImageState::Ready(texture), None),
+            Err(sentence) => (ImageState::Failed(sentence.clone()), Some(sentence)),
+        };
+        self.put(read.path, state);
+        trouble
+    }
+}
