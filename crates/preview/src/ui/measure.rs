@@ -350,11 +350,17 @@ fn contents(window: &mut Window, ui: &mut Ui) {
         }
     });
     let measuring = &mut window.dialogs.measuring;
-    // What has been measured takes the room of the hints: the window covers less of the sliders below.
-    if measuring.found.is_none() {
-        ui.weak(hint(measuring.tool));
-        ui.weak("A ring shows the point, end or corner that a click takes; Alt turns this off.");
-    }
+    // What has been measured takes the room of the hints: the window covers less of the sliders below. The scope takes one
+    // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.
+    let is_asking = measuring.found.is_none();
+    ui.scope(|ui| {
+        if is_asking {
+            ui.weak(hint(measuring.tool));
+            ui.weak(
+                "A ring shows the point, end or corner that a click takes; Alt turns this off.",
+            );
+        }
+    });
     if let Some(PlacedFigure { surface, figure }) = &mut measuring.figure {
         ui.separator();
         ui.strong(format!("{} on {surface}", title(figure.kind)));

@@ -1,6 +1,6 @@
 //! The file that a window keeps beside a program.
 
-use preview::state::View;
+use session::View;
 
 /// Keys and values of the file.
 pub(crate) const WORDS: &[&str] = &[
