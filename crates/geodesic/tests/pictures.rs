@@ -323,6 +323,19 @@ fn the_fan_s_picture_is_true_to_the_tolerance_and_says_how_true() {
 }
 
 #[test]
+fn where_geodesics_part_chaotically_the_estimate_is_no_more_than_3_times_too_low() {
+    let surface = bumps();
+    let frame = Frame::new(&surface, [0.02, 0.7], 0.7, 1.2).expect("a frame");
+    let size = [128; 2];
+    let map = exponential_map(&surface, &frame, size, &MapOptions::default(), &|_| {});
+    let mut reference = Reference::new(&surface, &frame, size, 1200);
+    let errors = reference.errors(&|k| (map.uv(k), map.status[k]));
+    let estimate = map.estimate.expect("a fan estimates its error");
+    assert!(errors.max <= 3.0 * estimate.max, "{errors}, {estimate:?}");
+    assert!(errors.quantile(0.99) <= 0.1, "{errors}");
+}
+
+#[test]
 fn each_pixel_by_itself_is_as_true_as_is_asked() {
     // Where geodesics part, what the first steps are off grows on the way.
     let cases: [(&dyn Surface, [f64; 2], f64, f64); 9] = [

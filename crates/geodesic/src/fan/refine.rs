@@ -17,6 +17,8 @@ const NARROWEST: f64 = 0.5;
 const FEW: usize = 64;
 /// … and while more pixels than this are left out between two rays.
 const LEFT_OUT: f64 = 2.0;
+/// The factor by which a sector's error may exceed the one that was expected of it before less is expected of its halves.
+const EXCESS: f32 = 2.0;
 /// An error in pixels that stands for no agreement at all.
 const WRONG: f64 = 1e9;
 
@@ -287,9 +289,16 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     pub(super) fn halve(&mut self, sector: Sector, middle: Ray) -> [Sector; 2] {
         let order = self.order();
         let rays = self.pair(&sector);
-        let errors = self
-            .profile(rays, sector.width, &middle, 0.5)
-            .map(|x| x / order);
+        let found = self.profile(rays, sector.width, &middle, 0.5);
+        // Where a sector is worse than the wider one made expect, the fourth power of the width does not hold yet.
+        let errors: Profile = std::array::from_fn(|n| {
+            let excess = found[n] / sector.errors[n];
+            let order = match excess > EXCESS && sector.errors[n] > 0.0 {
+                true => (order / excess).max(1.0),
+                false => order,
+            };
+            found[n] / order
+        });
         let edge = border::exit_discrepancy(rays, sector.width, &middle) / f64::from(order);
         let half = 0.5 * sector.width;
         let new = self.rays.len();
