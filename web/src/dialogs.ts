@@ -1,0 +1,148 @@
+// Dialogs, menus and notices: small windows over the page, which Escape closes.
+
+import { button, make } from "./dom.ts";
+
+/** Opens a dialog over the page; it is gone when it is closed. */
+export function openDialog(title: string, body: (Node | string)[], { wide = false } = {}): HTMLDialogElement {
+    const close = button("Close", () => dialog.close(), { icon: "close", text: false });
+    const dialog: HTMLDialogElement = make(
+        "dialog",
+        { class: wide ? "wide" : "", "aria-label": title },
+        make("header", {}, make("h2", {}, title), close),
+        make("div", { class: "body" }, ...body),
+    );
+    dialog.addEventListener("close", () => dialog.remove());
+    dialog.addEventListener("click", (event) => {
+        // A click beside it, which is on its backdrop.
+        if (event.target === dialog) {
+            const { left, right, top, bottom } = dialog.getBoundingClientRect();
+            const { clientX: x, clientY: y } = event;
+            if (x < left || x > right || y < top || y > bottom) {
+                dialog.close();
+            }
+        }
+    });
+    document.body.append(dialog);
+    dialog.showModal();
+    return dialog;
+}
+
+/** Asks for a line of text; nothing if it is not given. */
+export function ask(title: string, label: string, initial: string): Promise<string | undefined> {
+    return new Promise((resolve) => {
+        const input = make("input", { class: "field", id: "asked", value: initial, autocomplete: "off", spellcheck: false });
+        let answer: string | undefined;
+        const form = make("form", { method: "dialog" }, make("label", { htmlFor: "asked" }, label), input);
+        form.append(
+            make(
+                "div",
+                { class: "buttons" },
+                button("Cancel", () => dialog.close(), { kind: "outline" }),
+                make("button", { class: "button primary", type: "submit" }, title),
+            ),
+        );
+        form.addEventListener("submit", () => (answer = input.value.trim()));
+        const dialog = openDialog(title, [form]);
+        dialog.addEventListener("close", () => resolve(answer === "" ? undefined : answer));
+        input.focus();
+        input.select();
+    });
+}
+
+export interface MenuEntry {
+    label: string;
+    keys?: string;
+    press(): void;
+}
+
+/** Makes a button open a menu below it. */
+export function menu(opener: HTMLButtonElement, entries: () => (MenuEntry | undefined)[]): void {
+    opener.setAttribute("aria-haspopup", "menu");
+    opener.setAttribute("aria-expanded", "false");
+    let closed = 0;
+    opener.addEventListener("click", () => {
+        // The press on the button has closed the menu already.
+        if (performance.now() - closed < 200) {
+            return;
+        }
+        const list = make("div", { class: "menu", role: "menu", popover: "auto" });
+        for (const entry of entries()) {
+            if (entry !== undefined) {
+                list.append(
+                    make(
+                        "button",
+                        {
+                            type: "button",
+                            role: "menuitem",
+                            onclick: () => {
+                                list.hidePopover();
+                                entry.press();
+                            },
+                        },
+                        entry.label,
+                        entry.keys !== undefined && make("kbd", {}, entry.keys),
+                    ),
+                );
+            }
+        }
+        list.addEventListener("toggle", (event) => {
+            const isOpen = (event as ToggleEvent).newState === "open";
+            opener.setAttribute("aria-expanded", String(isOpen));
+            if (!isOpen) {
+                closed = performance.now();
+                list.remove();
+            }
+        });
+        list.addEventListener("keydown", (event) => {
+            const items = [...list.querySelectorAll("button")];
+            const by = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+            if (by !== 0) {
+                event.preventDefault();
+                const at = items.indexOf(document.activeElement as HTMLButtonElement);
+                items[(at + by + items.length) % items.length]?.focus();
+            }
+        });
+        document.body.append(list);
+        list.showPopover();
+        const { left, bottom } = opener.getBoundingClientRect();
+        const room = document.documentElement.clientWidth - list.offsetWidth - 8;
+        const below = document.documentElement.clientHeight - list.offsetHeight - 8;
+        list.style.left = `${Math.max(8, Math.min(left, room))}px`;
+        list.style.top = `${Math.max(8, Math.min(bottom + 4, below))}px`;
+        list.querySelector("button")?.focus();
+    });
+}
+
+const notices = make("div", { class: "notices", role: "status", "aria-live": "polite" });
+
+export interface SayOptions {
+    /** It says that something is wrong, and stays. */
+    bad?: boolean;
+    /** What can be done about it. */
+    action?: { label: string; press(): void };
+    /** It stays until it is closed. */
+    stays?: boolean;
+}
+
+/** Says a sentence at the edge of the page. */
+export function say(message: string, { bad = false, action, stays = bad }: SayOptions = {}): void {
+    if (!notices.isConnected) {
+        document.body.append(notices);
+    }
+    // The same sentence stands there once.
+    for (const old of [...notices.children]) {
+        if (old.querySelector("p")?.textContent === message) {
+            old.remove();
+        }
+    }
+    while (notices.children.length > 3) {
+        notices.firstElementChild?.remove();
+    }
+    const act = action && button(action.label, () => (toast.remove(), action.press()), { kind: "outline" });
+    const close = button("Close", () => toast.remove(), { icon: "close", text: false });
+    const toast = make("div", { class: bad ? "toast bad" : "toast" }, make("p", {}, message), act, close);
+    notices.append(toast);
+    if (!stays) {
+        setTimeout(() => toast.remove(), 5000);
+    }
+}
