@@ -15,6 +15,7 @@ import {
     type Settings,
     type SettingsPatch,
 } from "./protocol.ts";
+import address from "./worker.ts?worker&url";
 
 /** The program that is open, as a Worker needs it to begin. */
 export interface Program {
@@ -232,7 +233,16 @@ export class Core {
     }
 }
 
-/** Starts the Worker of this page. */
+/** Starts the Worker. A page of another place may not start it by its address, but a script of its own may import it. */
 export function startWorker(): Worker {
-    return new Worker(new URL("./worker.ts", import.meta.url), { type: "module", name: "geotrace" });
+    const url = new URL(address, import.meta.url);
+    if (url.origin === location.origin) {
+        return new Worker(url, { type: "module", name: "geotrace" });
+    }
+    const script = new Blob([`import ${JSON.stringify(url.href)};`], { type: "text/javascript" });
+    const own = URL.createObjectURL(script);
+    const worker = new Worker(own, { type: "module", name: "geotrace" });
+    // It is read when the Worker starts, which is after this call.
+    setTimeout(() => URL.revokeObjectURL(own), 60_000);
+    return worker;
 }

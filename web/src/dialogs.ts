@@ -146,3 +146,12 @@ export function say(message: string, { bad = false, action, stays = bad }: SayOp
         setTimeout(() => toast.remove(), 5000);
     }
 }
+
+/** Does something that can fail with a sentence, which is said then. */
+export async function attempt(action: () => Promise<void>): Promise<void> {
+    try {
+        await action();
+    } catch (error) {
+        say((error as Error).message, { bad: true });
+    }
+}

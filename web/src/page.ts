@@ -6,35 +6,27 @@
 // remembered, so that nothing that was typed is lost.
 
 import { Core, startWorker } from "./core.ts";
-import { ask, menu, openDialog, say } from "./dialogs.ts";
+import { ask, attempt, menu, openDialog, say } from "./dialogs.ts";
 import { button, download, icon, make } from "./dom.ts";
-import { Editor, type Shown } from "./editor.ts";
+import { Editor } from "./editor.ts";
 import { recolour } from "./editor/colours.ts";
-import { EXAMPLES, FIRST, TEMPLATES } from "./examples.ts";
+import { FIRST, TEMPLATES } from "./examples.ts";
+import { FORMATS, saveMesh, savePicture } from "./export.ts";
+import { chooseFile, IMAGES, isProgram, named, PROGRAMS, readImage, readProgram } from "./files.ts";
 import { openGallery, openHelp, welcome } from "./gallery.ts";
 import iconAddress from "./icon.svg?url";
 import { LinkError, packed, unpacked } from "./link.ts";
-import { inline } from "./markdown.ts";
-import type { MeshFormat, Pick, Scene, Settings } from "./protocol.ts";
+import { Problems } from "./problems.ts";
+import type { Pick, Scene, Settings } from "./protocol.ts";
 import { SettingsPane } from "./settings.ts";
 import { columns } from "./splitters.ts";
 import * as store from "./store.ts";
 import { Views } from "./views.ts";
 
-/** The longest file that is opened, in bytes. */
-const LONGEST_PROGRAM = 4 << 20;
-const LONGEST_IMAGE = 32 << 20;
 /** A link that is longer, in characters, is cut off by some programs. */
 const LONG_LINK = 30_000;
 /** The pause until a change is kept, in milliseconds. */
 const KEEP = 400;
-
-const FORMATS: { format: MeshFormat; label: string }[] = [
-    { format: "obj", label: "Wavefront .obj" },
-    { format: "ply", label: "Polygons .ply" },
-    { format: "stl", label: "For printing .stl" },
-    { format: "glb", label: "Scene with colours .glb" },
-];
 
 type TabName = "program" | "views" | "settings";
 
@@ -44,12 +36,10 @@ export class Page {
     private readonly views: Views;
     private readonly settings: SettingsPane;
     private readonly name = make("input", { class: "name", "aria-label": "Name of the program", spellcheck: false });
-    private readonly problems = make("ul", { class: "problems", "aria-label": "Problems", hidden: true });
-    private readonly counted = make("span", {});
+    private readonly problems: Problems;
     private readonly pointed = make("span", { class: "pointed" });
     private readonly panes = make("main", { class: "panes", "data-tab": "views" });
     private readonly tabs = new Map<TabName, HTMLButtonElement>();
-    private readonly badge = make("span", { class: "count", hidden: true });
     private readonly steps: HTMLElement;
     private scene: Scene | undefined;
     private fileName = "first.gtr";
@@ -69,10 +59,14 @@ export class Page {
             busy: ({ view, isBusy }) => this.views.busy(view, isBusy),
             lost: (why, isBack) => this.lost(why, isBack),
         });
+        this.problems = new Problems({
+            show: (range) => this.show(range),
+            fix: (fix) => this.editor.apply(fix.edits, this.editor.version, "the fix"),
+        });
         const editorBox = make("div", { class: "editor" });
         this.editor = new Editor(editorBox, this.core, {
             changed: (isByHand) => this.edited(isByHand),
-            shown: (findings) => this.list(findings),
+            shown: (findings) => this.problems.set(findings),
             say: (message) => say(message),
             askName: (old) => ask("Rename", `A new name for ${old}`, old),
         });
@@ -80,14 +74,14 @@ export class Page {
             pointed: (pick) => this.point(pick),
             declaration: (pick) => this.declaration(pick),
             say: (message) => say(message),
-            save: (view) => this.savePicture(view),
+            save: (view) => savePicture(this.core, this.views.list(), view, this.stem()),
             undo: () => void this.undo("undo"),
             redo: () => void this.undo("redo"),
         });
         this.settings = new SettingsPane(this.core, {
             declaration: (name) => void this.goTo(name),
             write: (param) => void this.write(param),
-            chooseImage: (object) => this.chooseImage(object),
+            chooseImage: (object) => chooseFile(IMAGES, (file) => void this.layImage(file, object)),
             changed: () => this.settingsChanged(),
             writeCamera: () => void this.writeCamera(),
             reset: () => this.reset(),
@@ -215,36 +209,6 @@ export class Page {
         }
     }
 
-    private list(findings: Shown[]): void {
-        const errors = findings.filter((it) => it.severity === "error").length;
-        const warnings = findings.length - errors;
-        const count = (number: number, word: string) => (number === 0 ? [] : [`${number} ${word}${number === 1 ? "" : "s"}`]);
-        const text = [...count(errors, "error"), ...count(warnings, "warning")].join(", ");
-        this.counted.textContent = text === "" ? "No problems" : text;
-        this.counted.className = errors > 0 ? "bad" : "";
-        this.badge.hidden = findings.length === 0;
-        this.badge.textContent = String(findings.length);
-        this.problems.hidden = findings.length === 0;
-        const { version } = this.editor;
-        const rows = findings.map((finding) => {
-            const row = make(
-                "button",
-                { type: "button", onclick: () => this.show(finding) },
-                icon("error"),
-                make("span", {}, inline(finding.message)),
-                make("span", { class: "place" }, `${finding.line}:${finding.column}`),
-                finding.hint !== null && make("span", { class: "help" }, inline(finding.hint)),
-            );
-            const related = finding.related.map(({ message, ...range }) =>
-                make("button", { type: "button", class: "related", onclick: () => this.show(range) }, "↳ ", inline(message)),
-            );
-            const { fix } = finding;
-            const apply = fix && button(fix.title.replaceAll("`", ""), () => this.editor.apply(fix.edits, version, "the fix"), { kind: "outline" });
-            return make("li", { class: finding.severity }, row, ...related, apply);
-        });
-        this.problems.replaceChildren(...rows);
-    }
-
     private show(range: { from: number; to: number }): void {
         this.choose("program");
         this.editor.select(range);
@@ -268,7 +232,7 @@ export class Page {
     }
 
     private async goTo(name: string): Promise<void> {
-        await this.attempt(async () => {
+        await attempt(async () => {
             const range = await this.core.call("declaration", { name });
             if (range !== null) {
                 this.show(range);
@@ -278,7 +242,7 @@ export class Page {
 
     private async write(param: string): Promise<void> {
         const { version } = this.editor;
-        await this.attempt(async () => {
+        await attempt(async () => {
             const edit = await this.core.call("writeParam", { param });
             this.editor.apply([edit], version, "the change");
         });
@@ -287,7 +251,7 @@ export class Page {
     private async writeCamera(): Promise<void> {
         const { version } = this.editor;
         const name = this.core.settings.preferences?.camera ?? this.scene?.cameras[0] ?? "eye";
-        await this.attempt(async () => {
+        await attempt(async () => {
             const edit = await this.core.call("writeCamera", { name });
             this.editor.apply([edit], version, "the change");
             this.show({ from: edit.from, to: edit.from + edit.insert.length });
@@ -306,20 +270,12 @@ export class Page {
     }
 
     private async undo(call: "undo" | "redo"): Promise<void> {
-        await this.attempt(async () => {
+        await attempt(async () => {
             const step = await this.core.call(call, {});
             if (step === null) {
                 say(call === "undo" ? "There is no step to take back." : "There is no step to do again.");
             }
         });
-    }
-
-    private async attempt(action: () => Promise<void>): Promise<void> {
-        try {
-            await action();
-        } catch (error) {
-            say((error as Error).message, { bad: true });
-        }
     }
 
     // ------------------------------------------------------------------------------------------------- programs and files
@@ -351,30 +307,47 @@ export class Page {
                 this.open(program, true);
             },
         }));
-        return [{ label: "Open a file…", keys: "Ctrl+O", press: () => this.chooseProgram() }, ...before];
+        return [{ label: "Open a file…", keys: "Ctrl+O", press: () => chooseFile(PROGRAMS, (file) => void this.openFile(file)) }, ...before];
     }
 
-    private chooseProgram(): void {
-        const input = make("input", { type: "file", accept: ".gtr,.crt,text/plain" });
-        input.addEventListener("change", () => void this.openFile(input.files?.[0]));
-        input.click();
-    }
-
-    private async openFile(file: File | undefined): Promise<void> {
-        if (file === undefined) {
-            return;
-        }
-        if (file.size > LONGEST_PROGRAM) {
-            say(`${file.name} is larger than 4 MB, which is too much for this page. The command line reads larger programs.`, { bad: true });
-            return;
-        }
-        try {
-            const text = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
+    private async openFile(file: File): Promise<void> {
+        await attempt(async () => {
+            const program = await readProgram(file);
             this.dropLink();
-            this.open({ name: named(file.name), text: text.replace(/^\uFEFF/, "").replaceAll(/\r\n?/g, "\n") }, true);
-        } catch {
-            say(`${file.name} is not a text in UTF-8, so it is not a program.`, { bad: true });
+            this.open(program, true);
+        });
+    }
+
+    /** Lays an image on an object. */
+    private async layImage(file: File, object: string): Promise<void> {
+        await attempt(async () => {
+            const { name } = file;
+            await this.core.texture(name, await readImage(file));
+            const known = this.core.settings.textures ?? [];
+            const textures = known.includes(name) ? known : [...known, name];
+            this.core.change({ textures, looks: { [object]: { texture: { image: name } } } }, "image");
+            this.settingsChanged();
+        });
+    }
+
+    /** Opens a program, or lays an image on the surface that it is dropped on, else on the first one. */
+    private async drop(event: DragEvent): Promise<void> {
+        const file = event.dataTransfer?.files[0];
+        if (file === undefined || isProgram(file)) {
+            return file && this.openFile(file);
         }
+        const hit = this.views.at(event.clientX, event.clientY);
+        const textured = this.scene?.objects.filter((it) => it.hasTexture) ?? [];
+        let object = textured[0]?.name;
+        if (hit !== undefined) {
+            const pick = await this.core.call("pick", { view: hit.pane.info.id, at: hit.place }).catch(() => null);
+            object = textured.find((it) => it.name === pick?.object)?.name ?? object;
+        }
+        if (object === undefined) {
+            say("There is no surface that the image could be laid on.");
+            return;
+        }
+        await this.layImage(file, object);
     }
 
     private saveFile(): void {
@@ -382,7 +355,7 @@ export class Page {
     }
 
     private async copyLink(): Promise<void> {
-        await this.attempt(async () => {
+        await attempt(async () => {
             // A Worker that does not answer shall not keep the reader from the link.
             const known = await Promise.race([
                 this.core.call("settings", {}).catch(() => this.core.settings),
@@ -406,127 +379,8 @@ export class Page {
         });
     }
 
-    private savePicture(view?: string): void {
-        const panes = this.views.list();
-        const first = panes.find((pane) => pane.info.id === view) ?? panes[0];
-        if (first === undefined) {
-            say("No view is open, so there is no picture to save.");
-            return;
-        }
-        const select = make("select", { class: "field", id: "save-view" });
-        select.append(...panes.map(({ info }) => make("option", { value: info.id }, info.title)));
-        select.value = first.info.id;
-        const side = (id: string, value: number, label: string) =>
-            make("input", { class: "number", type: "number", id, min: "1", max: "4096", step: "1", value: String(value), "aria-label": label });
-        const { width = 800, height = 600 } = first.declared() ?? {};
-        const [across, down] = [side("save-width", width, "Width in pixels"), side("save-height", height, "Height in pixels")];
-        const transparent = make("input", { type: "checkbox", id: "save-transparent" });
-        const save = make("button", { class: "button primary", type: "submit" }, "Save");
-        const form = make(
-            "form",
-            {},
-            make(
-                "div",
-                { class: "form" },
-                make("label", { htmlFor: "save-view" }, "View"),
-                select,
-                make("label", { htmlFor: "save-width" }, "Size"),
-                make("div", { class: "pair" }, across, "×", down, "pixels"),
-                make("label", { class: "check" }, transparent, "Transparent background"),
-            ),
-            make("div", { class: "buttons" }, button("Cancel", () => dialog.close(), { kind: "outline" }), save),
-        );
-        form.addEventListener("submit", (event) => {
-            event.preventDefault();
-            save.disabled = true;
-            save.textContent = "Drawing…";
-            void this.attempt(async () => {
-                const request = {
-                    view: select.value,
-                    width: across.valueAsNumber,
-                    height: down.valueAsNumber,
-                    transparent: transparent.checked,
-                };
-                const file = await this.core.call("savePicture", request);
-                download(`${this.stem()}-${select.value.replace(":", "-")}.png`, file.bytes, file.type);
-                for (const note of file.notes) {
-                    say(note);
-                }
-            }).finally(() => dialog.close());
-        });
-        const dialog = openDialog("Save a picture", [form]);
-    }
-
-    private async saveMesh(format: MeshFormat): Promise<void> {
-        await this.attempt(async () => {
-            const file = await this.core.call("saveMesh", { format });
-            download(`${this.stem()}.${format}`, file.bytes, file.type);
-            for (const note of file.notes) {
-                say(note);
-            }
-        });
-    }
-
     private stem(): string {
         return this.fileName.replace(/\.(gtr|crt)$/, "") || "geotrace";
-    }
-
-    // ------------------------------------------------------------------------------------------------------------- images
-
-    private chooseImage(object: string): void {
-        const input = make("input", { type: "file", accept: "image/png,image/jpeg" });
-        input.addEventListener("change", () => {
-            const file = input.files?.[0];
-            if (file !== undefined) {
-                void this.layImage(file, object);
-            }
-        });
-        input.click();
-    }
-
-    /** Lays an image on an object, or makes it the default texture. */
-    private async layImage(file: File, object: string | undefined): Promise<void> {
-        if (file.size > LONGEST_IMAGE) {
-            say(`${file.name} is larger than 32 MB, which is too much for a texture.`, { bad: true });
-            return;
-        }
-        await this.attempt(async () => {
-            const { name } = file;
-            await this.core.texture(name, await file.arrayBuffer());
-            const known = this.core.settings.textures ?? [];
-            const textures = known.includes(name) ? known : [...known, name];
-            const choice = { image: name };
-            const look = object === undefined ? { defaultTexture: choice } : { looks: { [object]: { texture: choice } } };
-            this.core.change({ textures, ...look }, "image");
-            this.settingsChanged();
-        });
-    }
-
-    private async drop(event: DragEvent): Promise<void> {
-        const file = event.dataTransfer?.files[0];
-        if (file === undefined) {
-            return;
-        }
-        if (/\.(gtr|crt|txt)$/i.test(file.name) || file.type.startsWith("text/")) {
-            await this.openFile(file);
-            return;
-        }
-        if (!/^image\/(png|jpeg)$/.test(file.type)) {
-            say(`${file.name} is neither a program (.gtr, .crt) nor an image (PNG, JPEG).`, { bad: true });
-            return;
-        }
-        const hit = this.views.at(event.clientX, event.clientY);
-        const textured = this.scene?.objects.filter((it) => it.hasTexture) ?? [];
-        let object = textured[0]?.name;
-        if (hit !== undefined) {
-            const pick = await this.core.call("pick", { view: hit.pane.info.id, at: hit.place }).catch(() => null);
-            object = textured.find((it) => it.name === pick?.object)?.name ?? object;
-        }
-        if (object === undefined) {
-            say("There is no surface that the image could be laid on.");
-            return;
-        }
-        await this.layImage(file, object);
     }
 
     // ---------------------------------------------------------------------------------------------------------- the frame
@@ -540,7 +394,7 @@ export class Page {
         menu(save, () => this.exportMenu());
         const more = button("Menu", () => {}, { icon: "menu", text: false, kind: "phone" });
         menu(more, () => [
-            { label: "Open a file…", press: () => this.chooseProgram() },
+            { label: "Open a file…", press: () => chooseFile(PROGRAMS, (file) => void this.openFile(file)) },
             ...store.recent().slice(0, 3).map((it) => ({ label: `Open ${it.name} again`, press: () => this.open(it, true) })),
             ...this.newMenu().map((it) => ({ ...it, label: it.label === "First program" ? it.label : `New: ${it.label}` })),
             ...this.exportMenu(),
@@ -565,12 +419,12 @@ export class Page {
             more,
         );
         const head = make("div", { class: "head" }, this.name, make("span", { class: "space" }), edit);
-        const program = make("section", { class: "program", "aria-label": "Program" }, head, this.steps, editorBox, this.problems);
+        const program = make("section", { class: "program", "aria-label": "Program" }, head, this.steps, editorBox, this.problems.element);
         this.steps.hidden = true;
         const column = make("div", { class: "column" }, program, this.settings.element);
         this.panes.append(column, this.views.element);
         columns(this.panes, column, program);
-        const status = make("footer", { class: "status" }, this.counted, make("span", { class: "space" }), this.pointed);
+        const status = make("footer", { class: "status" }, this.problems.count, make("span", { class: "space" }), this.pointed);
         const tab = (name: TabName, label: string, kind: "code" | "cube" | "sliders") => {
             const press = make("button", { type: "button", role: "tab", onclick: () => this.choose(name) }, icon(kind), label);
             this.tabs.set(name, press);
@@ -583,17 +437,16 @@ export class Page {
             tab("views", "Pictures", "cube"),
             tab("settings", "Settings", "sliders"),
         );
-        this.tabs.get("program")?.append(this.badge);
+        this.tabs.get("program")?.append(this.problems.badge);
         this.root.append(bar, this.panes, status, bottom);
         this.choose("views");
-        this.list([]);
     }
 
     private exportMenu(): { label: string; keys?: string; press(): void }[] {
         return [
             { label: "Save the program", keys: "Ctrl+S", press: () => this.saveFile() },
-            { label: "Save a picture…", press: () => this.savePicture(this.views.current()?.info.id) },
-            ...FORMATS.map(({ format, label }) => ({ label: `Mesh: ${label}`, press: () => void this.saveMesh(format) })),
+            { label: "Save a picture…", press: () => savePicture(this.core, this.views.list(), this.views.current()?.info.id, this.stem()) },
+            ...FORMATS.map(({ format, label }) => ({ label: `Mesh: ${label}`, press: () => void saveMesh(this.core, format, this.stem()) })),
         ];
     }
 
@@ -702,7 +555,7 @@ export class Page {
             this.saveFile();
         } else if (isControl && event.code === "KeyO") {
             event.preventDefault();
-            this.chooseProgram();
+            chooseFile(PROGRAMS, (file) => void this.openFile(file));
         } else if (event.key === "F1") {
             event.preventDefault();
             openHelp(this.scene);
@@ -712,12 +565,3 @@ export class Page {
         }
     }
 }
-
-/** A file's name with an extension of a language. */
-function named(name: string): string {
-    const trimmed = name.trim().replaceAll(/[\\/]/g, "-").slice(0, 100) || "untitled.gtr";
-    return /\.(gtr|crt)$/i.test(trimmed) ? trimmed.replace(/\.\w+$/, (end) => end.toLowerCase()) : `${trimmed.replace(/\.txt$/i, "")}.gtr`;
-}
-
-/** The number of the examples, which tests compare with the folder. */
-export const EXAMPLE_COUNT = EXAMPLES.length;
