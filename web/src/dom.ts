@@ -82,7 +82,7 @@ export function button(
             type: "button",
             class: `button ${text ? "" : "square"} ${kind}`.trim(),
             "aria-label": text ? undefined : label,
-            title: hint ?? (text ? undefined : label),
+            title: hint ?? (text && !kind.includes("wide") ? undefined : label),
             onclick: press,
         },
         name && icon(name),

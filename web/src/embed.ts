@@ -25,7 +25,7 @@ const OWN_STYLE = `
 p { margin: 0; }
 .view { flex: 1; }
 .sliders { flex: none; max-height: 45%; padding: 4px 8px 0; overflow: auto; }
-.message { padding: 8px 12px; color: var(--error); white-space: pre-wrap; }
+.message { order: 9; padding: 8px 12px; color: var(--error); white-space: pre-wrap; }
 `;
 
 /** The part of the path that says the language. */

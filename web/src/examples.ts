@@ -14,10 +14,13 @@ export interface Example {
     picture: string | undefined;
 }
 
-export const EXAMPLES: Example[] = Object.entries(texts).map(([path, text]) => {
-    const file = path.slice(path.lastIndexOf("/") + 1);
-    return { file, text, about: aboutOf(text), picture: pictures[`./gallery/${file.replace(/\.\w+$/, "")}.webp`] };
-});
+/** All examples by their names, the scripts behind the programs. */
+export const EXAMPLES: Example[] = Object.entries(texts)
+    .map(([path, text]) => {
+        const file = path.slice(path.lastIndexOf("/") + 1);
+        return { file, text, about: aboutOf(text), picture: pictures[`./gallery/${file.replace(/\.\w+$/, "")}.webp`] };
+    })
+    .sort((a, b) => Number(a.file.endsWith(".crt")) - Number(b.file.endsWith(".crt")) || (a.file < b.file ? -1 : 1));
 
 function aboutOf(text: string): string {
     const lines: string[] = [];
@@ -28,7 +31,7 @@ function aboutOf(text: string): string {
         }
         lines.push(comment[1] ?? "");
     }
-    return /^.*?[.:;](?=\s|$)/.exec(lines.join(" "))?.[0].replace(/[:;]$/, ".") ?? lines.join(" ");
+    return /^.*?\.(?=\s|$)/.exec(lines.join(" "))?.[0] ?? lines.join(" ");
 }
 
 /** The first program, which README has too. */

@@ -398,7 +398,6 @@ export class Page {
             ...store.recent().slice(0, 3).map((it) => ({ label: `Open ${it.name} again`, press: () => this.open(it, true) })),
             ...this.newMenu().map((it) => ({ ...it, label: it.label === "First program" ? it.label : `New: ${it.label}` })),
             ...this.exportMenu(),
-            ...this.editMenu(),
             { label: "Light or dark", press: () => this.flipTheme() },
             { label: "Help", press: () => openHelp(this.scene) },
         ]);

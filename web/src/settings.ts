@@ -22,7 +22,7 @@ export interface SettingsEvents {
     reset(): void;
 }
 
-const TABS = ["Params", "Objects", "Pictures"] as const;
+const TABS = ["Params", "Objects", "Views"] as const;
 type Tab = (typeof TABS)[number];
 
 /** The overlays: the name of the setting, what it is called, and what it shows. */
@@ -53,7 +53,7 @@ export class SettingsPane {
     ) {
         const sheet = (tab: Tab) =>
             make("div", { class: "sheet", role: "tabpanel", id: `sheet-${tab}`, "aria-labelledby": `tab-${tab}` });
-        this.sheets = { Params: sheet("Params"), Objects: sheet("Objects"), Pictures: sheet("Pictures") };
+        this.sheets = { Params: sheet("Params"), Objects: sheet("Objects"), Views: sheet("Views") };
         const tabs = make("div", { class: "tabs", role: "tablist", "aria-label": "Settings" });
         const tab = (name: Tab) =>
             make(
@@ -68,7 +68,7 @@ export class SettingsPane {
                 },
                 name,
             );
-        this.buttons = { Params: tab("Params"), Objects: tab("Objects"), Pictures: tab("Pictures") };
+        this.buttons = { Params: tab("Params"), Objects: tab("Objects"), Views: tab("Views") };
         tabs.append(...Object.values(this.buttons));
         this.element = make("section", { class: "settings", "aria-label": "Settings" }, tabs, ...Object.values(this.sheets));
         this.sliders = new Sliders(core, (param) => events.write(param));
@@ -81,7 +81,7 @@ export class SettingsPane {
         this.scene = scene;
         this.element.classList.toggle("bare", this.sliders.update(scene.params) === 0);
         this.setObjects(scene.objects);
-        this.setPictures(scene);
+        this.setViews(scene);
     }
 
     private choose(tab: Tab): void {
@@ -185,7 +185,7 @@ export class SettingsPane {
         return select;
     }
 
-    private setPictures(scene: Scene): void {
+    private setViews(scene: Scene): void {
         const { preferences = {} } = this.core.settings;
         const own = scene.views.flatMap((view) => view.settings);
         const state = JSON.stringify([preferences, own, scene.cameras, scene.views.map((view) => [view.kind, view.instead])]);
@@ -194,7 +194,7 @@ export class SettingsPane {
         }
         this.marks = state;
         const had = document.activeElement?.id ?? "";
-        const sheet = this.sheets.Pictures;
+        const sheet = this.sheets.Views;
         const { scrollTop } = sheet;
         const isInside = scene.views.some((view) => view.camera === "inside");
         const inside = ["wavefronts", "conjugate", "cutLocus", "trail", "error"];

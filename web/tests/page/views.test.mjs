@@ -170,7 +170,7 @@ test("objects are hidden, coloured and textured; undo takes it back", async () =
 test("overlays are drawn over the pictures", async () => {
     const page = await state.open(link(SPHERE));
     const before = await picture(page, INSIDE);
-    await page.getByRole("tab", { name: "Pictures" }).first().click();
+    await page.getByRole("tab", { name: "Views" }).click();
     await page.getByLabel("Wavefronts").check();
     const fronts = await changed(page, before, INSIDE);
     await page.getByLabel("Wavefronts").uncheck();
