@@ -1,8 +1,10 @@
 // Makes the gallery's small pictures, `src/gallery/NAME.webp`, from those of the documentation: once they change, run
-//   node thumbnails.mjs
-// The test `gallery` fails where an example has none.
-import { mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
+//   GEOTRACE_BIN=PROGRAM node thumbnails.mjs
+// PROGRAM draws what the documentation has no picture of. A test fails where an example has none.
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, extname, join } from "node:path";
 import { launch } from "./tests/page/browser.mjs";
 
 const [WIDTH, HEIGHT] = [240, 180];
@@ -15,7 +17,18 @@ const from = (folder, prefix) =>
 const browser = await launch();
 const page = await browser.newPage();
 mkdirSync(join(root, "web/src/gallery"), { recursive: true });
-for (const [name, path] of [...from("docs/images/gallery", ""), ...from("docs/images", "crt-")]) {
+const pictures = new Map([...from("docs/images/gallery", ""), ...from("docs/images", "crt-")]);
+const scratch = mkdtempSync(join(tmpdir(), "geotrace-thumbnails-"));
+for (const file of readdirSync(join(root, "examples"))) {
+    const name = basename(file, extname(file));
+    if (!pictures.has(name)) {
+        const path = join(scratch, `${name}.png`);
+        const program = process.env.GEOTRACE_BIN ?? "geotrace";
+        execFileSync(program, ["render", join(root, "examples", file), "-o", path, "--view", "traced", "--size", `${2 * WIDTH}x${2 * HEIGHT}`]);
+        pictures.set(name, path);
+    }
+}
+for (const [name, path] of pictures) {
     const url = `data:image/png;base64,${readFileSync(path).toString("base64")}`;
     const webp = await page.evaluate(
         async ([url, width, height]) => {

@@ -57,60 +57,50 @@ export interface MenuEntry {
 
 /** Makes a button open a menu below it. */
 export function menu(opener: HTMLButtonElement, entries: () => (MenuEntry | undefined)[]): void {
+    const list = make("div", { class: "menu", role: "menu", popover: "auto" });
     opener.setAttribute("aria-haspopup", "menu");
     opener.setAttribute("aria-expanded", "false");
-    let closed = 0;
-    opener.addEventListener("click", () => {
-        // The press on the button has closed the menu already.
-        if (performance.now() - closed < 200) {
+    opener.popoverTargetElement = list;
+    list.addEventListener("beforetoggle", (event) => {
+        const isOpen = (event as ToggleEvent).newState === "open";
+        opener.setAttribute("aria-expanded", String(isOpen));
+        if (!isOpen) {
             return;
         }
-        const list = make("div", { class: "menu", role: "menu", popover: "auto" });
-        for (const entry of entries()) {
-            if (entry !== undefined) {
-                list.append(
-                    make(
-                        "button",
-                        {
-                            type: "button",
-                            role: "menuitem",
-                            onclick: () => {
-                                list.hidePopover();
-                                entry.press();
-                            },
-                        },
-                        entry.label,
-                        entry.keys !== undefined && make("kbd", {}, entry.keys),
-                    ),
-                );
-            }
-        }
-        list.addEventListener("toggle", (event) => {
-            const isOpen = (event as ToggleEvent).newState === "open";
-            opener.setAttribute("aria-expanded", String(isOpen));
-            if (!isOpen) {
-                closed = performance.now();
-                list.remove();
-            }
-        });
-        list.addEventListener("keydown", (event) => {
-            const items = [...list.querySelectorAll("button")];
-            const by = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
-            if (by !== 0) {
-                event.preventDefault();
-                const at = items.indexOf(document.activeElement as HTMLButtonElement);
-                items[(at + by + items.length) % items.length]?.focus();
-            }
-        });
-        document.body.append(list);
-        list.showPopover();
-        const { left, bottom } = opener.getBoundingClientRect();
-        const room = document.documentElement.clientWidth - list.offsetWidth - 8;
-        const below = document.documentElement.clientHeight - list.offsetHeight - 8;
-        list.style.left = `${Math.max(8, Math.min(left, room))}px`;
-        list.style.top = `${Math.max(8, Math.min(bottom + 4, below))}px`;
-        list.querySelector("button")?.focus();
+        list.replaceChildren(...entries().flatMap((entry) => (entry === undefined ? [] : item(entry, list))));
+        const { left, right, bottom } = opener.getBoundingClientRect();
+        const { clientWidth: width, clientHeight: height } = document.documentElement;
+        // It grows towards the middle of the page.
+        const isLeft = left < width / 2;
+        list.style.left = isLeft ? `${Math.max(8, left)}px` : "auto";
+        list.style.right = isLeft ? "auto" : `${Math.max(8, width - right)}px`;
+        list.style.top = `${bottom + 4}px`;
+        list.style.maxHeight = `${height - bottom - 12}px`;
     });
+    list.addEventListener("toggle", (event) => {
+        if ((event as ToggleEvent).newState === "open") {
+            list.querySelector("button")?.focus();
+        }
+    });
+    list.addEventListener("keydown", (event) => {
+        const items = [...list.querySelectorAll("button")];
+        const by = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+        if (by !== 0) {
+            event.preventDefault();
+            const at = items.indexOf(document.activeElement as HTMLButtonElement);
+            items[(at + by + items.length) % items.length]?.focus();
+        }
+    });
+    document.body.append(list);
+}
+
+function item({ label, keys, press }: MenuEntry, list: HTMLElement): HTMLElement {
+    const run = () => {
+        list.hidePopover();
+        press();
+    };
+    const properties = { type: "button", role: "menuitem", onclick: run };
+    return make("button", properties, label, keys !== undefined && make("kbd", {}, keys));
 }
 
 const notices = make("div", { class: "notices", role: "status", "aria-live": "polite" });
