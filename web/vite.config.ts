@@ -52,10 +52,10 @@ export default defineConfig({
         assetsInlineLimit: 0,
         modulePreload: { polyfill: false },
         rolldownOptions: {
-            input: { page: join(here, "index.html"), "geotrace-view": join(here, "src/embed.ts") },
+            input: { page: join(here, "index.html"), "geotrace-view": join(here, "src/embed.ts"), panel: join(here, "src/panel.ts") },
             output: {
-                // Other pages name the element's script, so it has no hash.
-                entryFileNames: (chunk) => (chunk.name === "geotrace-view" ? "geotrace-view.js" : "assets/[name]-[hash].js"),
+                // Others name the scripts of the element and of the preview inside VS Code, so these have no hash.
+                entryFileNames: (chunk) => (chunk.name === "page" ? "assets/[name]-[hash].js" : "[name].js"),
             },
         },
     },
