@@ -37,8 +37,7 @@ impl Settings {
         let flag =
             |path: &[&str], before: bool| value(path).and_then(Value::as_bool).unwrap_or(before);
         let open = value(&["preview", "open"]).and_then(Value::as_str);
-        let is_panel =
-            value(&["preview", "in"]).and_then(Value::as_str) == Some("panel");
+        let is_panel = value(&["preview", "in"]).and_then(Value::as_str) == Some("panel");
         Self {
             splits: flag(&["inlayHints", "splits"], self.splits),
             values: flag(&["inlayHints", "values"], self.values),
