@@ -219,8 +219,9 @@ export class Page {
             this.pointed.textContent = "";
             return;
         }
-        const distance = pick.polar === null || pick.text.includes("distance") ? "" : `, distance ${pick.polar[0].toPrecision(4)}`;
-        this.pointed.textContent = `${pick.text}${distance}`;
+        // What the line does not say itself, such as the distance from the geodesic camera.
+        const more = pick.rows.filter(({ value }) => !pick.text.includes(value)).map(({ name, value }) => `${name} ${value}`);
+        this.pointed.textContent = [pick.text, ...more].join(", ");
     }
 
     private declaration(pick: Pick | null): void {

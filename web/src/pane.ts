@@ -326,15 +326,17 @@ export class Pane {
         if (isClick && !this.hadTwo && this.way <= CLICK && event.button === 0) {
             const isDouble = performance.now() - this.clicked < DOUBLE;
             this.clicked = isDouble ? 0 : performance.now();
-            void this.click(this.place(event), isDouble || event.ctrlKey || event.metaKey);
+            const isControl = event.ctrlKey || event.metaKey;
+            void this.click(this.place(event), isDouble ? "double" : isControl ? "control" : "single");
         }
     }
 
-    private async click(at: [number, number], isDeclaration: boolean): Promise<void> {
+    private async click(at: [number, number], kind: "single" | "double" | "control"): Promise<void> {
         const view = this.info.id;
         try {
-            if (isDeclaration) {
-                this.events.declaration(await this.core.call("pick", { view, at }));
+            if (kind !== "single") {
+                const call = kind === "double" ? "doubleClick" : "pick";
+                this.events.declaration(await this.core.call(call, { view, at }));
             } else if (!this.isInside) {
                 const clicked = await this.core.call("click", { view, at });
                 this.events.pointed(clicked?.pick ?? null);
@@ -441,7 +443,7 @@ export class Pane {
             return true;
         }
         if (event.key === "Enter") {
-            void this.click(this.middle(), isControl);
+            void this.click(this.middle(), isControl ? "control" : "single");
             return true;
         }
         const axis = AXES[event.code];

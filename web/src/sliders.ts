@@ -17,9 +17,8 @@ export class Sliders {
     ) {}
 
     /** Takes the params with their values; returns how many sliders there are. */
-    update(all: ParamInfo[]): number {
-        const params = all.filter((it) => it.kind === "param");
-        this.params = all;
+    update(params: ParamInfo[]): number {
+        this.params = params;
         const { animations } = this.core.settings;
         const shape = JSON.stringify(
             params.map((it) => [it.name, it.components.map((c) => [c.min, c.max]), animations?.[it.name]]),
