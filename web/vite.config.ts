@@ -23,7 +23,8 @@ function serviceWorker(): Plugin {
         apply: "build",
         enforce: "post",
         async generateBundle(_options, bundle) {
-            const files = Object.keys(bundle).filter((file) => !file.endsWith(".map"));
+            const others = ["geotrace-view.js", "panel.js"];
+            const files = Object.keys(bundle).filter((file) => !others.includes(file));
             const fixed = ["manifest.webmanifest", "icon.png"];
             const digest = createHash("sha256");
             for (const file of [...files].sort()) {

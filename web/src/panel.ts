@@ -15,6 +15,7 @@ import { SettingsPane } from "./settings.ts";
 import pageStyle from "./style.css?inline";
 import { Views } from "./views.ts";
 import address from "./worker.ts?worker&url";
+import wasm from "./core/core_bg.wasm?url";
 
 /** What the extension tells. */
 export type Told =
@@ -43,11 +44,15 @@ body { padding: 0; }
 #panel > .settings { display: flex; flex-direction: column; max-height: 38vh; border-top: 1px solid var(--line); background: var(--pane); }
 `;
 
-/** Starts the Worker. A webview may start one from a blob only, which fetches nothing: it is given all that it needs. */
+/** Starts the Worker. A webview may start one from a blob only, which cannot fetch the core: it is given both. */
 async function workerOf(): Promise<() => Worker> {
-    const script = await (await fetch(new URL(address, import.meta.url))).blob();
-    const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
-    return () => new Worker(url, { type: "module", name: "geotrace" });
+    const blobOf = async (file: string, type: string) => {
+        const content = await (await fetch(new URL(file, import.meta.url))).arrayBuffer();
+        return URL.createObjectURL(new Blob([content], { type }));
+    };
+    const [script, core] = await Promise.all([blobOf(address, "text/javascript"), blobOf(wasm, "application/wasm")]);
+    // The Worker takes the address of the core from its name.
+    return () => new Worker(script, { type: "module", name: core });
 }
 
 class Panel {

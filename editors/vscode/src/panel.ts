@@ -237,7 +237,7 @@ function html(webview: vscode.Webview, root: vscode.Uri): string {
         "default-src 'none'",
         `script-src ${webview.cspSource} 'wasm-unsafe-eval'`,
         `style-src ${webview.cspSource} 'unsafe-inline'`,
-        `connect-src ${webview.cspSource}`,
+        `connect-src ${webview.cspSource} blob:`,
         `img-src ${webview.cspSource} blob: data:`,
         "worker-src blob:",
     ].join("; ");

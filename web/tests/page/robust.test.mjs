@@ -1,10 +1,12 @@
 // What may go wrong: no network, another screen, a program that is too much, a Worker that dies.
 import assert from "node:assert/strict";
-import { readFileSync, readdirSync, statSync } from "node:fs";
+import { cpSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { settled } from "./browser.mjs";
+import { serve } from "./serve.mjs";
 import { changed, dist, link, middle, picture, setup, SPHERE, text, write } from "./harness.mjs";
 
 const state = setup();
@@ -37,6 +39,56 @@ test("the page works without a network once it was loaded", async () => {
     await page.locator(".card").nth(12).scrollIntoViewIfNeeded();
     await page.waitForFunction(() => document.querySelectorAll(".card img")[12].naturalWidth > 0);
     await page.context().setOffline(false);
+    await state.close(page);
+});
+
+test("a new version is offered, and takes the place of the old one", async () => {
+    const folder = mkdtempSync(join(tmpdir(), "geotrace-page-"));
+    cpSync(dist, folder, { recursive: true });
+    const server = await serve(folder);
+    const context = await state.browser.newContext();
+    const page = await context.newPage();
+    await page.goto(server.url);
+    await settled(page);
+    await page.evaluate(() => navigator.serviceWorker.ready);
+    await page.reload();
+    const script = join(folder, "sw.js");
+    writeFileSync(script, readFileSync(script, "utf8").replace(/VERSION = "\w+"/, 'VERSION = "next"'));
+    writeFileSync(join(folder, "index.html"), readFileSync(join(folder, "index.html"), "utf8").replace("<title>", "<title>Next "));
+    await page.reload();
+    assert.doesNotMatch(await page.content(), /Next/, "the old version stays until the reader says so");
+    await page.locator(".toast", { hasText: "newer version" }).getByRole("button", { name: "Reload" }).click();
+    await page.waitForFunction(async () => (await caches.keys()).join() === "geotrace-next");
+    await settled(page);
+    assert.match(await (await fetch(server.url)).text(), /Next/);
+    const shown = await page.evaluate(async () => (await fetch("./")).text());
+    assert.match(shown, /Next/);
+    await context.close();
+    await server.close();
+    rmSync(folder, { recursive: true });
+});
+
+test("everything has a name for those who do not see it, and is reached by keys", async () => {
+    const page = await state.open(link(SPHERE));
+    for (const tab of ["Params", "Objects", "Views"]) {
+        await page.getByRole("tab", { name: tab }).click();
+        const nameless = await page.evaluate(() => {
+            const named = (element) =>
+                element.getAttribute("aria-label") ?? (element.labels?.length ? element.labels[0].textContent : element.textContent);
+            const all = document.querySelectorAll("button, input, select, canvas, [role=textbox], [role=separator]");
+            return [...all].filter((element) => element.checkVisibility() && !named(element)?.trim()).map((element) => element.outerHTML);
+        });
+        assert.deepEqual(nameless, []);
+    }
+    await page.locator('[data-view="3d"] canvas').focus();
+    const seen = new Set();
+    for (let k = 0; k < 60; k += 1) {
+        await page.keyboard.press("Tab");
+        seen.add(await page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent));
+    }
+    for (const name of ["Copy link", "Examples", "Width of the program"]) {
+        assert.ok(seen.has(name), `Tab does not reach ${name}: ${[...seen].join(" | ")}`);
+    }
     await state.close(page);
 });
 
