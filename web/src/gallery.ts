@@ -54,6 +54,7 @@ const EDITOR_KEYS: [string, string][] = [
     ["F12, Ctrl+click", "go to the declaration"],
     ["Shift+Alt+F", "format"],
     ["Ctrl+.", "apply the fixes that need no choice"],
+    ["Escape, then Tab", "leave the editor"],
 ];
 
 const VIEW_KEYS: [string, string, string][] = [

@@ -219,8 +219,9 @@ export class Page {
             this.pointed.textContent = "";
             return;
         }
-        // What the line does not say itself, such as the distance from the geodesic camera.
-        const more = pick.rows.filter(({ value }) => !pick.text.includes(value)).map(({ name, value }) => `${name} ${value}`);
+        // The line itself does not say how far away it is.
+        const far = pick.rows.filter(({ name }) => /distance|length/.test(name));
+        const more = far.map(({ name, value }) => `${name} ${Number(value).toPrecision(4)}`);
         this.pointed.textContent = [pick.text, ...more].join(", ");
     }
 
@@ -362,7 +363,7 @@ export class Page {
                 this.core.call("settings", {}).catch(() => this.core.settings),
                 new Promise<undefined>((resolve) => setTimeout(() => resolve(undefined), 1500)),
             ]);
-            const settings = known ?? this.core.settings;
+            const settings = withCameras(known ?? this.core.settings);
             const hash = await packed({ name: this.fileName, text: this.editor.text, settings });
             const url = `${location.href.replace(/#.*$/, "")}#${hash}`;
             history.replaceState(null, "", `#${hash}`);
@@ -516,7 +517,7 @@ export class Page {
         });
         document.addEventListener("keydown", (event) => this.key(event));
         document.addEventListener("keyup", (event) => {
-            if (document.activeElement === document.body) {
+            if (event.target === document.body) {
                 this.views.current()?.releaseKey(event);
             }
         });
@@ -559,9 +560,22 @@ export class Page {
         } else if (event.key === "F1") {
             event.preventDefault();
             openHelp(this.scene);
-        } else if (document.activeElement === document.body && !document.querySelector("dialog[open]")) {
+        } else if (event.target === document.body && !document.querySelector("dialog[open]")) {
             // Where nothing has the focus, keys move the camera of the last picture.
             this.views.current()?.press(event);
         }
     }
+}
+
+/**
+ * Settings whose cameras stay where they are. One that nobody has moved is put anew where a program opens, and would stand
+ * elsewhere where params have other values than the text's.
+ */
+function withCameras(settings: Settings): Settings {
+    if (Object.keys(settings.params ?? {}).length === 0) {
+        return settings;
+    }
+    const inside = Object.entries(settings.inside ?? {}).map(([name, camera]) => [name, { ...(camera as object), moved: true }]);
+    const space = settings.space && { ...settings.space, moved: true };
+    return { ...settings, ...(space && { space }), inside: Object.fromEntries(inside) as Record<string, unknown> };
 }

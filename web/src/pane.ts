@@ -130,7 +130,7 @@ export class Pane {
 
     /** The pane as the Worker is told of it, if it is on the screen. */
     declared(): Declared | undefined {
-        const { width, height } = this.element.getBoundingClientRect();
+        const { width, height } = this.canvas.getBoundingClientRect();
         if (width < 8 || height < 8) {
             return undefined;
         }
@@ -213,19 +213,19 @@ export class Pane {
 
     /** A place of the screen in the pixels of the pane. */
     private place(event: { clientX: number; clientY: number }): [number, number] {
-        const { left, top, width, height } = this.element.getBoundingClientRect();
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
         const ratio = this.ratio(width, height);
         return [(event.clientX - left) * ratio, (event.clientY - top) * ratio];
     }
 
     private by(x: number, y: number): [number, number] {
-        const { width, height } = this.element.getBoundingClientRect();
+        const { width, height } = this.canvas.getBoundingClientRect();
         const ratio = this.ratio(width, height);
         return [x * ratio, y * ratio];
     }
 
     private middle(): [number, number] {
-        const { left, top, width, height } = this.element.getBoundingClientRect();
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
         return this.place({ clientX: left + width / 2, clientY: top + height / 2 });
     }
 

@@ -98,7 +98,7 @@ export class Views {
     /** The pane at a place of the screen. */
     at(x: number, y: number): { pane: Pane; place: [number, number] } | undefined {
         for (const pane of this.panes.values()) {
-            const { left, top, right, bottom } = pane.element.getBoundingClientRect();
+            const { left, top, right, bottom } = pane.canvas.getBoundingClientRect();
             const declared = pane.declared();
             if (declared !== undefined && left <= x && x < right && top <= y && y < bottom) {
                 const ratio = declared.width / (right - left);

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { inflateSync } from "node:zlib";
 import { settled } from "./browser.mjs";
-import { changed, example, link, middle, picture, setup, SPHERE, text, write } from "./harness.mjs";
+import { changed, example, link, middle, picture, rest, setup, SPHERE, text, write } from "./harness.mjs";
 
 const state = setup();
 
@@ -56,8 +56,8 @@ test("a link brings program, cameras, params and looks to a fresh profile, to th
     const walked = await changed(page, inside, "geodesic:s");
     await page.getByRole("tab", { name: "Objects" }).click();
     await page.getByLabel("Texture of s").selectOption("curvature");
-    now = await changed(page, now);
     const walkedNow = await changed(page, walked, "geodesic:s");
+    now = await rest(page);
     const url = await copied(page);
     const other = await state.open(url.slice(url.indexOf("#")));
     assert.equal(await text(other), await text(page));

@@ -105,6 +105,20 @@ export async function changed(page, before, view = "3d") {
     }
 }
 
+/** Waits until a view's picture stays as it is for a while; returns it. */
+export async function rest(page, view = "3d") {
+    for (let [last, since] = [undefined, Date.now()]; ; ) {
+        await settled(page);
+        const now = await picture(page, view);
+        if (now.digest !== last?.digest) {
+            [last, since] = [now, Date.now()];
+        } else if (Date.now() - since > 600) {
+            return now;
+        }
+        await page.waitForTimeout(50);
+    }
+}
+
 /** The middle of a view on the screen. */
 export async function middle(page, view = "3d") {
     const box = await page.locator(`[data-view="${view}"] canvas`).boundingBox();
