@@ -177,6 +177,9 @@ export class Views {
         tools.dataset["state"] = state;
         const square = (label: string, name: IconName, press: () => void) =>
             button(label, press, { icon: name, text: false });
+        // Where there is little room, the menus and the chips have these too.
+        const minor = (label: string, name: IconName, press: () => void) =>
+            button(label, press, { icon: name, text: false, kind: "minor" });
         const move = (name: "reset" | "frame") => () => {
             this.core.tell("camera", { view: info.id, move: name });
             this.core.tell("release", {});
@@ -190,8 +193,8 @@ export class Views {
             ...(info.instead === null ? [] : [traced]),
             ...(info.camera === "space" ? [square("Show everything (F)", "fit", move("frame"))] : []),
             ...(info.camera === null ? [] : [square("Reset the camera (R)", "reset", move("reset"))]),
-            square(`Save a picture of ${info.title}`, "image", () => this.events.save(info.id)),
-            square(`Close ${info.title}`, "close", () => this.toggle(info)),
+            minor(`Save a picture of ${info.title}`, "image", () => this.events.save(info.id)),
+            minor(`Close ${info.title}`, "close", () => this.toggle(info)),
         );
     }
 
