@@ -32,7 +32,7 @@ export interface TextEdit extends TextRange {
   insert: string;
 }
 
-export type Severity = 'error' | 'warning';
+export type Severity = 'error' | 'warning' | 'hint';
 
 export interface Finding extends TextRange {
   severity: Severity;
@@ -41,6 +41,8 @@ export interface Finding extends TextRange {
   message: string;
   /** A sentence that helps. */
   hint: string | null;
+  /** Other places that explain it, such as the first declaration of a name. */
+  related: (TextRange & { message: string })[];
 }
 
 /** The types of semantic tokens, by their numbers. */
@@ -218,10 +220,6 @@ export interface ViewInfo {
 
 export interface ParamInfo {
   name: string;
-  /** `param` has a slider; `grid` shows all of its values at once. */
-  kind: 'param' | 'grid';
-  /** What a param says of itself: its title where the language has one. */
-  title: string;
   components: ComponentInfo[];
 }
 
@@ -231,8 +229,6 @@ export interface ComponentInfo {
   initial: number;
   min: number;
   max: number;
-  /** True if only whole numbers make sense. */
-  isInteger: boolean;
 }
 
 export interface ObjectInfo {
@@ -415,9 +411,9 @@ export interface Pick {
   parameters: number[];
   /** In a geodesic view, length and angle of the pixel's geodesic. */
   polar: [number, number] | null;
-  /** The Gaussian curvature of a surface there. */
-  curvature: number | null;
-  /** All of it in one line: "s at (u, v) = (0.1000, 2.0000), K = 0.250". */
+  /** Of a surface: (u, v), the curvature K, the distance from its geodesic camera, in words. */
+  rows: { name: string; value: string }[];
+  /** In one line: "s at (u, v) = (0.1, 2), K = 0.25". */
   text: string;
   /** Where what is seen is declared: of a solid that is made of parts, the part. */
   range: TextRange | null;
@@ -444,7 +440,7 @@ export interface Example {
 export interface Figure {
   surface: string;
   kind: 'place' | 'distance' | 'circle' | 'triangle';
-  /** (u, v) each; as many as the kind has: 1, 2, 1, 3. A missing first place is the camera's. */
+  /** (u, v) each: 1, 2, 2 (the second is on the circle; 1 with a radius), 3. A missing first one is the camera's place. */
   places: [number, number][];
   /** Of a circle. */
   radius?: number;
@@ -516,6 +512,9 @@ export interface Calls {
     params: { view: string; at: [number, number] };
     result: { pick: Pick; placed: string | null } | null;
   };
+  /** A double click: its first half, which was a `click`, is withdrawn. Its use is the declaration: `Pick.range`. */
+  doubleClick: { params: { view: string; at: [number, number] }; result: Pick | null };
+  /** Measures a figure. Its lines are shown until another one is measured. */
   measure: { params: { figure: Figure }; result: Measured };
 
   /** Takes an image (PNG or JPEG) under a name; the sizes in pixels that it has as a texture. */
@@ -568,7 +567,7 @@ export interface Notices {
 
 export interface Events {
   /** The core is there; the first message. The time from the Worker's start. */
-  ready: { version: string; took: number };
+  ready: { took: number };
   /** Findings of a text, sorted by place. */
   findings: { version: number; findings: Finding[] };
   /** Another scene, or other values or looks in it. */
