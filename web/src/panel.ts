@@ -41,6 +41,8 @@ const host = acquireVsCodeApi();
 const OWN_STYLE = `
 body { padding: 0; }
 #panel { display: grid; height: 100vh; grid-template: minmax(0, 1fr) auto / minmax(0, 1fr); }
+#panel > .views { display: flex; }
+#panel .view .tools .minor { display: inline-flex; }
 #panel > .settings { display: flex; flex-direction: column; max-height: 38vh; border-top: 1px solid var(--line); background: var(--pane); }
 `;
 
