@@ -236,6 +236,10 @@ export class Editor {
         });
         this.view.dispatch(setDiagnostics(this.view.state, diagnostics));
         this.events.shown(shown);
+        // The list takes room from the text: what is being written stays in view.
+        if (this.view.hasFocus) {
+            this.view.dispatch({ effects: EditorView.scrollIntoView(this.view.state.selection.main.head) });
+        }
     }
 
     private state(doc: string): EditorState {

@@ -5,6 +5,7 @@
 
 import type { Core } from "./core.ts";
 import { make } from "./dom.ts";
+import { inline } from "./markdown.ts";
 import type { CameraMove, Grip, MotionKey, Pane as Declared, Pick, Picture, ViewInfo } from "./protocol.ts";
 
 /** A drag up to this length is a click, in CSS pixels. */
@@ -150,7 +151,7 @@ export class Pane {
 
     /** Says why there is no picture. */
     refuse(message: string): void {
-        this.notice.textContent = message;
+        this.notice.replaceChildren(make("p", {}, inline(message)));
         this.canvas.style.visibility = "hidden";
         this.picture = undefined;
     }
@@ -201,7 +202,7 @@ export class Pane {
         const start = this.isInside
             ? isTouch ? "drag to walk, pinch to zoom" : "drag to walk, wheel to zoom"
             : isTouch ? "drag to turn, pinch to zoom" : "drag to turn, wheel to zoom, F to fit";
-        this.say.textContent = note ?? refining ?? (this.hasMoved ? "" : start);
+        this.say.replaceChildren(inline(note ?? refining ?? (this.hasMoved ? "" : start)));
     }
 
     private moved(): void {
