@@ -46,15 +46,21 @@ body { padding: 0; }
 #panel > .settings { display: flex; flex-direction: column; max-height: 38vh; border-top: 1px solid var(--line); background: var(--pane); }
 `;
 
-/** Starts the Worker. A webview may start one from a blob only, which cannot fetch the core: it is given both. */
+/**
+ * Starts the Worker. A webview may start one from a blob only, which has no address of its own and may fetch nothing but
+ * blobs: so the script gets its address as a text, and the core as a blob.
+ */
 async function workerOf(): Promise<() => Worker> {
-    const blobOf = async (file: string, type: string) => {
-        const content = await (await fetch(new URL(file, import.meta.url))).arrayBuffer();
-        return URL.createObjectURL(new Blob([content], { type }));
-    };
-    const [script, core] = await Promise.all([blobOf(address, "text/javascript"), blobOf(wasm, "application/wasm")]);
-    // The Worker takes the address of the core from its name.
-    return () => new Worker(script, { type: "module", name: core });
+    const script = new URL(address, import.meta.url);
+    const [text, core] = await Promise.all([
+        fetch(script).then((response) => response.text()),
+        fetch(new URL(wasm, import.meta.url)).then((response) => response.arrayBuffer()),
+    ]);
+    const blobOf = (content: BlobPart, type: string) => URL.createObjectURL(new Blob([content], { type }));
+    const fetched = JSON.stringify(blobOf(core, "application/wasm"));
+    const first = `const fetchOf = self.fetch; self.fetch = () => fetchOf(${fetched});\n`;
+    const own = blobOf(first + text.replaceAll("import.meta.url", JSON.stringify(script.href)), "text/javascript");
+    return () => new Worker(own, { type: "module", name: "geotrace" });
 }
 
 class Panel {
