@@ -13,11 +13,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
 
 use image::RgbaImage;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
+use web_time::Instant;
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;

@@ -13,6 +13,7 @@ pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
 
 use std::fmt;
+use std::io::{BufRead, Cursor, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -95,21 +96,34 @@ impl Texture {
             path: path.to_owned(),
             message: error.to_string(),
         };
-        let too_large = || TextureError::TooLarge {
-            path: path.to_owned(),
-        };
         if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
             let sentence = "it is not a regular file";
             return Err(unreadable(std::io::Error::other(sentence)));
         }
+        Self::read(ImageReader::open(path).map_err(unreadable)?, path)
+    }
+
+    /// Reads the bytes of a PNG or JPEG file, as [`Texture::load`] does; `path` is its name.
+    ///
+    /// # Errors
+    /// See [`TextureError`].
+    pub fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
+        Self::read(ImageReader::new(Cursor::new(bytes)), path)
+    }
+
+    fn read<R: BufRead + Seek>(reader: ImageReader<R>, path: &Path) -> Result<Self, TextureError> {
+        let too_large = || TextureError::TooLarge {
+            path: path.to_owned(),
+        };
+        let unreadable = |error: std::io::Error| TextureError::Unreadable {
+            path: path.to_owned(),
+            message: error.to_string(),
+        };
         let mut limits = Limits::default();
         limits.max_image_width = Some(MAX_FILE_SIDE);
         limits.max_image_height = Some(MAX_FILE_SIDE);
         limits.max_alloc = Some(MAX_BYTES);
-        let mut reader = ImageReader::open(path)
-            .map_err(unreadable)?
-            .with_guessed_format()
-            .map_err(unreadable)?;
+        let mut reader = reader.with_guessed_format().map_err(unreadable)?;
         reader.limits(limits);
         let refused = |error| match error {
             image::ImageError::Limits(_) => too_large(),

@@ -161,8 +161,12 @@ fn run_at(
     run.unwrap_or_else(|| Some(ScriptRun::default()))
 }
 
-/// Runs something on a thread with a stack of its own; `None` if the machine has no thread for it.
+/// Runs something on a thread with a stack of its own; `None` if the machine has no thread for it. A program in a browser has
+/// no threads: its only stack is made as large where it is linked.
 fn on_stack<R: Send>(work: impl FnOnce() -> R + Send) -> Option<R> {
+    if cfg!(target_family = "wasm") {
+        return Some(work());
+    }
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK);
         thread.spawn_scoped(scope, work).ok()?.join().ok()

@@ -11,7 +11,8 @@ pub(crate) struct Settings {
     pub(crate) values: bool,
     /// Offer the views of surfaces above them: `geotrace.codeLens`.
     pub(crate) lenses: bool,
-    /// Open the preview of each document that is opened: `geotrace.preview.open` is `"onOpen"`.
+    /// Open the window of each document that is opened: `geotrace.preview.open` is `"onOpen"`, and `geotrace.preview.in`
+    /// is not `"panel"`, which the editor opens itself.
     pub(crate) preview_on_open: bool,
 }
 
@@ -36,11 +37,13 @@ impl Settings {
         let flag =
             |path: &[&str], before: bool| value(path).and_then(Value::as_bool).unwrap_or(before);
         let open = value(&["preview", "open"]).and_then(Value::as_str);
+        let is_panel = value(&["preview", "in"]).and_then(Value::as_str) == Some("panel");
         Self {
             splits: flag(&["inlayHints", "splits"], self.splits),
             values: flag(&["inlayHints", "values"], self.values),
             lenses: flag(&["codeLens"], self.lenses),
-            preview_on_open: open.map_or(self.preview_on_open, |when| when == "onOpen"),
+            preview_on_open: open
+                .map_or(self.preview_on_open, |when| when == "onOpen" && !is_panel),
         }
     }
 }
@@ -74,5 +77,7 @@ mod tests {
                 .with(&json!({"preview": {"open": "onCommand"}}))
                 .preview_on_open
         );
+        let in_panel = json!({"preview": {"open": "onOpen", "in": "panel"}});
+        assert!(!opened.with(&in_panel).preview_on_open);
     }
 }

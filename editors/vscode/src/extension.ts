@@ -13,6 +13,7 @@ import {
     type StaticFeature,
 } from "vscode-languageclient/node";
 import { exportPicture, newFromExample } from "./commands";
+import { Panels } from "./panel";
 import { findServer, ServerMissing } from "./server";
 
 /** The languages that the server knows. */
@@ -43,6 +44,8 @@ export interface Api {
     client(): LanguageClient | undefined;
     /** What the status item says. */
     status(): string;
+    /** The previews inside VS Code. */
+    panels(): Panels;
 }
 
 /** The session of this run of the extension. */
@@ -53,7 +56,12 @@ export async function activate(context: vscode.ExtensionContext): Promise<Api> {
     session = started;
     context.subscriptions.push(started);
     await started.start();
-    return { client: () => started.client, status: () => started.status.text, shown: () => started.shown };
+    return {
+        client: () => started.client,
+        status: () => started.status.text,
+        shown: () => started.shown,
+        panels: () => started.panels,
+    };
 }
 
 /** VS Code waits for this before it ends: the server says goodbye to its windows. */
@@ -66,6 +74,7 @@ class Session implements vscode.Disposable {
     client: LanguageClient | undefined;
     readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", LANGUAGES);
     readonly shown = new Map<string, Shown>();
+    readonly panels: Panels;
     private cursor: NodeJS.Timeout | undefined;
     /** The path of the program, once it has been found. */
     private program: string | undefined;
@@ -78,10 +87,14 @@ class Session implements vscode.Disposable {
     constructor(context: vscode.ExtensionContext) {
         this.context = context;
         this.status.name = "Geotrace";
+        this.panels = new Panels(context.extensionUri);
         this.disposables = [
+            this.panels,
             this.status,
             this.output,
             vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
+            vscode.commands.registerCommand("geotrace.previewToSide", (uri?: vscode.Uri) => this.openPanel(uri)),
+            vscode.workspace.onDidOpenTextDocument((document) => this.opened(document)),
             vscode.commands.registerCommand("geotrace.showLog", () => this.output.show()),
             vscode.commands.registerCommand("geotrace.newFromExample", (name?: string) =>
                 newFromExample(join(context.extensionPath, "examples"), name),
@@ -178,6 +191,11 @@ class Session implements vscode.Disposable {
                     if (command !== PREVIEW) {
                         return next(command, given);
                     }
+                    if (isInPanel()) {
+                        const [wanted] = given;
+                        const uri = typeof wanted === "string" ? vscode.Uri.parse(wanted) : wanted;
+                        return this.openPanel(uri instanceof vscode.Uri ? uri : undefined);
+                    }
                     if (given[0] instanceof vscode.Uri) {
                         // From the explorer the file may not be open, and the server knows open documents only.
                         await vscode.window.showTextDocument(given[0]);
@@ -188,6 +206,26 @@ class Session implements vscode.Disposable {
                 },
             },
         };
+    }
+
+    /** Opens the preview inside VS Code: of a document, or of the active editor's. */
+    private async openPanel(uri = vscode.window.activeTextEditor?.document.uri): Promise<void> {
+        if (uri !== undefined) {
+            const document = await vscode.workspace.openTextDocument(uri);
+            if (!vscode.window.visibleTextEditors.some((editor) => editor.document === document)) {
+                await vscode.window.showTextDocument(document);
+            }
+            this.panels.show(document);
+        }
+    }
+
+    /** Opens the preview with a document, if that is wanted. The server does it where the preview is a window. */
+    private opened(document: vscode.TextDocument): void {
+        const when = vscode.workspace.getConfiguration("geotrace").get("preview.open");
+        const isOurs = LANGUAGES.some(({ language }) => language === document.languageId);
+        if (isInPanel() && when === "onOpen" && isOurs) {
+            void this.openPanel(document.uri);
+        }
     }
 
     /** From the palette, a key or the title bar the command comes without what the server needs: a document. */
@@ -242,6 +280,11 @@ class Session implements vscode.Disposable {
                 ? { title: "Restart", command: "geotrace.restart" }
                 : { title: "Show output", command: "geotrace.showLog" };
     }
+}
+
+/** Whether the preview is a panel of VS Code, and not a window. */
+function isInPanel(): boolean {
+    return vscode.workspace.getConfiguration("geotrace").get("preview.in") === "panel";
 }
 
 /** Says that this editor wants to hear of each picture of a preview. */

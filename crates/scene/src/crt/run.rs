@@ -24,8 +24,13 @@ use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
 use super::{Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, build, codes};
 use crate::limits::MAX_LEAVES;
 
-/// Expressions and statements within others, over all calls.
-const MAX_NESTING: u32 = 10_000;
+/// Expressions and statements within others, over all calls. In a browser a stack of one megabyte is all that there is; it
+/// holds twice as many.
+const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
+    1_500
+} else {
+    10_000
+};
 /// Lists within lists.
 const MAX_LIST_DEPTH: u32 = 256;
 /// Further diagnostics are left out.
@@ -261,6 +266,10 @@ impl<'s> Interpreter<'s> {
     }
 
     fn statement(&mut self, statement: &Statement, emits: bool) -> Result<(), Stopped> {
+        self.nested(statement.span, |run| run.statement_within(statement, emits))
+    }
+
+    fn statement_within(&mut self, statement: &Statement, emits: bool) -> Result<(), Stopped> {
         match &statement.kind {
             StatementKind::Expression(expression) => self.expression(expression, emits),
             StatementKind::While(arm) => {
@@ -510,14 +519,23 @@ impl<'s> Interpreter<'s> {
 
     /// The value of an expression.
     pub(super) fn value(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {
+        self.nested(expression.span, |run| run.value_of(expression))
+    }
+
+    /// Does something a level deeper, unless that is too deep.
+    fn nested<T>(
+        &mut self,
+        span: Span,
+        work: impl FnOnce(&mut Self) -> Result<T, Stopped>,
+    ) -> Result<T, Stopped> {
         if self.nesting >= MAX_NESTING {
-            let message = "expressions within calls are nested too deeply here";
-            return Err(self.fault(codes::CALL_DEPTH, expression.span, message));
+            let message = "expressions and statements within calls are nested too deeply here";
+            return Err(self.fault(codes::CALL_DEPTH, span, message));
         }
         self.nesting += 1;
-        let value = self.value_of(expression);
+        let done = work(self);
         self.nesting -= 1;
-        value
+        done
     }
 
     fn value_of(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {

@@ -1,0 +1,351 @@
+//! The core: it answers the page's messages, and says what is to be drawn next.
+//!
+//! The text is compiled, the cameras move and the pictures are drawn in [`Core::step`], between messages: of texts and
+//! motions that come while something is drawn, only what they add up to is seen.
+
+mod describe;
+mod motion;
+mod pick;
+mod pictures;
+mod save;
+mod settings;
+
+pub use pictures::{Drawn, Progress};
+pub use save::Saved;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use ide::Languages;
+use render::texture::Texture;
+use render::{Renderer, ViewId, Views};
+use serde_json::{Value, json};
+use session::clicks::Clicks;
+use session::framing::Framing;
+use session::model::Emphasis;
+use session::questions::Measurer;
+use session::reader::Read;
+use session::textures::{ImageState, Library};
+use session::{Model, View};
+
+use crate::editing::Editing;
+use crate::examples;
+use crate::images::GivenImages;
+use crate::message::{Call, Event, Notice, SceneInfo};
+use motion::Motions;
+use pictures::Pictures;
+
+/// The pause in typing after which what has an error is dim, in seconds.
+const TYPING_PAUSE: f64 = 0.5;
+/// The time for which the object at the cursor is set off in the views in space, in seconds.
+const EMPHASIS: f64 = 1.0;
+
+/// Everything that the page has open. Points in time are in seconds, of any clock.
+#[derive(Debug)]
+pub struct Core {
+    languages: Languages,
+    views: Views,
+    editing: Editing,
+    model: Model,
+    library: Library<GivenImages>,
+    renderer: Renderer,
+    framing: Framing,
+    measurer: Measurer,
+    pictures: Pictures,
+    clicks: Clicks,
+    motions: Motions,
+    times: Times,
+    /// The text has changed since it was compiled.
+    is_unread: bool,
+    told: Told,
+    events: Vec<Event>,
+}
+
+/// The time, and until when something counts as going on.
+#[derive(Debug, Default)]
+struct Times {
+    now: f64,
+    typing_until: f64,
+    emphasis_until: f64,
+}
+
+/// What the page has been told last.
+#[derive(Debug, Default)]
+struct Told {
+    /// The scene may be another one than that which was told.
+    is_stale: bool,
+    scene: Option<SceneInfo>,
+    settings: View,
+}
+
+impl Core {
+    /// A core with an empty program.
+    pub fn new() -> Self {
+        let languages = Languages::standard();
+        let editing = Editing::open(&languages, "", String::new(), 0);
+        Self {
+            editing: editing.expect("an empty text is not too large"),
+            languages,
+            views: Views::standard(),
+            model: Model::default(),
+            library: Library::new(GivenImages::default()),
+            renderer: Renderer::software(),
+            framing: Framing::default(),
+            measurer: Measurer::default(),
+            pictures: Pictures::default(),
+            clicks: Clicks::default(),
+            motions: Motions::default(),
+            times: Times::default(),
+            is_unread: false,
+            told: Told::default(),
+            events: Vec::new(),
+        }
+    }
+
+    /// The text that is open.
+    pub fn editing(&self) -> &Editing {
+        &self.editing
+    }
+
+    /// The events since the last time.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// Answers a question.
+    ///
+    /// # Errors
+    /// A sentence for the reader of the page.
+    pub fn call(&mut self, call: Call, now: f64) -> Result<Value, String> {
+        self.times.now = now;
+        let editing = &self.editing;
+        Ok(match call {
+            Call::Open {
+                name,
+                text,
+                version,
+                settings,
+            } => {
+                self.open(&name, text, version, settings.unwrap_or_default())?;
+                let language = self.editing.language();
+                json!({ "language": language.name(), "lineComment": language.line_comment() })
+            }
+            Call::Hover { at } => editing.hover(at),
+            Call::Complete { at } => editing.complete(at),
+            Call::Describe { at, label } => editing.describe(at, &label),
+            Call::Signature { at } => editing.signature(at),
+            Call::Definition { at } => editing.definition(at),
+            Call::Occurrences { at } => editing.occurrences(at),
+            Call::PrepareRename { at } => editing.prepare_rename(at)?,
+            Call::Rename { at, name } => editing.rename(at, &name)?,
+            Call::Format { range } => editing.format(range),
+            Call::FormatOnType { at } => editing.format_on_type(at),
+            Call::Fixes(range) => editing.fixes(range),
+            Call::FixAll {} => editing.fix_all(),
+            Call::Outline {} => editing.outline(),
+            Call::Folds {} => editing.folds(),
+            Call::Selection { at } => editing.selection(at),
+            Call::Hints(range) => editing.hints(range),
+            Call::Colours {} => editing.colours(),
+            Call::ColourTexts { from, to, rgb } => {
+                editing.colour_texts(crate::Utf16Range { from, to }, rgb)
+            }
+            Call::Declaration { name } => {
+                self.read();
+                json!(self.declaration(&name))
+            }
+            Call::WriteParam { param } => self.write_param(&param)?,
+            Call::WriteCamera { name } => self.write_camera(&name)?,
+            Call::WriteColour { object, rgb } => editing.write_colour(&object, rgb)?,
+            Call::Settings {} => self.settings(),
+            Call::Undo {} => self.travel(Model::undo),
+            Call::Redo {} => self.travel(Model::redo),
+            Call::Pick { view, at } => {
+                let found = self.pick(&ViewId::from(&*view), at)?;
+                json!(found.map(|found| found.pick))
+            }
+            Call::Click { view, at } => self.click(&ViewId::from(&*view), at)?,
+            Call::DoubleClick { view, at } => self.double_click(&ViewId::from(&*view), at)?,
+            Call::Measure { figure } => self.measure(figure)?,
+            Call::Examples {} => examples::list(),
+        })
+    }
+
+    /// Takes what the page tells.
+    pub fn notice(&mut self, notice: Notice, now: f64) {
+        self.times.now = now;
+        match notice {
+            Notice::Edit { version, changes } => match self.editing.edit(version, &changes) {
+                Ok(()) => self.note_text(),
+                Err(_) => self.resync(),
+            },
+            Notice::Text { version, text } => match self.editing.replace(text, version) {
+                Ok(()) => self.note_text(),
+                Err(_) => self.resync(),
+            },
+            Notice::Cursor { at } => {
+                let at = at.map(|at| self.editing.source().byte(at));
+                let name = at.and_then(|at| self.model.declared_at(at));
+                let name = name.map(str::to_owned);
+                self.model.highlight(name);
+            }
+            Notice::ReplaceSettings { settings } => self.replace_settings(settings),
+            Notice::Change { patch, step } => self.change_settings(&patch, step),
+            Notice::Light { is_light } => self.model.is_light = is_light,
+            Notice::Panes { panes } => self.set_panes(panes),
+            Notice::Shown { view } => self.pictures.note_shown(&ViewId::from(&*view)),
+            Notice::Focus { view } => {
+                let id = view.map(|view| ViewId::from(&*view));
+                self.pictures.focus(id.and_then(|id| id.object));
+            }
+            Notice::Drag { view, grip, by } => self.drag(&ViewId::from(&*view), grip, by),
+            Notice::Zoom { view, at, factor } => self.zoom(&ViewId::from(&*view), at, factor),
+            Notice::Twist { view, angle } => self.twist(&ViewId::from(&*view), angle),
+            Notice::Hold {
+                view,
+                keys,
+                shift,
+                alt,
+            } => self.hold(ViewId::from(&*view), keys, [shift, alt]),
+            Notice::Camera { view, to } => self.put_camera(&ViewId::from(&*view), to),
+            Notice::Release {} => self.model.history.settle(),
+        }
+    }
+
+    /// Takes an image under a name, in the place of another one; returns its size as a texture.
+    ///
+    /// # Errors
+    /// The sentence about an image that cannot be read.
+    pub fn texture(&mut self, name: &str, bytes: &[u8]) -> Result<Value, String> {
+        let path = PathBuf::from(name);
+        let texture = Texture::decode(bytes, &path).map_err(|error| error.to_string())?;
+        let size = texture.levels().first().map_or([0; 2], |level| level.size);
+        let texture = Arc::new(texture);
+        self.library.source.give(path.clone(), Arc::clone(&texture));
+        self.library.put(path, ImageState::Ready(texture));
+        self.library.look_again();
+        self.told.is_stale = true;
+        Ok(json!({ "width": size[0], "height": size[1] }))
+    }
+
+    /// Opens a program: nothing of the one before is left, but images and panes.
+    fn open(
+        &mut self,
+        name: &str,
+        text: String,
+        version: i32,
+        settings: Value,
+    ) -> Result<(), String> {
+        let settings_of = |name: &str| settings.get("preferences")?.get(name);
+        let is_chosen = settings_of("traced").is_some();
+        self.editing = Editing::open(&self.languages, name, text, version)?;
+        self.model.forget_program();
+        self.model.turn_to(settings::read(settings)?);
+        self.told.settings.clone_from(&self.model.view);
+        self.told.scene = None;
+        // Other bounds, other samples: nothing of another program's pictures is of use.
+        self.renderer = Renderer::software().with_views(self.views.clone());
+        self.pictures.forget();
+        self.clicks = Clicks::default();
+        self.motions = Motions::default();
+        self.is_unread = true;
+        self.read();
+        let scene = self.model.scene.as_ref();
+        if !is_chosen && scene.is_some_and(|scene| scene.picture.is_some()) {
+            // What describes a picture is seen as that picture.
+            self.model.adjust(|view| view.preferences.traced = true);
+        }
+        Ok(())
+    }
+
+    fn resync(&mut self) {
+        let version = self.editing.version();
+        self.events.push(Event::Resync { version });
+    }
+
+    /// Notes that the text is another one.
+    fn note_text(&mut self) {
+        self.is_unread = true;
+        self.times.typing_until = self.times.now + TYPING_PAUSE;
+        self.note_motion();
+    }
+
+    /// Compiles the text, if it has changed.
+    fn read(&mut self) {
+        if !std::mem::take(&mut self.is_unread) {
+            return;
+        }
+        let start = web_time::Instant::now();
+        let program = self.editing.program();
+        let read = Read {
+            diagnostics: program.diagnostics(),
+            declarations: program.declarations(),
+            program: program.scene(),
+            analysis: Some(program.snapshot()),
+        };
+        let version = self.editing.version();
+        self.events.push(Event::Findings {
+            version,
+            findings: self.editing.findings(&read.diagnostics),
+        });
+        let mut compiled = read.compiled(version, self.editing.source().as_str().into());
+        compiled.took = start.elapsed();
+        self.model.take(compiled);
+        self.library.look_again();
+        self.told.is_stale = true;
+    }
+
+    /// Ends what only lasts for a while. Returns the next time at which something does.
+    fn let_end(&mut self) -> Option<f64> {
+        let now = self.times.now;
+        if now >= self.times.typing_until && self.model.faults.are_waiting() {
+            self.model.faults.show_latest();
+            self.told.is_stale = true;
+        }
+        self.model.emphasis = match self.model.emphasis {
+            Emphasis::Begins => {
+                self.times.emphasis_until = now + EMPHASIS;
+                Emphasis::On
+            }
+            Emphasis::On if now < self.times.emphasis_until => Emphasis::On,
+            _ => Emphasis::Off,
+        };
+        let waits = self.model.faults.are_waiting();
+        let typing = waits.then_some(self.times.typing_until);
+        let emphasis = (self.model.emphasis == Emphasis::On).then_some(self.times.emphasis_until);
+        typing.into_iter().chain(emphasis).reduce(f64::min)
+    }
+
+    /// Tells the page what it does not know: the scene at once, settings when nothing moves.
+    fn tell(&mut self) {
+        if std::mem::take(&mut self.told.is_stale) {
+            let scene = self.scene_info();
+            if self.told.scene.as_ref() != Some(&scene) {
+                self.told.scene = Some(scene.clone());
+                self.events.push(Event::Scene(Box::new(scene)));
+            }
+        }
+        if !self.is_moving() && self.told.settings != self.model.view {
+            self.told.settings.clone_from(&self.model.view);
+            let settings = self.settings();
+            self.events.push(Event::Settings { settings });
+        }
+    }
+
+    /// Takes back a step, or does it again.
+    fn travel(&mut self, step: impl FnOnce(&mut Model) -> Option<&'static str>) -> Value {
+        let title = step(&mut self.model);
+        self.told.is_stale = true;
+        self.note_motion();
+        json!(title)
+    }
+}
+
+impl Default for Core {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,256 @@
+//! Cameras that move: by the pointer, by keys that are held, and by themselves.
+
+use glam::DVec3;
+use render::ViewId;
+use session::camera_input::axis_views::Turn;
+use session::camera_input::{CameraKey, CameraKind, Held, Modifiers, geodesic, space};
+use session::motion::Motion;
+
+use super::Core;
+use crate::message::{CameraMove, Grip, MotionKey};
+
+/// The pause between two turns of a wheel: a view counts as moving for so long after its last motion, in seconds.
+const MOTION_PAUSE: f64 = 0.18;
+/// The time that the first frame of a motion takes, in seconds: before it there may be a pause of any length.
+const FRAME: f64 = 1.0 / 60.0;
+/// The least time between two steps of a motion, in seconds.
+const STEP: f64 = 0.004;
+
+/// What moves.
+#[derive(Debug, Default)]
+pub(super) struct Motions {
+    /// Something counts as moving until this time.
+    until: f64,
+    /// The keys that are held, with the view that they move.
+    held: Option<HeldKeys>,
+    /// The camera in space turns to an axis.
+    turn: Option<Turn>,
+    /// The time of the last step of what moves by itself.
+    last: Option<f64>,
+    /// The input extends the current undo step.
+    is_gesture: bool,
+}
+
+#[derive(Debug)]
+struct HeldKeys {
+    view: ViewId,
+    keys: Vec<CameraKey>,
+    modifiers: Modifiers,
+}
+
+fn camera_key(key: MotionKey) -> CameraKey {
+    match key {
+        MotionKey::W => CameraKey::W,
+        MotionKey::A => CameraKey::A,
+        MotionKey::S => CameraKey::S,
+        MotionKey::D => CameraKey::D,
+        MotionKey::Q => CameraKey::Q,
+        MotionKey::E => CameraKey::E,
+        MotionKey::Z => CameraKey::Z,
+        MotionKey::X => CameraKey::X,
+        MotionKey::Left => CameraKey::Left,
+        MotionKey::Right => CameraKey::Right,
+        MotionKey::Up => CameraKey::Up,
+        MotionKey::Down => CameraKey::Down,
+        MotionKey::Plus => CameraKey::Plus,
+        MotionKey::Minus => CameraKey::Minus,
+    }
+}
+
+impl Core {
+    /// Notes that something moves: pictures may be coarse for a while.
+    pub(super) fn note_motion(&mut self) {
+        self.motions.until = self.times.now + MOTION_PAUSE;
+    }
+
+    pub(super) fn is_moving(&self) -> bool {
+        self.times.now < self.motions.until
+    }
+
+    /// The time until which something counts as moving, if it does.
+    pub(super) fn moving_until(&self) -> Option<f64> {
+        self.is_moving().then_some(self.motions.until)
+    }
+
+    fn note_gesture(&mut self) {
+        self.motions.is_gesture = true;
+        self.note_motion();
+    }
+
+    /// Returns whether something moves by itself: a param, a camera on its way, or one that keys move.
+    pub(super) fn moves_by_itself(&self) -> bool {
+        self.motions.held.is_some() || self.motions.turn.is_some() || self.model.is_animated()
+    }
+
+    pub(super) fn camera_kind(&self, id: &ViewId) -> CameraKind {
+        CameraKind::of(self.views.get(&id.kind))
+    }
+
+    fn surface(id: &ViewId) -> &str {
+        id.object.as_deref().unwrap_or_default()
+    }
+
+    /// Moves the camera by a drag in pixels of the pane.
+    pub(super) fn drag(&mut self, id: &ViewId, grip: Grip, by: [f64; 2]) {
+        if !by.iter().all(|way| way.is_finite()) {
+            return;
+        }
+        let side = self.pictures.side(id);
+        match self.camera_kind(id) {
+            CameraKind::Space => {
+                let grip = match grip {
+                    Grip::Orbit => space::Grip::Orbit,
+                    Grip::Look => space::Grip::Turn,
+                    Grip::Pan => space::Grip::Pan,
+                };
+                if let Some(camera) = self.model.view.space {
+                    let camera = space::dragged(camera, grip, by, side);
+                    self.model.move_space("drag", camera);
+                }
+            }
+            CameraKind::Geodesic => {
+                self.walk(id, geodesic::dragged(by, side));
+            }
+            CameraKind::Fixed => {}
+        }
+        self.note_gesture();
+    }
+
+    fn walk(&mut self, id: &ViewId, motion: Motion) {
+        self.model.move_camera(Self::surface(id), motion);
+    }
+
+    /// Comes nearer by a factor below 1, to what is seen at a place in a space.
+    pub(super) fn zoom(&mut self, id: &ViewId, at: [f64; 2], factor: f64) {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return;
+        }
+        match self.camera_kind(id) {
+            CameraKind::Space => {
+                if let Some(camera) = self.model.view.space {
+                    let about = self.pictures.way_from_middle(id, at);
+                    let side = self.pictures.side(id);
+                    let camera = space::neared(camera, factor, about, side);
+                    self.model.move_space("wheel", camera);
+                }
+            }
+            // About the middle: the observer stays.
+            CameraKind::Geodesic => self.walk(id, Motion::Zoom(factor)),
+            CameraKind::Fixed => {}
+        }
+        self.note_gesture();
+    }
+
+    /// Turns a geodesic camera so that what is seen turns clockwise.
+    pub(super) fn twist(&mut self, id: &ViewId, angle: f64) {
+        if angle.is_finite() && self.camera_kind(id) == CameraKind::Geodesic {
+            self.walk(id, Motion::Turn(angle));
+            self.note_gesture();
+        }
+    }
+
+    /// Moves a camera while keys are held, from now on.
+    pub(super) fn hold(&mut self, view: ViewId, keys: Vec<MotionKey>, [shift, alt]: [bool; 2]) {
+        let was_held = self.motions.held.take().is_some();
+        if keys.is_empty() {
+            if was_held {
+                self.model.history.settle();
+            }
+            return;
+        }
+        if !was_held {
+            self.motions.last = None;
+        }
+        self.motions.held = Some(HeldKeys {
+            view,
+            keys: keys.into_iter().map(camera_key).collect(),
+            modifiers: Modifiers {
+                shift,
+                alt,
+                command: false,
+            },
+        });
+    }
+
+    /// Puts a camera somewhere.
+    pub(super) fn put_camera(&mut self, id: &ViewId, to: CameraMove) {
+        self.motions.turn = None;
+        let direction = match to {
+            CameraMove::Reset => {
+                match self.camera_kind(id) {
+                    CameraKind::Space => self.model.reset_space(),
+                    CameraKind::Geodesic => self.model.reset(Self::surface(id)),
+                    CameraKind::Fixed => {}
+                }
+                return;
+            }
+            CameraMove::Frame => {
+                let request = self.pictures.sent(id).cloned();
+                let home = request.and_then(|request| self.framing.of_everything(&request));
+                if let Some(home) = home {
+                    // Bounds of what is there now, not of what was there before.
+                    self.renderer.set_bounds(None);
+                    self.model.frame_everything(&home);
+                }
+                return;
+            }
+            CameraMove::PlusX => DVec3::X,
+            CameraMove::MinusX => -DVec3::X,
+            CameraMove::PlusY => DVec3::Y,
+            CameraMove::MinusY => -DVec3::Y,
+            CameraMove::PlusZ => DVec3::Z,
+            CameraMove::MinusZ => -DVec3::Z,
+        };
+        self.motions.turn = Turn::begin(&mut self.model, direction, self.times.now);
+    }
+
+    /// Moves what moves by itself up to now, and ends gestures that have paused.
+    pub(super) fn advance(&mut self) {
+        let now = self.times.now;
+        if !self.is_moving() && std::mem::take(&mut self.motions.is_gesture) {
+            self.model.history.settle();
+        }
+        if !self.moves_by_itself() {
+            self.motions.last = None;
+            return;
+        }
+        let elapsed = self.motions.last.map_or(FRAME, |last| now - last);
+        if elapsed < STEP {
+            return;
+        }
+        self.motions.last = Some(now);
+        let mut turn = self.motions.turn.take();
+        Turn::advance(&mut turn, &mut self.model, now);
+        self.motions.turn = turn;
+        self.told.is_stale |= self.model.animate(elapsed.min(0.1));
+        if let Some(keys) = self.motions.held.take() {
+            self.move_by_keys(&keys, elapsed);
+            self.motions.held = Some(keys);
+        }
+        self.note_motion();
+    }
+
+    fn move_by_keys(&mut self, keys: &HeldKeys, elapsed: f64) {
+        let is_held = |key| keys.keys.contains(&key);
+        let held = Held::new(is_held, true, keys.modifiers, elapsed);
+        let preferences = &self.model.view.preferences;
+        let speed = preferences.camera_speed;
+        match self.camera_kind(&keys.view) {
+            CameraKind::Space => {
+                let is_parallel = preferences.orthographic;
+                if let Some(camera) = self.model.view.space {
+                    let next = space::moved_by_keys(camera, held, speed, is_parallel);
+                    if next != camera {
+                        self.model.move_space("keys", next);
+                    }
+                }
+            }
+            CameraKind::Geodesic => {
+                for motion in geodesic::motions_of_keys(held, speed) {
+                    self.walk(&keys.view, motion);
+                }
+            }
+            CameraKind::Fixed => {}
+        }
+    }
+}

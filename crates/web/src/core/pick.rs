@@ -1,0 +1,180 @@
+//! What is seen at a place of a picture, and clicks there.
+
+use render::figure::Figure;
+use render::point::PixelPoint;
+use render::view::Hit;
+use render::{PictureRequest, ViewId};
+use serde_json::{Value, json};
+use session::camera_controller::Subject;
+use session::clicks::ClickedObject;
+use session::measuring::{PlacedFigure, Quantity};
+use session::questions::{MeasureAnswer, MeasureQuestion};
+
+use super::Core;
+use crate::message::{AskedFigure, Pick, Row};
+use crate::source::Utf16Range;
+
+/// What was found at a place, with the picture that shows it.
+pub(super) struct Found {
+    pub(super) pick: Pick,
+    request: PictureRequest,
+    hit: Hit,
+}
+
+impl Core {
+    /// Where an object is declared.
+    pub(super) fn declaration(&self, name: &str) -> Option<Utf16Range> {
+        let span = self.model.place_of(name)?;
+        Some(self.editing.source().range(span))
+    }
+
+    /// Finds what is seen at a place of a pane.
+    ///
+    /// # Errors
+    /// The sentence that says why it cannot be found.
+    pub(super) fn pick(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Option<Found>, String> {
+        self.read();
+        let Some((request, pixel)) = self.pictures.pixel(id, at) else {
+            return Ok(None);
+        };
+        let request = request.clone();
+        let hit = self.renderer.pick(&request, PixelPoint(pixel));
+        let Some(hit) = hit.map_err(|error| error.to_string())? else {
+            return Ok(None);
+        };
+        let Some(clicked) = ClickedObject::new(&request, &hit) else {
+            return Ok(None);
+        };
+        let object = clicked.object;
+        let name = object.name.clone();
+        let leaf = clicked.leaf.map(|leaf| leaf.name.as_str());
+        let range = leaf.and_then(|leaf| self.declaration(leaf));
+        let range = range.or_else(|| self.declaration(&name));
+        let dimensions = object.shape.domain().len();
+        let (rows, in_short) = self.readout(&request, &hit);
+        let text = match in_short {
+            Some(in_short) => format!("{name} at {in_short}"),
+            None => clicked.words(),
+        };
+        let pick = Pick {
+            kind: object.shape.kind(),
+            object: name,
+            instance: hit.instance,
+            position: hit.position.map(|place| request.scene.stated(place.0)),
+            parameters: hit.parameters.into_iter().take(dimensions).collect(),
+            polar: hit.polar,
+            rows: rows.iter().map(Row::from).collect(),
+            text,
+            range,
+        };
+        Ok(Some(Found { pick, request, hit }))
+    }
+
+    /// What is known of a place on a surface: rows, and in short.
+    fn readout(&mut self, request: &PictureRequest, hit: &Hit) -> (Vec<Quantity>, Option<String>) {
+        let scene = request.scene.arc();
+        let is_manifold = |object: &scene::Object| object.shape.manifold().is_some();
+        if !scene.get(hit.object).is_some_and(is_manifold) {
+            return (Vec::new(), None);
+        }
+        let subject = Subject {
+            scene: scene.clone(),
+            settings: request.params.clone(),
+            surface: hit.object,
+        };
+        let name = &scene.objects[hit.object.0 as usize].name;
+        let camera = self.model.view.inside.get(name);
+        let question = MeasureQuestion::Pointer {
+            uv: hit.parameters,
+            polar: hit.polar,
+            camera: camera.and_then(|camera| Some(camera.chart()?.frame())),
+        };
+        match self.measurer.answer(&subject, &question) {
+            Some(MeasureAnswer::Pointer(rows, in_short)) => (rows, Some(in_short)),
+            _ => (Vec::new(), None),
+        }
+    }
+
+    /// A click: puts the geodesic camera of what is seen there at that place, where there can be one.
+    ///
+    /// # Errors
+    /// The sentence that says why no camera can stand there.
+    pub(super) fn click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
+        let Some(Found { pick, request, hit }) = self.pick(id, at)? else {
+            return Ok(Value::Null);
+        };
+        // In a geodesic view a click means nothing: a drag walks there.
+        let in_space = request.view.space().is_some();
+        let clicked = ClickedObject::new(&request, &hit).filter(|_| in_space);
+        let is_inside = |name: &str| self.pictures.has_view_of(name);
+        let camera = match clicked {
+            Some(clicked) => clicked.camera(&self.model, is_inside),
+            None => Ok(None),
+        };
+        let camera = camera.map_err(|error| error.to_string())?;
+        let mut placed = None;
+        if let Some(camera) = camera {
+            self.clicks.end(&mut self.model);
+            let number = self
+                .clicks
+                .begin(Some(self.times.now), self.pictures.surface());
+            self.clicks
+                .place(number, &mut self.model, &pick.object, camera);
+            self.pictures.focus(Some(pick.object.clone()));
+            let view = self.views.iter().find(|view| view.is_of_object());
+            placed = view.map(|view| ViewId::of_object(view.name(), &pick.object).to_string());
+            self.note_motion();
+        }
+        Ok(json!({ "pick": pick, "placed": placed }))
+    }
+
+    /// A double click: as though its first half had never been. Returns what is there.
+    ///
+    /// # Errors
+    /// The sentence that says why it cannot be found.
+    pub(super) fn double_click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
+        if let Some(shown) = self.clicks.withdraw(&mut self.model) {
+            self.pictures.put_surface(shown);
+            self.note_motion();
+        }
+        let found = self.pick(id, at)?;
+        Ok(json!(found.map(|found| found.pick)))
+    }
+
+    /// Measures a figure on a surface, and shows its lines until another one is measured.
+    ///
+    /// # Errors
+    /// The sentence that says that there is no such surface.
+    pub(super) fn measure(&mut self, asked: AskedFigure) -> Result<Value, String> {
+        self.read();
+        let AskedFigure {
+            surface,
+            kind,
+            mut places,
+            radius,
+        } = asked;
+        let none = || format!("there is no surface `{surface}`");
+        let camera = self.model.view.inside.get(&surface);
+        let centre = camera.and_then(|camera| Some(camera.chart()?.at));
+        if places.len() + 1 == kind.places() && radius.is_none() {
+            places.splice(0..0, centre);
+        }
+        let subject = self.model.subject(&surface).ok_or_else(none)?;
+        let question = MeasureQuestion::Figure(PlacedFigure {
+            surface: surface.clone(),
+            figure: Figure {
+                kind,
+                places,
+                radius,
+            },
+        });
+        match self.measurer.answer(&subject, &question) {
+            Some(MeasureAnswer::Figure(_, measured)) => {
+                let rows: Vec<Row> = measured.rows.iter().map(Row::from).collect();
+                self.model.measured = Some((surface, measured.lines));
+                Ok(json!({ "rows": rows, "note": measured.note }))
+            }
+            _ => Err(none()),
+        }
+    }
+}

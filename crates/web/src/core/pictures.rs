@@ -1,0 +1,427 @@
+//! The panes' pictures: what is to be drawn next, how coarse, and the drawing itself.
+//!
+//! While something moves, a picture is as coarse as it has to be to take a moment; at rest it is exact. A traced picture at
+//! rest is refined, sample by sample. A pane gets its next picture only after the page has shown the last one.
+
+use std::collections::BTreeMap;
+
+use render::viewpoint::Viewpoint;
+use render::{PictureRequest, ViewId};
+use session::camera_input::{CameraKind, geodesic, space};
+use session::refinement::{self, PictureDetail, TracedPane};
+use session::request::picture_request;
+
+use super::Core;
+use crate::message::{Event, Pane, PictureInfo};
+
+/// A picture that takes longer is said to be on its way, in seconds.
+const LONG: f64 = 0.3;
+/// The sides that a pane may have, in pixels.
+const SIDES: std::ops::RangeInclusive<u32> = 16..=4096;
+
+/// The panes on the page.
+#[derive(Debug, Default)]
+pub(super) struct Pictures {
+    panes: BTreeMap<ViewId, PaneState>,
+    /// The surface whose camera the views in space show.
+    surface: Option<String>,
+    /// The number of pictures so far.
+    drawn: u64,
+}
+
+/// A pane, with its last picture.
+#[derive(Debug, Default)]
+struct PaneState {
+    room: [u32; 2],
+    /// The request that was drawn last.
+    request: Option<PictureRequest>,
+    /// The page has not shown that picture yet.
+    is_awaited: bool,
+    /// The cost of the picture that is shown; none before the first.
+    shown: Option<PictureDetail>,
+    /// Why there is no picture.
+    message: Option<String>,
+    /// The page was told that the next picture takes long.
+    is_announced: bool,
+    /// The number of its last picture.
+    drawn: u64,
+}
+
+/// A picture that has been drawn.
+#[derive(Debug)]
+pub struct Drawn {
+    /// What there is to say of it.
+    pub info: PictureInfo,
+    /// RGBA, top row first.
+    pub pixels: Vec<u8>,
+}
+
+/// The result of a step.
+#[derive(Debug)]
+pub struct Progress {
+    /// The picture that it has drawn.
+    pub drawn: Option<Drawn>,
+    /// The seconds until the next step: zero if there is more to do at once; none if only a message can change anything.
+    pub next: Option<f64>,
+}
+
+impl Pictures {
+    /// Notes that the page has shown a picture.
+    pub(super) fn note_shown(&mut self, id: &ViewId) {
+        if let Some(pane) = self.panes.get_mut(id) {
+            pane.is_awaited = false;
+        }
+    }
+
+    /// Lets the views in space show the camera of another surface; `None` changes nothing.
+    pub(super) fn focus(&mut self, surface: Option<String>) {
+        self.surface = surface.or(self.surface.take());
+    }
+
+    /// The surface whose camera the views in space show by the last [`Pictures::focus`].
+    pub(super) fn surface(&self) -> Option<String> {
+        self.surface.clone()
+    }
+
+    /// Puts back what [`Pictures::surface`] has returned.
+    pub(super) fn put_surface(&mut self, surface: Option<String>) {
+        self.surface = surface;
+    }
+
+    /// Returns whether a view of an object is on the page.
+    pub(super) fn has_view_of(&self, object: &str) -> bool {
+        let mut views = self.panes.keys();
+        views.any(|id| id.object.as_deref() == Some(object))
+    }
+
+    /// Forgets all pictures: they are of another program.
+    pub(super) fn forget(&mut self) {
+        self.surface = None;
+        for pane in self.panes.values_mut() {
+            *pane = PaneState {
+                room: pane.room,
+                ..PaneState::default()
+            };
+        }
+    }
+
+    /// The request that was drawn last.
+    pub(super) fn sent(&self, id: &ViewId) -> Option<&PictureRequest> {
+        self.panes.get(id)?.request.as_ref()
+    }
+
+    /// The shorter side of a pane in pixels; 1 where there is no pane.
+    pub(super) fn side(&self, id: &ViewId) -> f64 {
+        let pane = self.panes.get(id);
+        pane.map_or(1.0, |pane| f64::from(pane.room[0].min(pane.room[1])))
+    }
+
+    /// A place in a pane, from its middle.
+    pub(super) fn way_from_middle(&self, id: &ViewId, at: [f64; 2]) -> [f64; 2] {
+        let room = self.panes.get(id).map_or([0; 2], |pane| pane.room);
+        [0, 1].map(|k| at[k] - 0.5 * f64::from(room[k]))
+    }
+
+    /// The pixel of the last picture at a place of its pane.
+    pub(super) fn pixel(&self, id: &ViewId, at: [f64; 2]) -> Option<(&PictureRequest, [f64; 2])> {
+        let pane = self.panes.get(id)?;
+        let request = pane.request.as_ref()?;
+        let room = pane.room.map(f64::from);
+        Some((
+            request,
+            session::camera_input::pixel(request.size, room, at),
+        ))
+    }
+}
+
+impl Core {
+    pub(super) fn set_panes(&mut self, panes: Vec<Pane>) {
+        let mut before = std::mem::take(&mut self.pictures.panes);
+        let mut is_resized = false;
+        for pane in panes {
+            let id = ViewId::from(&*pane.view);
+            let mut state = before.remove(&id).unwrap_or_default();
+            let side = |side: u32| side.clamp(1, *SIDES.end());
+            let room = [pane.width, pane.height].map(side);
+            is_resized |= std::mem::replace(&mut state.room, room) != room
+                && self.camera_kind(&id) == CameraKind::Space;
+            self.pictures.panes.insert(id, state);
+        }
+        if is_resized {
+            // A camera that the reader has not moved shows everything in a pane of another shape too.
+            self.model.reframe();
+        }
+    }
+
+    /// Does the next piece of work: compiles a text, moves what moves, draws a picture.
+    pub fn step(&mut self, now: f64) -> Progress {
+        self.times.now = now;
+        self.read();
+        self.advance();
+        let next_end = self.let_end();
+        let drawn = self.draw_next();
+        self.tell();
+        let wait = |until: f64| (until - now).max(0.001);
+        let has_more = match &drawn {
+            Next::Drawn(_) | Next::Announced => Some(0.0),
+            Next::Nothing => {
+                let rest = self.moving_until().map(wait);
+                let motion = self.moves_by_itself().then_some(1.0 / 60.0);
+                // What the page has not shown yet, it will: then there is a message.
+                let all = [rest, motion, next_end.map(wait)];
+                all.into_iter().flatten().reduce(f64::min)
+            }
+        };
+        Progress {
+            drawn: match drawn {
+                Next::Drawn(drawn) => Some(*drawn),
+                Next::Announced | Next::Nothing => None,
+            },
+            next: has_more,
+        }
+    }
+
+    /// Draws the pane whose picture is the oldest of those that are to be drawn.
+    fn draw_next(&mut self) -> Next {
+        let panes = self.pictures.panes.iter();
+        let free = panes.filter(|(_, pane)| !pane.is_awaited);
+        let mut free: Vec<(u64, ViewId)> =
+            free.map(|(id, pane)| (pane.drawn, id.clone())).collect();
+        free.sort();
+        for (_, id) in free {
+            let Some(request) = self.wanted(&id) else {
+                continue;
+            };
+            let request = match request {
+                Ok(request) => request,
+                Err(message) => {
+                    self.note_trouble(&id, message);
+                    continue;
+                }
+            };
+            if self.announce(&id, &request) {
+                return Next::Announced;
+            }
+            match self.draw(&id, request) {
+                Some(drawn) => return Next::Drawn(Box::new(drawn)),
+                None => continue,
+            }
+        }
+        Next::Nothing
+    }
+
+    /// The request for a pane's picture, where it is another one than that which was drawn last; a sentence if there is
+    /// nothing to be seen.
+    fn wanted(&mut self, id: &ViewId) -> Option<Result<PictureRequest, String>> {
+        let moving = self.is_moving();
+        if self.shows_traced(id) {
+            return self.refined(id, moving);
+        }
+        let size = self.size(id, moving, false)?;
+        let Some(request) = self.request(id, size, moving) else {
+            return Some(Err(self.nothing(id)));
+        };
+        (self.pictures.sent(id) != Some(&request)).then_some(Ok(request))
+    }
+
+    fn size(&self, id: &ViewId, moving: bool, traced: bool) -> Option<[u32; 2]> {
+        let pane = self.pictures.panes.get(id)?;
+        // One thread draws all panes, so that a picture takes the time of as many.
+        let panes = self.pictures.panes.len() as f64;
+        let shown = pane.shown.map(|shown| PictureDetail {
+            rate: panes * shown.rate,
+            ..shown
+        });
+        let preferences = &self.model.view.preferences;
+        let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
+        Some(size)
+    }
+
+    /// The next request for a traced picture: a coarse one of something new, a whole one of what is at rest, and then more
+    /// samples of it.
+    fn refined(&mut self, id: &ViewId, moving: bool) -> Option<Result<PictureRequest, String>> {
+        let [coarse, whole] = [self.size(id, true, true)?, self.size(id, false, true)?];
+        let Some(request) = self.request(id, whole, false) else {
+            return Some(Err(self.nothing(id)));
+        };
+        let pane = self.pictures.panes.get(id)?;
+        let pane = TracedPane {
+            sent: pane.request.as_ref(),
+            shown: pane.shown,
+            is_answered: pane.message.is_none(),
+            moving,
+            again: false,
+        };
+        let most = self.model.view.preferences.samples;
+        pane.next(request, coarse, most).map(Ok)
+    }
+
+    /// The request for a picture of a view.
+    pub(super) fn request(
+        &mut self,
+        id: &ViewId,
+        size: [u32; 2],
+        moving: bool,
+    ) -> Option<PictureRequest> {
+        let surface = self.active_surface();
+        let (model, library) = (&mut self.model, &mut self.library);
+        let surface = surface.as_deref();
+        picture_request(model, library, &self.views, id, size, surface, moving)
+    }
+
+    /// The surface whose camera the views in space show: that of the last geodesic view with the focus, else of the first.
+    fn active_surface(&self) -> Option<String> {
+        let panes = &self.pictures.panes;
+        let mut seen = panes.keys().filter_map(|id| id.object.as_ref());
+        let last = self.pictures.surface.as_ref();
+        let last = last.filter(|last| seen.clone().any(|seen| seen == *last));
+        last.or_else(|| seen.next()).cloned()
+    }
+
+    fn shows_traced(&self, id: &ViewId) -> bool {
+        let can_be = id.object.is_none() && self.views.instead_of(&id.kind).is_some();
+        can_be && self.model.view.preferences.traced
+    }
+
+    fn nothing(&self, id: &ViewId) -> String {
+        match self.views.get(&id.kind) {
+            Some(view) => view.nothing().to_owned(),
+            None => format!("there is no view `{}`", id.kind),
+        }
+    }
+
+    fn note_trouble(&mut self, id: &ViewId, message: String) {
+        let Some(pane) = self.pictures.panes.get_mut(id) else {
+            return;
+        };
+        if pane.message.as_ref() != Some(&message) {
+            pane.message = Some(message.clone());
+            let view = id.to_string();
+            self.events.push(Event::NoPicture { view, message });
+        }
+    }
+
+    /// Tells the page of a picture that takes long, once; returns whether that was new to it.
+    fn announce(&mut self, id: &ViewId, request: &PictureRequest) -> bool {
+        let Some(pane) = self.pictures.panes.get_mut(id) else {
+            return false;
+        };
+        let [width, height] = request.size.map(f64::from);
+        let shown = pane.shown;
+        let is_long = shown.is_some_and(|shown| shown.rate * width * height > LONG);
+        if is_long && !pane.is_announced {
+            pane.is_announced = true;
+            let view = Some(id.to_string());
+            self.events.push(Event::Busy {
+                view,
+                is_busy: true,
+            });
+            return true;
+        }
+        false
+    }
+
+    /// Draws a picture; `None` where it cannot be drawn, of which the page is told.
+    fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<Drawn> {
+        let start = web_time::Instant::now();
+        let drawn = self.drawn(&request);
+        let took = start.elapsed().as_secs_f64();
+        self.pictures.drawn += 1;
+        let number = self.pictures.drawn;
+        let was_announced = {
+            let pane = self.pictures.panes.get_mut(id)?;
+            pane.drawn = number;
+            std::mem::take(&mut pane.is_announced)
+        };
+        if was_announced {
+            let view = Some(id.to_string());
+            self.events.push(Event::Busy {
+                view,
+                is_busy: false,
+            });
+        }
+        let (filled, image, pixels) = match drawn {
+            Ok(drawn) => drawn,
+            Err(message) => {
+                self.pictures.panes.get_mut(id)?.request = Some(request);
+                self.note_trouble(id, message);
+                return None;
+            }
+        };
+        let [width, height] = request.size;
+        let pane = self.pictures.panes.get_mut(id)?;
+        pane.message = None;
+        pane.is_awaited = true;
+        pane.shown = Some(PictureDetail::new(request.size, took, image.samples));
+        pane.request = Some(filled.unwrap_or(request));
+        let wanted = self.model.view.preferences.samples;
+        let info = PictureInfo {
+            view: id.to_string(),
+            width,
+            height,
+            exact: pane.request.as_ref().is_some_and(|it| !it.moving),
+            version: self.model.version,
+            samples: image.samples.map(|[done, _]| [done, wanted]),
+            notes: image.notes,
+            place: self.place(id),
+            took: 1e3 * took,
+        };
+        Some(Drawn { info, pixels })
+    }
+
+    /// Draws a picture, and takes over the camera that sees everything. Returns the request with that camera, if the
+    /// picture would be the same from there.
+    fn drawn(
+        &mut self,
+        request: &PictureRequest,
+    ) -> Result<
+        (
+            Option<PictureRequest>,
+            render::rendered::RenderedImage,
+            Vec<u8>,
+        ),
+        String,
+    > {
+        let sentence = |error: render::RenderError| error.to_string();
+        let mut whole = request.clone();
+        let home = self.framing.fill_in(&mut whole).map_err(sentence)?;
+        let mut image = self.renderer.draw(&whole).map_err(sentence)?;
+        let empty = render::gpu::Pixels::Image(image::RgbaImage::default());
+        let pixels = std::mem::replace(&mut image.image, empty);
+        let pixels = self.renderer.read(pixels).map_err(sentence)?.into_raw();
+        let mut filled = None;
+        if let Some(home) = home {
+            // Of a declared camera each picture asks anew: it may depend on params.
+            if !self.model.follows_declared_camera() {
+                let mut same = request.clone();
+                if let Some(space) = same.view.space_mut() {
+                    space.camera = Viewpoint {
+                        projection: space.camera.projection,
+                        ..Viewpoint::new(home.eye, home.target)
+                    };
+                }
+                filled = Some(same);
+            }
+            self.model.take_first_camera(home);
+        }
+        Ok((filled, image, pixels))
+    }
+
+    /// The place of a view's camera in words.
+    fn place(&self, id: &ViewId) -> Option<String> {
+        let words = match self.camera_kind(id) {
+            CameraKind::Space => space::place(&self.model),
+            CameraKind::Geodesic => geodesic::place(&self.model, id.object.as_deref()?),
+            CameraKind::Fixed => None,
+        };
+        Some(words?.trim_start_matches([',', ' ']).to_owned())
+    }
+}
+
+/// The outcome of looking for something to be drawn.
+enum Next {
+    Drawn(Box<Drawn>),
+    /// The page is to be told first that a picture takes long.
+    Announced,
+    Nothing,
+}

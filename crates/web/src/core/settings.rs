@@ -1,0 +1,149 @@
+//! The settings as the page has them: JSON, in the form in which the window writes them beside a program.
+
+use serde_json::{Value, json};
+use session::{Step, View};
+
+use super::Core;
+
+/// Reads settings; those that are absent are as at first.
+///
+/// # Errors
+/// The sentence about what cannot be read.
+pub(super) fn read(settings: Value) -> Result<View, String> {
+    let settings = match settings {
+        Value::Null => json!({}),
+        settings => settings,
+    };
+    let view: View = serde_json::from_value(settings)
+        .map_err(|error| format!("the settings cannot be read: {error}"))?;
+    Ok(view.sane())
+}
+
+/// Merges a patch into a value, as RFC 7396 has it.
+fn merge(value: &mut Value, patch: &Value) {
+    let Value::Object(patch) = patch else {
+        value.clone_from(patch);
+        return;
+    };
+    if !value.is_object() {
+        *value = json!({});
+    }
+    let Value::Object(all) = value else {
+        return;
+    };
+    for (name, patch) in patch {
+        match patch {
+            Value::Null => {
+                all.remove(name);
+            }
+            patch => merge(all.entry(name.as_str()).or_insert(Value::Null), patch),
+        }
+    }
+}
+
+/// The name of a step that changes settings, for "Undo".
+fn title(patch: &Value) -> &'static str {
+    let has = |name: &str| patch.get(name).is_some();
+    let of_look = |name: &str| {
+        let looks = patch.get("looks").and_then(Value::as_object);
+        looks.is_some_and(|looks| looks.values().any(|look| look.get(name).is_some()))
+    };
+    match () {
+        () if has("params") => "Move a param",
+        () if has("animations") => "Animate",
+        () if of_look("hidden") => "Show or hide",
+        () if of_look("texture") || has("defaultTexture") => "Choose a texture",
+        () if of_look("flipped") => "Flip an image",
+        () if has("looks") => "Change a colour",
+        () if has("space") => "Move the 3D camera",
+        () if has("inside") => "Move the geodesic camera",
+        () if has("closed") || has("opened") => "Open or close a view",
+        () => "Change a setting",
+    }
+}
+
+impl Core {
+    /// All settings.
+    pub(super) fn settings(&self) -> Value {
+        serde_json::to_value(&self.model.view).unwrap_or_default()
+    }
+
+    pub(super) fn replace_settings(&mut self, settings: Value) {
+        // What cannot be read is not said: the page sends what it was told, or what a link holds.
+        if let Ok(view) = read(settings) {
+            self.put(view, Some(Step::new("Change a setting", "")));
+        }
+    }
+
+    pub(super) fn change_settings(&mut self, patch: &Value, step: Option<String>) {
+        let mut settings = self.settings();
+        merge(&mut settings, patch);
+        if let Ok(view) = read(settings) {
+            self.put(view, step.map(|mark| Step::new(title(patch), mark)));
+        }
+    }
+
+    fn put(&mut self, mut view: View, step: Option<Step>) {
+        let before = &self.model.view.preferences;
+        let after = &view.preferences;
+        // Axes need room, and another camera shows something else.
+        let needs_room = before.marks.axes != after.marks.axes;
+        if before.camera != after.camera {
+            view.space = None;
+        }
+        match step {
+            Some(step) => self.model.change(step, |known| *known = view),
+            None => self.model.adjust(|known| *known = view),
+        }
+        if needs_room {
+            self.model.reframe();
+        }
+        self.told.settings.clone_from(&self.model.view);
+        self.told.is_stale = true;
+        self.note_motion();
+    }
+
+    /// The edit after which a param starts with the value that it has.
+    ///
+    /// # Errors
+    /// The sentence that says why it is not written.
+    pub(super) fn write_param(&mut self, param: &str) -> Result<Value, String> {
+        self.read();
+        let values = self.model.scene.clone().zip(self.model.settings());
+        let values = values.and_then(|(scene, settings)| {
+            let known = scene.params.iter().find(|it| it.name == param)?;
+            Some(settings.param(known).to_vec())
+        });
+        self.editing.write_param(param, &values.unwrap_or_default())
+    }
+
+    /// The edit after which a camera of the text stands where that of the 3D view is.
+    ///
+    /// # Errors
+    /// The sentence that says why it is not written.
+    pub(super) fn write_camera(&mut self, name: &str) -> Result<Value, String> {
+        self.read();
+        let camera = self.model.view.space.zip(self.model.scene.as_ref());
+        let (camera, scene) = camera.ok_or("nothing is seen in space yet")?;
+        // Scripts may name the axes of space otherwise.
+        let [eye, target] = [camera.eye, camera.target].map(|place| scene.stated(place));
+        let direction = [0, 1, 2].map(|k| target[k] - eye[k]);
+        self.editing.write_camera(name, direction, eye)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::merge;
+
+    #[test]
+    fn a_patch_is_merged_as_its_rfc_has_it() {
+        let mut value = json!({ "a": "b", "c": { "d": "e", "f": "g" }, "h": [1, 2] });
+        let patch = json!({ "a": "z", "c": { "f": null }, "h": [3], "i": { "j": { "k": null } } });
+        merge(&mut value, &patch);
+        let expected = json!({ "a": "z", "c": { "d": "e" }, "h": [3], "i": { "j": {} } });
+        assert_eq!(value, expected);
+    }
+}

@@ -1,0 +1,358 @@
+//! Tests of the core, natively: what a page does, without a page.
+
+use serde_json::{Value, json};
+
+use super::{Core, Drawn};
+use crate::message::{Event, read_message};
+
+const TORUS: &str = "param r = 0.8 : [0.4, 1.2];
+surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
+";
+
+/// A page: what it has been told, and the time.
+struct Page {
+    core: Core,
+    now: f64,
+    events: Vec<Event>,
+}
+
+impl Page {
+    fn open(text: &str) -> Self {
+        let mut page = Self {
+            core: Core::new(),
+            now: 0.0,
+            events: Vec::new(),
+        };
+        let program = json!({ "name": "a.gtr", "text": text, "version": 1 });
+        page.call("open", program).expect("it opens");
+        page
+    }
+
+    fn call(&mut self, name: &str, params: Value) -> Result<Value, String> {
+        let call = read_message(name, &params.to_string())?;
+        self.core.call(call, self.now)
+    }
+
+    fn tell(&mut self, name: &str, params: Value) {
+        let notice = read_message(name, &params.to_string()).expect("a notice");
+        self.core.notice(notice, self.now);
+    }
+
+    /// Works until nothing is left to be done at once; returns the pictures, which are shown at once.
+    fn work(&mut self) -> Vec<Drawn> {
+        let mut pictures = Vec::new();
+        for _ in 0..100 {
+            let progress = self.core.step(self.now);
+            self.events.extend(self.core.take_events());
+            if let Some(drawn) = progress.drawn {
+                self.tell("shown", json!({ "view": drawn.info.view }));
+                pictures.push(drawn);
+            }
+            if progress.next != Some(0.0) {
+                return pictures;
+            }
+        }
+        panic!("it never rests");
+    }
+
+    /// Works after a second.
+    fn rest(&mut self) -> Vec<Drawn> {
+        self.now += 1.0;
+        self.work()
+    }
+
+    fn panes(&mut self, views: &[&str]) {
+        let panes = views.iter();
+        let panes: Vec<Value> = panes
+            .map(|view| json!({ "view": view, "width": 64, "height": 48 }))
+            .collect();
+        self.tell("panes", json!({ "panes": panes }));
+    }
+
+    fn settings(&mut self) -> Value {
+        self.call("settings", json!({})).expect("settings")
+    }
+}
+
+fn views(pictures: &[Drawn]) -> Vec<&str> {
+    pictures.iter().map(|it| it.info.view.as_str()).collect()
+}
+
+#[test]
+fn a_program_is_described_and_drawn() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d", "geodesic:s"]);
+    let pictures = page.work();
+    assert_eq!(views(&pictures), ["3d", "geodesic:s"]);
+    for drawn in &pictures {
+        assert_eq!(drawn.pixels.len(), 64 * 48 * 4);
+        assert!(
+            drawn.info.exact && drawn.info.version == 1,
+            "{:?}",
+            drawn.info
+        );
+    }
+    let Some(Event::Scene(scene)) = page
+        .events
+        .iter()
+        .find(|event| matches!(event, Event::Scene(_)))
+    else {
+        panic!("{:?}", page.events);
+    };
+    assert_eq!(scene.objects[0].name, "s");
+    assert_eq!(scene.params[0].components[0].value, 0.8);
+    let ids: Vec<&str> = scene.views.iter().map(|view| &*view.id).collect();
+    assert_eq!(ids, ["3d", "geodesic:s"]);
+    // The 3D view shows the geodesic camera, which was put in place after its picture.
+    let again = page.work();
+    assert!(views(&again).len() <= 1, "{:?}", views(&again));
+    assert!(page.rest().is_empty(), "nothing has changed");
+}
+
+#[test]
+fn while_something_moves_pictures_are_coarse_and_then_exact() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["geodesic:s"]);
+    page.work();
+    page.tell(
+        "drag",
+        json!({ "view": "geodesic:s", "grip": "pan", "by": [10, 0] }),
+    );
+    let moving = page.work();
+    assert!(moving.iter().all(|drawn| !drawn.info.exact) && moving.len() == 1);
+    let exact = page.rest();
+    assert!(exact.len() == 1 && exact[0].info.exact);
+    let place = exact[0].info.place.as_deref().expect("a camera");
+    assert!(place.starts_with("from (u, v) = "), "{place}");
+}
+
+#[test]
+fn a_picture_that_is_not_shown_yet_gets_no_other_one() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d"]);
+    let first = page.core.step(0.0).drawn.expect("a picture");
+    for _ in 0..3 {
+        page.tell(
+            "drag",
+            json!({ "view": "3d", "grip": "orbit", "by": [9, 0] }),
+        );
+        assert!(page.core.step(0.0).drawn.is_none());
+    }
+    page.tell("shown", json!({ "view": "3d" }));
+    let next = page.core.step(0.0).drawn.expect("the last one");
+    assert!(first.pixels != next.pixels || first.info.width != next.info.width);
+    assert!(!next.info.exact);
+}
+
+#[test]
+fn edits_that_wait_are_compiled_once() {
+    let mut page = Page::open(TORUS);
+    page.work();
+    page.events.clear();
+    let at = TORUS.find("0.8").expect("there");
+    for version in 2..6 {
+        let change = json!({ "from": at, "to": at + 3, "insert": format!("0.{version}") });
+        page.tell("edit", json!({ "version": version, "changes": [change] }));
+    }
+    page.work();
+    let versions = page.events.iter().filter_map(|event| match event {
+        Event::Findings { version, .. } => Some(*version),
+        _ => None,
+    });
+    assert_eq!(versions.collect::<Vec<_>>(), [5]);
+    page.tell("edit", json!({ "version": 9, "changes": [] }));
+    page.work();
+    assert!(page.events.contains(&Event::Resync { version: 5 }));
+    page.tell(
+        "text",
+        json!({ "version": 9, "text": "point p = (1, 2, 3);" }),
+    );
+    page.work();
+    let Some(Event::Scene(scene)) = page.events.last() else {
+        panic!("{:?}", page.events.last());
+    };
+    assert_eq!((scene.version, scene.objects[0].name.as_str()), (9, "p"));
+}
+
+#[test]
+fn settings_are_those_of_the_window_and_can_be_undone() {
+    let mut page = Page::open(TORUS);
+    page.work();
+    page.tell(
+        "change",
+        json!({ "patch": { "params": { "r": [1.1] } }, "step": "r" }),
+    );
+    page.tell(
+        "change",
+        json!({ "patch": { "params": { "r": [1.2] } }, "step": "r" }),
+    );
+    page.tell("release", json!({}));
+    page.tell(
+        "change",
+        json!({ "patch": { "looks": { "s": { "hidden": true } } }, "step": "s" }),
+    );
+    page.work();
+    assert_eq!(page.settings()["params"]["r"], json!([1.2]));
+    assert_eq!(page.call("undo", json!({})), Ok(json!("Show or hide")));
+    assert_eq!(page.call("undo", json!({})), Ok(json!("Move a param")));
+    assert_eq!(page.settings()["params"].get("r"), None);
+    assert_eq!(page.call("redo", json!({})), Ok(json!("Move a param")));
+    let settings = page.settings();
+    let mut other = Page::open("");
+    let program = json!({ "name": "a.gtr", "text": TORUS, "version": 1, "settings": settings });
+    other.call("open", program).expect("it opens");
+    other.work();
+    assert_eq!(other.settings(), settings);
+}
+
+#[test]
+fn only_what_the_core_changes_by_itself_is_told() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d"]);
+    page.work();
+    page.rest();
+    let told = |page: &mut Page| {
+        let events = std::mem::take(&mut page.events).into_iter();
+        let settings = events.filter(|event| matches!(event, Event::Settings { .. }));
+        settings.count()
+    };
+    told(&mut page);
+    page.tell(
+        "change",
+        json!({ "patch": { "preferences": { "fly": true } } }),
+    );
+    page.rest();
+    assert_eq!(told(&mut page), 0);
+    page.tell(
+        "drag",
+        json!({ "view": "3d", "grip": "orbit", "by": [9, 0] }),
+    );
+    page.work();
+    assert_eq!(told(&mut page), 0, "it moves");
+    page.rest();
+    assert_eq!(told(&mut page), 1);
+}
+
+#[test]
+fn a_click_puts_the_camera_there_and_a_double_click_withdraws_it() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d", "geodesic:s"]);
+    page.work();
+    page.rest();
+    let before = page.settings()["inside"]["s"].clone();
+    // The tube in front lies below the middle.
+    let at = json!({ "view": "3d", "at": [32, 33] });
+    let clicked = page.call("click", at.clone()).expect("an answer");
+    assert_eq!(clicked["pick"]["object"], "s", "{clicked}");
+    assert_eq!(clicked["placed"], "geodesic:s");
+    assert_eq!(clicked["pick"]["rows"][1]["name"], "K");
+    assert_ne!(page.settings()["inside"]["s"]["at"], before["at"]);
+    let found = page.call("doubleClick", at).expect("an answer");
+    let from = found["range"]["from"].as_u64().expect("a declaration") as usize;
+    assert_eq!(&TORUS[from..=from], "s");
+    assert_eq!(page.settings()["inside"]["s"]["at"], before["at"]);
+    let outside = json!({ "view": "3d", "at": [0, 0] });
+    assert_eq!(page.call("pick", outside), Ok(Value::Null));
+}
+
+#[test]
+fn keys_that_are_held_move_the_camera_with_the_time() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["geodesic:s"]);
+    page.work();
+    let before = page.settings()["inside"]["s"]["at"].clone();
+    let hold =
+        |keys: Value| json!({ "view": "geodesic:s", "keys": keys, "shift": false, "alt": false });
+    page.tell("hold", hold(json!(["w"])));
+    for _ in 0..10 {
+        page.now += 0.02;
+        page.work();
+    }
+    page.tell("hold", hold(json!([])));
+    let after = page.settings()["inside"]["s"]["at"].clone();
+    assert_ne!(before, after);
+    page.rest();
+    assert_eq!(page.settings()["inside"]["s"]["at"], after);
+    assert_eq!(
+        page.call("undo", json!({})),
+        Ok(json!("Move the geodesic camera"))
+    );
+    assert_eq!(page.settings()["inside"]["s"]["at"], before);
+}
+
+#[test]
+fn a_view_without_a_picture_says_why() {
+    let mut page = Page::open("metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];");
+    page.panes(&["geodesic:h", "geodesic:none"]);
+    let pictures = page.work();
+    assert_eq!(views(&pictures), ["geodesic:h"]);
+    let told = page
+        .events
+        .iter()
+        .any(|event| matches!(event, Event::NoPicture { view, .. } if view == "geodesic:none"));
+    assert!(told, "{:?}", page.events);
+}
+
+#[test]
+fn images_are_those_that_were_given() {
+    let mut page = Page::open(&TORUS.replace("v : [-pi, pi]", "v : [-pi, pi], image : earth"));
+    page.panes(&["geodesic:s"]);
+    let before = page.work().remove(0).pixels;
+    let image = image::RgbaImage::from_pixel(4, 2, image::Rgba([200, 30, 60, 255]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("written");
+    let bytes = bytes.into_inner();
+    assert!(page.core.texture("earth.png", &bytes[..20]).is_err());
+    let size = page.core.texture("earth.png", &bytes).expect("an image");
+    assert_eq!(size, json!({ "width": 4, "height": 2 }));
+    let after = page.rest().remove(0).pixels;
+    assert_ne!(before, after);
+    let Some(Event::Scene(scene)) = page.events.iter().rfind(|it| matches!(it, Event::Scene(_)))
+    else {
+        panic!("a scene");
+    };
+    assert!(scene.images[0].is_there);
+}
+
+#[test]
+fn files_hold_what_is_shown() {
+    let mut page = Page::open(TORUS);
+    let saved = page.core.save_picture("3d", [40, 30]).expect("a picture");
+    let image = image::load_from_memory(&saved.bytes).expect("a PNG file");
+    assert_eq!((image.width(), image.height()), (40, 30));
+    for format in ["obj", "ply", "stl", "gltf", "glb"] {
+        let saved = page.core.save_mesh(format).expect("a mesh");
+        assert!(saved.bytes.len() > 10_000, "{format}");
+    }
+    page.tell(
+        "change",
+        json!({ "patch": { "looks": { "s": { "hidden": true } } } }),
+    );
+    let sentence = page.core.save_mesh("obj").expect_err("nothing");
+    assert!(sentence.contains("nothing"), "{sentence}");
+}
+
+#[test]
+fn a_param_and_a_camera_are_written_into_the_text() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d"]);
+    page.tell("change", json!({ "patch": { "params": { "r": [1.1] } } }));
+    page.work();
+    let edit = page
+        .call("writeParam", json!({ "param": "r" }))
+        .expect("an edit");
+    assert_eq!(edit["insert"], "1.1", "{edit}");
+    let edit = page
+        .call("writeCamera", json!({ "name": "c" }))
+        .expect("an edit");
+    assert!(
+        edit["insert"]
+            .as_str()
+            .expect("a text")
+            .contains("camera c"),
+        "{edit}"
+    );
+    assert!(page.call("writeParam", json!({ "param": "q" })).is_err());
+}

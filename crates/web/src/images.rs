@@ -1,0 +1,48 @@
+//! The images that the page has given, by their names.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use render::texture::{Texture, named_files};
+use session::textures::{ImageSource, ImageState};
+
+/// Images that were dropped on the page.
+#[derive(Debug, Default)]
+pub(crate) struct GivenImages(BTreeMap<PathBuf, Arc<Texture>>);
+
+impl GivenImages {
+    /// Takes an image under a name, in the place of another one.
+    pub(crate) fn give(&mut self, name: PathBuf, image: Arc<Texture>) {
+        self.0.insert(name, image);
+    }
+
+    /// The name of an image that a program's word stands for.
+    fn named(&self, word: &str) -> Option<PathBuf> {
+        // What is dropped has no folder, whatever path a script writes.
+        let files = named_files(word, Path::new("")).into_iter();
+        let names = files.filter_map(|file| Some(PathBuf::from(file.file_name()?)));
+        names.into_iter().find(|name| self.0.contains_key(name))
+    }
+}
+
+impl ImageSource for GivenImages {
+    fn file_of(&self, word: &str) -> Option<PathBuf> {
+        let missing = || named_files(word, Path::new("")).into_iter().next();
+        self.named(word).or_else(missing)
+    }
+
+    fn has(&self, word: &str) -> bool {
+        self.named(word).is_some()
+    }
+
+    fn read(&mut self, path: &Path) -> ImageState {
+        match self.0.get(path) {
+            Some(image) => ImageState::Ready(Arc::clone(image)),
+            None => {
+                let name = path.display();
+                ImageState::Failed(format!("there is no image `{name}`: drop it on the page"))
+            }
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! The core of the page: a program, its pictures and its settings, in a Worker of a browser.
+//!
+//! ```text
+//! page ──Call, Notice──▶ web/src/worker.ts ──▶ bindings ──▶ Core ──▶ editing: ide on UTF-16 offsets (source)
+//!                                                            │ ├──▶ the state: what was chosen, the cameras
+//!                                                            │ └──▶ pictures: what to draw next, how coarse
+//! page ◀──Answer, Event, pixels── worker.ts ◀── bindings ◀───┘
+//! ```
+//!
+//! [`Core`] is plain Rust, and is tested natively; `bindings` alone is JavaScript's, and stands in no other build. Nothing
+//! here has a thread, a file or a clock of its own: the Worker hands in texts, bytes and the time, and calls for pictures.
+
+#[cfg(target_arch = "wasm32")]
+mod bindings;
+mod core;
+mod editing;
+mod examples;
+mod images;
+mod message;
+mod source;
+
+pub use core::{Core, Drawn, Progress, Saved};
+pub use editing::Editing;
+pub use examples::{EXAMPLES, Example};
+pub use message::{
+    AskedFigure, Call, CameraMove, ComponentInfo, Event, Finding, Grip, ImageInfo, KeyInfo,
+    MotionKey, Notice, ObjectInfo, Pane, ParamInfo, Pick, PictureInfo, Related, Row, SceneInfo,
+    SettingInfo, ViewInfo, read_message,
+};
+pub use source::{EditsDoNotFit, SourceText, Utf16Edit, Utf16Range};

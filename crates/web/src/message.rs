@@ -1,0 +1,465 @@
+//! The messages between the page and the core, as `web/src/protocol.ts` has them: that file says what each means. Bytes do
+//! not go through here; `bindings` has functions for what has any.
+
+use render::figure::FigureKind;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use session::measuring::Quantity;
+
+use crate::source::{Utf16Edit, Utf16Range};
+
+/// Reads a message by its name and its params, which are JSON.
+///
+/// # Errors
+/// The sentence about what cannot be read.
+pub fn read_message<T: DeserializeOwned>(name: &str, params: &str) -> Result<T, String> {
+    // By way of a value: a reader of texts for each type would be a tenth of the whole download.
+    let params: Result<Value, _> = serde_json::from_str(params);
+    let named =
+        params.map(|params| Value::Object([(name.to_owned(), params)].into_iter().collect()));
+    let message = named.and_then(serde_json::from_value);
+    message.map_err(|error| format!("the message `{name}` cannot be read: {error}"))
+}
+
+/// Something that the page asks for.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum Call {
+    Open {
+        name: String,
+        text: String,
+        version: i32,
+        #[serde(default)]
+        settings: Option<Value>,
+    },
+    Hover {
+        at: u32,
+    },
+    Complete {
+        at: u32,
+    },
+    Describe {
+        at: u32,
+        label: String,
+    },
+    Signature {
+        at: u32,
+    },
+    Definition {
+        at: u32,
+    },
+    Occurrences {
+        at: u32,
+    },
+    PrepareRename {
+        at: u32,
+    },
+    Rename {
+        at: u32,
+        name: String,
+    },
+    Format {
+        range: Option<Utf16Range>,
+    },
+    FormatOnType {
+        at: u32,
+    },
+    Fixes(Utf16Range),
+    FixAll {},
+    Outline {},
+    Folds {},
+    Selection {
+        at: u32,
+    },
+    Hints(Utf16Range),
+    Colours {},
+    ColourTexts {
+        from: u32,
+        to: u32,
+        rgb: [u8; 3],
+    },
+    Declaration {
+        name: String,
+    },
+    WriteParam {
+        param: String,
+    },
+    WriteCamera {
+        name: String,
+    },
+    WriteColour {
+        object: String,
+        rgb: [u8; 3],
+    },
+    Settings {},
+    Undo {},
+    Redo {},
+    Pick {
+        view: String,
+        at: [f64; 2],
+    },
+    Click {
+        view: String,
+        at: [f64; 2],
+    },
+    DoubleClick {
+        view: String,
+        at: [f64; 2],
+    },
+    Measure {
+        figure: AskedFigure,
+    },
+    Examples {},
+}
+
+/// Something that the page tells.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum Notice {
+    Edit {
+        version: i32,
+        changes: Vec<Utf16Edit>,
+    },
+    Text {
+        version: i32,
+        text: String,
+    },
+    Cursor {
+        at: Option<u32>,
+    },
+    ReplaceSettings {
+        settings: Value,
+    },
+    Change {
+        patch: Value,
+        #[serde(default)]
+        step: Option<String>,
+    },
+    Light {
+        is_light: bool,
+    },
+    Panes {
+        panes: Vec<Pane>,
+    },
+    Shown {
+        view: String,
+    },
+    Focus {
+        view: Option<String>,
+    },
+    Drag {
+        view: String,
+        grip: Grip,
+        by: [f64; 2],
+    },
+    Zoom {
+        view: String,
+        at: [f64; 2],
+        factor: f64,
+    },
+    Twist {
+        view: String,
+        angle: f64,
+    },
+    Hold {
+        view: String,
+        keys: Vec<MotionKey>,
+        shift: bool,
+        alt: bool,
+    },
+    Camera {
+        view: String,
+        #[serde(rename = "move")]
+        to: CameraMove,
+    },
+    Release {},
+}
+
+/// Something that the core tells by itself.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(
+    tag = "event",
+    content = "params",
+    rename_all = "camelCase",
+    rename_all_fields = "camelCase"
+)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum Event {
+    Findings {
+        version: i32,
+        findings: Vec<Finding>,
+    },
+    Scene(Box<SceneInfo>),
+    Settings {
+        settings: Value,
+    },
+    NoPicture {
+        view: String,
+        message: String,
+    },
+    Busy {
+        view: Option<String>,
+        is_busy: bool,
+    },
+    Resync {
+        version: i32,
+    },
+}
+
+/// A pane on the page.
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq)]
+pub struct Pane {
+    /// The name of its view.
+    pub view: String,
+    /// The pixels that it has room for.
+    pub width: u32,
+    /// Likewise.
+    pub height: u32,
+}
+
+/// A use of the pointer in a view in space.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum Grip {
+    Orbit,
+    Look,
+    Pan,
+}
+
+/// A key that moves cameras.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum MotionKey {
+    W,
+    A,
+    S,
+    D,
+    Q,
+    E,
+    Z,
+    X,
+    Left,
+    Right,
+    Up,
+    Down,
+    Plus,
+    Minus,
+}
+
+/// A place where a camera is put.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub enum CameraMove {
+    #[serde(rename = "reset")]
+    Reset,
+    #[serde(rename = "frame")]
+    Frame,
+    #[serde(rename = "+x")]
+    PlusX,
+    #[serde(rename = "-x")]
+    MinusX,
+    #[serde(rename = "+y")]
+    PlusY,
+    #[serde(rename = "-y")]
+    MinusY,
+    #[serde(rename = "+z")]
+    PlusZ,
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+/// A figure that is to be measured.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+pub struct AskedFigure {
+    /// The surface or metric that it lies on.
+    pub surface: String,
+    /// What it is.
+    #[serde(deserialize_with = "figure_kind")]
+    pub kind: FigureKind,
+    /// Its places, (u, v).
+    pub places: Vec<[f64; 2]>,
+    /// The radius of a circle.
+    #[serde(default)]
+    pub radius: Option<f64>,
+}
+
+fn figure_kind<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<FigureKind, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    let found = FigureKind::ALL.into_iter().find(|kind| kind.name() == name);
+    found.ok_or_else(|| serde::de::Error::custom(format!("there is no figure `{name}`")))
+}
+
+/// A diagnostic.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its place.
+    #[serde(flatten)]
+    pub range: Utf16Range,
+    /// `error`, `warning` or `hint`.
+    pub severity: &'static str,
+    /// Its code.
+    pub code: &'static str,
+    /// One sentence.
+    pub message: String,
+    /// A sentence that helps.
+    pub hint: Option<String>,
+    /// Other places that explain it.
+    pub related: Vec<Related>,
+}
+
+/// Another place that explains a diagnostic.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Related {
+    /// The place.
+    #[serde(flatten)]
+    pub range: Utf16Range,
+    /// One sentence.
+    pub message: String,
+}
+
+/// What the last sound state of the text shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct SceneInfo {
+    pub version: i32,
+    pub stale: bool,
+    /// In milliseconds.
+    pub took: f64,
+    pub views: Vec<ViewInfo>,
+    pub params: Vec<ParamInfo>,
+    pub objects: Vec<ObjectInfo>,
+    pub cameras: Vec<String>,
+    pub images: Vec<ImageInfo>,
+    pub empty: Option<String>,
+}
+
+/// A view of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct ViewInfo {
+    pub id: String,
+    pub kind: String,
+    pub object: Option<String>,
+    pub title: String,
+    pub purpose: &'static str,
+    pub opens_by_itself: bool,
+    pub camera: Option<&'static str>,
+    pub keys: Vec<KeyInfo>,
+    pub settings: Vec<SettingInfo>,
+    pub instead: Option<&'static str>,
+}
+
+/// A key or gesture of a view.
+#[derive(Clone, Copy, Debug, Eq, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct KeyInfo {
+    pub keys: &'static str,
+    pub action: &'static str,
+}
+
+/// A setting of a view.
+#[derive(Clone, Copy, Debug, Eq, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct SettingInfo {
+    pub name: &'static str,
+    pub title: &'static str,
+    pub default: bool,
+}
+
+/// A param.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct ParamInfo {
+    pub name: String,
+    pub components: Vec<ComponentInfo>,
+}
+
+/// A component of a param.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct ComponentInfo {
+    pub value: f64,
+    pub initial: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+/// An object that is drawn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct ObjectInfo {
+    pub name: String,
+    pub kind: &'static str,
+    pub colour: [u8; 3],
+    pub is_colour_chosen: bool,
+    pub is_colour_stated: bool,
+    pub hidden: bool,
+    pub has_texture: bool,
+    pub stale: bool,
+    pub range: Option<Utf16Range>,
+}
+
+/// An image that the text names.
+#[derive(Clone, Debug, Eq, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct ImageInfo {
+    pub word: String,
+    pub is_there: bool,
+}
+
+/// What is seen at a place of a picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct Pick {
+    pub object: String,
+    pub kind: &'static str,
+    pub instance: u64,
+    pub position: Option<[f64; 3]>,
+    pub parameters: Vec<f64>,
+    pub polar: Option<[f64; 2]>,
+    pub rows: Vec<Row>,
+    pub text: String,
+    pub range: Option<Utf16Range>,
+}
+
+/// A quantity with its value, in words.
+#[derive(Clone, Debug, Eq, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct Row {
+    pub name: String,
+    pub value: String,
+}
+
+impl From<&Quantity> for Row {
+    fn from(quantity: &Quantity) -> Self {
+        Self {
+            name: quantity.name.clone(),
+            value: quantity.value.clone(),
+        }
+    }
+}
+
+/// What there is to say of a picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the protocol documents them")]
+pub struct PictureInfo {
+    pub view: String,
+    pub width: u32,
+    pub height: u32,
+    pub exact: bool,
+    pub version: i32,
+    pub samples: Option<[u32; 2]>,
+    pub notes: Vec<String>,
+    pub place: Option<String>,
+    /// In milliseconds.
+    pub took: f64,
+}

@@ -1,0 +1,248 @@
+// The core in its Worker: calls, notices and events of `protocol.ts`, and another Worker where one has died.
+//
+// What a Worker knows, the page knows too: the program, its version and the settings. So a new Worker goes on where the
+// old one ended. One that fails again at once on the same program is not started a third time.
+
+import {
+    Connection,
+    type CallName,
+    type Calls,
+    type EventName,
+    type Events,
+    type FromWorker,
+    type NoticeName,
+    type Notices,
+    type Settings,
+    type SettingsPatch,
+} from "./protocol.ts";
+import address from "./worker.ts?worker&url";
+
+/** The program that is open, as a Worker needs it to begin. */
+export interface Program {
+    name: string;
+    text: string;
+    version: number;
+}
+
+export type Listeners = { [K in EventName]?: (params: Events[K]) => void } & {
+    /** A Worker has ended; `isBack` if another one has taken its place. */
+    lost?: (why: string, isBack: boolean) => void;
+};
+
+/** Starts a Worker. */
+export type Start = () => Worker;
+
+/** A Worker that fails so soon after another one, in milliseconds, fails because of the program. */
+const AGAIN = 10_000;
+/** A call that takes longer than this, in milliseconds, has met a program that is too much for it. */
+const PATIENCE = 45_000;
+
+/** Merges a patch into a value, as RFC 7396 says. */
+export function merged(value: unknown, patch: unknown): unknown {
+    if (typeof patch !== "object" || patch === null || Array.isArray(patch)) {
+        return patch;
+    }
+    const base = typeof value === "object" && value !== null && !Array.isArray(value) ? value : {};
+    const result: Record<string, unknown> = { ...base };
+    for (const [key, part] of Object.entries(patch)) {
+        if (part === null) {
+            delete result[key];
+        } else {
+            result[key] = merged(result[key], part);
+        }
+    }
+    return result;
+}
+
+export class Core {
+    /** The settings, as far as they are known here. */
+    settings: Settings = {};
+    private worker: Worker | undefined;
+    private connection: Connection | undefined;
+    private program: Program | undefined;
+    /** What a new Worker is told before the program is opened, and after. */
+    private readonly kept = new Map<NoticeName, unknown>();
+    private readonly images = new Map<string, ArrayBuffer>();
+    private failures: number[] = [];
+    private watch: ReturnType<typeof setTimeout> | undefined;
+    private waiting = 0;
+    /** The version of the text that findings have come for. */
+    private checked = -1;
+
+    constructor(
+        private readonly start: Start,
+        private readonly on: Listeners,
+    ) {
+        this.begin();
+    }
+
+    /** Opens a program, in the place of the one that is open. */
+    async open(program: Program, settings: Settings = {}): Promise<Calls["open"]["result"]> {
+        this.program = program;
+        this.settings = settings;
+        this.failures = [];
+        if (this.connection === undefined) {
+            this.begin();
+        }
+        return this.call("open", { ...program, settings });
+    }
+
+    call<K extends CallName>(
+        call: K,
+        params: Calls[K]["params"],
+        transfer: Transferable[] = [],
+    ): Promise<Calls[K]["result"]> {
+        if (this.connection === undefined) {
+            return Promise.reject(new Error("The program is too much for this page. Change it, and it is tried again."));
+        }
+        this.waiting += 1;
+        this.guard();
+        const { connection } = this;
+        return connection.call(call, params, transfer).finally(() => {
+            this.waiting = connection === this.connection ? Math.max(0, this.waiting - 1) : this.waiting;
+            this.guard();
+        });
+    }
+
+    tell<K extends NoticeName>(notice: K, params: Notices[K]): void {
+        if (notice === "panes" || notice === "light" || notice === "focus") {
+            this.kept.set(notice, params);
+        }
+        this.connection?.tell(notice, params);
+    }
+
+    /** Tells of edits; `text` is what they lead to. */
+    edit(version: number, changes: Notices["edit"]["changes"], text: () => string): void {
+        if (this.program === undefined) {
+            return;
+        }
+        this.program = { name: this.program.name, version, text: "" };
+        // A text of a megabyte is not put together for each key, only where it is needed.
+        Object.defineProperty(this.program, "text", { get: text });
+        if (this.connection === undefined) {
+            this.failures = [];
+            this.begin();
+            this.reopen();
+        } else {
+            this.connection.tell("edit", { version, changes });
+            this.guard();
+        }
+    }
+
+    /** Changes settings, here and there. */
+    change(patch: SettingsPatch, step?: string): void {
+        this.settings = merged(this.settings, patch) as Settings;
+        this.tell("change", step === undefined ? { patch } : { patch, step });
+    }
+
+    /** Gives the core an image, which it keeps by its name. */
+    async texture(name: string, bytes: ArrayBuffer): Promise<Calls["texture"]["result"]> {
+        const size = await this.call("texture", { name, bytes: bytes.slice(0) });
+        this.images.set(name, bytes);
+        return size;
+    }
+
+    /** The images that were given, by name. */
+    textures(): ReadonlyMap<string, ArrayBuffer> {
+        return this.images;
+    }
+
+    /** Ends the Worker. */
+    end(): void {
+        clearTimeout(this.watch);
+        this.worker?.terminate();
+        this.connection?.close();
+        this.worker = undefined;
+        this.connection = undefined;
+    }
+
+    private begin(): void {
+        const worker = this.start();
+        this.waiting = 0;
+        this.checked = -1;
+        const connection = new Connection(worker, {
+            ...this.on,
+            settings: (event) => {
+                this.settings = event.settings;
+                this.on.settings?.(event);
+            },
+            resync: () => {
+                const { program } = this;
+                if (program !== undefined) {
+                    connection.tell("text", { version: program.version, text: program.text });
+                }
+            },
+            findings: (event) => {
+                this.checked = event.version;
+                this.on.findings?.(event);
+            },
+            crashed: ({ message }) => this.lose(message),
+        });
+        worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => {
+            if (connection === this.connection) {
+                connection.receive(data);
+                this.guard();
+            }
+        });
+        worker.addEventListener("error", (event) => {
+            event.preventDefault();
+            if (connection === this.connection) {
+                this.lose(event.message || "the Worker could not be started");
+            }
+        });
+        this.worker = worker;
+        this.connection = connection;
+    }
+
+    /** Waits for an answer, but not for ever. */
+    private guard(): void {
+        clearTimeout(this.watch);
+        if (this.connection === undefined) {
+            return;
+        }
+        if (this.waiting > 0 || (this.program !== undefined && this.program.version !== this.checked)) {
+            this.watch = setTimeout(() => this.lose("it does not answer"), PATIENCE);
+        }
+    }
+
+    private lose(why: string): void {
+        this.end();
+        const now = Date.now();
+        this.failures = [...this.failures.filter((at) => now - at < AGAIN), now];
+        const isBack = this.failures.length < 3 && this.program !== undefined;
+        if (isBack) {
+            this.begin();
+            this.reopen();
+        }
+        this.on.lost?.(why, isBack);
+    }
+
+    private reopen(): void {
+        const { connection, program, settings } = this;
+        if (connection === undefined || program === undefined) {
+            return;
+        }
+        for (const [name, bytes] of this.images) {
+            this.call("texture", { name, bytes: bytes.slice(0) }).catch(() => {});
+        }
+        const { name, text, version } = program;
+        this.call("open", { name, text, version, settings }).catch(() => {});
+        for (const [notice, params] of this.kept) {
+            connection.tell(notice, params as never);
+        }
+    }
+}
+
+/** Starts the Worker. A page of another place may not start it by its address, but a script of its own may import it. */
+export function startWorker(): Worker {
+    const url = new URL(address, import.meta.url);
+    if (url.origin === location.origin) {
+        return new Worker(url, { type: "module", name: "geotrace" });
+    }
+    const script = new Blob([`import ${JSON.stringify(url.href)};`], { type: "text/javascript" });
+    const own = URL.createObjectURL(script);
+    const worker = new Worker(own, { type: "module", name: "geotrace" });
+    // It is read when the Worker starts, which is after this call.
+    setTimeout(() => URL.revokeObjectURL(own), 60_000);
+    return worker;
+}

@@ -1,0 +1,54 @@
+// What is wrong with the program, at the foot of the editor: a click leads to the place, a button fixes it.
+
+import { button, icon, make } from "./dom.ts";
+import type { Shown } from "./editor.ts";
+import { inline } from "./markdown.ts";
+import type { Fix, TextRange } from "./protocol.ts";
+
+export interface ProblemsEvents {
+    /** A place is to be shown. */
+    show(range: TextRange): void;
+    fix(fix: Fix): void;
+}
+
+export class Problems {
+    readonly element = make("ul", { class: "problems", "aria-label": "Problems", hidden: true });
+    /** How many there are, in words. */
+    readonly count = make("span", { role: "status" });
+    /** How many there are, where there is little room. */
+    readonly badge = make("span", { class: "count", hidden: true });
+
+    constructor(private readonly events: ProblemsEvents) {
+        this.set([]);
+    }
+
+    /** Lists what is wrong. */
+    set(findings: Shown[]): void {
+        const errors = findings.filter((it) => it.severity === "error").length;
+        const count = (number: number, word: string) => (number === 0 ? [] : [`${number} ${word}${number === 1 ? "" : "s"}`]);
+        const text = [...count(errors, "error"), ...count(findings.length - errors, "warning")].join(", ");
+        this.count.textContent = text === "" ? "No problems" : text;
+        this.count.className = errors > 0 ? "bad" : "";
+        this.badge.hidden = findings.length === 0;
+        this.badge.textContent = String(findings.length);
+        this.element.hidden = findings.length === 0;
+        this.element.replaceChildren(...findings.map((finding) => this.row(finding)));
+    }
+
+    private row(finding: Shown): HTMLElement {
+        const { line, column, message, hint, related, fix, severity } = finding;
+        const go = make(
+            "button",
+            { type: "button", onclick: () => this.events.show(finding) },
+            icon("error"),
+            make("span", {}, inline(message)),
+            make("span", { class: "place" }, `${line}:${column}`),
+            hint !== null && make("span", { class: "help" }, inline(hint)),
+        );
+        const others = related.map(({ message: about, ...range }) =>
+            make("button", { type: "button", class: "related", onclick: () => this.events.show(range) }, "↳ ", inline(about)),
+        );
+        const press = fix && button(fix.title.replaceAll("`", ""), () => this.events.fix(fix));
+        return make("li", { class: severity }, go, ...others, press);
+    }
+}

@@ -1,0 +1,89 @@
+// What the browser remembers: the program of this tab, those that were open before, and the theme. Nothing of it leaves
+// the browser. A browser that remembers nothing (or has no room) loses that and nothing else.
+
+import type { Settings } from "./protocol.ts";
+
+export interface Kept {
+    name: string;
+    text: string;
+    settings?: Settings;
+}
+
+const CURRENT = "geotrace.program";
+const RECENT = "geotrace.recent";
+const THEME = "geotrace.theme";
+const WELCOME = "geotrace.welcome";
+const MOST = 12;
+/** The longest text of a program that was open before, in UTF-16 units: a browser gives a page about five megabytes. */
+const LONGEST = 200_000;
+
+function read<Value>(storage: () => Storage, key: string): Value | undefined {
+    try {
+        const text = storage().getItem(key);
+        return text === null ? undefined : (JSON.parse(text) as Value);
+    } catch {
+        return undefined;
+    }
+}
+
+function write(storage: () => Storage, key: string, value: unknown): boolean {
+    try {
+        storage().setItem(key, JSON.stringify(value));
+        return true;
+    } catch {
+        return false;
+    }
+}
+
+const session = () => sessionStorage;
+const local = () => localStorage;
+
+/** The program of this tab, else of the tab that was used last. */
+export function current(): Kept | undefined {
+    const kept = read<Kept>(session, CURRENT) ?? read<Kept>(local, CURRENT);
+    return typeof kept?.name === "string" && typeof kept.text === "string" ? kept : undefined;
+}
+
+/** Keeps the program of this tab; returns false if there is no room for it. */
+export function keep(program: Kept): boolean {
+    const isKept = write(session, CURRENT, program);
+    return write(local, CURRENT, program) || isKept;
+}
+
+/** The programs that were open before, the last one first. */
+export function recent(): Kept[] {
+    const list = read<Kept[]>(local, RECENT);
+    return Array.isArray(list) ? list.filter((it) => typeof it?.name === "string" && typeof it.text === "string") : [];
+}
+
+/** Adds a program to those that were open before. */
+export function remember(program: Kept): void {
+    if (program.text.trim() === "" || program.text.length > LONGEST) {
+        return;
+    }
+    const others = recent().filter((it) => it.text !== program.text);
+    let list = [program, ...others].slice(0, MOST);
+    while (list.length > 0 && !write(local, RECENT, list)) {
+        list = list.slice(0, -1);
+    }
+}
+
+export type Theme = "light" | "dark";
+
+/** The theme that was chosen; the system's if none was. */
+export function theme(): Theme | undefined {
+    const chosen = read<Theme>(local, THEME);
+    return chosen === "light" || chosen === "dark" ? chosen : undefined;
+}
+
+export function keepTheme(chosen: Theme): void {
+    write(local, THEME, chosen);
+}
+
+export function hasSeenWelcome(): boolean {
+    return read<boolean>(local, WELCOME) === true;
+}
+
+export function seenWelcome(): void {
+    write(local, WELCOME, true);
+}

@@ -1,0 +1,211 @@
+// What leaves the page and comes back: links, files, pictures, meshes, what the browser keeps.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { inflateSync } from "node:zlib";
+import { settled } from "./browser.mjs";
+import { changed, example, link, middle, picture, rest, setup, SPHERE, text, write } from "./harness.mjs";
+
+const state = setup();
+
+/** The text that the page has put on the clipboard. */
+const copied = async (page) => {
+    await page.getByRole("button", { name: "Copy link" }).click();
+    await page.locator(".toast", { hasText: "is copied" }).waitFor();
+    return page.evaluate(() => navigator.clipboard.readText());
+};
+
+const download = async (page, press) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), press()]);
+    return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
+};
+
+/** The size of a PNG and the alpha of its first pixel. */
+function png(bytes) {
+    assert.equal(bytes.subarray(1, 4).toString(), "PNG");
+    const [width, height] = [bytes.readUInt32BE(16), bytes.readUInt32BE(20)];
+    const colourType = bytes[25];
+    const data = [];
+    for (let at = 8; at < bytes.length; at += 12 + bytes.readUInt32BE(at)) {
+        if (bytes.subarray(at + 4, at + 8).toString() === "IDAT") {
+            data.push(bytes.subarray(at + 8, at + 8 + bytes.readUInt32BE(at)));
+        }
+    }
+    // The first pixel of the first row is the same under every filter.
+    const alpha = colourType === 6 ? inflateSync(Buffer.concat(data))[4] : 255;
+    return { width, height, alpha };
+}
+
+test("a link brings program, cameras and looks to a fresh profile, to the last pixel", async () => {
+    const page = await state.open(link(SPHERE), { permissions: ["clipboard-read", "clipboard-write"] });
+    const before = await picture(page);
+    const { x, y } = await middle(page);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 70, y + 30, { steps: 5 });
+    await page.mouse.up();
+    const turned = await changed(page, before);
+    await page.locator('[data-view="geodesic:s"] canvas').focus();
+    const inside = await picture(page, "geodesic:s");
+    await page.keyboard.down("w");
+    await page.waitForTimeout(150);
+    await page.keyboard.up("w");
+    await changed(page, inside, "geodesic:s");
+    await page.getByRole("tab", { name: "Objects" }).click();
+    await page.getByLabel("Colour of s").fill("#ffcc88");
+    await changed(page, turned);
+    const [space, walked] = [await rest(page), await rest(page, "geodesic:s")];
+    const url = await copied(page);
+    const other = await state.open(url.slice(url.indexOf("#")));
+    assert.equal(await text(other), await text(page));
+    assert.equal((await picture(other)).digest, space.digest);
+    assert.equal((await picture(other, "geodesic:s")).digest, walked.digest);
+    await state.close(other);
+    await state.close(page);
+});
+
+test("a link brings the params, and the camera stays where it was", async () => {
+    const page = await state.open(link(SPHERE), { permissions: ["clipboard-read", "clipboard-write"] });
+    const before = await picture(page);
+    // The arrows of the geodesic camera in space are as long as the scene was when it was drawn first.
+    await page.getByRole("tab", { name: "Views" }).click();
+    await page.getByLabel("Cameras").uncheck();
+    await page.getByRole("tab", { name: "Params" }).click();
+    await page.getByRole("textbox", { name: "Value of r" }).fill("1.4");
+    await page.keyboard.press("Enter");
+    await changed(page, before);
+    const now = await rest(page);
+    const url = await copied(page);
+    const other = await state.open(url.slice(url.indexOf("#")));
+    assert.equal(await other.getByRole("textbox", { name: "Value of r" }).inputValue(), "1.4");
+    // The core keeps the units in which it draws while a param moves, so some pixels differ in their last bits.
+    const { pixels } = await picture(other);
+    const far = now.pixels.filter((value, at) => Math.abs(value - pixels[at]) > 16).length;
+    assert.ok(far < pixels.length / 10_000, `${far} of ${pixels.length} channels differ`);
+    await state.close(other);
+    await state.close(page);
+});
+
+test("a broken link gives a sentence, and the page works", async () => {
+    for (const [hash, sentence] of [
+        ["#1.AAAA", /damaged/],
+        ["#hello", /does not hold a Geotrace program/],
+        [`${link(SPHERE).slice(0, 60)}`, /damaged/],
+        ["#9.abc", /newer version/],
+    ]) {
+        const page = await state.open(hash);
+        assert.match(await page.locator(".toast.bad").textContent(), sentence);
+        assert.ok((await picture(page)).colours > 50);
+        await state.close(page);
+    }
+});
+
+test("what was typed is there after a reload, and a link does not take it away", async () => {
+    const page = await state.open();
+    await write(page, SPHERE.replace("0.5, 2", "0.25, 2"));
+    await page.waitForTimeout(600);
+    await page.reload();
+    await settled(page);
+    assert.match(await text(page), /0\.25, 2/);
+    await page.goto(`${state.server.url}${link(SPHERE, undefined, "linked.gtr")}`);
+    await page.waitForFunction(() => document.querySelector(".head .name").value === "linked.gtr");
+    await page.getByRole("button", { name: "Open" }).click();
+    await page.getByRole("menuitem", { name: /first\.gtr/ }).click();
+    await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("0.25, 2"));
+    await state.close(page);
+});
+
+test("a reload before the pause loses nothing", async () => {
+    const page = await state.open();
+    await write(page, "point p = (1, 2, 3);");
+    await page.reload();
+    await settled(page);
+    assert.equal(await text(page), "point p = (1, 2, 3);");
+    await state.close(page);
+});
+
+test("a picture is saved in its size, transparent where it is asked for", async () => {
+    const page = await state.open(link(SPHERE));
+    for (const isTransparent of [false, true]) {
+        await page.getByRole("button", { name: "Save a picture of 3D view" }).click();
+        await page.getByLabel("Width in pixels").fill("320");
+        await page.getByLabel("Height in pixels").fill("200");
+        await page.getByLabel("Transparent background").setChecked(isTransparent);
+        const { name, bytes } = await download(page, () => page.getByRole("button", { name: "Save", exact: true }).click());
+        assert.equal(name, "test-3d.png");
+        assert.deepEqual(png(bytes), { width: 320, height: 200, alpha: isTransparent ? 0 : 255 });
+        await page.locator("dialog").waitFor({ state: "detached" });
+    }
+    await state.close(page);
+});
+
+test("meshes are saved in every format", async () => {
+    const page = await state.open(link(SPHERE));
+    const checks = {
+        obj: (bytes) => assert.match(bytes.toString(), /^v .*^f /ms),
+        ply: (bytes) => assert.equal(bytes.subarray(0, 4).toString(), "ply\n"),
+        stl: (bytes) => assert.equal(bytes.length, 84 + 50 * bytes.readUInt32LE(80)),
+        glb: (bytes) => assert.equal(bytes.readUInt32LE(8), bytes.length),
+    };
+    for (const [format, check] of Object.entries(checks)) {
+        await page.getByRole("button", { name: "Export" }).click();
+        const item = page.getByRole("menuitem", { name: `.${format}` });
+        const { name, bytes } = await download(page, () => item.click());
+        assert.equal(name, `test.${format}`);
+        check(bytes);
+    }
+    await state.close(page);
+});
+
+test("a program is saved and opened as a file", async () => {
+    const page = await state.open(link(SPHERE));
+    const saved = await download(page, () => page.keyboard.press("ControlOrMeta+s"));
+    assert.deepEqual([saved.name, saved.bytes.toString()], ["test.gtr", SPHERE]);
+    await page.getByRole("button", { name: "Open" }).click();
+    const [chooser] = await Promise.all([
+        page.waitForEvent("filechooser"),
+        page.getByRole("menuitem", { name: "Open a file" }).click(),
+    ]);
+    await chooser.setFiles({ name: "other.gtr", mimeType: "", buffer: Buffer.from("point p = (1, 1, 1);\r\npoint q = (2, 1, 1);\r\n") });
+    await page.waitForFunction(() => document.querySelector(".head .name").value === "other.gtr");
+    assert.equal(await text(page), "point p = (1, 1, 1);\npoint q = (2, 1, 1);\n");
+    await page.getByRole("button", { name: "Open" }).click();
+    const [again] = await Promise.all([
+        page.waitForEvent("filechooser"),
+        page.getByRole("menuitem", { name: "Open a file" }).click(),
+    ]);
+    await again.setFiles({ name: "x.gtr", mimeType: "", buffer: Buffer.from([0xff, 0xfe, 0x00]) });
+    await page.locator(".toast.bad", { hasText: "not a text in UTF-8" }).waitFor();
+    await state.close(page);
+});
+
+test("the gallery has every example with its picture, and opens it", async () => {
+    const page = await state.open();
+    await page.getByRole("button", { name: "Examples" }).first().click();
+    const cards = page.locator(".card");
+    const { readdirSync } = await import("node:fs");
+    const names = readdirSync(new URL("../../../examples", import.meta.url)).filter((file) => /\.(gtr|crt)$/.test(file));
+    assert.equal(await cards.count(), names.length);
+    for (let at = 0; at < names.length; at += 1) {
+        await cards.nth(at).scrollIntoViewIfNeeded();
+    }
+    await page.waitForFunction(() => [...document.querySelectorAll(".card img")].every((image) => image.complete));
+    const broken = await page.evaluate(() => [...document.querySelectorAll(".card img")].filter((image) => image.naturalWidth === 0).length);
+    assert.equal(broken, 0);
+    await page.locator(".card", { hasText: "torus" }).first().click();
+    await settled(page);
+    await page.waitForFunction(() => /\.gtr$/.test(document.querySelector(".head .name").value));
+    await state.close(page);
+});
+
+test("the first program is taught once", async () => {
+    const page = await state.open();
+    await page.locator(".welcome").waitFor();
+    await page.getByRole("button", { name: "Close the first steps" }).click();
+    await page.locator(".welcome").waitFor({ state: "hidden" });
+    await page.reload();
+    await settled(page);
+    assert.equal(await page.locator(".welcome").isVisible(), false);
+    assert.ok(example("torus.gtr").length > 0);
+    await state.close(page);
+});
