@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! seeds: examples, language cases, corpus/ ──mutation──▶ bytes ──▶ Target::run ──▶ nothing, or a panic
-//!                                    libfuzzer/ ───────────▲
 //! ```
 //!
-//! The tests of this package give each target a fixed number of inputs from a fixed seed. The program `fuzz` gives it any
-//! number, and runs one input again. `libfuzzer/` has the same targets for `cargo fuzz`, which finds its way by coverage.
+//! The tests of this package give each target a fixed number of inputs from a fixed seed. The program `geotrace-fuzz` gives
+//! it any number, and runs one input again. Mutation is our own: what finds its way by coverage (libFuzzer, AFL++) needs a
+//! compiler that the tests' one is not, and inputs that are the same on every run.
 
 mod mutation;
 pub mod run;
