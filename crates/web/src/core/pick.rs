@@ -11,11 +11,11 @@ use session::measuring::{PlacedFigure, Quantity};
 use session::questions::{MeasureAnswer, MeasureQuestion};
 
 use super::Core;
-use crate::message::{AskedFigure, Pick, Row};
+use crate::message::{AskedFigure, Pick, QuantityRow};
 use crate::source::Utf16Range;
 
 /// What was found at a place, with the picture that shows it.
-pub(super) struct Found {
+pub(super) struct PickedObject {
     pub(super) pick: Pick,
     request: PictureRequest,
     hit: Hit,
@@ -32,7 +32,11 @@ impl Core {
     ///
     /// # Errors
     /// The sentence that says why it cannot be found.
-    pub(super) fn pick(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Option<Found>, String> {
+    pub(super) fn pick(
+        &mut self,
+        id: &ViewId,
+        at: [f64; 2],
+    ) -> Result<Option<PickedObject>, String> {
         self.read();
         let Some((request, pixel)) = self.pictures.pixel(id, at) else {
             return Ok(None);
@@ -63,11 +67,11 @@ impl Core {
             position: hit.position.map(|place| request.scene.stated(place.0)),
             parameters: hit.parameters.into_iter().take(dimensions).collect(),
             polar: hit.polar,
-            rows: rows.iter().map(Row::from).collect(),
+            rows: rows.iter().map(QuantityRow::from).collect(),
             text,
             range,
         };
-        Ok(Some(Found { pick, request, hit }))
+        Ok(Some(PickedObject { pick, request, hit }))
     }
 
     /// What is known of a place on a surface: rows, and in short.
@@ -100,7 +104,7 @@ impl Core {
     /// # Errors
     /// The sentence that says why no camera can stand there.
     pub(super) fn click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
-        let Some(Found { pick, request, hit }) = self.pick(id, at)? else {
+        let Some(PickedObject { pick, request, hit }) = self.pick(id, at)? else {
             return Ok(Value::Null);
         };
         // In a geodesic view a click means nothing: a drag walks there.
@@ -170,7 +174,7 @@ impl Core {
         });
         match self.measurer.answer(&subject, &question) {
             Some(MeasureAnswer::Figure(_, measured)) => {
-                let rows: Vec<Row> = measured.rows.iter().map(Row::from).collect();
+                let rows: Vec<QuantityRow> = measured.rows.iter().map(QuantityRow::from).collect();
                 self.model.measured = Some((surface, measured.lines));
                 Ok(json!({ "rows": rows, "note": measured.note }))
             }
