@@ -114,7 +114,7 @@ impl SavedFile {
 
 #[wasm_bindgen]
 impl StepResult {
-    /// What there is to say.
+    /// The description.
     pub fn text(&self) -> String {
         self.text.clone()
     }

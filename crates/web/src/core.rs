@@ -69,7 +69,7 @@ struct Times {
     emphasis_until: f64,
 }
 
-/// What the page has been told last.
+/// The last state that the page was told.
 #[derive(Debug, Default)]
 struct Told {
     /// The scene may be another one than that which was told.

@@ -155,7 +155,7 @@ impl Editing {
         json!({ "from": from, "to": to, "description": description(&described) })
     }
 
-    /// What can be written at a place.
+    /// The completions at a place.
     pub fn complete(&self, at: u32) -> Value {
         let found = self.analysis().completions(self.byte(at), true);
         let Utf16Range { from, to } = self.source.range(found.range);
@@ -187,7 +187,7 @@ impl Editing {
         })
     }
 
-    /// Where the name at a place is introduced.
+    /// The place where the name at a place is introduced.
     pub fn definition(&self, at: u32) -> Value {
         match self.analysis().definition(self.byte(at)) {
             Some((name, target)) => json!({

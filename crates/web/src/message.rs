@@ -278,7 +278,7 @@ pub enum CameraMove {
 pub struct AskedFigure {
     /// The surface or metric that it lies on.
     pub surface: String,
-    /// What it is.
+    /// Its kind.
     #[serde(deserialize_with = "figure_kind")]
     pub kind: FigureKind,
     /// Its places, (u, v).
@@ -322,7 +322,7 @@ pub struct Related {
     pub message: String,
 }
 
-/// What the last sound state of the text shows.
+/// The scene of the last sound state of the text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -416,7 +416,7 @@ pub struct ImageInfo {
     pub is_there: bool,
 }
 
-/// What is seen at a place of a picture.
+/// The object that is seen at a place of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub struct Pick {
@@ -448,7 +448,7 @@ impl From<&Quantity> for QuantityRow {
     }
 }
 
-/// What there is to say of a picture.
+/// The description of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub struct PictureInfo {

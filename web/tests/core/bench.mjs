@@ -10,6 +10,8 @@ import { brotliCompressSync, gzipSync } from "node:zlib";
 import { Session, examples, root } from "./open.mjs";
 
 const SIDE = 400;
+/** A traced picture at rest is not refined. */
+const SETTINGS = { preferences: { samples: 1 } };
 const wanted = process.argv.slice(2);
 const chosen = examples().filter(({ file }) => wanted.length === 0 || wanted.some((name) => file.startsWith(name)));
 
@@ -50,8 +52,8 @@ function pictureTimes(session, view) {
 function both(session, views, at) {
     session.tell("panes", { panes: views.map((view) => ({ view, width: SIDE, height: SIDE })) });
     session.rest(5000);
-    const begin = performance.now() - session.now;
     const work = (until) => {
+        const begin = performance.now() - session.now;
         for (;;) {
             session.now = performance.now() - begin;
             const count = session.pictures.length;
@@ -69,7 +71,7 @@ function both(session, views, at) {
         const isSeen = (view) => session.pictures.slice(seen).some((it) => it.view === view);
         return timed(() => work(() => views.every(isSeen) || performance.now() > late));
     });
-    session.open(session.file, session.text);
+    session.open(session.file, session.text, SETTINGS);
     session.rest(5000);
     const view = views.at(-1);
     session.tell("hold", { view, keys: ["w", "q"], shift: false, alt: false });
@@ -84,7 +86,7 @@ const cell = (time) => (time === null || time === undefined ? "–" : time.toFix
 console.log(`${"".padEnd(18)}${["check", "key", "3d", "again", "geodesic", "again", "both", "fps"].map((it) => it.padStart(8)).join("")}`);
 for (const { file, text } of chosen) {
     const session = await Session.start();
-    const check = timed(() => session.open(file, text));
+    const check = timed(() => session.open(file, text, SETTINGS));
     const at = text.search(/\d/);
     const key = median(
         Array.from({ length: 9 }, (_, k) => {
@@ -92,7 +94,7 @@ for (const { file, text } of chosen) {
             return timed(() => session.work());
         }),
     );
-    session.open(file, text);
+    session.open(file, text, SETTINGS);
     const space = pictureTimes(session, "3d");
     const inside = session.scene.views.find((view) => view.camera === "inside" && view.opensByItself);
     const geodesic = inside === undefined ? {} : pictureTimes(session, inside.id);

@@ -1,4 +1,4 @@
-//! What is seen at a place of a picture, and clicks there.
+//! Clicks on pictures, and the object that is seen at a place.
 
 use render::figure::Figure;
 use render::point::PixelPoint;
@@ -14,7 +14,7 @@ use super::Core;
 use crate::message::{AskedFigure, Pick, QuantityRow};
 use crate::source::Utf16Range;
 
-/// What was found at a place, with the picture that shows it.
+/// An object that was found at a place, with the picture that shows it.
 pub(super) struct PickedObject {
     pub(super) pick: Pick,
     request: PictureRequest,
@@ -22,7 +22,7 @@ pub(super) struct PickedObject {
 }
 
 impl Core {
-    /// Where an object is declared.
+    /// The name's place in an object's declaration.
     pub(super) fn declaration(&self, name: &str) -> Option<Utf16Range> {
         let span = self.model.place_of(name)?;
         Some(self.editing.source().range(span))
@@ -74,7 +74,7 @@ impl Core {
         Ok(Some(PickedObject { pick, request, hit }))
     }
 
-    /// What is known of a place on a surface: rows, and in short.
+    /// The quantities at a place on a surface, and the place in short.
     fn readout(&mut self, request: &PictureRequest, hit: &Hit) -> (Vec<Quantity>, Option<String>) {
         let scene = request.scene.arc();
         let is_manifold = |object: &scene::Object| object.shape.manifold().is_some();

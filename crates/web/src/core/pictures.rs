@@ -14,6 +14,8 @@ use session::request::picture_request;
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
 
+/// A picture that is not traced and takes longer may be as coarse as a traced one while it moves, in seconds.
+const SLOW: f64 = 0.6;
 /// A picture that takes longer is said to be on its way, in seconds.
 const LONG: f64 = 0.3;
 /// The sides that a pane may have, in pixels.
@@ -39,7 +41,7 @@ struct PaneState {
     is_awaited: bool,
     /// The cost of the picture that is shown; none before the first.
     shown: Option<PictureDetail>,
-    /// Why there is no picture.
+    /// The reason why there is no picture.
     message: Option<String>,
     /// The page was told that the next picture takes long.
     is_announced: bool,
@@ -50,7 +52,7 @@ struct PaneState {
 /// A picture that has been drawn.
 #[derive(Debug)]
 pub struct DrawnPicture {
-    /// What there is to say of it.
+    /// Its description.
     pub info: PictureInfo,
     /// RGBA, top row first.
     pub pixels: Vec<u8>,
@@ -232,8 +234,16 @@ impl Core {
             rate: panes * shown.rate,
             ..shown
         });
+        // A solid may take a second by itself: while it moves, it may be as coarse as what is traced.
+        let [width, height] = pane.room.map(f64::from);
+        let is_slow = shown.is_some_and(|shown| shown.rate * width * height > SLOW);
+        let shown = shown.map(|shown| PictureDetail {
+            samples: shown.samples.or((is_slow && !traced).then_some(1)),
+            ..shown
+        });
         let preferences = &self.model.view.preferences;
-        let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
+        let coarse = traced || is_slow;
+        let size = refinement::size(preferences, id, pane.room, moving, coarse, shown);
         Some(size)
     }
 
