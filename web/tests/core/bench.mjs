@@ -74,7 +74,7 @@ function both(session, views, at) {
     session.open(session.file, session.text, SETTINGS);
     session.rest(5000);
     const view = views.at(-1);
-    session.tell("hold", { view, keys: ["w", "q"], shift: false, alt: false });
+    session.tell("hold", { view, keys: ["w", "d"], shift: false, alt: false });
     const end = performance.now() + 1000;
     const before = session.pictures.length;
     work(() => performance.now() > end);
