@@ -28,7 +28,6 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
         make("input", { class: "number", type: "number", id, min: "1", max: "4096", step: "1", value: String(value), "aria-label": label });
     const { width = 800, height = 600 } = first.declared() ?? {};
     const [across, down] = [side("save-width", width, "Width in pixels"), side("save-height", height, "Height in pixels")];
-    const transparent = make("input", { type: "checkbox", id: "save-transparent" });
     const save = make("button", { class: "button primary", type: "submit" }, "Save");
     const form = make(
         "form",
@@ -40,7 +39,6 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
             select,
             make("label", { htmlFor: "save-width" }, "Size"),
             make("div", { class: "pair" }, across, "×", down, "pixels"),
-            make("label", { class: "check" }, transparent, "Transparent background"),
         ),
         make("div", { class: "buttons" }, button("Cancel", () => dialog.close(), { kind: "outline" }), save),
     );
@@ -53,7 +51,6 @@ export function savePicture(core: Core, panes: Pane[], view: string | undefined,
                 view: select.value,
                 width: across.valueAsNumber,
                 height: down.valueAsNumber,
-                transparent: transparent.checked,
             };
             const file = await core.call("savePicture", request);
             download(`${stem}-${select.value.replace(":", "-")}.png`, file.bytes, file.type);

@@ -6,7 +6,7 @@
 // remembered, so that nothing that was typed is lost.
 
 import { Core, startWorker } from "./core.ts";
-import { ask, attempt, menu, openDialog, say } from "./dialogs.ts";
+import { ask, attempt, menu, say } from "./dialogs.ts";
 import { button, download, icon, make } from "./dom.ts";
 import { Editor } from "./editor.ts";
 import { recolour } from "./editor/colours.ts";
@@ -15,16 +15,15 @@ import { FORMATS, saveMesh, savePicture } from "./export.ts";
 import { chooseFile, IMAGES, isProgram, named, PROGRAMS, readImage, readProgram } from "./files.ts";
 import { openGallery, openHelp, welcome } from "./gallery.ts";
 import iconAddress from "./icon.svg?url";
-import { LinkError, packed, unpacked } from "./link.ts";
+import { LinkError, unpacked } from "./link.ts";
 import { Problems } from "./problems.ts";
 import type { Pick, Scene, Settings } from "./protocol.ts";
 import { SettingsPane } from "./settings.ts";
+import { copyLink } from "./sharing.ts";
 import { columns } from "./splitters.ts";
 import * as store from "./store.ts";
 import { Views } from "./views.ts";
 
-/** A link that is longer, in characters, is cut off by some programs. */
-const LONG_LINK = 30_000;
 /** The pause until a change is kept, in milliseconds. */
 const KEEP = 400;
 
@@ -356,31 +355,6 @@ export class Page {
         download(this.fileName, this.editor.text, "text/plain");
     }
 
-    private async copyLink(): Promise<void> {
-        await attempt(async () => {
-            // A Worker that does not answer shall not keep the reader from the link.
-            const known = await Promise.race([
-                this.core.call("settings", {}).catch(() => this.core.settings),
-                new Promise<undefined>((resolve) => setTimeout(() => resolve(undefined), 1500)),
-            ]);
-            const settings = withCameras(known ?? this.core.settings);
-            const hash = await packed({ name: this.fileName, text: this.editor.text, settings });
-            const url = `${location.href.replace(/#.*$/, "")}#${hash}`;
-            history.replaceState(null, "", `#${hash}`);
-            const images = (settings.textures ?? []).length > 0 ? " Images are not part of it." : "";
-            const long = url.length > LONG_LINK ? " It is long, and some programs will cut it off: send the file instead." : "";
-            try {
-                await navigator.clipboard.writeText(url);
-                say(`The link to this program and its settings is copied.${images}${long}`);
-            } catch {
-                // Without the right to the clipboard, the reader copies it.
-                const field = make("textarea", { class: "field", rows: 5, readOnly: true, value: url, "aria-label": "Link" });
-                openDialog("Link", [make("p", {}, `Copy this link.${images}${long}`), field]);
-                field.select();
-            }
-        });
-    }
-
     private stem(): string {
         return this.fileName.replace(/\.(gtr|crt)$/, "") || "geotrace";
     }
@@ -414,7 +388,7 @@ export class Page {
             open,
             make("span", { class: "space" }),
             save,
-            button("Copy link", () => void this.copyLink(), { icon: "link", kind: "primary wide", hint: "Copy a link to this program and its settings" }),
+            button("Copy link", () => void copyLink(this.core, this.kept()), { icon: "link", kind: "primary wide", hint: "Copy a link to this program and its settings" }),
             button("Light or dark", () => this.flipTheme(), { icon: "moon", text: false, kind: "desk" }),
             button("Help", () => openHelp(this.scene), { icon: "help", text: false, kind: "desk" }),
             more,
@@ -565,17 +539,4 @@ export class Page {
             this.views.current()?.press(event);
         }
     }
-}
-
-/**
- * Settings whose cameras stay where they are. One that nobody has moved is put anew where a program opens, and would stand
- * elsewhere where params have other values than the text's.
- */
-function withCameras(settings: Settings): Settings {
-    if (Object.keys(settings.params ?? {}).length === 0) {
-        return settings;
-    }
-    const inside = Object.entries(settings.inside ?? {}).map(([name, camera]) => [name, { ...(camera as object), moved: true }]);
-    const space = settings.space && { ...settings.space, moved: true };
-    return { ...settings, ...(space && { space }), inside: Object.fromEntries(inside) as Record<string, unknown> };
 }

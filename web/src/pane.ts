@@ -21,6 +21,8 @@ const REST = 180;
 const MOST_PIXELS = 2_400_000;
 const MOST_RATIO = 2;
 const LONGEST_SIDE = 4096;
+/** A little less than a frame, in milliseconds. */
+const FRAME = 14;
 
 const KEYS: Record<string, MotionKey> = {
     KeyW: "w",
@@ -66,6 +68,10 @@ export interface PaneEvents {
     say(message: string): void;
     /** A drag turns the camera where it stands (`Preferences.fly`). */
     isFlying(): boolean;
+    /** The reader moves the camera. */
+    moved?(): void;
+    /** How long the Worker may wait until it draws this pane again, in milliseconds: another one is worth more. */
+    patience?(): number;
 }
 
 export class Pane {
@@ -90,6 +96,7 @@ export class Pane {
     private wheel: ReturnType<typeof setTimeout> | undefined;
     private isPicking = false;
     private pending: Picture | undefined;
+    private drawn = 0;
     private hasMoved = false;
 
     constructor(
@@ -112,6 +119,11 @@ export class Pane {
         this.update(info);
         this.listen();
         this.resize.observe(this.element);
+    }
+
+    /** Keys that move the camera are held. */
+    get isHeld(): boolean {
+        return this.held.size > 0;
     }
 
     get isInside(): boolean {
@@ -140,11 +152,14 @@ export class Pane {
         return { view: this.info.id, width: side(width), height: side(height) };
     }
 
-    /** Puts a picture on the screen with the next frame. */
+    /** Puts a picture on the screen: at once, so that the Worker begins with the next one, or when the page is seen again. */
     show(picture: Picture): void {
         const isFirst = this.pending === undefined;
         this.pending = picture;
-        if (isFirst) {
+        // More pictures than frames would only keep the machine busy.
+        if (!document.hidden && performance.now() - this.drawn > FRAME) {
+            this.draw();
+        } else if (isFirst) {
             requestAnimationFrame(() => this.draw());
         }
     }
@@ -185,11 +200,18 @@ export class Pane {
         this.context.putImageData(new ImageData(pixels, width, height), 0, 0);
         this.canvas.style.visibility = "";
         this.picture = picture;
+        this.drawn = performance.now();
         this.notice.textContent = "";
         this.element.dataset["exact"] = String(picture.exact);
         this.element.dataset["version"] = String(picture.version);
         this.hint();
-        this.core.tell("shown", { view: this.info.id });
+        const { id } = this.info;
+        const patience = this.events.patience?.() ?? 0;
+        if (patience > 0) {
+            setTimeout(() => this.core.tell("shown", { view: id }), patience);
+        } else {
+            this.core.tell("shown", { view: id });
+        }
         this.element.dispatchEvent(new CustomEvent("picture", { detail: picture }));
     }
 
@@ -206,6 +228,7 @@ export class Pane {
     }
 
     private moved(): void {
+        this.events.moved?.();
         if (!this.hasMoved) {
             this.hasMoved = true;
             this.hint();

@@ -5,6 +5,9 @@ import { button, type IconName, make } from "./dom.ts";
 import { Pane, type PaneEvents } from "./pane.ts";
 import type { NoPicture, Picture, Scene, ViewInfo } from "./protocol.ts";
 
+/** The time between the pictures of a pane while the camera of another one is moved, in milliseconds. */
+const BEHIND = 150;
+
 export interface ViewsEvents extends Pick<PaneEvents, "pointed" | "declaration" | "say"> {
     /** The picture of a view is to be saved. */
     save(view: string): void;
@@ -21,6 +24,8 @@ export class Views {
     private scene: Scene | undefined;
     private focused: string | undefined;
     private isTold = false;
+    /** The pane whose camera was moved last, and when. */
+    private moved: { pane: Pane; at: number } | undefined;
 
     constructor(
         private readonly core: Core,
@@ -135,6 +140,8 @@ export class Views {
                 this.core.tell("focus", { view: pane.info.id });
             },
             resized: () => this.tellSizes(),
+            moved: () => (this.moved = { pane, at: performance.now() }),
+            patience: () => (this.isBehind(pane) ? BEHIND : 0),
             isFlying: () => this.core.settings.preferences?.fly ?? false,
             key: (key) => {
                 switch (key) {
@@ -152,6 +159,15 @@ export class Views {
             },
         });
         return pane;
+    }
+
+    /** The reader moves the camera of another pane: this one shows that in its own pictures, but need not for each step. */
+    private isBehind(pane: Pane): boolean {
+        const { moved } = this;
+        if (moved === undefined || moved.pane === pane) {
+            return false;
+        }
+        return moved.pane.isHeld || performance.now() - moved.at < BEHIND;
     }
 
     private flip(setting: "traced" | "orthographic"): void {

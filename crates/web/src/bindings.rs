@@ -9,7 +9,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use crate::message::read_message;
 use crate::source::Utf16Range;
-use crate::{Progress, Saved};
+use crate::{Saved, StepOutcome};
 
 #[wasm_bindgen]
 unsafe extern "C" {
@@ -30,7 +30,7 @@ pub struct SavedFile(Saved);
 /// The outcome of a step: `{ next, picture }` as JSON, and the picture's pixels.
 #[wasm_bindgen]
 #[derive(Debug)]
-pub struct Step {
+pub struct StepResult {
     text: String,
     pixels: Vec<u8>,
 }
@@ -62,10 +62,10 @@ impl Core {
     }
 
     /// Does the next piece of work.
-    pub fn step(&mut self, now: f64) -> Step {
-        let Progress { drawn, next } = self.0.step(1e-3 * now);
+    pub fn step(&mut self, now: f64) -> StepResult {
+        let StepOutcome { drawn, next } = self.0.step(1e-3 * now);
         let (info, pixels) = drawn.map(|drawn| (drawn.info, drawn.pixels)).unzip();
-        Step {
+        StepResult {
             text: json!({ "next": next.map(|next| 1e3 * next), "picture": info }).to_string(),
             pixels: pixels.unwrap_or_default(),
         }
@@ -113,8 +113,8 @@ impl SavedFile {
 }
 
 #[wasm_bindgen]
-impl Step {
-    /// What there is to say.
+impl StepResult {
+    /// The description.
     pub fn text(&self) -> String {
         self.text.clone()
     }

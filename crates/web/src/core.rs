@@ -10,7 +10,7 @@ mod pictures;
 mod save;
 mod settings;
 
-pub use pictures::{Drawn, Progress};
+pub use pictures::{DrawnPicture, StepOutcome};
 pub use save::Saved;
 
 use std::path::PathBuf;
@@ -31,9 +31,9 @@ use session::{Model, View};
 use crate::editing::Editing;
 use crate::examples;
 use crate::images::GivenImages;
-use crate::message::{Call, Event, Notice, SceneInfo};
+use crate::message::{Call, CoreEvent, Notice, SceneInfo};
 use motion::Motions;
-use pictures::Pictures;
+use pictures::PanePictures;
 
 /// The pause in typing after which what has an error is dim, in seconds.
 const TYPING_PAUSE: f64 = 0.5;
@@ -51,14 +51,14 @@ pub struct Core {
     renderer: Renderer,
     framing: Framing,
     measurer: Measurer,
-    pictures: Pictures,
+    pictures: PanePictures,
     clicks: Clicks,
     motions: Motions,
     times: Times,
     /// The text has changed since it was compiled.
     is_unread: bool,
     told: Told,
-    events: Vec<Event>,
+    events: Vec<CoreEvent>,
 }
 
 /// The time, and until when something counts as going on.
@@ -69,7 +69,7 @@ struct Times {
     emphasis_until: f64,
 }
 
-/// What the page has been told last.
+/// The last state that the page was told.
 #[derive(Debug, Default)]
 struct Told {
     /// The scene may be another one than that which was told.
@@ -92,7 +92,7 @@ impl Core {
             renderer: Renderer::software(),
             framing: Framing::default(),
             measurer: Measurer::default(),
-            pictures: Pictures::default(),
+            pictures: PanePictures::default(),
             clicks: Clicks::default(),
             motions: Motions::default(),
             times: Times::default(),
@@ -108,7 +108,7 @@ impl Core {
     }
 
     /// The events since the last time.
-    pub fn take_events(&mut self) -> Vec<Event> {
+    pub fn take_events(&mut self) -> Vec<CoreEvent> {
         std::mem::take(&mut self.events)
     }
 
@@ -260,7 +260,7 @@ impl Core {
 
     fn resync(&mut self) {
         let version = self.editing.version();
-        self.events.push(Event::Resync { version });
+        self.events.push(CoreEvent::Resync { version });
     }
 
     /// Notes that the text is another one.
@@ -284,7 +284,7 @@ impl Core {
             analysis: Some(program.snapshot()),
         };
         let version = self.editing.version();
-        self.events.push(Event::Findings {
+        self.events.push(CoreEvent::Findings {
             version,
             findings: self.editing.findings(&read.diagnostics),
         });
@@ -322,13 +322,13 @@ impl Core {
             let scene = self.scene_info();
             if self.told.scene.as_ref() != Some(&scene) {
                 self.told.scene = Some(scene.clone());
-                self.events.push(Event::Scene(Box::new(scene)));
+                self.events.push(CoreEvent::Scene(Box::new(scene)));
             }
         }
         if !self.is_moving() && self.told.settings != self.model.view {
             self.told.settings.clone_from(&self.model.view);
             let settings = self.settings();
-            self.events.push(Event::Settings { settings });
+            self.events.push(CoreEvent::Settings { settings });
         }
     }
 

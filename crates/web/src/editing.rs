@@ -19,15 +19,15 @@ use serde_json::{Value, json};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::span::Span;
 
-use crate::message::{Finding, Related};
-use crate::source::{EditsDoNotFit, SourceText, Utf16Edit, Utf16Range};
+use crate::message::{PageFinding, Related};
+use crate::source::{EditsDoNotFit, Utf16Edit, Utf16Range, Utf16Text};
 
 /// A text of a language, as it is edited.
 #[derive(Debug)]
 pub struct Editing {
     language: Arc<dyn Language>,
     program: Box<dyn Program>,
-    source: SourceText,
+    source: Utf16Text,
     version: i32,
 }
 
@@ -47,7 +47,7 @@ impl Editing {
         Ok(Self {
             language,
             program,
-            source: SourceText::new(text),
+            source: Utf16Text::new(text),
             version,
         })
     }
@@ -59,7 +59,7 @@ impl Editing {
     pub fn replace(&mut self, text: String, version: i32) -> Result<(), String> {
         let program = self.language.open(&text);
         self.program = program.map_err(|error| error.to_string())?;
-        self.source = SourceText::new(text);
+        self.source = Utf16Text::new(text);
         self.version = version;
         Ok(())
     }
@@ -83,7 +83,7 @@ impl Editing {
     }
 
     /// The text, with its offsets.
-    pub fn source(&self) -> &SourceText {
+    pub fn source(&self) -> &Utf16Text {
         &self.source
     }
 
@@ -103,8 +103,8 @@ impl Editing {
     }
 
     /// The findings for the page.
-    pub fn findings(&self, diagnostics: &[Diagnostic]) -> Vec<Finding> {
-        let finding = |found: &Diagnostic| Finding {
+    pub fn findings(&self, diagnostics: &[Diagnostic]) -> Vec<PageFinding> {
+        let finding = |found: &Diagnostic| PageFinding {
             range: self.source.range(found.span),
             severity: match found.severity {
                 Severity::Error => "error",
@@ -155,7 +155,7 @@ impl Editing {
         json!({ "from": from, "to": to, "description": description(&described) })
     }
 
-    /// What can be written at a place.
+    /// The completions at a place.
     pub fn complete(&self, at: u32) -> Value {
         let found = self.analysis().completions(self.byte(at), true);
         let Utf16Range { from, to } = self.source.range(found.range);
@@ -174,7 +174,7 @@ impl Editing {
         let Some(found) = self.analysis().signature(self.byte(at)) else {
             return Value::Null;
         };
-        let label = SourceText::new(found.label);
+        let label = Utf16Text::new(found.label);
         let parameters = found.parameters.iter();
         let parameters: Vec<Utf16Range> = parameters
             .map(|&(start, end)| label.range(Span::new(start, end)))
@@ -187,7 +187,7 @@ impl Editing {
         })
     }
 
-    /// Where the name at a place is introduced.
+    /// The place where the name at a place is introduced.
     pub fn definition(&self, at: u32) -> Value {
         match self.analysis().definition(self.byte(at)) {
             Some((name, target)) => json!({

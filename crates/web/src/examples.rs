@@ -62,7 +62,7 @@ pub const EXAMPLES: &[Example] = examples![
 ];
 
 impl Example {
-    /// What it says it is: the first sentence of the comment that it begins with.
+    /// The first sentence of the comment that it begins with.
     pub fn about(&self) -> String {
         let mark = if self.file.ends_with(".crt") {
             "--"

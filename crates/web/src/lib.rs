@@ -4,7 +4,7 @@
 //! page ──Call, Notice──▶ web/src/worker.ts ──▶ bindings ──▶ Core ──▶ editing: ide on UTF-16 offsets (source)
 //!                                                            │ ├──▶ the state: what was chosen, the cameras
 //!                                                            │ └──▶ pictures: what to draw next, how coarse
-//! page ◀──Answer, Event, pixels── worker.ts ◀── bindings ◀───┘
+//! page ◀──Answer, CoreEvent, pixels── worker.ts ◀── bindings ◀┘
 //! ```
 //!
 //! [`Core`] is plain Rust, and is tested natively; `bindings` alone is JavaScript's, and stands in no other build. Nothing
@@ -19,12 +19,12 @@ mod images;
 mod message;
 mod source;
 
-pub use core::{Core, Drawn, Progress, Saved};
+pub use core::{Core, DrawnPicture, Saved, StepOutcome};
 pub use editing::Editing;
 pub use examples::{EXAMPLES, Example};
 pub use message::{
-    AskedFigure, Call, CameraMove, ComponentInfo, Event, Finding, Grip, ImageInfo, KeyInfo,
-    MotionKey, Notice, ObjectInfo, Pane, ParamInfo, Pick, PictureInfo, Related, Row, SceneInfo,
-    SettingInfo, ViewInfo, read_message,
+    AskedFigure, Call, CameraMove, ComponentInfo, CoreEvent, Grip, ImageInfo, KeyInfo, MotionKey,
+    Notice, ObjectInfo, PageFinding, Pane, ParamInfo, Pick, PictureInfo, QuantityRow, Related,
+    SceneInfo, SettingInfo, ViewInfo, read_message,
 };
-pub use source::{EditsDoNotFit, SourceText, Utf16Edit, Utf16Range};
+pub use source::{EditsDoNotFit, Utf16Edit, Utf16Range, Utf16Text};

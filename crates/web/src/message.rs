@@ -187,10 +187,10 @@ pub enum Notice {
     rename_all_fields = "camelCase"
 )]
 #[expect(missing_docs, reason = "the protocol documents them")]
-pub enum Event {
+pub enum CoreEvent {
     Findings {
         version: i32,
-        findings: Vec<Finding>,
+        findings: Vec<PageFinding>,
     },
     Scene(Box<SceneInfo>),
     Settings {
@@ -278,7 +278,7 @@ pub enum CameraMove {
 pub struct AskedFigure {
     /// The surface or metric that it lies on.
     pub surface: String,
-    /// What it is.
+    /// Its kind.
     #[serde(deserialize_with = "figure_kind")]
     pub kind: FigureKind,
     /// Its places, (u, v).
@@ -296,7 +296,7 @@ fn figure_kind<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Figu
 
 /// A diagnostic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
+pub struct PageFinding {
     /// Its place.
     #[serde(flatten)]
     pub range: Utf16Range,
@@ -322,7 +322,7 @@ pub struct Related {
     pub message: String,
 }
 
-/// What the last sound state of the text shows.
+/// The scene of the last sound state of the text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -416,7 +416,7 @@ pub struct ImageInfo {
     pub is_there: bool,
 }
 
-/// What is seen at a place of a picture.
+/// The object that is seen at a place of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub struct Pick {
@@ -426,7 +426,7 @@ pub struct Pick {
     pub position: Option<[f64; 3]>,
     pub parameters: Vec<f64>,
     pub polar: Option<[f64; 2]>,
-    pub rows: Vec<Row>,
+    pub rows: Vec<QuantityRow>,
     pub text: String,
     pub range: Option<Utf16Range>,
 }
@@ -434,12 +434,12 @@ pub struct Pick {
 /// A quantity with its value, in words.
 #[derive(Clone, Debug, Eq, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
-pub struct Row {
+pub struct QuantityRow {
     pub name: String,
     pub value: String,
 }
 
-impl From<&Quantity> for Row {
+impl From<&Quantity> for QuantityRow {
     fn from(quantity: &Quantity) -> Self {
         Self {
             name: quantity.name.clone(),
@@ -448,7 +448,7 @@ impl From<&Quantity> for Row {
     }
 }
 
-/// What there is to say of a picture.
+/// The description of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub struct PictureInfo {

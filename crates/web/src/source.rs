@@ -11,7 +11,7 @@ const STRIDE: usize = 256;
 
 /// A text whose offsets can be converted both ways, each in a time that does not grow with the text.
 #[derive(Clone, Debug, Default)]
-pub struct SourceText {
+pub struct Utf16Text {
     text: String,
     /// The UTF-16 units of the characters that start before each multiple of [`STRIDE`].
     marks: Vec<u32>,
@@ -59,7 +59,7 @@ fn units(bytes: &[u8]) -> u32 {
     bytes.iter().map(of).sum()
 }
 
-impl SourceText {
+impl Utf16Text {
     /// Takes a text.
     pub fn new(text: impl Into<String>) -> Self {
         let mut source = Self {
@@ -164,7 +164,7 @@ impl SourceText {
 
 #[cfg(test)]
 mod tests {
-    use super::{SourceText, Utf16Edit};
+    use super::{Utf16Edit, Utf16Text};
 
     /// A text with characters of 1 to 4 bytes, longer than some strides.
     fn mixed() -> String {
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn offsets_are_those_of_utf16() {
         let text = mixed();
-        let source = SourceText::new(text.as_str());
+        let source = Utf16Text::new(text.as_str());
         let mut utf16 = 0;
         for (byte, character) in text.char_indices() {
             assert_eq!(source.utf16(byte as u32), utf16);
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn edits_are_those_of_a_string_of_utf16() {
         let mut units: Vec<u16> = mixed().encode_utf16().collect();
-        let mut source = SourceText::new(mixed());
+        let mut source = Utf16Text::new(mixed());
         let mut seed = 1_u64;
         let mut random = |below: usize| {
             seed = seed
@@ -229,7 +229,7 @@ mod tests {
             }
             source.edit(&edits, |_, _| {}).expect("they fit");
             assert_eq!(source.as_str(), String::from_utf16_lossy(&units));
-            let fresh = SourceText::new(source.as_str());
+            let fresh = Utf16Text::new(source.as_str());
             assert_eq!(source.marks, fresh.marks);
         }
     }
@@ -246,7 +246,7 @@ mod tests {
             vec![edit(0, 4)],
             vec![edit(1, 2), edit(0, 1)],
         ] {
-            let mut source = SourceText::new("abc");
+            let mut source = Utf16Text::new("abc");
             let refused = source.edit(&edits, |_, _| panic!("it is called"));
             assert!(refused.is_err());
             assert_eq!(source.as_str(), "abc");

@@ -23,7 +23,6 @@ const programs = {
     "loops.crt": `m = Macro (n) { ${"while (true) { ".repeat(200)} m(n + 1) ${"}".repeat(200)} }\nm(1)`,
     "terms.crt": `m = Macro (n) { x = ${"(1 + ".repeat(200)} m(n + 1) ${")".repeat(200)} }\nm(1)`,
     "arguments.crt": `m = Macro (n) { x = ${"vec3(0, 0, length(".repeat(100)} m(n + 1) ${"))".repeat(100)} }\nm(1)`,
-    "objects.crt": `m = Macro (n) { ${"Union { ".repeat(200)} m(n + 1) ${"}".repeat(200)} }\nm(1)`,
 };
 for (const [name, text] of Object.entries(programs)) {
     test(name, async () => {

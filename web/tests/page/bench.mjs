@@ -4,7 +4,7 @@
 //
 // It prints the time from an empty profile to the first picture, the time from a key in the editor to both pictures at
 // 400 × 400 pixels, and for each example the pictures a second while one walks in the geodesic view (turns in the 3D view,
-// where there is no other). Pictures are counted when they are on the screen.
+// where there is no other). Pictures are counted with the frame that shows them.
 import { readFileSync, readdirSync } from "node:fs";
 import { join } from "node:path";
 import { deflateRawSync } from "node:zlib";
@@ -24,7 +24,7 @@ async function open(hash) {
     const page = await context.newPage();
     await page.addInitScript(() => {
         window.pictures = [];
-        addEventListener("picture", (event) => window.pictures.push({ view: event.detail.view, at: performance.now(), version: event.detail.version, exact: event.detail.exact }), true);
+        addEventListener("picture", ({ detail: { view, version } }) => requestAnimationFrame(() => window.pictures.push({ view, version, at: performance.now() })), true);
         addEventListener("DOMContentLoaded", () => {
             const style = document.createElement("style");
             style.textContent = ".grid { display: flex !important; flex-wrap: wrap } .view { width: 402px; height: 402px; flex: none; border-width: 1px !important }";

@@ -105,6 +105,19 @@ export async function changed(page, before, view = "3d") {
     }
 }
 
+/** Waits until a view's picture is `wanted`, to the last pixel. */
+export async function becomes(page, wanted, view = "3d") {
+    const deadline = Date.now() + 15_000;
+    for (;;) {
+        await settled(page);
+        if ((await picture(page, view)).digest === wanted.digest) {
+            return wanted;
+        }
+        assert.ok(Date.now() < deadline, `the picture of ${view} is another one`);
+        await page.waitForTimeout(50);
+    }
+}
+
 /** Waits until a view's picture stays as it is for a while; returns it. */
 export async function rest(page, view = "3d") {
     for (let [last, since] = [undefined, Date.now()]; ; ) {

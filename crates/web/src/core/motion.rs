@@ -16,7 +16,7 @@ const FRAME: f64 = 1.0 / 60.0;
 /// The least time between two steps of a motion, in seconds.
 const STEP: f64 = 0.004;
 
-/// What moves.
+/// The cameras that move.
 #[derive(Debug, Default)]
 pub(super) struct Motions {
     /// Something counts as moving until this time.

@@ -1,4 +1,4 @@
-//! What is seen at a place of a picture, and clicks there.
+//! Clicks on pictures, and the object that is seen at a place.
 
 use render::figure::Figure;
 use render::point::PixelPoint;
@@ -11,18 +11,18 @@ use session::measuring::{PlacedFigure, Quantity};
 use session::questions::{MeasureAnswer, MeasureQuestion};
 
 use super::Core;
-use crate::message::{AskedFigure, Pick, Row};
+use crate::message::{AskedFigure, Pick, QuantityRow};
 use crate::source::Utf16Range;
 
-/// What was found at a place, with the picture that shows it.
-pub(super) struct Found {
+/// An object that was found at a place, with the picture that shows it.
+pub(super) struct PickedObject {
     pub(super) pick: Pick,
     request: PictureRequest,
     hit: Hit,
 }
 
 impl Core {
-    /// Where an object is declared.
+    /// The name's place in an object's declaration.
     pub(super) fn declaration(&self, name: &str) -> Option<Utf16Range> {
         let span = self.model.place_of(name)?;
         Some(self.editing.source().range(span))
@@ -32,7 +32,11 @@ impl Core {
     ///
     /// # Errors
     /// The sentence that says why it cannot be found.
-    pub(super) fn pick(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Option<Found>, String> {
+    pub(super) fn pick(
+        &mut self,
+        id: &ViewId,
+        at: [f64; 2],
+    ) -> Result<Option<PickedObject>, String> {
         self.read();
         let Some((request, pixel)) = self.pictures.pixel(id, at) else {
             return Ok(None);
@@ -63,14 +67,14 @@ impl Core {
             position: hit.position.map(|place| request.scene.stated(place.0)),
             parameters: hit.parameters.into_iter().take(dimensions).collect(),
             polar: hit.polar,
-            rows: rows.iter().map(Row::from).collect(),
+            rows: rows.iter().map(QuantityRow::from).collect(),
             text,
             range,
         };
-        Ok(Some(Found { pick, request, hit }))
+        Ok(Some(PickedObject { pick, request, hit }))
     }
 
-    /// What is known of a place on a surface: rows, and in short.
+    /// The quantities at a place on a surface, and the place in short.
     fn readout(&mut self, request: &PictureRequest, hit: &Hit) -> (Vec<Quantity>, Option<String>) {
         let scene = request.scene.arc();
         let is_manifold = |object: &scene::Object| object.shape.manifold().is_some();
@@ -100,7 +104,7 @@ impl Core {
     /// # Errors
     /// The sentence that says why no camera can stand there.
     pub(super) fn click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
-        let Some(Found { pick, request, hit }) = self.pick(id, at)? else {
+        let Some(PickedObject { pick, request, hit }) = self.pick(id, at)? else {
             return Ok(Value::Null);
         };
         // In a geodesic view a click means nothing: a drag walks there.
@@ -170,7 +174,7 @@ impl Core {
         });
         match self.measurer.answer(&subject, &question) {
             Some(MeasureAnswer::Figure(_, measured)) => {
-                let rows: Vec<Row> = measured.rows.iter().map(Row::from).collect();
+                let rows: Vec<QuantityRow> = measured.rows.iter().map(QuantityRow::from).collect();
                 self.model.measured = Some((surface, measured.lines));
                 Ok(json!({ "rows": rows, "note": measured.note }))
             }

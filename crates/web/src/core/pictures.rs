@@ -12,8 +12,10 @@ use session::refinement::{self, PictureDetail, TracedPane};
 use session::request::picture_request;
 
 use super::Core;
-use crate::message::{Event, Pane, PictureInfo};
+use crate::message::{CoreEvent, Pane, PictureInfo};
 
+/// A picture that is not traced and takes longer may be as coarse as a traced one while it moves, in seconds.
+const SLOW: f64 = 0.6;
 /// A picture that takes longer is said to be on its way, in seconds.
 const LONG: f64 = 0.3;
 /// The sides that a pane may have, in pixels.
@@ -21,7 +23,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 16..=4096;
 
 /// The panes on the page.
 #[derive(Debug, Default)]
-pub(super) struct Pictures {
+pub(super) struct PanePictures {
     panes: BTreeMap<ViewId, PaneState>,
     /// The surface whose camera the views in space show.
     surface: Option<String>,
@@ -39,7 +41,7 @@ struct PaneState {
     is_awaited: bool,
     /// The cost of the picture that is shown; none before the first.
     shown: Option<PictureDetail>,
-    /// Why there is no picture.
+    /// The reason why there is no picture.
     message: Option<String>,
     /// The page was told that the next picture takes long.
     is_announced: bool,
@@ -49,8 +51,8 @@ struct PaneState {
 
 /// A picture that has been drawn.
 #[derive(Debug)]
-pub struct Drawn {
-    /// What there is to say of it.
+pub struct DrawnPicture {
+    /// Its description.
     pub info: PictureInfo,
     /// RGBA, top row first.
     pub pixels: Vec<u8>,
@@ -58,14 +60,14 @@ pub struct Drawn {
 
 /// The result of a step.
 #[derive(Debug)]
-pub struct Progress {
+pub struct StepOutcome {
     /// The picture that it has drawn.
-    pub drawn: Option<Drawn>,
+    pub drawn: Option<DrawnPicture>,
     /// The seconds until the next step: zero if there is more to do at once; none if only a message can change anything.
     pub next: Option<f64>,
 }
 
-impl Pictures {
+impl PanePictures {
     /// Notes that the page has shown a picture.
     pub(super) fn note_shown(&mut self, id: &ViewId) {
         if let Some(pane) = self.panes.get_mut(id) {
@@ -78,12 +80,12 @@ impl Pictures {
         self.surface = surface.or(self.surface.take());
     }
 
-    /// The surface whose camera the views in space show by the last [`Pictures::focus`].
+    /// The surface whose camera the views in space show by the last [`PanePictures::focus`].
     pub(super) fn surface(&self) -> Option<String> {
         self.surface.clone()
     }
 
-    /// Puts back what [`Pictures::surface`] has returned.
+    /// Puts back what [`PanePictures::surface`] has returned.
     pub(super) fn put_surface(&mut self, surface: Option<String>) {
         self.surface = surface;
     }
@@ -154,7 +156,7 @@ impl Core {
     }
 
     /// Does the next piece of work: compiles a text, moves what moves, draws a picture.
-    pub fn step(&mut self, now: f64) -> Progress {
+    pub fn step(&mut self, now: f64) -> StepOutcome {
         self.times.now = now;
         self.read();
         self.advance();
@@ -172,7 +174,7 @@ impl Core {
                 all.into_iter().flatten().reduce(f64::min)
             }
         };
-        Progress {
+        StepOutcome {
             drawn: match drawn {
                 Next::Drawn(drawn) => Some(*drawn),
                 Next::Announced | Next::Nothing => None,
@@ -232,8 +234,16 @@ impl Core {
             rate: panes * shown.rate,
             ..shown
         });
+        // A solid may take a second by itself: while it moves, it may be as coarse as what is traced.
+        let [width, height] = pane.room.map(f64::from);
+        let is_slow = shown.is_some_and(|shown| shown.rate * width * height > SLOW);
+        let shown = shown.map(|shown| PictureDetail {
+            samples: shown.samples.or((is_slow && !traced).then_some(1)),
+            ..shown
+        });
         let preferences = &self.model.view.preferences;
-        let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
+        let coarse = traced || is_slow;
+        let size = refinement::size(preferences, id, pane.room, moving, coarse, shown);
         Some(size)
     }
 
@@ -297,7 +307,7 @@ impl Core {
         if pane.message.as_ref() != Some(&message) {
             pane.message = Some(message.clone());
             let view = id.to_string();
-            self.events.push(Event::NoPicture { view, message });
+            self.events.push(CoreEvent::NoPicture { view, message });
         }
     }
 
@@ -312,7 +322,7 @@ impl Core {
         if is_long && !pane.is_announced {
             pane.is_announced = true;
             let view = Some(id.to_string());
-            self.events.push(Event::Busy {
+            self.events.push(CoreEvent::Busy {
                 view,
                 is_busy: true,
             });
@@ -322,7 +332,7 @@ impl Core {
     }
 
     /// Draws a picture; `None` where it cannot be drawn, of which the page is told.
-    fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<Drawn> {
+    fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<DrawnPicture> {
         let start = web_time::Instant::now();
         let drawn = self.drawn(&request);
         let took = start.elapsed().as_secs_f64();
@@ -335,7 +345,7 @@ impl Core {
         };
         if was_announced {
             let view = Some(id.to_string());
-            self.events.push(Event::Busy {
+            self.events.push(CoreEvent::Busy {
                 view,
                 is_busy: false,
             });
@@ -366,7 +376,7 @@ impl Core {
             place: self.place(id),
             took: 1e3 * took,
         };
-        Some(Drawn { info, pixels })
+        Some(DrawnPicture { info, pixels })
     }
 
     /// Draws a picture, and takes over the camera that sees everything. Returns the request with that camera, if the
@@ -420,7 +430,7 @@ impl Core {
 
 /// The outcome of looking for something to be drawn.
 enum Next {
-    Drawn(Box<Drawn>),
+    Drawn(Box<DrawnPicture>),
     /// The page is to be told first that a picture takes long.
     Announced,
     Nothing,

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Core, Drawn};
-use crate::message::{Event, read_message};
+use super::{Core, DrawnPicture};
+use crate::message::{CoreEvent, read_message};
 
 const TORUS: &str = "param r = 0.8 : [0.4, 1.2];
 surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
@@ -13,7 +13,7 @@ surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : 
 struct Page {
     core: Core,
     now: f64,
-    events: Vec<Event>,
+    events: Vec<CoreEvent>,
 }
 
 impl Page {
@@ -39,7 +39,7 @@ impl Page {
     }
 
     /// Works until nothing is left to be done at once; returns the pictures, which are shown at once.
-    fn work(&mut self) -> Vec<Drawn> {
+    fn work(&mut self) -> Vec<DrawnPicture> {
         let mut pictures = Vec::new();
         for _ in 0..100 {
             let progress = self.core.step(self.now);
@@ -56,7 +56,7 @@ impl Page {
     }
 
     /// Works after a second.
-    fn rest(&mut self) -> Vec<Drawn> {
+    fn rest(&mut self) -> Vec<DrawnPicture> {
         self.now += 1.0;
         self.work()
     }
@@ -74,7 +74,7 @@ impl Page {
     }
 }
 
-fn views(pictures: &[Drawn]) -> Vec<&str> {
+fn views(pictures: &[DrawnPicture]) -> Vec<&str> {
     pictures.iter().map(|it| it.info.view.as_str()).collect()
 }
 
@@ -92,10 +92,10 @@ fn a_program_is_described_and_drawn() {
             drawn.info
         );
     }
-    let Some(Event::Scene(scene)) = page
+    let Some(CoreEvent::Scene(scene)) = page
         .events
         .iter()
-        .find(|event| matches!(event, Event::Scene(_)))
+        .find(|event| matches!(event, CoreEvent::Scene(_)))
     else {
         panic!("{:?}", page.events);
     };
@@ -156,19 +156,19 @@ fn edits_that_wait_are_compiled_once() {
     }
     page.work();
     let versions = page.events.iter().filter_map(|event| match event {
-        Event::Findings { version, .. } => Some(*version),
+        CoreEvent::Findings { version, .. } => Some(*version),
         _ => None,
     });
     assert_eq!(versions.collect::<Vec<_>>(), [5]);
     page.tell("edit", json!({ "version": 9, "changes": [] }));
     page.work();
-    assert!(page.events.contains(&Event::Resync { version: 5 }));
+    assert!(page.events.contains(&CoreEvent::Resync { version: 5 }));
     page.tell(
         "text",
         json!({ "version": 9, "text": "point p = (1, 2, 3);" }),
     );
     page.work();
-    let Some(Event::Scene(scene)) = page.events.last() else {
+    let Some(CoreEvent::Scene(scene)) = page.events.last() else {
         panic!("{:?}", page.events.last());
     };
     assert_eq!((scene.version, scene.objects[0].name.as_str()), (9, "p"));
@@ -213,7 +213,7 @@ fn only_what_the_core_changes_by_itself_is_told() {
     page.rest();
     let told = |page: &mut Page| {
         let events = std::mem::take(&mut page.events).into_iter();
-        let settings = events.filter(|event| matches!(event, Event::Settings { .. }));
+        let settings = events.filter(|event| matches!(event, CoreEvent::Settings { .. }));
         settings.count()
     };
     told(&mut page);
@@ -289,7 +289,7 @@ fn a_view_without_a_picture_says_why() {
     let told = page
         .events
         .iter()
-        .any(|event| matches!(event, Event::NoPicture { view, .. } if view == "geodesic:none"));
+        .any(|event| matches!(event, CoreEvent::NoPicture { view, .. } if view == "geodesic:none"));
     assert!(told, "{:?}", page.events);
 }
 
@@ -309,7 +309,10 @@ fn images_are_those_that_were_given() {
     assert_eq!(size, json!({ "width": 4, "height": 2 }));
     let after = page.rest().remove(0).pixels;
     assert_ne!(before, after);
-    let Some(Event::Scene(scene)) = page.events.iter().rfind(|it| matches!(it, Event::Scene(_)))
+    let Some(CoreEvent::Scene(scene)) = page
+        .events
+        .iter()
+        .rfind(|it| matches!(it, CoreEvent::Scene(_)))
     else {
         panic!("a scene");
     };
