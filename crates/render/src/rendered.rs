@@ -46,6 +46,15 @@ impl<P> RenderedImage<P> {
         }
     }
 
+    /// Returns the notes about what is seen: without those that say what the picture took and how exact it is.
+    pub fn remarks(&self) -> impl Iterator<Item = &str> {
+        let is_figure = |note: &str| {
+            note.contains("evaluations of the surface") || note.starts_with("the error is")
+        };
+        let notes = self.notes.iter().map(String::as_str);
+        notes.filter(move |note| !is_figure(note))
+    }
+
     /// Returns the picture with its pixels elsewhere.
     pub fn with_pixels<Q>(self, image: Q) -> RenderedImage<Q> {
         RenderedImage {

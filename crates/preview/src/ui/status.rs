@@ -175,11 +175,9 @@ fn notes(pictures: &Pictures, ui: &mut Ui) {
         .values()
         .filter_map(|view| view.picture.as_ref())
     {
-        for note in &picture.notes {
-            // What a picture cost is in the status line itself.
-            let is_number =
-                note.contains("evaluations of the surface") || note.starts_with("the error is");
-            if !is_number && !notes.contains(&note.as_str()) {
+        // What a picture took is in the status line itself.
+        for note in picture.remarks() {
+            if !notes.contains(&note) {
                 notes.push(note);
             }
         }

@@ -372,7 +372,7 @@ impl Core {
             exact: pane.request.as_ref().is_some_and(|it| !it.moving),
             version: self.model.version,
             samples: image.samples.map(|[done, _]| [done, wanted]),
-            notes: image.notes,
+            notes: image.remarks().map(str::to_owned).collect(),
             place: self.place(id),
             took: 1e3 * took,
         };

@@ -39,7 +39,7 @@ impl Core {
         Ok(Saved {
             bytes: bytes.into_inner(),
             media_type: "image/png",
-            notes: drawn.notes,
+            notes: drawn.remarks().map(str::to_owned).collect(),
         })
     }
 
