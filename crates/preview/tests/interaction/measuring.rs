@@ -238,6 +238,38 @@ fn a_closed_walk_has_its_holonomy() {
     );
 }
 
+const TORUS: &str = "surface s(u, v) = ((3 + cos v) cos u, (3 + cos v) sin u, sin v),
+  u : [0, 2pi], v : [0, 2pi];
+";
+
+#[test]
+fn the_way_to_the_start_is_what_closing_the_walk_adds() {
+    for text in [SPHERE, TORUS] {
+        for [up, right] in [[40, 0], [60, 60], [25, 100]] {
+            let mut hand = Hand::on(text);
+            hand.leave_trail("s");
+            open(&mut hand);
+            hand.hold(Key::W, up);
+            hand.hold(Key::D, right);
+            let walked = hand.window().model().paths["s"].trail.length;
+            let shown = format!("{walked:.4}");
+            hand.until("the walk is measured", |hand| {
+                let names = hand.names();
+                names.windows(2).any(|pair| {
+                    let [name, value] = pair else { return false };
+                    name == "length" && value.starts_with(&shown[..shown.len() - 1])
+                })
+            });
+            let missing = number(&mut hand, "to the start");
+            hand.click("Close the walk");
+            hand.until("the walk is closed", |hand| hand.shows("holonomy"));
+            let whole = hand.window().model().paths["s"].trail.length;
+            assert!(missing > 0.1, "{missing}");
+            equal(missing, whole - walked);
+        }
+    }
+}
+
 #[test]
 fn only_surfaces_are_measured() {
     let mut hand = Hand::on("point p = (0, 0, 0);");
