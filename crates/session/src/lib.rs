@@ -14,6 +14,7 @@
 //!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
 //!                                         ├─ motion, path, camera_controller: the motions of the geodesic ones
 //!                                         ├─ measuring, questions, figures: what is measured on a surface
+//!                                         ├─ constant: the numbers that are typed into fields
 //!                                         └─ pane, layout: the panes and their places
 //!                                         │
 //! images ──textures──▶ request ◀──────────┘
@@ -29,6 +30,7 @@ pub mod camera;
 pub mod camera_controller;
 pub mod camera_input;
 pub mod clicks;
+pub mod constant;
 mod difference;
 pub mod editor;
 pub mod faults;

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{Color32, DragValue, Grid, Rect, Response, Stroke, Ui};
+use egui::{Color32, Grid, Rect, Response, Stroke, Ui};
 use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
@@ -22,6 +22,7 @@ use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
 use crate::engine::measure_thread::MeasureThread;
 use crate::ui::camera_input::pixel;
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The time for which the pointer rests before the status line has the place under it, in seconds.
@@ -374,7 +375,9 @@ fn contents(window: &mut Window, ui: &mut Ui) {
                 ui.horizontal(|ui| {
                     ui.label("another radius");
                     let speed = 0.01 * radius;
-                    let drag = DragValue::new(&mut radius).speed(speed).range(0.0..=1e12);
+                    let drag = number_field::field(ui, &mut radius)
+                        .speed(speed)
+                        .range(0.0..=1e12);
                     if ui.add(drag).changed() {
                         figure.radius = Some(radius);
                     }
@@ -411,7 +414,7 @@ fn places(ui: &mut Ui, figure: &mut Figure) {
         for (letter, place) in ('A'..='Z').zip(&mut figure.places) {
             ui.label(letter.to_string());
             for (name, value) in ["u", "v"].into_iter().zip(place) {
-                let field = DragValue::new(value).speed(0.01).max_decimals(6);
+                let field = number_field::field(ui, value).speed(0.01).max_decimals(6);
                 let field = ui.add(field.prefix(format!("{name} = ")));
                 field.accessible_name(format!("{name} of {letter}"));
             }

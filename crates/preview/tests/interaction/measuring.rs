@@ -153,13 +153,7 @@ fn the_places_of_a_figure_can_be_entered() {
         ("u of B", "0"),
         ("v of B", "1"),
     ] {
-        let field = (Role::SpinButton, name);
-        hand.harness.get_by_role_and_label(field.0, field.1).focus();
-        hand.harness.run_steps(2);
-        hand.press(Modifiers::COMMAND, Key::A);
-        hand.harness.event(egui::Event::Text(value.to_owned()));
-        hand.harness.run_steps(2);
-        hand.press(Modifiers::NONE, Key::Enter);
+        hand.type_number(Role::SpinButton, name, value);
     }
     hand.until("the distance of the places", |hand| {
         let names = hand.names();
@@ -168,6 +162,31 @@ fn the_places_of_a_figure_can_be_entered() {
             .any(|pair| pair[0] == "distance" && pair[1] == "1")
     });
     equal(number(&mut hand, "distance"), 1.0);
+}
+
+#[test]
+fn places_take_expressions_and_what_is_no_number_keeps_the_old_value() {
+    let mut hand = measuring("Distance");
+    click(&mut hand, [-0.3, 0.0]);
+    click(&mut hand, [0.5, 0.0]);
+    for (name, text) in [
+        ("u of A", "pi/2"),
+        ("v of A", "0"),
+        ("u of B", "pi/2 + sqrt 2 - 1"),
+        ("v of B", "0"),
+    ] {
+        hand.type_number(Role::SpinButton, name, text);
+    }
+    hand.until("the distance of the places", |hand| {
+        hand.shows("0.41421356")
+    });
+    hand.type_number(Role::SpinButton, "u of A", "2pi/x");
+    assert!(hand.shows("`2pi/x` is no number: "), "{:?}", hand.names());
+    let field = (Role::SpinButton, "u of A");
+    let field = hand.harness.get_by_role_and_label(field.0, field.1);
+    assert_eq!(field.value().as_deref(), Some("u = 1.570796"));
+    hand.type_number(Role::SpinButton, "u of A", "0");
+    assert!(!hand.shows("is no number"));
 }
 
 #[test]

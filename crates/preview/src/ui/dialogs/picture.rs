@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{DragValue, Grid, Ui};
+use egui::{Grid, Ui};
 use export::command_line;
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
@@ -13,6 +13,7 @@ use session::request::with_curvatures;
 
 use crate::channel::report_when_done;
 use crate::io::files;
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a picture.
@@ -196,8 +197,8 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
             let sides = 1..=render::MAX_SIDE;
             for (side, name) in dialog.size.iter_mut().zip(["Width", "Height"]) {
                 let label = ui.label(name);
-                ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
-                    .labelled_by(label.id);
+                let field = number_field::field(ui, side).range(sides.clone());
+                ui.add(field.suffix(" px")).labelled_by(label.id);
                 ui.end_row();
             }
             appearance(dialog, ui);
@@ -230,7 +231,7 @@ fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
     });
     ui.end_row();
     let label = ui.label("Lines and words");
-    let scale = DragValue::new(&mut dialog.scale).range(SCALES);
+    let scale = number_field::field(ui, &mut dialog.scale).range(SCALES);
     ui.add(scale.speed(0.01).max_decimals(2).suffix("×"))
         .labelled_by(label.id);
     ui.end_row();
