@@ -187,6 +187,41 @@ fn a_name_typed_in_the_dialog_takes_the_place_of_the_one_before_and_enter_saves(
 }
 
 #[test]
+fn the_dialogs_for_files_begin_in_the_name_and_enter_saves() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    hand.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    hand.harness.event(egui::Event::Text("other".to_owned()));
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert_eq!(hand.window().title(), "other.gtr – Geotrace");
+    for (key, name) in [
+        (Key::E, "picture.png"),
+        (Key::M, "mesh.glb"),
+        (Key::R, "record.gif"),
+    ] {
+        hand.press(Modifiers::COMMAND, key);
+        hand.harness.run_steps(3);
+        let name = hand.path.with_file_name(name);
+        let stem = name.file_stem().expect("a name").to_string_lossy();
+        hand.harness.event(egui::Event::Text(stem.into_owned()));
+        hand.harness.run_steps(2);
+        if key == Key::R {
+            assert!(
+                hand.names().contains(&name.display().to_string()),
+                "{:?}",
+                hand.names()
+            );
+            hand.press(Modifiers::NONE, Key::Escape);
+            continue;
+        }
+        hand.press(Modifiers::NONE, Key::Enter);
+        hand.until("it is there", |_| name.is_file());
+    }
+}
+
+#[test]
 fn nothing_is_remembered_beside_programs_where_that_is_switched_off() {
     let state = tempfile::tempdir().expect("a folder");
     let mut hand = Hand::on(SPHERE);

@@ -81,11 +81,13 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
         transparent: request.view.space().map(|_| false),
         path: in_folder(window, &file_name(window, &window.focus.view, "png")),
     });
+    window.dialogs.wants_name = true;
 }
 
 /// Opens the dialog for a mesh.
 pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+    window.dialogs.wants_name = true;
 }
 
 /// The first name of a file for a picture of a view: `torus-3d.png`, and `torus-s.png` of a surface.
@@ -288,6 +290,25 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
 /// The field for the file of a dialog.
 pub(crate) fn path_field() -> egui::Id {
     egui::Id::unique("file of a dialog")
+}
+
+/// Gives the keys to the field for the file, with the file's name marked: what is typed takes its place.
+pub(crate) fn take_keys(path: &str, ui: &Ui) {
+    let field = path_field();
+    ui.memory_mut(|memory| memory.request_focus(field));
+    let name = path.rfind(['/', '\\']).map_or(0, |at| at + 1);
+    let end = path
+        .rfind('.')
+        .filter(|dot| *dot > name)
+        .unwrap_or(path.len());
+    let [name, end] = [name, end].map(|at| path[..at].chars().count());
+    let mut state = egui::text_edit::TextEditState::default();
+    let marked = egui::text::CCursorRange::two(
+        egui::text::CCursor::new(name),
+        egui::text::CCursor::new(end),
+    );
+    state.cursor.set_char_range(Some(marked));
+    state.store(ui.ctx(), field);
 }
 
 /// Says that a file will be replaced, if there is one.

@@ -90,6 +90,8 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
     let path = picture::in_folder(window, &picture::file_name(window, &pane, "gif"));
+    // Where nothing moves, there is no field for a file.
+    let has_file = !moves.is_empty();
     window.dialogs.record = Some(RecordDialog {
         // Twice as far as what is seen.
         length: camera
@@ -109,6 +111,7 @@ pub(crate) fn ask(window: &mut Window) {
         },
         path,
     });
+    window.dialogs.wants_name = has_file;
 }
 
 /// A number of two digits.
