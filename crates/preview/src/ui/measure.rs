@@ -327,10 +327,13 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     ask_walk(window);
     let mut open = true;
     let screen = ui.ctx().content_rect();
+    // It grows upwards from the lower left corner of the first view, beside the program and the settings.
+    let place = window.panes.first_view().unwrap_or(screen);
     egui::Window::new("Measure")
         .open(&mut open)
         .resizable(false)
-        .default_pos(screen.left_top() + egui::vec2(24.0, 64.0))
+        .pivot(egui::Align2::LEFT_BOTTOM)
+        .default_pos(place.left_bottom() + egui::vec2(8.0, -8.0))
         .max_width(360.0_f32.min(screen.width() - 48.0))
         .show(ui.ctx(), |ui| contents(window, ui));
     if !open {
@@ -351,7 +354,7 @@ fn contents(window: &mut Window, ui: &mut Ui) {
         }
     });
     let measuring = &mut window.dialogs.measuring;
-    // What has been measured takes the room of the hints: the window covers less of the sliders below. The scope takes one
+    // What has been measured takes the room of the hints: the window covers less of the view. The scope takes one
     // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.
     let is_asking = measuring.found.is_none();
     ui.scope(|ui| {

@@ -190,6 +190,30 @@ fn places_take_expressions_and_what_is_no_number_keeps_the_old_value() {
 }
 
 #[test]
+fn the_window_covers_a_view_and_neither_the_settings_nor_the_program() {
+    for size in [[1200.0, 800.0], [900.0, 500.0]] {
+        let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
+        open(&mut hand);
+        hand.settle();
+        let views = [hand.space(), hand.inside("s")];
+        let measure = hand
+            .harness
+            .get_by_role_and_label(Role::Window, "Measure")
+            .rect();
+        let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
+        let text = (Role::MultilineTextInput, "Program text");
+        let text = hand.harness.get_by_role_and_label(text.0, text.1).rect();
+        assert!(measure.left() > slider.right() && measure.left() > text.right());
+        assert!(
+            views.iter().any(|view| view.intersects(measure)),
+            "{measure} {views:?}"
+        );
+        assert!(measure.min.y >= 0.0 && measure.max.x <= size[0] && measure.max.y <= size[1]);
+        hand.keep(&format!("measure-{}", size[0]));
+    }
+}
+
+#[test]
 fn the_distance_of_two_places_is_their_angle() {
     let mut hand = measuring("Distance");
     let zoom = hand.camera("s").zoom;
