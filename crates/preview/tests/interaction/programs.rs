@@ -37,6 +37,7 @@ fn the_welcome_begins_a_program_that_is_saved_and_offered_again() {
         "Curve",
         "Surface",
         "Metric",
+        "Solid",
         "Example torus: ",
     ] {
         assert!(hand.shows(part), "{part}: {:?}", hand.names());
