@@ -56,7 +56,7 @@ fn bytes(count: u64) -> String {
 fn programs() -> Vec<Limit> {
     vec![
         limit(
-            "a program's size",
+            "the size of a program that is read from a file",
             bytes(ide::language::LONGEST_PROGRAM),
             "memory",
             "it is longer than {} MB",

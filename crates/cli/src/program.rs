@@ -110,7 +110,7 @@ impl LoadedProgram {
         Some(&self.scene.get(id)?.name)
     }
 
-    /// The params at their minima, changed by the `--set` arguments.
+    /// The params at their initial values, changed by the `--set` arguments.
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.

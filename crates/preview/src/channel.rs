@@ -137,8 +137,11 @@ mod tests {
         report_when_done(sender.clone(), || Err("no room".to_owned()));
         assert_eq!(next(), StatusMessage::error("no room"));
         report_when_done(sender, || panic!("a fault"));
-        let StatusMessage { is_error, text } = next();
-        assert!(is_error && text.starts_with("internal error"), "{text}");
+        let StatusMessage { kind, text } = next();
+        assert!(
+            kind == session::MessageKind::Failed && text.starts_with("internal error"),
+            "{text}"
+        );
     }
 
     #[test]

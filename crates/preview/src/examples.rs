@@ -79,7 +79,7 @@ pub(crate) struct Template {
 }
 
 /// All templates.
-pub(crate) const TEMPLATES: [Template; 3] = [
+pub(crate) const TEMPLATES: [Template; 4] = [
     Template {
         title: "Curve",
         text: "\
@@ -105,6 +105,16 @@ geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, 10];
 # The hyperbolic plane by its metric: E, F, G. It has no shape in space, so it is seen from inside.
 metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];
 geodesic g(t) : h = (1, 1) @ (0, 1), t : [0, 1];
+",
+    },
+    Template {
+        title: "Solid",
+        text: "\
+# A ball without a rod through it. A solid is where its function is negative; & | \\ make others of solids.
+param r = 0.4 : [0.1, 0.9];
+solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;
+solid rod(x, y, z) = x^2 + y^2 - r^2, z : [-2, 2];
+solid bead = ball \\ rod;
 ",
     },
 ];

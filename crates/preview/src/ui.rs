@@ -13,6 +13,7 @@ pub(crate) mod icons;
 pub(crate) mod measure;
 pub(crate) mod menu;
 pub(crate) mod navigation;
+pub(crate) mod number_field;
 pub(crate) mod panes;
 pub(crate) mod status;
 pub(crate) mod toolbar;

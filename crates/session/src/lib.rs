@@ -14,6 +14,7 @@
 //!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
 //!                                         ├─ motion, path, camera_controller: the motions of the geodesic ones
 //!                                         ├─ measuring, questions, figures: what is measured on a surface
+//!                                         ├─ constant: the numbers that are typed into fields
 //!                                         └─ pane, layout: the panes and their places
 //!                                         │
 //! images ──textures──▶ request ◀──────────┘
@@ -29,6 +30,7 @@ pub mod camera;
 pub mod camera_controller;
 pub mod camera_input;
 pub mod clicks;
+pub mod constant;
 mod difference;
 pub mod editor;
 pub mod faults;
@@ -64,11 +66,22 @@ pub use view::{
     WAVEFRONTS,
 };
 
+/// What a sentence of the status line speaks of, which says how long it holds.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum MessageKind {
+    /// Something failed: it stays until the next sentence.
+    Failed,
+    /// Something was done: it goes after a while.
+    Done,
+    /// What was clicked on, with its place: it goes when the user moves a view or a param.
+    Clicked,
+}
+
 /// A sentence for the status line.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct StatusMessage {
-    /// Set if something failed.
-    pub is_error: bool,
+    /// What it speaks of.
+    pub kind: MessageKind,
     /// The sentence.
     pub text: String,
 }
@@ -77,7 +90,7 @@ impl StatusMessage {
     /// A sentence about something that failed.
     pub fn error(text: impl Into<String>) -> Self {
         Self {
-            is_error: true,
+            kind: MessageKind::Failed,
             text: text.into(),
         }
     }
@@ -85,7 +98,15 @@ impl StatusMessage {
     /// A sentence about something that was done.
     pub fn info(text: impl Into<String>) -> Self {
         Self {
-            is_error: false,
+            kind: MessageKind::Done,
+            text: text.into(),
+        }
+    }
+
+    /// A sentence about what was clicked on.
+    pub fn clicked(text: impl Into<String>) -> Self {
+        Self {
+            kind: MessageKind::Clicked,
             text: text.into(),
         }
     }

@@ -174,7 +174,13 @@ fn walk(
                 "none: left and right have changed places",
             ));
         }
-        None => rows.push(Quantity::new("to the start", number(closing.gap))),
+        // What the way back adds: the gap is right only where the ends are near each other.
+        None => {
+            let shortest = measure::distance(surface, end.uv, start.uv);
+            if let Some(shortest) = shortest.ok().flatten() {
+                rows.push(Quantity::new("to the start", number(shortest.length)));
+            }
+        }
     }
     rows
 }

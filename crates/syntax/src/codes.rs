@@ -14,7 +14,7 @@ macro_rules! codes {
 pub(crate) use codes;
 
 codes! {
-    FILE_TOO_LARGE = "file-too-large", "A text is limited to 4 GiB.";
+    FILE_TOO_LARGE = "file-too-large", "A text is limited to 4 GiB, and a program that is read from a file to 64 MB.";
     INVALID_UTF8 = "invalid-utf8", "A text is UTF-8; some bytes of this one are not.";
     TOO_MANY_ERRORS = "too-many-errors", "The limit of diagnostics is reached; further ones are left out.";
 }

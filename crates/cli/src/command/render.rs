@@ -67,7 +67,7 @@ Examples:
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
   geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
-A number may be an expression in the program's names, such as pi/2. Params are at their minima unless set. The 3D view draws what depends on a grid once for each of its
+A number may be an expression in the program's names, such as pi/2. Params have the values that the program gives them unless set. The 3D view draws what depends on a grid once for each of its
 values; the geodesic view takes the first value. Files are written whole or not at all.
 
 Above the pixels of an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors.

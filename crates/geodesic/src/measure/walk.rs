@@ -16,7 +16,7 @@ use crate::surface::Surface;
 /// The end of a walk beside its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closing {
-    /// The distance from the end to the start, where they are near each other.
+    /// The distance from the end to the start by the metric at the start, which holds only where they are near each other.
     pub gap: f64,
     /// The angle in (−π, π] by which parallel transport along the walk has turned the frame; `None` where the walk has not
     /// come back, or has come back mirrored.

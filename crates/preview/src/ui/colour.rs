@@ -1,6 +1,8 @@
 //! The button for a colour. It opens a palette, a field for hexadecimal digits, and sliders.
 
 use egui::ecolor::Hsva;
+
+use crate::ui::number_field;
 use egui::{
     Color32, FontId, Grid, Id, Popup, PopupCloseBehavior, Response, Role, Sense, Slider, Stroke,
     StrokeKind, TextEdit, Ui, Vec2, WidgetInfo,
@@ -112,6 +114,7 @@ fn sliders(ui: &mut Ui, colour: &mut [u8; 3]) {
         let slider = Slider::new(part, 0.0..=most)
             .suffix(unit)
             .custom_formatter(|number, _| format!("{number:.0}"));
+        let slider = number_field::of_slider(ui, slider);
         let slider = ui.add(slider).labelled_by(label.id);
         is_moved |= slider.changed();
         ui.end_row();

@@ -35,6 +35,8 @@ pub(crate) struct Dialogs {
     pub(crate) recording: Option<Recording>,
     /// Surfaces are measured.
     pub(crate) measuring: Measuring,
+    /// The field for the file of the dialog that was opened is to have the keys.
+    pub(crate) wants_name: bool,
     /// A program is to be opened or saved, by the name of its file.
     pub(crate) program: Option<ProgramDialog>,
     /// The examples are listed.
@@ -52,15 +54,21 @@ pub(crate) struct Dialogs {
 impl Dialogs {
     /// The dialog that is open has a file now.
     pub(crate) fn take_path(&mut self, path: &Path) {
-        let path = path.display().to_string();
+        if let Some(field) = self.path() {
+            *field = path.display().to_string();
+        }
+    }
+
+    /// The text of the field for the file of the dialog that is open.
+    fn path(&mut self) -> Option<&mut String> {
         if let Some(dialog) = &mut self.picture {
-            dialog.path = path;
+            Some(&mut dialog.path)
         } else if let Some(dialog) = &mut self.program {
-            dialog.path = path;
+            Some(&mut dialog.path)
         } else if let Some(mesh) = &mut self.mesh {
-            *mesh = path;
-        } else if let Some(dialog) = &mut self.record {
-            dialog.path = path;
+            Some(mesh)
+        } else {
+            self.record.as_mut().map(|dialog| &mut dialog.path)
         }
     }
 
@@ -78,6 +86,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         shortcuts(window, ui);
     }
     measure::show(window, ui);
+    name_keys(window, ui);
     picture::show(window, ui);
     record::show(window, ui);
     program::show(window, ui);
@@ -87,6 +96,20 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
     if let Some(next) = window.dialogs.leaving.clone() {
         leaving(window, &next, ui);
+    }
+}
+
+/// Gives the keys to the field for the file of a dialog that was opened. A dialog that is shown for the first time is
+/// measured in a pass in which nothing keeps them.
+fn name_keys(window: &mut Window, ui: &Ui) {
+    let dialogs = &mut window.dialogs;
+    let has_keys = ui.memory(|memory| memory.has_focus(picture::path_field()));
+    dialogs.wants_name &= !has_keys && dialogs.path().is_some();
+    if dialogs.wants_name
+        && let Some(path) = dialogs.path()
+    {
+        picture::take_keys(path, ui);
+        ui.ctx().request_repaint();
     }
 }
 

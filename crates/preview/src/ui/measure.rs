@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{Color32, DragValue, Grid, Rect, Response, Stroke, Ui};
+use egui::{Color32, Grid, Rect, Response, Stroke, Ui};
 use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
@@ -22,6 +22,7 @@ use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
 use crate::engine::measure_thread::MeasureThread;
 use crate::ui::camera_input::pixel;
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The time for which the pointer rests before the status line has the place under it, in seconds.
@@ -326,10 +327,13 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     ask_walk(window);
     let mut open = true;
     let screen = ui.ctx().content_rect();
+    // It grows upwards from the lower left corner of the first view, beside the program and the settings.
+    let place = window.panes.first_view().unwrap_or(screen);
     egui::Window::new("Measure")
         .open(&mut open)
         .resizable(false)
-        .default_pos(screen.left_top() + egui::vec2(24.0, 64.0))
+        .pivot(egui::Align2::LEFT_BOTTOM)
+        .default_pos(place.left_bottom() + egui::vec2(8.0, -8.0))
         .max_width(360.0_f32.min(screen.width() - 48.0))
         .show(ui.ctx(), |ui| contents(window, ui));
     if !open {
@@ -350,7 +354,7 @@ fn contents(window: &mut Window, ui: &mut Ui) {
         }
     });
     let measuring = &mut window.dialogs.measuring;
-    // What has been measured takes the room of the hints: the window covers less of the sliders below. The scope takes one
+    // What has been measured takes the room of the hints: the window covers less of the view. The scope takes one
     // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.
     let is_asking = measuring.found.is_none();
     ui.scope(|ui| {
@@ -374,7 +378,9 @@ fn contents(window: &mut Window, ui: &mut Ui) {
                 ui.horizontal(|ui| {
                     ui.label("another radius");
                     let speed = 0.01 * radius;
-                    let drag = DragValue::new(&mut radius).speed(speed).range(0.0..=1e12);
+                    let drag = number_field::field(ui, &mut radius)
+                        .speed(speed)
+                        .range(0.0..=1e12);
                     if ui.add(drag).changed() {
                         figure.radius = Some(radius);
                     }
@@ -411,7 +417,7 @@ fn places(ui: &mut Ui, figure: &mut Figure) {
         for (letter, place) in ('A'..='Z').zip(&mut figure.places) {
             ui.label(letter.to_string());
             for (name, value) in ["u", "v"].into_iter().zip(place) {
-                let field = DragValue::new(value).speed(0.01).max_decimals(6);
+                let field = number_field::field(ui, value).speed(0.01).max_decimals(6);
                 let field = ui.add(field.prefix(format!("{name} = ")));
                 field.accessible_name(format!("{name} of {letter}"));
             }

@@ -154,6 +154,12 @@ pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
     if pressed(Key::M) && window.pictures.sent(&window.focus.view).is_some() {
         picture::ask_for_mesh(window);
     }
+    // With Shift, the copy keys come as a key and not as `Event::Copy`.
+    let shifted = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
+    let command = egui::KeyboardShortcut::new(shifted, Key::C);
+    if ui.input_mut(|input| input.consume_shortcut(&command)) {
+        picture::copy_command(window, ui);
+    }
     // A text that is marked is copied rather than the picture.
     let copies = ui.input(|input| input.events.contains(&egui::Event::Copy));
     if copies && !ui.ctx().text_edit_focused() {

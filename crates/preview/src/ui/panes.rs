@@ -157,6 +157,19 @@ impl Panes {
         panes.filter_map(Pane::view).cloned().collect()
     }
 
+    /// Returns the place on the screen of the first view that can be seen, in the order in which they are laid out.
+    pub(crate) fn first_view(&self) -> Option<egui::Rect> {
+        let tiles = &self.tree.tiles;
+        let is_view = |tile: &TileId| tiles.get_pane(tile).is_some_and(|it| it.view().is_some());
+        let active = self.tree.active_tiles().into_iter().filter(is_view);
+        let places = active.filter_map(|tile| tiles.rect(tile));
+        places.min_by(|a, b| {
+            a.left()
+                .total_cmp(&b.left())
+                .then(a.top().total_cmp(&b.top()))
+        })
+    }
+
     /// Shows a pane, wherever it is.
     pub(crate) fn bring_forward(&mut self, pane: &Pane) {
         self.shows_views_alone &= pane.view().is_some();

@@ -1,8 +1,8 @@
 //! Above the panes, what the user must know; below them, the status line, which counts the errors.
 
 use egui::{Panel, RichText, Ui};
-use session::StatusMessage;
 use session::measuring::number;
+use session::{MessageKind, StatusMessage};
 
 use crate::io::link::DisconnectReason;
 use crate::ui::window::{Pictures, TextSource, Window};
@@ -70,9 +70,10 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
                 ui.label(words);
             }
             notes(&window.pictures, ui);
-            if let Some(StatusMessage { is_error, text }) = &window.status_message {
+            expire(&mut window.status_message, ui);
+            if let Some(StatusMessage { kind, text }) = &window.status_message {
                 ui.separator();
-                if *is_error {
+                if *kind == MessageKind::Failed {
                     ui.colored_label(ui.visuals().error_fg_color, text);
                 } else {
                     ui.label(text);
@@ -80,6 +81,30 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
             }
         });
     });
+}
+
+/// The time for which the line says that something was done, in seconds.
+const SHOWN: f64 = 10.0;
+
+/// Takes a sentence about something that was done away after a while.
+fn expire(message: &mut Option<StatusMessage>, ui: &Ui) {
+    let Some(shown) = message.clone().filter(|it| it.kind == MessageKind::Done) else {
+        return;
+    };
+    let now = ui.input(|input| input.time);
+    let id = egui::Id::unique("sentence of the status line");
+    let known = ui.data(|data| data.get_temp::<(String, f64)>(id));
+    let since = known.filter(|(text, _)| *text == shown.text);
+    let since = since.map_or(now, |(_, since)| since);
+    let left = SHOWN - (now - since);
+    if left > 0.0 {
+        ui.data_mut(|data| data.insert_temp(id, (shown.text, since)));
+        ui.ctx()
+            .request_repaint_after(std::time::Duration::from_secs_f64(left));
+    } else {
+        ui.data_mut(|data| data.remove::<(String, f64)>(id));
+        *message = None;
+    }
 }
 
 fn capitalized(text: &str) -> String {

@@ -257,6 +257,7 @@ impl Window {
         }
         crate::ui::menu::bar(self, ui);
         crate::ui::status::banners(self, ui);
+        crate::ui::number_field::report(&mut self.status_message, ui);
         crate::ui::status::line(self, ui);
         for view in self.pictures.of_views.values_mut() {
             view.on_screen = false;

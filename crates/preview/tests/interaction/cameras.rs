@@ -218,6 +218,12 @@ fn a_click_on_a_surface_puts_its_geodesic_camera_there() {
         "{:?}",
         hand.names()
     );
+    // Elsewhere it says nothing of where the camera was.
+    let inside = hand.inside("s").center();
+    hand.harness.hover_at(inside);
+    hand.press(Modifiers::NONE, egui::Key::F6);
+    hand.hold(egui::Key::W, 6);
+    assert!(!hand.shows("s at (u, v) = ("), "{:?}", hand.names());
 }
 
 #[test]

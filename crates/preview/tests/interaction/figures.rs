@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, OutputCommand};
+use egui::{Event, Key, Modifiers, OutputCommand};
 use egui_kittest::kittest::Queryable;
 use export::command_line::{command, options};
 use preview::remembered;
@@ -14,6 +14,11 @@ use crate::hand::{Hand, SPHERE};
 /// Clicks on the entry or the button that copies a command, and returns the command.
 fn copied(hand: &mut Hand) -> String {
     hand.harness.get_by_label("Copy as command").click();
+    text_copied(hand)
+}
+
+/// The text that is copied within the next frames.
+fn text_copied(hand: &mut Hand) -> String {
     for _ in 0..8 {
         hand.harness.step();
         let commands = &hand.harness.output().platform_output.commands;
@@ -75,6 +80,29 @@ fn the_command_of_a_view_is_that_of_what_is_remembered() {
         let expected = command(&path, output.as_ref(), &options(&request, &views));
         assert_eq!(line, expected);
     }
+}
+
+#[test]
+fn the_keys_of_the_entry_copy_the_command() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click_on(Role::Button, "File");
+    let line = copied(&mut hand);
+    hand.settle();
+    // What egui-winit sends: `Event::Copy` for Ctrl+C alone, the key itself with Shift.
+    let modifiers = Modifiers {
+        ctrl: true,
+        command: true,
+        shift: true,
+        ..Modifiers::NONE
+    };
+    hand.harness.event(Event::Key {
+        key: Key::C,
+        physical_key: Some(Key::C),
+        pressed: true,
+        repeat: false,
+        modifiers,
+    });
+    assert_eq!(text_copied(&mut hand), line);
 }
 
 #[test]

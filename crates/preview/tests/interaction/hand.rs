@@ -158,6 +158,16 @@ impl Hand {
         self.harness.run_steps(3);
     }
 
+    /// Types a text into the field of this role and name, and presses Enter.
+    pub(crate) fn type_number(&mut self, role: Role, name: &str, text: &str) {
+        self.harness.get_by_role_and_label(role, name).focus();
+        self.harness.run_steps(2);
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.event(Event::Text(text.to_owned()));
+        self.harness.run_steps(2);
+        self.press(Modifiers::NONE, Key::Enter);
+    }
+
     /// Gives the keys to the program's text, with the cursor at its end.
     pub(crate) fn write_at_end(&mut self) {
         let text = self

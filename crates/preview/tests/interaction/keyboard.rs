@@ -269,6 +269,10 @@ fn entries_of_the_menus_have_keys() {
     }
     hand.harness.event(Event::Copy);
     hand.until("the picture is copied", |hand| hand.shows("was copied"));
+    hand.harness.run_steps(300);
+    assert!(hand.shows("was copied"));
+    hand.harness.run_steps(320);
+    assert!(!hand.shows("was copied"), "it is old");
 }
 
 #[test]

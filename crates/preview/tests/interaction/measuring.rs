@@ -153,13 +153,7 @@ fn the_places_of_a_figure_can_be_entered() {
         ("u of B", "0"),
         ("v of B", "1"),
     ] {
-        let field = (Role::SpinButton, name);
-        hand.harness.get_by_role_and_label(field.0, field.1).focus();
-        hand.harness.run_steps(2);
-        hand.press(Modifiers::COMMAND, Key::A);
-        hand.harness.event(egui::Event::Text(value.to_owned()));
-        hand.harness.run_steps(2);
-        hand.press(Modifiers::NONE, Key::Enter);
+        hand.type_number(Role::SpinButton, name, value);
     }
     hand.until("the distance of the places", |hand| {
         let names = hand.names();
@@ -168,6 +162,55 @@ fn the_places_of_a_figure_can_be_entered() {
             .any(|pair| pair[0] == "distance" && pair[1] == "1")
     });
     equal(number(&mut hand, "distance"), 1.0);
+}
+
+#[test]
+fn places_take_expressions_and_what_is_no_number_keeps_the_old_value() {
+    let mut hand = measuring("Distance");
+    click(&mut hand, [-0.3, 0.0]);
+    click(&mut hand, [0.5, 0.0]);
+    for (name, text) in [
+        ("u of A", "pi/2"),
+        ("v of A", "0"),
+        ("u of B", "pi/2 + sqrt 2 - 1"),
+        ("v of B", "0"),
+    ] {
+        hand.type_number(Role::SpinButton, name, text);
+    }
+    hand.until("the distance of the places", |hand| {
+        hand.shows("0.41421356")
+    });
+    hand.type_number(Role::SpinButton, "u of A", "2pi/x");
+    assert!(hand.shows("`2pi/x` is no number: "), "{:?}", hand.names());
+    let field = (Role::SpinButton, "u of A");
+    let field = hand.harness.get_by_role_and_label(field.0, field.1);
+    assert_eq!(field.value().as_deref(), Some("u = 1.570796"));
+    hand.type_number(Role::SpinButton, "u of A", "0");
+    assert!(!hand.shows("is no number"));
+}
+
+#[test]
+fn the_window_covers_a_view_and_neither_the_settings_nor_the_program() {
+    for size in [[1200.0, 800.0], [900.0, 500.0]] {
+        let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
+        open(&mut hand);
+        hand.settle();
+        let views = [hand.space(), hand.inside("s")];
+        let measure = hand
+            .harness
+            .get_by_role_and_label(Role::Window, "Measure")
+            .rect();
+        let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
+        let text = (Role::MultilineTextInput, "Program text");
+        let text = hand.harness.get_by_role_and_label(text.0, text.1).rect();
+        assert!(measure.left() > slider.right() && measure.left() > text.right());
+        assert!(
+            views.iter().any(|view| view.intersects(measure)),
+            "{measure} {views:?}"
+        );
+        assert!(measure.min.y >= 0.0 && measure.max.x <= size[0] && measure.max.y <= size[1]);
+        hand.keep(&format!("measure-{}", size[0]));
+    }
 }
 
 #[test]
@@ -236,6 +279,38 @@ fn a_closed_walk_has_its_holonomy() {
         (holonomy.abs() - excess).abs() < 1e-5,
         "{holonomy}, {excess}"
     );
+}
+
+const TORUS: &str = "surface s(u, v) = ((3 + cos v) cos u, (3 + cos v) sin u, sin v),
+  u : [0, 2pi], v : [0, 2pi];
+";
+
+#[test]
+fn the_way_to_the_start_is_what_closing_the_walk_adds() {
+    for text in [SPHERE, TORUS] {
+        for [up, right] in [[40, 0], [60, 60], [25, 100]] {
+            let mut hand = Hand::on(text);
+            hand.leave_trail("s");
+            open(&mut hand);
+            hand.hold(Key::W, up);
+            hand.hold(Key::D, right);
+            let walked = hand.window().model().paths["s"].trail.length;
+            let shown = format!("{walked:.4}");
+            hand.until("the walk is measured", |hand| {
+                let names = hand.names();
+                names.windows(2).any(|pair| {
+                    let [name, value] = pair else { return false };
+                    name == "length" && value.starts_with(&shown[..shown.len() - 1])
+                })
+            });
+            let missing = number(&mut hand, "to the start");
+            hand.click("Close the walk");
+            hand.until("the walk is closed", |hand| hand.shows("holonomy"));
+            let whole = hand.window().model().paths["s"].trail.length;
+            assert!(missing > 0.1, "{missing}");
+            equal(missing, whole - walked);
+        }
+    }
 }
 
 #[test]

@@ -37,6 +37,7 @@ fn the_welcome_begins_a_program_that_is_saved_and_offered_again() {
         "Curve",
         "Surface",
         "Metric",
+        "Solid",
         "Example torus: ",
     ] {
         assert!(hand.shows(part), "{part}: {:?}", hand.names());
@@ -184,6 +185,41 @@ fn a_name_typed_in_the_dialog_takes_the_place_of_the_one_before_and_enter_saves(
     assert_eq!(hand.window().title(), "other.gtr – Geotrace");
     let other = hand.path.with_file_name("other.gtr");
     assert_eq!(std::fs::read_to_string(other).expect("a file"), SPHERE);
+}
+
+#[test]
+fn the_dialogs_for_files_begin_in_the_name_and_enter_saves() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    hand.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    hand.harness.event(egui::Event::Text("other".to_owned()));
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert_eq!(hand.window().title(), "other.gtr – Geotrace");
+    for (key, name) in [
+        (Key::E, "picture.png"),
+        (Key::M, "mesh.glb"),
+        (Key::R, "record.gif"),
+    ] {
+        hand.press(Modifiers::COMMAND, key);
+        hand.harness.run_steps(3);
+        let name = hand.path.with_file_name(name);
+        let stem = name.file_stem().expect("a name").to_string_lossy();
+        hand.harness.event(egui::Event::Text(stem.into_owned()));
+        hand.harness.run_steps(2);
+        if key == Key::R {
+            assert!(
+                hand.names().contains(&name.display().to_string()),
+                "{:?}",
+                hand.names()
+            );
+            hand.press(Modifiers::NONE, Key::Escape);
+            continue;
+        }
+        hand.press(Modifiers::NONE, Key::Enter);
+        hand.until("it is there", |_| name.is_file());
+    }
 }
 
 #[test]

@@ -67,6 +67,14 @@ fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_l
     hand.click("Show p");
     assert!(!hand.window().model().view.look("p").hidden);
 
+    let list = hand
+        .harness
+        .get_by_role_and_label(Role::ComboBox, "Texture of s")
+        .rect();
+    hand.keep("objects");
+    assert!(list.width() > 120.0, "it has the room of the pane: {list}");
+    let flip = hand.harness.get_by_label("Flip the image of s").rect();
+    assert!(flip.right() < hand.space().left(), "{flip}");
     hand.click("Texture of s");
     hand.click("Plain colour");
     assert_eq!(hand.window().model().view.look("s").texture, Choice::Plain);

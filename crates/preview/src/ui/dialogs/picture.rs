@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{DragValue, Grid, Ui};
+use egui::{Grid, Ui};
 use export::command_line;
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
@@ -13,6 +13,7 @@ use session::request::with_curvatures;
 
 use crate::channel::report_when_done;
 use crate::io::files;
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a picture.
@@ -80,11 +81,13 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
         transparent: request.view.space().map(|_| false),
         path: in_folder(window, &file_name(window, &window.focus.view, "png")),
     });
+    window.dialogs.wants_name = true;
 }
 
 /// Opens the dialog for a mesh.
 pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+    window.dialogs.wants_name = true;
 }
 
 /// The first name of a file for a picture of a view: `torus-3d.png`, and `torus-s.png` of a surface.
@@ -196,8 +199,8 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
             let sides = 1..=render::MAX_SIDE;
             for (side, name) in dialog.size.iter_mut().zip(["Width", "Height"]) {
                 let label = ui.label(name);
-                ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
-                    .labelled_by(label.id);
+                let field = number_field::field(ui, side).range(sides.clone());
+                ui.add(field.suffix(" px")).labelled_by(label.id);
                 ui.end_row();
             }
             appearance(dialog, ui);
@@ -230,7 +233,7 @@ fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
     });
     ui.end_row();
     let label = ui.label("Lines and words");
-    let scale = DragValue::new(&mut dialog.scale).range(SCALES);
+    let scale = number_field::field(ui, &mut dialog.scale).range(SCALES);
     ui.add(scale.speed(0.01).max_decimals(2).suffix("×"))
         .labelled_by(label.id);
     ui.end_row();
@@ -287,6 +290,25 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
 /// The field for the file of a dialog.
 pub(crate) fn path_field() -> egui::Id {
     egui::Id::unique("file of a dialog")
+}
+
+/// Gives the keys to the field for the file, with the file's name marked: what is typed takes its place.
+pub(crate) fn take_keys(path: &str, ui: &Ui) {
+    let field = path_field();
+    ui.memory_mut(|memory| memory.request_focus(field));
+    let name = path.rfind(['/', '\\']).map_or(0, |at| at + 1);
+    let end = path
+        .rfind('.')
+        .filter(|dot| *dot > name)
+        .unwrap_or(path.len());
+    let [name, end] = [name, end].map(|at| path[..at].chars().count());
+    let mut state = egui::text_edit::TextEditState::default();
+    let marked = egui::text::CCursorRange::two(
+        egui::text::CCursor::new(name),
+        egui::text::CCursor::new(end),
+    );
+    state.cursor.set_char_range(Some(marked));
+    state.store(ui.ctx(), field);
 }
 
 /// Says that a file will be replaced, if there is one.

@@ -13,8 +13,6 @@ use crate::ui::window::{Next, TextSource, Window};
 pub(crate) struct ProgramDialog {
     pub(crate) path: String,
     purpose: FileAction,
-    /// Set once its field has the keys.
-    has_keys: bool,
 }
 
 /// The purpose of the dialog.
@@ -42,8 +40,8 @@ pub(crate) fn ask_for_file(window: &mut Window) {
     window.dialogs.program = Some(ProgramDialog {
         path: picture::in_folder(window, ""),
         purpose: FileAction::Open,
-        has_keys: false,
     });
+    window.dialogs.wants_name = true;
 }
 
 /// Opens the dialog for the file that the program is to be written to.
@@ -54,8 +52,8 @@ pub(crate) fn ask_for_target(window: &mut Window, next: Option<Next>) {
         window.dialogs.program = Some(ProgramDialog {
             path: path.display().to_string(),
             purpose: FileAction::Save(next),
-            has_keys: false,
         });
+        window.dialogs.wants_name = true;
     }
 }
 
@@ -69,9 +67,6 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
         FileAction::Save(_) => ("Save program", "Save"),
     };
     let saves = dialog.purpose != FileAction::Open;
-    if !std::mem::replace(&mut dialog.has_keys, true) {
-        take_keys(&dialog.path, ui);
-    }
     let decision = picture::modal(ui, title, verb, |ui| {
         let mut choose = false;
         Grid::new("program").num_columns(2).show(ui, |ui| {
@@ -95,25 +90,6 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
         Decision::Choose => choose_file(window),
         Decision::Save => take_file(window, dialog),
     }
-}
-
-/// Gives the keys to the field for the file, with the file's name marked: what is typed takes its place.
-fn take_keys(path: &str, ui: &Ui) {
-    let field = picture::path_field();
-    ui.memory_mut(|memory| memory.request_focus(field));
-    let name = path.rfind(['/', '\\']).map_or(0, |at| at + 1);
-    let end = path
-        .rfind('.')
-        .filter(|dot| *dot > name)
-        .unwrap_or(path.len());
-    let [name, end] = [name, end].map(|at| path[..at].chars().count());
-    let mut state = egui::text_edit::TextEditState::default();
-    let marked = egui::text::CCursorRange::two(
-        egui::text::CCursor::new(name),
-        egui::text::CCursor::new(end),
-    );
-    state.cursor.set_char_range(Some(marked));
-    state.store(ui.ctx(), field);
 }
 
 fn take_file(window: &mut Window, dialog: ProgramDialog) {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
+use egui::{Align2, ComboBox, Grid, ProgressBar, Ui};
 use export::animation::{self, Clip, Course, ParamChange};
 use render::ViewId;
 use session::motion::Motion;
@@ -11,6 +11,7 @@ use session::{InsideCamera, StatusMessage};
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
 use crate::engine::recording::film::{Film, RecordingFormat};
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a recording.
@@ -89,6 +90,8 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
     let path = picture::in_folder(window, &picture::file_name(window, &pane, "gif"));
+    // Where nothing moves, there is no field for a file.
+    let has_file = !moves.is_empty();
     window.dialogs.record = Some(RecordDialog {
         // Twice as far as what is seen.
         length: camera
@@ -108,6 +111,7 @@ pub(crate) fn ask(window: &mut Window) {
         },
         path,
     });
+    window.dialogs.wants_name = has_file;
 }
 
 /// A number of two digits.
@@ -179,8 +183,8 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
                     let label = ui.label(title);
                     ui.horizontal(|ui| {
                         for value in values.iter_mut() {
-                            ui.add(DragValue::new(value).speed(0.01))
-                                .labelled_by(label.id);
+                            let field = number_field::field(ui, value).speed(0.01);
+                            ui.add(field).labelled_by(label.id);
                         }
                     });
                     ui.end_row();
@@ -198,25 +202,25 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
             Moves::Walk(..) => {
                 let label = ui.label("Arc length");
                 let speed = 0.01 * dialog.length.abs().max(1e-3);
-                ui.add(DragValue::new(&mut dialog.length).speed(speed))
+                ui.add(number_field::field(ui, &mut dialog.length).speed(speed))
                     .labelled_by(label.id);
                 ui.end_row();
             }
             Moves::Turntable | Moves::Again(..) => {}
         }
         let label = ui.label("Frames");
-        ui.add(DragValue::new(&mut dialog.clip.frames).range(2..=100_000))
+        ui.add(number_field::field(ui, &mut dialog.clip.frames).range(2..=100_000))
             .labelled_by(label.id);
         ui.end_row();
         let label = ui.label("Frames per second");
-        ui.add(DragValue::new(&mut dialog.clip.rate).range(0.1..=1000.0))
+        ui.add(number_field::field(ui, &mut dialog.clip.rate).range(0.1..=1000.0))
             .labelled_by(label.id);
         ui.end_row();
         let sides = 1..=render::MAX_SIDE;
         for (side, name) in dialog.clip.size.iter_mut().zip(["Width", "Height"]) {
             let label = ui.label(name);
-            ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
-                .labelled_by(label.id);
+            let field = number_field::field(ui, side).range(sides.clone());
+            ui.add(field.suffix(" px")).labelled_by(label.id);
             ui.end_row();
         }
         let label = ui.label("Format");

@@ -77,7 +77,7 @@ impl Window {
             Purpose::Measure(_) => return crate::ui::measure::add_place(self, name, hit),
             Purpose::Pointer(_) => return crate::ui::measure::point(self, name, hit),
         };
-        self.status_message = Some(StatusMessage::info(clicked.words()));
+        self.status_message = Some(StatusMessage::clicked(clicked.words()));
         let camera = match clicked.camera(&self.model, |name| self.has_view_of(name)) {
             Ok(Some(camera)) => camera,
             Ok(None) => {

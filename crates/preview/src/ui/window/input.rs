@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheelUnit, Ui};
-use session::StatusMessage;
 use session::camera_input::axis_views::Turn;
 use session::clicks::Clicks;
 use session::model::Emphasis;
 use session::motion::Motion;
 use session::pane::Pane;
 use session::{Choice, SpaceCamera, Step};
+use session::{MessageKind, StatusMessage};
 
 use super::Window;
 use crate::engine::textures;
@@ -86,6 +86,8 @@ impl Window {
 
     /// Notes that the user has moved a view or a param.
     pub(crate) fn has_moved(&mut self, ui: &Ui) {
+        self.status_message
+            .take_if(|message| message.kind == MessageKind::Clicked);
         self.display
             .clock
             .note_gesture(ui.input(|input| input.time));

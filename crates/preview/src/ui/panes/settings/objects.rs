@@ -9,6 +9,13 @@ use session::{Choice, Step};
 use crate::ui::colour;
 use crate::ui::window::Window;
 
+/// The least and the greatest width of a list of textures.
+const LIST: [f32; 2] = [90.0, 160.0];
+/// The number of letters of the heading above the names.
+const HEADING: f32 = 6.0;
+/// The room for the other cells of an object's row, but for its name.
+const BESIDE: f32 = 150.0;
+
 /// Draws the tab.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     // What has no room in one part makes no other part wider.
@@ -29,6 +36,10 @@ fn objects(window: &mut Window, ui: &mut Ui) {
         ui.weak("The program declares no object yet.");
         return;
     }
+    // A grid does not tell its cells what room there is: a list of textures has what the other cells leave.
+    let names = scene.objects.iter().map(|it| it.name.chars().count());
+    let longest = names.max().unwrap_or(1) as f32;
+    let room = ui.available_width() - BESIDE - 8.0 * longest.max(HEADING);
     Grid::new("objects")
         .num_columns(5)
         .min_col_width(0.0)
@@ -41,14 +52,15 @@ fn objects(window: &mut Window, ui: &mut Ui) {
                 ui.end_row();
             }
             for object in &scene.objects {
-                row(window, ui, object);
+                row(window, ui, object, room);
                 ui.end_row();
             }
         });
     ui.separator();
 }
 
-fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
+/// Shows the row of an object, whose list of textures has some room.
+fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     let name = &object.name;
     let look = window.model.view.look(name);
     let drawn = !object.shape.is_metric();
@@ -83,7 +95,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
             ui,
             &format!("Texture of {name}"),
             &mut texture,
-            true,
+            (true, room),
         ) {
             window
                 .model
@@ -177,18 +189,18 @@ fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedCo
     }
 }
 
-/// A list of all textures; whether another one was chosen.
+/// A list of all textures, with some room; whether another one was chosen.
 fn choose(
     images: &[PathBuf],
     ui: &mut Ui,
     label: &str,
     choice: &mut Choice,
-    of_object: bool,
+    (of_object, room): (bool, f32),
 ) -> bool {
     let before = choice.clone();
     let combo = ComboBox::from_id_salt(label)
         .selected_text(title(choice, of_object))
-        .width(ui.available_width().clamp(60.0, 110.0))
+        .width(room.clamp(LIST[0], LIST[1]))
         .truncate()
         .show_ui(ui, |ui| {
             let mut option = |other: Choice| {
@@ -231,12 +243,13 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.label("Default");
         let mut choice = window.model.view.default_texture.clone();
+        let room = ui.available_width();
         if choose(
             &window.model.view.textures,
             ui,
             "Default texture",
             &mut choice,
-            false,
+            (false, room),
         ) {
             let step = Step::new("Choose the default texture", "");
             window

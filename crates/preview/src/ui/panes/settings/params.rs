@@ -1,10 +1,11 @@
 //! The params: a row for each component, with its name, its slider, its value, a button that animates it and a menu.
 
-use egui::{Button, DragValue, Slider, Ui};
+use egui::{Button, Slider, Ui};
 use scene::Param;
 use session::{Model, Step};
 
 use crate::ui::icons::{self, Icon};
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The least and the greatest width of a slider.
@@ -63,6 +64,7 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, lo
                 egui::emath::format_with_decimals_in_range(value, 0..=decimals)
             })
             .smart_aim(false);
+        let slider = number_field::of_slider(ui, slider);
         let slider = ui.add(slider).accessible_name(&name);
         take_value(window, ui, param, k, moved, &slider);
         animated(&mut window.model, ui, param, k, &name);
@@ -134,7 +136,9 @@ fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
         let mut speed = animation.map_or(1.0, |it| it.speed);
         ui.horizontal(|ui| {
             let label = ui.label("Units per second");
-            let drag = DragValue::new(&mut speed).speed(0.01).range(-1e6..=1e6);
+            let drag = number_field::field(ui, &mut speed)
+                .speed(0.01)
+                .range(-1e6..=1e6);
             if ui.add(drag).labelled_by(label.id).changed() {
                 window.model.adjust(|view| {
                     view.animations.entry(param.name.clone()).or_default().speed = speed;

@@ -1,8 +1,9 @@
 //! The numbers of a script's settings: a row for each, which is written into the text.
 
-use egui::{DragValue, Grid, Ui};
+use egui::{Grid, Ui};
 use scene::StatedSetting;
 
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// Draws the rows of a program that states its picture.
@@ -32,7 +33,7 @@ fn edited(ui: &mut Ui, setting: &StatedSetting, label: egui::Id) -> Option<f64> 
     let id = ui.scope_id().with(setting.word);
     let mut value = ui.data(|data| data.get_temp(id)).unwrap_or(setting.value);
     let [min, max] = setting.range;
-    let field = DragValue::new(&mut value).range(min..=max);
+    let field = number_field::field(ui, &mut value).range(min..=max);
     let field = match setting.is_whole {
         true => field.speed(0.1).fixed_decimals(0),
         false => field.speed(0.01).max_decimals(3),

@@ -1,9 +1,10 @@
 //! The pictures of views, and the preferences of the window.
 
-use egui::{ComboBox, DragValue, Grid, Slider, Ui};
+use egui::{ComboBox, Grid, Slider, Ui};
 use session::{MOST_SAMPLES, Model, Preferences, SCALES, Step, Theme};
 
 use crate::ui::colour;
+use crate::ui::number_field;
 use crate::ui::window::Window;
 
 /// The least and the greatest width of a slider.
@@ -17,7 +18,8 @@ pub(super) fn show(model: &mut Model, ui: &mut Ui) {
     edit(model, ui, "views", |preferences, ui| {
         let label = ui.label("Camera speed");
         let slider = Slider::new(&mut preferences.camera_speed, 0.05..=10.0).logarithmic(true);
-        ui.add(slider).labelled_by(label.id);
+        ui.add(number_field::of_slider(ui, slider))
+            .labelled_by(label.id);
         ui.end_row();
         background(preferences, shown, ui);
         ui.end_row();
@@ -25,7 +27,7 @@ pub(super) fn show(model: &mut Model, ui: &mut Ui) {
         ui.end_row();
         let label = ui.label("Samples when traced");
         let hint = "Each pixel of a traced picture at rest is refined to so many";
-        let samples = DragValue::new(&mut preferences.samples).range(1..=MOST_SAMPLES);
+        let samples = number_field::field(ui, &mut preferences.samples).range(1..=MOST_SAMPLES);
         ui.add(samples).on_hover_text(hint).labelled_by(label.id);
         ui.end_row();
         side(ui, "Geodesic pictures", &mut preferences.inside_size);
@@ -133,8 +135,8 @@ fn side(ui: &mut Ui, name: &str, side: &mut Option<u32>) {
             *side = (!fits).then_some(512);
         }
         if let Some(side) = side {
-            ui.add(DragValue::new(side).range(16..=4096).suffix(" px"))
-                .labelled_by(label.id);
+            let field = number_field::field(ui, side).range(16..=4096).suffix(" px");
+            ui.add(field).labelled_by(label.id);
         }
     });
 }

@@ -1,0 +1,46 @@
+//! Fields for numbers. What is typed is a constant expression of the language, and is taken over when the field is left;
+//! a text that is no number keeps the old value.
+
+use egui::emath::Numeric;
+use egui::{DragValue, Id, Slider, Ui};
+use session::StatusMessage;
+use session::constant::{self, REFUSAL};
+
+/// Returns a field for a number.
+pub(crate) fn field<'a>(ui: &Ui, value: &'a mut impl Numeric) -> DragValue<'a> {
+    DragValue::new(value)
+        .update_while_editing(false)
+        .custom_parser(parser(ui))
+}
+
+/// Gives the field of a slider the same.
+pub(crate) fn of_slider<'a>(ui: &Ui, slider: Slider<'a>) -> Slider<'a> {
+    slider.update_while_editing(false).custom_parser(parser(ui))
+}
+
+/// Says in the status line why a text was refused, until another one is a number.
+pub(crate) fn report(message: &mut Option<StatusMessage>, ui: &Ui) {
+    match ui.data_mut(|data| data.remove_temp::<Option<String>>(typed())) {
+        Some(Some(sentence)) => *message = Some(StatusMessage::error(sentence)),
+        Some(None) => {
+            message.take_if(|it| it.text.contains(REFUSAL));
+        }
+        None => {}
+    }
+}
+
+fn parser(ui: &Ui) -> impl Fn(&str) -> Option<f64> + 'static {
+    let context = ui.ctx().clone();
+    move |text| {
+        let value = constant::value(text);
+        let refused = value.as_ref().err().cloned();
+        context.data_mut(|data| data.insert_temp(typed(), refused));
+        context.request_repaint();
+        value.ok()
+    }
+}
+
+/// Where the sentence about the text that was typed last waits for [`report`]; none if the text is a number.
+fn typed() -> Id {
+    Id::unique("text of a field for a number")
+}
