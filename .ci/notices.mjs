@@ -12,6 +12,7 @@ const TARGETS = {
     "darwin-x64": "x86_64-apple-darwin",
     "darwin-arm64": "aarch64-apple-darwin",
     "win32-x64": "x86_64-pc-windows-msvc",
+    web: "wasm32-unknown-unknown",
 };
 const root = dirname(dirname(fileURLToPath(import.meta.url)));
 const [platform, out] = process.argv.slice(2);
@@ -20,15 +21,16 @@ if (!(platform in TARGETS) || !out) {
     process.exit(2);
 }
 
+const program = platform === "web" ? "geotrace-web" : "geotrace";
 const options = ["metadata", "--locked", "--format-version", "1", "--filter-platform", TARGETS[platform]];
 const metadata = JSON.parse(execFileSync("cargo", options, { cwd: root, encoding: "utf8", maxBuffer: 2 ** 28 }));
 
-/** What the package `geotrace` is linked with, itself and the workspace left out; by name. */
+/** What the program is linked with, itself and the workspace left out; by name. */
 function linked() {
     const nodes = new Map(metadata.resolve.nodes.map((node) => [node.id, node]));
     const packages = new Map(metadata.packages.map((one) => [one.id, one]));
     const found = new Set();
-    const open = metadata.packages.filter((one) => one.name === "geotrace").map((one) => one.id);
+    const open = metadata.packages.filter((one) => one.name === program).map((one) => one.id);
     for (let id = open.pop(); id !== undefined; id = open.pop()) {
         if (!found.has(id)) {
             found.add(id);
@@ -112,8 +114,19 @@ function standard(one) {
     return undefined;
 }
 
+/** The packages of JavaScript in the page, as cargo describes packages. */
+function bundled() {
+    const folder = join(root, "web");
+    const lock = JSON.parse(readFileSync(join(folder, "package-lock.json"), "utf8"));
+    const places = Object.keys(lock.packages).filter((place) => place !== "" && !lock.packages[place].dev);
+    return places.map((place) => {
+        const path = join(folder, place, "package.json");
+        return { authors: [], ...JSON.parse(readFileSync(path, "utf8")), repository: undefined, manifest_path: path };
+    });
+}
+
 const faults = [];
-const packages = linked();
+const packages = platform === "web" ? [...linked(), ...bundled()] : linked();
 const users = new Map();
 for (const one of packages) {
     if (!isAllowed(one.license ?? "")) {
@@ -131,7 +144,7 @@ for (const one of packages) {
     }
 }
 if (packages.length === 0) {
-    faults.push("nothing is linked: is there a package `geotrace`?");
+    faults.push(`nothing is linked: is there a package \`${program}\`?`);
 }
 if (faults.length > 0) {
     console.error(faults.join("\n"));

@@ -201,8 +201,8 @@ fn notes(pictures: &Pictures, ui: &mut Ui) {
         .filter_map(|view| view.picture.as_ref())
     {
         // What a picture took is in the status line itself.
-        for note in picture.remarks() {
-            if !notes.contains(&note) {
+        for note in &picture.notes {
+            if !notes.contains(&note.as_str()) {
                 notes.push(note);
             }
         }

@@ -89,8 +89,8 @@ impl PaneView {
             Pixels::Texture(canvas) => canvas.size(),
         };
         picture.detail = PictureDetail::new(size, drawn.took.as_secs_f64(), drawn.samples);
+        picture.notes = drawn.remarks().map(str::to_owned).collect();
         picture.fresh = Some(drawn.image);
-        picture.notes = drawn.notes;
         picture.geodesics = drawn.geodesics.or(picture.geodesics);
         picture.took = drawn.took;
         picture.error = None;
