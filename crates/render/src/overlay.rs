@@ -191,12 +191,23 @@ struct StrokeColour {
     srgb: [u8; 3],
     /// The colour in linear light.
     light: [f32; 3],
+    /// The share of the picture that its dark rim covers, from 0 to 1.
+    rim: f32,
 }
 
 impl StrokeColour {
     fn new(srgb: [u8; 3]) -> Self {
         let light = style::linear(srgb);
-        Self { srgb, light }
+        Self {
+            srgb,
+            light,
+            rim: 0.55,
+        }
+    }
+
+    /// Returns it with a solid rim: of a line that has to stand out from the image under it.
+    fn outlined(self) -> Self {
+        Self { rim: 1.0, ..self }
     }
 }
 
@@ -221,7 +232,7 @@ impl StrokeStyle {
     /// Lays a line over a pixel's bytes, so many pixels from its middle.
     #[inline]
     fn ink(&self, pixel: &mut [u8], ink: &StrokeColour, distance: f32) {
-        let dark = 0.55 * (self.rim - distance + 0.5).clamp(0.0, 1.0);
+        let dark = ink.rim * (self.rim - distance + 0.5).clamp(0.0, 1.0);
         let line = (self.half - distance + 0.5).clamp(0.0, 1.0);
         if line >= 1.0 {
             pixel[..3].copy_from_slice(&ink.srgb);

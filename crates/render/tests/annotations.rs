@@ -77,6 +77,31 @@ fn a_label_lies_beside_what_it_names_on_both_backends() {
 }
 
 #[test]
+fn names_stand_out_from_a_dark_image_by_a_solid_halo() {
+    let plane =
+        "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20]; point p = (0, 0, 0.5);";
+    let wanted = Wanted::space(SIZE)
+        .with_space(|space| space.camera = Viewpoint::new([0.1, 0.0, 4.0], [0.0; 3]));
+    let black = RgbaImage::from_pixel(1, 1, Rgba([0, 0, 0, 255]));
+    let mut plain = request(plane, &wanted);
+    if let Some(space) = plain.view.space_mut() {
+        space.background = Some([255; 4]);
+    }
+    plain.textures = vec![(
+        ObjectId(0),
+        Shared::from(Arc::new(Texture::from_image(black))),
+    )];
+    let mut named = plain.clone();
+    named.overlays.labels = true;
+    let (plain, named) = (software(&plain), software(&named));
+    let words = changed(&plain, &named);
+    let dark = |[x, y]: &&[u32; 2]| plain.get_pixel(*x, *y).0[1] < 60;
+    let light = |[x, y]: &&[u32; 2]| named.get_pixel(*x, *y).0[1] > 240;
+    let halo = words.iter().filter(dark).filter(light).count();
+    assert!(halo > 20, "{halo} of {} pixels", words.len());
+}
+
+#[test]
 fn the_name_of_what_a_surface_hides_is_dim() {
     let plane = "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20];";
     let black = Arc::new(Texture::from_image(RgbaImage::from_pixel(

@@ -227,6 +227,8 @@ fn the_distance_of_two_places_is_their_angle() {
         measured.map_or(0, |(_, lines)| lines.len())
     };
     hand.until("two marks and the geodesic", |hand| drawn(hand) >= 3);
+    hand.settle();
+    hand.keep("distance");
     hand.click("Clear");
     assert_eq!(drawn(&hand), 0);
 }
@@ -303,6 +305,7 @@ fn the_way_to_the_start_is_what_closing_the_walk_adds() {
                     name == "length" && value.starts_with(&shown[..shown.len() - 1])
                 })
             });
+            hand.keep("walk");
             let missing = number(&mut hand, "to the start");
             hand.click("Close the walk");
             hand.until("the walk is closed", |hand| hand.shows("holonomy"));

@@ -149,7 +149,7 @@ impl AxesBox {
     /// Returns the places that a camera must see so that it sees all of it, in drawing units: the ends of the lines, and
     /// the corners of the words, which are `scale` times as large as usual.
     pub(crate) fn extent(&self, camera: &Camera, scale: f32) -> Vec<DVec3> {
-        let height = labels::height(camera.size, scale);
+        let height = labels::axis_height(camera.size, scale);
         let [right, up, back] = camera.axes;
         let corners = |(place, words): &(DVec3, String)| {
             let distance = (camera.eye - *place).dot(back);

@@ -29,6 +29,8 @@ pub(super) struct SurfaceCurve {
     /// sRGB.
     pub(super) colour: [u8; 3],
     pub(super) notes: Vec<String>,
+    /// True of a trail, which has a solid outline.
+    is_outlined: bool,
     /// Straight pieces in the chart.
     pieces: Vec<[[f64; 2]; 2]>,
 }
@@ -51,6 +53,7 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
             name: object.name.clone(),
             colour: request.srgb(id),
             notes: Vec::new(),
+            is_outlined: false,
             pieces: Vec::new(),
         };
         let instances = params
@@ -112,6 +115,7 @@ pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
         name: String::new(),
         colour: ink::trail(&trail.kind),
         notes: Vec::new(),
+        is_outlined: true,
         pieces: Vec::new(),
     };
     let points: Vec<_> = trail.points.iter().copied().map(Some).collect();

@@ -12,8 +12,10 @@ use crate::request::PictureRequest;
 use crate::sample::{PositionSample, Samples};
 use crate::style;
 
-/// The height of words in pixel units.
-const HEIGHT: f32 = 15.0;
+/// The height of numbers and names of axes in pixel units.
+const AXIS_HEIGHT: f32 = 15.0;
+/// The height of the words beside a place: they stand on images with letters and lines of their own.
+const HEIGHT: f32 = 20.0;
 /// The least height of words in pixels.
 const LEAST_HEIGHT: f32 = 10.0;
 /// The distance of words from what they name, in their heights.
@@ -118,9 +120,9 @@ fn from_the_middle<T>(samples: &[T]) -> impl Iterator<Item = &T> {
     places.into_iter().filter_map(|place| samples.get(place))
 }
 
-/// Returns the height of words in a picture of a size, in pixels.
-pub(super) fn height(size: [u32; 2], scale: f32) -> f32 {
-    (HEIGHT * style::pixel_unit(size) * scale).max(LEAST_HEIGHT)
+/// Returns the height of numbers and names of axes in a picture of a size, in pixels.
+pub(super) fn axis_height(size: [u32; 2], scale: f32) -> f32 {
+    (AXIS_HEIGHT * style::pixel_unit(size) * scale).max(LEAST_HEIGHT)
 }
 
 /// Words that have their place in a picture, in pixels from its upper left corner.
@@ -160,11 +162,15 @@ pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &Pictu
 /// Returns the place of each label, near what it names: where one would lie over another, on another side.
 pub(crate) fn placed(labels: &[TextLabel], request: &PictureRequest) -> Vec<PlacedWords> {
     let size = request.size;
-    let height = height(size, request.scale);
+    let axis_height = axis_height(size, request.scale);
     let ink = Ink::over(request.backdrop());
     let mut taken: Vec<[f32; 4]> = Vec::new();
     let mut all = Vec::new();
     for label in labels {
+        let height = match label.is_centred {
+            true => axis_height,
+            false => HEIGHT / AXIS_HEIGHT * axis_height,
+        };
         let width = text::width(&label.words, height);
         let [x, y] = label.at.0.map(|x| x as f32);
         let gap = GAP * height;

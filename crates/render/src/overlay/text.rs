@@ -22,7 +22,9 @@ static FONTS: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
 });
 
 /// The thickness of an outline, as a share of the text's height.
-const OUTLINE: f32 = 0.14;
+const OUTLINE: f32 = 0.16;
+/// The factor of the coverage of letters that have an outline.
+const STRENGTH: f32 = 1.7;
 
 /// The colours of words and of the outline around them, in linear light.
 #[derive(Clone, Copy, Debug)]
@@ -226,6 +228,10 @@ pub(super) fn write_outlined(
         .map(|(dx, dy)| (dx, dy, reach + 0.5 - (dx as f32).hypot(dy as f32)))
         .filter(|(_, _, share)| *share > 0.0)
         .collect();
+    // The stems of small letters cover no pixel whole: stronger, they and their outline are solid.
+    for coverage in &mut mask {
+        *coverage = (STRENGTH * *coverage).min(1.0);
+    }
     let at_pixel = |x: isize, y: isize| {
         let inside = x >= 0 && y >= 0 && x < size[0] as isize && y < size[1] as isize;
         if inside {
@@ -242,7 +248,7 @@ pub(super) fn write_outlined(
             let around = around.fold(0.0, f32::max);
             if around > 0.0 {
                 let place = [corner[0] + x as f32, corner[1] + y as f32];
-                lay(image, place, ink.outline, 0.85 * ink.share * around);
+                lay(image, place, ink.outline, ink.share * around);
                 lay(image, place, ink.words, ink.share * at_pixel(x, y));
             }
         }

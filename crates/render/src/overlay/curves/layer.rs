@@ -57,7 +57,13 @@ impl<'t> Lines<'t> {
             table: SegmentTable::new(lines, camera),
             inks: lines
                 .iter()
-                .map(|line| StrokeColour::new(line.colour))
+                .map(|line| {
+                    let colour = StrokeColour::new(line.colour);
+                    match line.is_outlined {
+                        true => colour.outlined(),
+                        false => colour,
+                    }
+                })
                 .collect(),
             pen: StrokeStyle::for_size(size, scale),
             width: size[0] as usize,
