@@ -66,21 +66,21 @@ pub use view::{
     WAVEFRONTS,
 };
 
-/// What a sentence of the status line speaks of, which says how long it holds.
+/// The subject of a sentence of the status line, which says how long it holds.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum MessageKind {
     /// Something failed: it stays until the next sentence.
     Failed,
     /// Something was done: it goes after a while.
     Done,
-    /// What was clicked on, with its place: it goes when the user moves a view or a param.
+    /// The place of a click and what lies there: it goes when the user moves a view or a param.
     Clicked,
 }
 
 /// A sentence for the status line.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct StatusMessage {
-    /// What it speaks of.
+    /// Its subject.
     pub kind: MessageKind,
     /// The sentence.
     pub text: String,

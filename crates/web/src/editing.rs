@@ -15,6 +15,7 @@ use ide::edit::Edit;
 use ide::language::Analysis;
 use ide::outline::OutlineKind;
 use ide::{Language, Languages, Program};
+use serde::Serialize;
 use serde_json::{Value, json};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::span::Span;
@@ -266,10 +267,10 @@ impl Editing {
         let entries = entries.map(|entry| {
             let Utf16Range { from, to } = self.source.range(entry.span);
             let kind = match entry.kind {
-                OutlineKind::Variable => "variable",
-                OutlineKind::Constant => "constant",
-                OutlineKind::Function => "function",
-                OutlineKind::Object => "object",
+                OutlineKind::Variable => Kind::Variable,
+                OutlineKind::Constant => Kind::Constant,
+                OutlineKind::Function => Kind::Function,
+                OutlineKind::Object => Kind::Object,
             };
             json!({
                 "from": from,
@@ -393,6 +394,23 @@ impl Editing {
     }
 }
 
+/// The kind of a declaration or of a completion, as the page's icons know it.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Variable,
+    Constant,
+    Function,
+    Object,
+    Keyword,
+    Surface,
+    Curve,
+    Parameter,
+    Solid,
+    Attribute,
+    Word,
+}
+
 fn description(described: &Description) -> Value {
     json!({
         "language": described.language,
@@ -403,15 +421,15 @@ fn description(described: &Description) -> Value {
 
 fn completion(entry: &Completion) -> Value {
     let kind = match entry.kind {
-        CompletionKind::Keyword => "keyword",
-        CompletionKind::Function => "function",
-        CompletionKind::Surface => "surface",
-        CompletionKind::Curve => "curve",
-        CompletionKind::Constant => "constant",
-        CompletionKind::Parameter => "parameter",
-        CompletionKind::Solid => "solid",
-        CompletionKind::Attribute => "attribute",
-        CompletionKind::Word => "word",
+        CompletionKind::Keyword => Kind::Keyword,
+        CompletionKind::Function => Kind::Function,
+        CompletionKind::Surface => Kind::Surface,
+        CompletionKind::Curve => Kind::Curve,
+        CompletionKind::Constant => Kind::Constant,
+        CompletionKind::Parameter => Kind::Parameter,
+        CompletionKind::Solid => Kind::Solid,
+        CompletionKind::Attribute => Kind::Attribute,
+        CompletionKind::Word => Kind::Word,
     };
     json!({
         "label": entry.label,

@@ -40,7 +40,8 @@ fn parser(ui: &Ui) -> impl Fn(&str) -> Option<f64> + 'static {
     }
 }
 
-/// Where the sentence about the text that was typed last waits for [`report`]; none if the text is a number.
+/// Returns the id under which the sentence about the text that was typed last waits for [`report`]; there is none if the text
+/// is a number.
 fn typed() -> Id {
     Id::unique("text of a field for a number")
 }
