@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The tests of this package give each target a fixed number of inputs from a fixed seed. The program `geotrace-fuzz` gives
-//! it any number, and runs one input again. Mutation is our own: what finds its way by coverage (libFuzzer, AFL++) needs a
-//! compiler that the tests' one is not, and inputs that are the same on every run.
+//! it any number, and runs one input again. Mutation is our own, because the tests need the same inputs on every run and a
+//! stable compiler, which fuzzers that are guided by coverage (libFuzzer, AFL++) do not offer.
 
 mod mutation;
 pub mod run;

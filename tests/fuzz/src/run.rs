@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::mutation::{Random, mutate};
 use crate::{Target, seeds};
 
-/// The inputs that a run found to be too much for a target.
+/// The outcome of a run.
 #[derive(Debug, Default)]
 pub struct Report {
     /// The number of inputs.
@@ -25,7 +25,7 @@ pub fn run(target: &Target, seed: u64, count: u64) -> Report {
     let mut report = Report::default();
     let seeds = (target.seeds)();
     let corpus = seeds::corpus(target.name);
-    for input in corpus.iter().map(|(_, input)| input).chain(&seeds) {
+    for input in corpus.iter().chain(&seeds) {
         one(target, input, &mut report);
     }
     let mut random = Random::new(seed);

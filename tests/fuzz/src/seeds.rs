@@ -25,16 +25,15 @@ fn contents(paths: &[PathBuf]) -> impl Iterator<Item = Vec<u8>> {
         .map(|path| std::fs::read(path).expect("a seed can be read"))
 }
 
-/// The inputs that once found a mistake in a target, with their names.
-pub(crate) fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
+/// The inputs that once found a mistake in a target.
+pub(crate) fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
         .join(target);
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
     paths.sort();
-    let names = paths.iter().map(|path| path.display().to_string());
-    names.zip(contents(&paths)).collect()
+    contents(&paths).collect()
 }
 
 /// Programs of Geotrace: the examples, and the programs of the language cases.
