@@ -99,7 +99,7 @@ fn see_all(backend: Backend) {
                 picture.image.pixels().map(|pixel| pixel.0).collect();
             assert!(
                 colours.len() > 20,
-                "{}: the view from inside has {} colours: {:?}",
+                "{}: the geodesic view has {} colours: {:?}",
                 example.name,
                 colours.len(),
                 picture.notes

@@ -198,7 +198,7 @@ fn geodesics() -> Vec<Limit> {
     let picture = MapOptions::default().max_evaluations;
     vec![
         limit(
-            "evaluations of the surface in a view from inside; fewer where one evaluation is dear",
+            "evaluations of the surface in a geodesic view; fewer where one evaluation is dear",
             grouped(picture),
             "run time: a few seconds",
             "could not be followed within the limit of work",

@@ -26,6 +26,72 @@ fn numbers(value: &Value) -> Vec<f64> {
         .collect()
 }
 
+/// The JSON of a trace along the first parameter with `--conjugate`.
+#[track_caller]
+fn field_along(file: &str, from: &str, way: [&str; 2], length: &str) -> Value {
+    let run = geotrace([
+        "trace",
+        "-",
+        "--from",
+        from,
+        way[0],
+        way[1],
+        "--length",
+        length,
+        "--conjugate",
+        "--format",
+        "json",
+    ]);
+    run.input(file).run().expect_status(0).json()
+}
+
+#[test]
+fn conjugate_points_and_the_jacobi_field_are_those_of_constant_curvature() {
+    // Along the outer equator of a torus K = 1/(r(R + r)) is constant: m = sin(√K s)/√K, which is 0 at multiples of π/√K.
+    let torus =
+        "surface s(u,v) = ((2 + cos v)cos u, (2 + cos v)sin u, sin v), u : [0, 2pi], v : [0, 2pi];";
+    let found = field_along(torus, "0,0", ["--direction", "1,0"], "12");
+    let root = 1.0 / 3.0_f64.sqrt();
+    let conjugates = numbers(&found["conjugates"]);
+    assert_eq!(conjugates.len(), 2, "{found}");
+    for (n, length) in (1..).zip(conjugates) {
+        assert_close("the field", length, f64::from(n) * PI / root, 1e-8);
+    }
+    let [m, slope] = numbers(&found["jacobi"])[..] else {
+        panic!("{found}");
+    };
+    assert_close("the field", m, (12.0 * root).sin() / root, 1e-7);
+    assert_close("the field", slope, (12.0 * root).cos(), 1e-7);
+    // A ball as a solid, and a plane, which has none.
+    let ball = "solid q(x, y, z) = x^2 + y^2 + z^2 - 4;";
+    let found = field_along(ball, "2,0,0", ["--direction", "0,1,0.5"], "7");
+    let conjugates = numbers(&found["conjugates"]);
+    assert_eq!(conjugates.len(), 1, "{found}");
+    assert_close("the field", conjugates[0], 2.0 * PI, 1e-8);
+    let plane = "surface s(u,v) = (u, v, 0), u : [-9, 9], v : [-9, 9];";
+    let found = field_along(plane, "0,0", ["--heading", "30"], "5");
+    assert_eq!(numbers(&found["conjugates"]), [0.0; 0], "{found}");
+    assert_close("the field", numbers(&found["jacobi"])[0], 5.0, 1e-9);
+    // Without the option the document is as it was.
+    let run = geotrace([
+        "trace",
+        "-",
+        "--from",
+        "0,0",
+        "--heading",
+        "0",
+        "--length",
+        "1",
+        "--format",
+        "json",
+    ]);
+    let json = run.input(plane).run().expect_status(0).json();
+    assert!(
+        json.get("conjugates").is_none() && json.get("jacobi").is_none(),
+        "{json}"
+    );
+}
+
 /// Traces on the surface `s` of a program.
 #[track_caller]
 fn trace(program: &str, from: [f64; 2], direction: [f64; 2], length: f64) -> End {

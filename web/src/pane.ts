@@ -6,7 +6,7 @@
 import type { Core } from "./core.ts";
 import { make } from "./dom.ts";
 import { inline } from "./markdown.ts";
-import type { CameraMove, Grip, MotionKey, Pane as Declared, Pick, Picture, ViewInfo } from "./protocol.ts";
+import type { CameraMove, Grip, CameraKey, Pane as Declared, Pick, Picture, ViewInfo } from "./protocol.ts";
 
 /** A drag up to this length is a click, in CSS pixels. */
 const CLICK = 5;
@@ -24,7 +24,7 @@ const LONGEST_SIDE = 4096;
 /** A little less than a frame, in milliseconds. */
 const FRAME = 14;
 
-const KEYS: Record<string, MotionKey> = {
+const KEYS: Record<string, CameraKey> = {
     KeyW: "w",
     KeyA: "a",
     KeyS: "s",
@@ -87,7 +87,7 @@ export class Pane {
     private readonly busy = make("div", { class: "busy", hidden: true });
     private readonly context = this.canvas.getContext("2d", { alpha: false });
     private readonly resize = new ResizeObserver(() => this.events.resized());
-    private readonly held = new Map<string, MotionKey>();
+    private readonly held = new Map<string, CameraKey>();
     private readonly fingers = new Map<number, { x: number; y: number }>();
     private grip: Grip | undefined;
     private way = 0;
@@ -504,7 +504,7 @@ export class Pane {
 }
 
 /** The key of the camera that a key of the keyboard is, by its place; plus and minus by what is written on them too. */
-function motion(event: KeyboardEvent): MotionKey | undefined {
+function motion(event: KeyboardEvent): CameraKey | undefined {
     if (event.key === "+" || event.key === "-") {
         return event.key === "+" ? "plus" : "minus";
     }

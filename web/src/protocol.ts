@@ -379,7 +379,7 @@ export interface NoPicture {
 export type Grip = 'orbit' | 'look' | 'pan';
 
 /** A key that moves cameras while it is held; the letters by their places on a US keyboard (`KeyboardEvent.code`). */
-export type MotionKey =
+export type CameraKey =
   | 'w'
   | 'a'
   | 's'
@@ -559,7 +559,7 @@ export interface Notices {
   /** Two fingers that turn, clockwise. */
   twist: { view: string; angle: number };
   /** The keys that are held from now on; the Worker moves the camera until they are released. */
-  hold: { view: string; keys: MotionKey[]; shift: boolean; alt: boolean };
+  hold: { view: string; keys: CameraKey[]; shift: boolean; alt: boolean };
   camera: { view: string; move: CameraMove };
   /** The gesture has ended: the next motion is another step for undo, and an exact picture follows. */
   release: Record<string, never>;

@@ -7,7 +7,7 @@ use syntax::span::Span;
 pub struct Lens {
     /// The declaration's name; the lens appears above its line.
     pub span: Span,
-    /// The text of the line: "3D", "inside view", "traced".
+    /// The text of the line: "3D", "geodesic view", "traced".
     pub title: &'static str,
     /// The name of the view, as the command line and the preview's messages use it: `3d`, `geodesic`, `traced`.
     pub view: &'static str,

@@ -408,5 +408,5 @@ fn lenses_offer_the_views_of_surfaces() {
         .iter()
         .map(|l| format!("{} {}", l.span.text(analysis.text()), l.title))
         .collect();
-    assert_eq!(shown, ["s 3D", "s inside view", "h inside view"]);
+    assert_eq!(shown, ["s 3D", "s geodesic view", "h geodesic view"]);
 }

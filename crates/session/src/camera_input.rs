@@ -8,6 +8,7 @@ pub mod geodesic;
 pub mod space;
 
 use render::view::View;
+use serde::Deserialize;
 
 /// The kind of camera that a view has.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -46,8 +47,9 @@ const WHEEL: f64 = 0.003;
 /// The longest time between frames that a camera moves for, in seconds: a slow frame is no leap.
 const MAX_STEP: f64 = 0.1;
 
-/// A key that moves cameras.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+/// A key that moves cameras. In the messages of the page: "w", "left", "plus".
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
+#[serde(rename_all = "camelCase")]
 pub enum CameraKey {
     /// Forward.
     W,

@@ -109,7 +109,8 @@ impl Clicks {
 #[derive(Clone, Copy, Debug)]
 pub struct ClickedObject<'a> {
     request: &'a PictureRequest,
-    hit: &'a Hit,
+    /// The place of it that was hit.
+    pub hit: &'a Hit,
     /// The object.
     pub object: &'a Object,
     /// The part of a solid's set that was hit.

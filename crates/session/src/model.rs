@@ -287,6 +287,30 @@ impl Model {
         Some(title)
     }
 
+    /// Returns the values that what depends on params has now, with the names, in the order of the text: `= 0.25`. Params
+    /// are not among them, and of a program in another process nothing is known.
+    pub fn derived_values(&mut self) -> Vec<(String, String)> {
+        let (Some(scene), Some(settings)) = (self.scene.clone(), self.settings()) else {
+            return Vec::new();
+        };
+        let Some(analysis) = &self.analysis else {
+            return Vec::new();
+        };
+        let params = scene.params.iter();
+        let values = params.map(|param| (param.name.clone(), settings.param(param).to_vec()));
+        let values: BTreeMap<String, Vec<f64>> = values.collect();
+        let whole = Span::new(0, self.text.len() as u32);
+        let hints = analysis.preview_values(whole, &values).into_iter();
+        let named = hints.filter_map(|hint| {
+            let holds =
+                |it: &&DeclarationRange| (it.span.start..=it.span.end).contains(&hint.offset);
+            let declared = self.declared.iter().find(holds)?;
+            let name = declared.name_span.text(&self.text);
+            (!values.contains_key(name)).then(|| (name.to_owned(), hint.label))
+        });
+        named.collect()
+    }
+
     /// The params' values for the scene: those that were chosen, kept within their intervals.
     pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
         let scene = self.scene.as_ref()?;

@@ -86,8 +86,8 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
     let surface = manifold.surface();
     match question {
         MeasureQuestion::Pointer { uv, polar, camera } => {
-            let rows = pointer(surface, *uv, *polar, camera.as_ref());
-            MeasureAnswer::Pointer(rows, in_short(surface, *uv))
+            let (rows, distance) = pointer(surface, *uv, *polar, camera.as_ref());
+            MeasureAnswer::Pointer(rows, in_short(surface, *uv, distance))
         }
         MeasureQuestion::Figure(figure) => {
             let measured = figures::measured(surface, subject.surface, &figure.figure);
@@ -107,12 +107,14 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
     }
 }
 
-/// Returns a place with its curvature, for the status line.
-fn in_short(surface: &dyn Surface, [u, v]: [f64; 2]) -> String {
+/// Returns a place with its curvature and its distance from the camera, for the status line.
+fn in_short(surface: &dyn Surface, [u, v]: [f64; 2], distance: Option<f64>) -> String {
     let curvature = measure::place(surface, [u, v]).ok();
     let curvature = curvature.and_then(|found| found.gaussian);
     let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
-    format!("(u, v) = ({}, {}){curvature}", short(u), short(v))
+    let distance = distance.map(|length| format!(", {} from the camera", short(length)));
+    let distance = distance.unwrap_or_default();
+    format!("(u, v) = ({}, {}){curvature}{distance}", short(u), short(v))
 }
 
 /// Formats a number with at most four significant digits.
@@ -120,19 +122,21 @@ fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
+/// Returns the quantities at a place, and its distance from the camera: the length of the geodesic that is seen there in
+/// a geodesic view, else of the shortest one.
 fn pointer(
     surface: &dyn Surface,
     uv: [f64; 2],
     polar: Option<[f64; 2]>,
     camera: Option<&Frame>,
-) -> Vec<Quantity> {
+) -> (Vec<Quantity>, Option<f64>) {
     let mut rows = vec![Quantity::new("(u, v)", place(uv))];
     if let Ok(found) = measure::place(surface, uv)
         && let Some(curvature) = found.gaussian
     {
         rows.push(Quantity::new("K", number(curvature)));
     }
-    // A view from inside shows each place at the end of a geodesic, which need not be the shortest.
+    // A geodesic view shows each place at the end of a geodesic, which need not be the shortest.
     let name = match polar {
         Some(_) => "length of the geodesic seen",
         None => "distance from the camera",
@@ -147,7 +151,7 @@ fn pointer(
         rows.push(Quantity::new(name, number(distance)));
         rows.push(Quantity::new("direction", angle(direction)));
     }
-    rows
+    (rows, seen.map(|[distance, _]| distance))
 }
 
 /// The share of the zoom that the ends of a walk may lie apart, if the walk is to count as closed.

@@ -18,7 +18,7 @@ use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 /// The greatest distance of a click from a place to which it snaps, in pixels.
 const REACH: f64 = 10.0;
-/// The distance of the pixels that say how a view from inside lies on its surface.
+/// The distance of the pixels that say how a geodesic view lies on its surface.
 const PROBE: f64 = 2.0;
 /// A place lies on a surface if it is this near, as a share of the surface's size.
 const ON_SURFACE: f64 = 1e-6;
@@ -182,7 +182,7 @@ fn in_space<'t>(
     })
 }
 
-/// Snaps in a view from inside. Where the pixels beside the one that was clicked on lie on the surface says how far from it,
+/// Snaps in a geodesic view. Where the pixels beside the one that was clicked on lie on the surface says how far from it,
 /// in pixels, a place is.
 fn from_inside<'t>(
     renderer: &mut Renderer,

@@ -176,7 +176,7 @@ impl Default for Marks {
             conjugate: false,
             cut_locus: false,
             error: false,
-            labels: false,
+            labels: true,
             axes: false,
             cameras: true,
             trail: false,

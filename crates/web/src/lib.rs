@@ -23,8 +23,8 @@ pub use core::{Core, DrawnPicture, Saved, StepOutcome};
 pub use editing::Editing;
 pub use examples::{EXAMPLES, Example};
 pub use message::{
-    AskedFigure, Call, CameraMove, ComponentInfo, CoreEvent, Grip, ImageInfo, KeyInfo, MotionKey,
-    Notice, ObjectInfo, PageFinding, Pane, ParamInfo, Pick, PictureInfo, QuantityRow, Related,
-    SceneInfo, SettingInfo, ViewInfo, read_message,
+    AskedFigure, Call, CameraMove, ComponentInfo, CoreEvent, Grip, ImageInfo, KeyInfo, Notice,
+    ObjectInfo, PageFinding, Pane, ParamInfo, Pick, PictureInfo, QuantityRow, Related, SceneInfo,
+    SettingInfo, ViewInfo, read_message,
 };
 pub use source::{EditsDoNotFit, Utf16Edit, Utf16Range, Utf16Text};

@@ -5,6 +5,8 @@ use render::figure::FigureKind;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use session::camera_input::CameraKey;
+use session::camera_input::axis_views::{AXIS_VIEWS, AxisView};
 use session::measuring::Quantity;
 
 use crate::source::{Utf16Edit, Utf16Range};
@@ -166,7 +168,7 @@ pub enum Notice {
     },
     Hold {
         view: String,
-        keys: Vec<MotionKey>,
+        keys: Vec<CameraKey>,
         shift: bool,
         alt: bool,
     },
@@ -230,47 +232,31 @@ pub enum Grip {
     Pan,
 }
 
-/// A key that moves cameras.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd)]
-#[serde(rename_all = "camelCase")]
-#[expect(missing_docs, reason = "the protocol documents them")]
-pub enum MotionKey {
-    W,
-    A,
-    S,
-    D,
-    Q,
-    E,
-    Z,
-    X,
-    Left,
-    Right,
-    Up,
-    Down,
-    Plus,
-    Minus,
-}
-
-/// A place where a camera is put.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
+/// A place where a camera is put: `"reset"`, `"frame"`, or the end of an axis: `"+x"`, `"-z"`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "String")]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub enum CameraMove {
-    #[serde(rename = "reset")]
     Reset,
-    #[serde(rename = "frame")]
     Frame,
-    #[serde(rename = "+x")]
-    PlusX,
-    #[serde(rename = "-x")]
-    MinusX,
-    #[serde(rename = "+y")]
-    PlusY,
-    #[serde(rename = "-y")]
-    MinusY,
-    #[serde(rename = "+z")]
-    PlusZ,
-    #[serde(rename = "-z")]
-    MinusZ,
+    Axis(&'static AxisView),
+}
+
+impl TryFrom<String> for CameraMove {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        match name.as_str() {
+            "reset" => Ok(Self::Reset),
+            "frame" => Ok(Self::Frame),
+            name => {
+                let end = name.replace('-', "−");
+                let view = AXIS_VIEWS.iter().find(|view| view.end(view.axis) == end);
+                let unknown = || format!("there is no place `{name}` for a camera");
+                view.map(Self::Axis).ok_or_else(unknown)
+            }
+        }
+    }
 }
 
 /// A figure that is to be measured.

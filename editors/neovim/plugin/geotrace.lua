@@ -1,4 +1,4 @@
--- :GeotracePreview [3d | inside NAME], :GeotraceRestart.
+-- :GeotracePreview [3d | geodesic NAME], :GeotraceRestart.
 if vim.g.loaded_geotrace then
   return
 end

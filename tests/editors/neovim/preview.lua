@@ -196,7 +196,7 @@ end)
 
 test("a view of no surface is answered with a sentence", function()
   messages = {}
-  vim.cmd.GeotracePreview("inside", "nosuch")
+  vim.cmd.GeotracePreview("geodesic", "nosuch")
   eventually("the message", function()
     return messages[1] == "There is no surface, metric or solid `nosuch`: the program has s."
   end)

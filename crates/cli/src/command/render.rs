@@ -127,7 +127,7 @@ pub(super) struct Arguments {
     /// the middle of the solid's box along x leaves it
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true, help_heading = "Geodesic view")]
     at: Option<PlaceArgument>,
-    /// How far the picture's right is turned from σu towards σv
+    /// The angle from the direction in which u grows to the picture's right, towards the one in which v grows
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,
     /// The picture's up lies to the right of its right, as (u,v) has it: the surface is seen from its other side

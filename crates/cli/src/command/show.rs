@@ -14,7 +14,7 @@ use crate::registry::Context;
 
 /// See a program: in the live window, or, where there is no display, as pictures.
 ///
-/// Without a display it says so and writes the 3D view and, of the first surface, the view from inside into the
+/// Without a display it says so and writes the 3D view and, of the first surface, the geodesic view into the
 /// current folder.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {

@@ -77,6 +77,10 @@ pub(super) struct Arguments {
     /// The number of steps of rk4-pixel
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: Option<u32>,
+    /// Lists the conjugate points on the way, where geodesics that start beside this one meet it again, and the Jacobi
+    /// field at the end
+    #[arg(long)]
+    conjugate: bool,
     /// For people, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
@@ -111,6 +115,32 @@ struct TraceJson {
     steps: usize,
     evaluations: usize,
     status: &'static str,
+    /// With `--conjugate`, the arc lengths of the conjugate points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    conjugates: Option<Vec<f64>>,
+    /// With `--conjugate`, (m, m') at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jacobi: Option<[f64; 2]>,
+}
+
+/// The Jacobi field of a geodesic.
+struct JacobiField {
+    conjugates: Vec<f64>,
+    jacobi: [f64; 2],
+}
+
+impl JacobiField {
+    fn text(&self) -> String {
+        let points = match &self.conjugates[..] {
+            [] => "none".to_owned(),
+            lengths => {
+                let lengths: Vec<String> = lengths.iter().copied().map(show).collect();
+                format!("after {}", lengths.join(", "))
+            }
+        };
+        let [m, slope] = self.jacobi.map(show);
+        format!("  conjugate  {points}\n  Jacobi     m = {m}, m' = {slope} at the end\n")
+    }
 }
 
 /// Traces one geodesic.
@@ -130,10 +160,16 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     if object.shape.solid().is_some() {
         let (from, trace) = on_solid(arguments, &program, &params, id, length, &options)?;
         drop(progress);
-        return match arguments.format {
-            Format::Json => output::print_json(&document_in_space(&trace)),
-            Format::Human => output::print(&text_in_space(&trace, from)),
-        };
+        let field = arguments.conjugate.then(|| JacobiField {
+            conjugates: trace.conjugates.clone(),
+            jacobi: trace.jacobi,
+        });
+        return print(
+            arguments,
+            document_in_space(&trace),
+            text_in_space(&trace, from),
+            field,
+        );
     }
     let manifold = program.manifold(id, &params)?;
     let surface = manifold.surface();
@@ -153,9 +189,36 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Err(error) => stopped_at_start(error, surface)?,
     };
     drop(progress);
+    let field = arguments.conjugate.then(|| JacobiField {
+        conjugates: trace.conjugates.clone(),
+        jacobi: trace.jacobi,
+    });
+    print(
+        arguments,
+        document(&trace),
+        text(&trace, from, surface),
+        field,
+    )
+}
+
+/// Prints what was found, as the arguments ask for it.
+fn print(
+    arguments: &Arguments,
+    mut document: TraceJson,
+    text: String,
+    field: Option<JacobiField>,
+) -> Result<(), Failure> {
     match arguments.format {
-        Format::Json => output::print_json(&document(&trace)),
-        Format::Human => output::print(&text(&trace, from, surface)),
+        Format::Json => {
+            if let Some(JacobiField { conjugates, jacobi }) = field {
+                (document.conjugates, document.jacobi) = (Some(conjugates), Some(jacobi));
+            }
+            output::print_json(&document)
+        }
+        Format::Human => {
+            let field = field.map_or_else(String::new, |field| field.text());
+            output::print(&(text + &field))
+        }
     }
 }
 
@@ -229,6 +292,8 @@ fn document_in_space(trace: &SpaceTrace) -> TraceJson {
         steps: trace.steps,
         evaluations: trace.evaluations,
         status: status_word(trace.status),
+        conjugates: None,
+        jacobi: None,
     }
 }
 
@@ -278,6 +343,7 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
     }
     let mut options = Options {
         compare: true,
+        conjugates: arguments.conjugate,
         max_evaluations: arguments
             .max_evaluations
             .map_or(trace::MOST_OF_ONE, |most| most as usize),
@@ -287,6 +353,11 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
         options.tolerance = tolerance;
     }
     match (arguments.method, arguments.steps) {
+        (PictureMethod::Rk4Pixel, _) if arguments.conjugate => {
+            return Err(Failure::usage(
+                "--conjugate: the thesis' method, rk4-pixel, follows no Jacobi field",
+            ));
+        }
         (PictureMethod::Rk4Pixel, steps) => {
             options.method = Method::Rk4 {
                 steps: steps.unwrap_or(512),
@@ -315,6 +386,8 @@ fn document(trace: &Trace) -> TraceJson {
         steps: trace.steps,
         evaluations: trace.evaluations,
         status: status_word(trace.status),
+        conjugates: None,
+        jacobi: None,
     }
 }
 

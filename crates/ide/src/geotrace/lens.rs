@@ -18,7 +18,7 @@ pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
             object,
         };
         let space = lens("3D", "3d", None);
-        let inside = lens("inside view", "geodesic", Some(item.name.to_owned()));
+        let inside = lens("geodesic view", "geodesic", Some(item.name.to_owned()));
         let traced = |camera: Option<String>| lens("traced", "traced", camera);
         match item.keyword.category() {
             Category::Surface => vec![space, inside],

@@ -169,6 +169,10 @@ const KEYS: [Key; 6] = [
     Key::new("F11, Ctrl+B", "full screen, views alone"),
 ];
 
+/// The keys of the program's pane and of files, in one sentence each: the menus show them too.
+const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab takes one, Ctrl+F finds, Ctrl+/ comments. Ctrl+N, \
+    Ctrl+O, Ctrl+S: new, open, save; Ctrl+E, Ctrl+M, Ctrl+R: save a picture, a mesh, record.";
+
 /// The keys of views that have the same ones.
 struct KeyColumn {
     /// The titles of the views.
@@ -243,10 +247,11 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
                 Grid::new("keys")
                     .num_columns(columns.len() + 1)
                     .striped(true)
-                    .spacing([12.0, 2.0])
+                    .spacing([12.0, 1.0])
                     .max_col_width(column_width)
                     .show(ui, |ui| key_rows(&columns, ui));
-                ui.label("A view that was clicked on, or reached with Tab, has the keys.");
+                ui.label("Keys move the view that the pointer moves over, or that was chosen with a click or Tab.");
+                ui.label(PROGRAM_KEYS);
             });
         });
 }
@@ -278,7 +283,7 @@ mod tests {
         let rows = super::rows(&columns);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
-        assert_eq!(keys.len(), 25);
+        assert_eq!(keys.len(), 26);
         assert_eq!(rows[3].1, ["", "zoom in, out"]);
         assert_eq!(rows[4].1, ["look around", "move"]);
     }

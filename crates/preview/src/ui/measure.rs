@@ -14,6 +14,7 @@ use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
 use session::camera_controller::Subject;
+use session::clicks::ClickedObject;
 use session::measuring::{Measured, PlacedFigure, Quantity, hint, title};
 use session::motion::Motion;
 use session::questions::{MeasureAnswer, MeasureQuestion};
@@ -62,7 +63,7 @@ struct Pointer {
     found: Option<(Subject, [f64; 2])>,
     surface: String,
     rows: Vec<Quantity>,
-    /// The place in short.
+    /// The object with the place in short.
     words: String,
 }
 
@@ -96,17 +97,12 @@ impl Measuring {
         self.is_open && self.pointer.snapped.is_some()
     }
 
-    /// Returns the place under the pointer in short, with its surface, while it is over the picture that it was asked for.
-    pub(crate) fn under_pointer(&self, ui: &Ui) -> Option<String> {
-        let Pointer {
-            picture,
-            surface,
-            words,
-            ..
-        } = &self.pointer;
+    /// Returns what is under the pointer in short, while it is over the picture that it was asked for.
+    pub(crate) fn under_pointer(&self, ui: &Ui) -> Option<&str> {
+        let Pointer { picture, words, .. } = &self.pointer;
         let at = ui.input(|input| input.pointer.hover_pos());
         let shown = !words.is_empty() && at.is_some_and(|at| picture.contains(at));
-        shown.then(|| format!("{surface}: {words}"))
+        shown.then_some(words)
     }
 
     fn clear(&mut self) {
@@ -155,13 +151,13 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     measuring.found = None;
 }
 
-/// Asks for the measures of the place that was found under the pointer.
-pub(crate) fn point(window: &mut Window, surface: &str, hit: &Hit) {
-    let is_measurable = |window: &Window| {
-        let object = window.model.object(surface);
-        object.is_some_and(|(_, object)| object.shape.manifold().is_some())
-    };
-    if !is_measurable(window) {
+/// Asks for the measures of the place that was found under the pointer; of what is no surface, shows the name.
+pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
+    let (surface, hit) = (clicked.object.name.as_str(), clicked.hit);
+    if clicked.object.shape.manifold().is_none() {
+        let pointer = &mut window.dialogs.measuring.pointer;
+        (pointer.found, pointer.words) = (None, clicked.words());
+        pointer.rows.clear();
         return;
     }
     let camera = window.model.view.inside.get(surface);
@@ -177,6 +173,11 @@ pub(crate) fn point(window: &mut Window, surface: &str, hit: &Hit) {
         };
         ask(window, subject, question);
     }
+}
+
+/// There is nothing under the pointer.
+pub(crate) fn point_at_nothing(window: &mut Window) {
+    window.dialogs.measuring.pointer.words.clear();
 }
 
 /// Asks a question of the thread that measures, which begins with the first one.
@@ -291,7 +292,11 @@ fn ask_pointer(window: &mut Window) {
 pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
     let measuring = &mut window.dialogs.measuring;
     if let MeasureAnswer::Pointer(rows, words) = answer {
-        (measuring.pointer.rows, measuring.pointer.words) = (rows, words);
+        // What is under the pointer by now may be no surface.
+        if measuring.pointer.found.is_some() {
+            measuring.pointer.words = format!("{}: {words}", measuring.pointer.surface);
+            measuring.pointer.rows = rows;
+        }
         return;
     }
     if !measuring.is_open() {

@@ -226,7 +226,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
         open_pane(window, ui, &pane);
     }
     if !solids.is_empty() {
-        ui.menu_button("Inside a solid", |ui| {
+        ui.menu_button("Geodesic view of a solid", |ui| {
             egui::ScrollArea::vertical().show(ui, |ui| {
                 for id in solids {
                     open_pane(window, ui, &Pane::View(id));
@@ -294,7 +294,22 @@ fn view(window: &mut Window, ui: &mut Ui) {
         });
     }
     if entry(ui, true, "Frame everything", "F") {
-        window.frame_all();
+        window.frame(None);
+    }
+    let scene = window.model.scene.iter();
+    let drawn = scene.flat_map(|scene| &scene.objects);
+    let drawn = drawn.filter(|object| !object.shape.is_metric());
+    let drawn: Vec<String> = drawn.map(|object| object.name.clone()).collect();
+    if drawn.len() > 1 {
+        ui.menu_button("Frame an object", |ui| {
+            egui::ScrollArea::vertical().show(ui, |ui| {
+                for name in drawn {
+                    if entry(ui, true, &name, "") {
+                        window.frame(Some(&name));
+                    }
+                }
+            });
+        });
     }
     if entry(ui, true, "Reset the camera", "R") {
         let id = window.focus.view.clone();

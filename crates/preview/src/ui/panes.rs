@@ -16,7 +16,7 @@ use session::layout::{Arrangement, Layout};
 use session::pane::Pane;
 
 use crate::ui::window::Window;
-use settings::SettingsTab;
+use settings::{DefineValues, SettingsTab};
 
 /// The width of what is written beside that of a picture.
 const SIDE: f32 = 0.8;
@@ -37,6 +37,8 @@ pub(crate) struct Panes {
     pub(crate) shows_views_alone: bool,
     /// The tab of the settings that is open.
     pub(crate) settings_tab: SettingsTab,
+    /// The values of defines that were shown last, with what they are of.
+    pub(crate) defines: Option<DefineValues>,
     /// The first view was left out, since nothing is seen in it.
     without_first: bool,
 }
@@ -69,6 +71,7 @@ impl Panes {
             is_welcome: false,
             shows_views_alone: false,
             settings_tab: SettingsTab::default(),
+            defines: None,
             without_first: false,
         }
     }

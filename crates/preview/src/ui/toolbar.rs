@@ -109,7 +109,7 @@ fn run(window: &mut Window, ui: &Ui, action: Action) {
     match action {
         Action::Undo => window.undo(),
         Action::Redo => window.redo(),
-        Action::Frame => window.frame_all(),
+        Action::Frame => window.frame(None),
         Action::Orthographic => navigation::toggle_orthographic(window),
         Action::Traced => window.toggle_traced(),
         Action::Labels => mark(window, |marks| marks.labels = !marks.labels),

@@ -115,6 +115,8 @@ impl Window {
             focus: Focus {
                 view: first,
                 surface: None,
+                pointed: None,
+                pointer: None,
             },
             display: Display::default(),
             dialogs: Dialogs::default(),

@@ -124,6 +124,36 @@ fn arrows_walk_and_plus_and_minus_zoom_from_inside() {
 }
 
 #[test]
+fn keys_move_the_view_over_which_the_pointer_was_moved_last() {
+    let mut hand = Hand::on(SPHERE);
+    let state = |hand: &Hand| (hand.eye(), hand.camera("s").at);
+    let (space, inside) = (hand.space().center(), hand.inside("s").center());
+    hand.harness.hover_at(inside);
+    hand.settle();
+    let before = state(&hand);
+    hand.hold(Key::W, 4);
+    hand.settle();
+    let walked = state(&hand);
+    assert!(walked.0 == before.0 && walked.1 != before.1, "it walks");
+    hand.harness.hover_at(space);
+    hand.settle();
+    hand.hold(Key::W, 4);
+    hand.settle();
+    let neared = state(&hand);
+    assert!(
+        neared.0 != walked.0 && neared.1 == walked.1,
+        "it comes nearer"
+    );
+    // A pointer that rests chooses nothing any more: F6 does.
+    hand.press(Modifiers::NONE, Key::F6);
+    hand.settle();
+    hand.hold(Key::W, 4);
+    hand.settle();
+    let last = state(&hand);
+    assert!(last.0 == neared.0 && last.1 != neared.1, "it walks again");
+}
+
+#[test]
 fn arrows_belong_to_the_control_that_has_the_focus() {
     let mut hand = Hand::on(SPHERE);
     let before = hand.eye();

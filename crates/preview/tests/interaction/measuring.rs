@@ -119,7 +119,7 @@ fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_
     let place = at(&hand, "s", [-0.3, 0.4]);
     hand.harness.hover_at(place);
     hand.until("the place is in the status line", |hand| {
-        hand.shows("s: (u, v) = (") && hand.shows("), K = 1")
+        hand.shows("s: (u, v) = (") && hand.shows("), K = 1, ") && hand.shows(" from the camera")
     });
     let space = hand.space();
     hand.harness
@@ -140,6 +140,25 @@ fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_
         let mut shown = names.iter().filter_map(|name| name.parse::<f64>().ok());
         shown.any(|k| (k - wanted).abs() < 1e-6)
     });
+}
+
+#[test]
+fn a_resting_pointer_names_what_is_no_surface() {
+    let mut hand = Hand::on("curve c(t) = (4t, 0, 0), t : [-1, 1];\npoint p = (0, 0, 9);\n");
+    let space = hand.space();
+    // The middle of the curve lies below the point, in the middle column of the picture.
+    let named = (0..150_u8).find(|step| {
+        let share = f32::from(*step) / 150.0;
+        let below = Vec2::new(0.5 * space.width(), share * space.height());
+        hand.harness.hover_at(space.left_top() + below);
+        hand.settle();
+        hand.shows("c at t = ")
+    });
+    assert!(named.is_some(), "the pointer rests on the curve");
+    hand.harness
+        .hover_at(space.left_top() + Vec2::new(2.0, 120.0));
+    hand.settle();
+    assert!(!hand.shows("c at t = "), "there is nothing there");
 }
 
 #[test]

@@ -199,6 +199,19 @@ fn an_image_dropped_onto_the_window_is_in_the_list_and_on_the_surface_in_use() {
 }
 
 #[test]
+fn defines_have_their_values_below_the_sliders() {
+    let mut hand = Hand::on("param a = 0.25 : [0, 1];\ndefine b = (2a, 1);\ndefine c = 5;\n");
+    hand.until("the value of b", |hand| hand.shows("= (0.5, 1)"));
+    let names = hand.names();
+    assert!(
+        !names.iter().any(|name| name == "= 5"),
+        "c depends on no param"
+    );
+    hand.slide("a", 1000.0);
+    hand.until("it follows the slider", |hand| hand.shows("= (2, 1)"));
+}
+
+#[test]
 fn the_menus_do_what_their_entries_say() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Overlays");

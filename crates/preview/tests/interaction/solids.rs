@@ -1,4 +1,4 @@
-//! The view from inside a solid: it waits until it is asked for, its camera walks, is put somewhere and is remembered.
+//! The geodesic view of a solid: it waits until it is asked for, its camera walks, is put somewhere and is remembered.
 
 use egui::{Key, Modifiers};
 
@@ -15,7 +15,7 @@ const LONE: &str = "solid ball(x,y,z) = x^2 + y^2 + z^2 - 1, color : (1, 0.8, 0.
 /// Opens the view of a solid by the menu.
 fn look_from_inside(hand: &mut Hand, solid: &str) {
     hand.click("View");
-    hand.click_like("Inside a solid");
+    hand.click_like("Geodesic view of a solid");
     hand.click(&format!("Geodesic view of {solid}"));
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
@@ -47,7 +47,7 @@ fn the_view_of_a_solid_opens_when_it_is_asked_for_and_is_remembered() {
     }
     // Closed once, it stays closed.
     hand.click("View");
-    hand.click_like("Inside a solid");
+    hand.click_like("Geodesic view of a solid");
     hand.click("Geodesic view of dish");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();

@@ -111,7 +111,7 @@ pub(super) fn key(
     }
     key.line(X, "camera: right (X)");
     key.line(Y, "camera: up (Y)");
-    key.line(BORDER, "border of its picture");
+    key.line(BORDER, "edge of its geodesic view");
     if request.scene.is_solid(camera.surface) {
         return Ok(());
     }

@@ -10,12 +10,21 @@ use crate::style::encode;
 
 /// Ubuntu Light, which the window's texts use too (Ubuntu font licence), and for letters that it lacks Hack (MIT and
 /// Bitstream Vera licences).
+#[cfg(not(reduced_fonts))]
+const FONT_FILES: [&[u8]; 2] = [
+    epaint_default_fonts::UBUNTU_LIGHT,
+    epaint_default_fonts::HACK_REGULAR,
+];
+
+/// The same outlines in less than half as many bytes, which `web/fonts.mjs` makes for the page.
+#[cfg(reduced_fonts)]
+const FONT_FILES: [&[u8]; 2] = [
+    include_bytes!(concat!(env!("GEOTRACE_FONTS"), "/Ubuntu-Light.ttf")),
+    include_bytes!(concat!(env!("GEOTRACE_FONTS"), "/Hack-Regular.ttf")),
+];
+
 static FONTS: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
-    let files = [
-        epaint_default_fonts::UBUNTU_LIGHT,
-        epaint_default_fonts::HACK_REGULAR,
-    ];
-    let fonts = files.into_iter();
+    let fonts = FONT_FILES.into_iter();
     fonts
         .filter_map(|file| FontRef::try_from_slice(file).ok())
         .collect()

@@ -166,7 +166,9 @@ impl<'a> Batch<'a> {
                 }
             }
         }
-        self.settle(tools, tile);
+        for waiting in &mut tools.waiting {
+            self.settle(waiting, tile);
+        }
     }
 
     /// Shades what the samples of a pixel see, where that is not one triangle.
@@ -195,30 +197,31 @@ impl<'a> Batch<'a> {
     /// Shades a triangle for some samples of a pixel.
     #[inline(always)]
     fn part(&self, tools: &mut Tools, tile: &mut Tile, pixel: &Pixel, id: u32, sees: u8) {
-        let material = match tools.facets.get(self, id) {
-            Some(facet) => facet.material,
-            None => return,
+        let Tools {
+            facets, waiting, ..
+        } = tools;
+        let Some(facet) = facets.get(self, id) else {
+            return;
         };
-        if tools.fragments.is_full() || material != tools.waiting {
-            self.settle(tools, tile);
-            tools.waiting = material;
+        let waiting = &mut waiting[facet.material as usize % QUEUES];
+        if waiting.fragments.is_full() || facet.material != waiting.material {
+            self.settle(waiting, tile);
+            waiting.material = facet.material;
         }
-        if let Some(facet) = tools.facets.get(self, id) {
-            let (corner, middle) = (pixel.corner, MIDDLES[usize::from(sees)]);
-            let at = [corner[0] + middle[0], corner[1] + middle[1]];
-            let to = [pixel.index, sees.into()];
-            tools.fragments.push(&facet.planes, at, to);
-        }
+        let (corner, middle) = (pixel.corner, MIDDLES[usize::from(sees)]);
+        let at = [corner[0] + middle[0], corner[1] + middle[1]];
+        let to = [pixel.index, sees.into()];
+        waiting.fragments.push(&facet.planes, at, to);
     }
 
     /// Lights the samples of the fragments that wait.
     #[inline(never)]
-    fn settle(&self, tools: &mut Tools, tile: &mut Tile) {
-        if let Some(material) = self.materials.get(tools.waiting as usize) {
+    fn settle(&self, waiting: &mut Queue, tile: &mut Tile) {
+        if let Some(material) = self.materials.get(waiting.material as usize) {
             self.processor.run(Settle {
                 material,
                 eye: self.eye,
-                fragments: &mut tools.fragments,
+                fragments: &mut waiting.fragments,
                 tile,
             });
         }
@@ -360,13 +363,25 @@ impl Facets {
     }
 }
 
+/// The number of queues, a power of two. Lines over a surface change the material every few pixels: with a queue each,
+/// fragments still fill whole vectors.
+const QUEUES: usize = 4;
+
+/// Fragments that wait to be lit together. Each sample is lit once, so that the order in which queues are emptied does not
+/// matter.
+#[derive(Default)]
+struct Queue {
+    fragments: Box<Fragments>,
+    /// Their material.
+    material: u32,
+}
+
 /// The buffers with which a thread draws the tiles of one batch.
 struct Tools {
     layer: Layer,
     facets: Facets,
-    fragments: Box<Fragments>,
-    /// Their material.
-    waiting: u32,
+    /// The queue of a material is that of its number modulo [`QUEUES`].
+    waiting: [Queue; QUEUES],
 }
 
 impl Tools {
@@ -374,8 +389,7 @@ impl Tools {
         Self {
             layer: Layer::new(),
             facets: Facets(std::iter::repeat_with(|| None).take(FACETS).collect()),
-            fragments: Box::default(),
-            waiting: 0,
+            waiting: Default::default(),
         }
     }
 }

@@ -1,13 +1,12 @@
 //! Cameras that move: by the pointer, by keys that are held, and by themselves.
 
-use glam::DVec3;
 use render::ViewId;
 use session::camera_input::axis_views::Turn;
 use session::camera_input::{CameraKey, CameraKind, Held, Modifiers, geodesic, space};
 use session::motion::Motion;
 
 use super::Core;
-use crate::message::{CameraMove, Grip, MotionKey};
+use crate::message::{CameraMove, Grip};
 
 /// The pause between two turns of a wheel: a view counts as moving for so long after its last motion, in seconds.
 const MOTION_PAUSE: f64 = 0.18;
@@ -36,25 +35,6 @@ struct HeldKeys {
     view: ViewId,
     keys: Vec<CameraKey>,
     modifiers: Modifiers,
-}
-
-fn camera_key(key: MotionKey) -> CameraKey {
-    match key {
-        MotionKey::W => CameraKey::W,
-        MotionKey::A => CameraKey::A,
-        MotionKey::S => CameraKey::S,
-        MotionKey::D => CameraKey::D,
-        MotionKey::Q => CameraKey::Q,
-        MotionKey::E => CameraKey::E,
-        MotionKey::Z => CameraKey::Z,
-        MotionKey::X => CameraKey::X,
-        MotionKey::Left => CameraKey::Left,
-        MotionKey::Right => CameraKey::Right,
-        MotionKey::Up => CameraKey::Up,
-        MotionKey::Down => CameraKey::Down,
-        MotionKey::Plus => CameraKey::Plus,
-        MotionKey::Minus => CameraKey::Minus,
-    }
 }
 
 impl Core {
@@ -150,7 +130,7 @@ impl Core {
     }
 
     /// Moves a camera while keys are held, from now on.
-    pub(super) fn hold(&mut self, view: ViewId, keys: Vec<MotionKey>, [shift, alt]: [bool; 2]) {
+    pub(super) fn hold(&mut self, view: ViewId, keys: Vec<CameraKey>, [shift, alt]: [bool; 2]) {
         let was_held = self.motions.held.take().is_some();
         if keys.is_empty() {
             if was_held {
@@ -163,7 +143,7 @@ impl Core {
         }
         self.motions.held = Some(HeldKeys {
             view,
-            keys: keys.into_iter().map(camera_key).collect(),
+            keys: keys,
             modifiers: Modifiers {
                 shift,
                 alt,
@@ -194,12 +174,7 @@ impl Core {
                 }
                 return;
             }
-            CameraMove::PlusX => DVec3::X,
-            CameraMove::MinusX => -DVec3::X,
-            CameraMove::PlusY => DVec3::Y,
-            CameraMove::MinusY => -DVec3::Y,
-            CameraMove::PlusZ => DVec3::Z,
-            CameraMove::MinusZ => -DVec3::Z,
+            CameraMove::Axis(view) => view.direction(),
         };
         self.motions.turn = Turn::begin(&mut self.model, direction, self.times.now);
     }

@@ -10,7 +10,7 @@ local function tell_cursor(running, window)
   running:notify("geotrace/cursor", vim.lsp.util.make_position_params(window, running.offset_encoding))
 end
 
--- The preview of the current buffer: {}, {"3d"}, {"inside", NAME}, {"traced"} or {"traced", CAMERA}.
+-- The preview of the current buffer: {}, {"3d"}, {"geodesic", NAME}, {"traced"} or {"traced", CAMERA}.
 function M.preview(words)
   local running = client(0)
   if not running then
@@ -20,12 +20,12 @@ function M.preview(words)
   local arguments = { vim.uri_from_bufnr(0) }
   if words[1] == "3d" then
     arguments[2] = { view = "3d" }
-  elseif words[1] == "inside" then
+  elseif words[1] == "geodesic" then
     arguments[2] = { view = "geodesic", surface = words[2] }
   elseif words[1] == "traced" then
     arguments[2] = { view = "traced", surface = words[2] }
   elseif words[1] then
-    vim.notify("Geotrace: a view is 3d, inside NAME, or traced with the name of a camera or none", vim.log.levels.ERROR)
+    vim.notify("Geotrace: a view is 3d, geodesic NAME, or traced with the name of a camera or none", vim.log.levels.ERROR)
     return
   end
   -- It may not have moved since the buffer was opened.
@@ -34,7 +34,7 @@ function M.preview(words)
 end
 
 -- The names that may follow a view: those that one of these words declares in the current buffer.
-local followers = { inside = { "surface", "metric" }, traced = { "camera" } }
+local followers = { geodesic = { "surface", "metric" }, traced = { "camera" } }
 local function declared(keywords)
   local running = client(0)
   local params = { textDocument = vim.lsp.util.make_text_document_params(0) }
@@ -54,7 +54,7 @@ function M.complete(lead, line, position)
   local words = vim.split(line:sub(1, position), "%s+", { trimempty = true })
   local before = #words - (lead == "" and 0 or 1)
   local keywords = before == 2 and followers[words[2]]
-  local offered = before == 1 and { "3d", "inside", "traced" } or keywords and declared(keywords) or {}
+  local offered = before == 1 and { "3d", "geodesic", "traced" } or keywords and declared(keywords) or {}
   return vim.tbl_filter(function(name)
     return vim.startswith(name, lead)
   end, offered)

@@ -314,7 +314,7 @@ exports["symbols, folds, hints and lenses are there"] = async () => {
     const hints = await ask("vscode.executeInlayHintProvider", document.uri, new vscode.Range(0, 0, 2, 0));
     assert.strictEqual(hints[0].label, "·");
     const lenses = await ask("vscode.executeCodeLensProvider", document.uri);
-    assert.deepStrictEqual(lenses.map((lens) => lens.command.title).sort(), ["3D", "inside view"]);
+    assert.deepStrictEqual(lenses.map((lens) => lens.command.title).sort(), ["3D", "geodesic view"]);
 };
 
 exports["the preview's command runs from the palette and from a lens"] = async () => {

@@ -292,7 +292,7 @@ fn unknown_setting(name: &str, views: &Views, view: &ViewPart) -> Failure {
     }
 }
 
-/// The note on a picture of space in which no object lies; a metric has a view from inside alone.
+/// The note on a picture of space in which no object lies; a metric has a geodesic view alone.
 pub(super) fn empty_space(scene: &Scene, view: &ViewPart) -> Option<String> {
     let space = view.space()?;
     let is_shown = |(id, object): (ObjectId, &Object)| {

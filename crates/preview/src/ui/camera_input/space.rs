@@ -16,7 +16,7 @@ pub(super) struct SpaceInput;
 impl CameraInput for SpaceInput {
     fn keys(&self, window: &mut Window, ui: &Ui, _id: &ViewId, arrows: bool) {
         if ui.input(|input| input.key_pressed(Key::F) && input.modifiers.is_none()) {
-            window.frame_all();
+            window.frame(None);
         }
         if ui.input(|input| input.key_pressed(Key::T) && input.modifiers.is_none()) {
             window.toggle_traced();
@@ -40,7 +40,10 @@ impl CameraInput for SpaceInput {
         let fly = window.model.view.preferences.fly;
         if let Some(mut camera) = window.model.view.space {
             if !camera.moved {
-                hint(ui, response.rect, fly);
+                let scene = window.model.scene.as_ref();
+                let mut objects = scene.iter().flat_map(|scene| &scene.objects);
+                let has_surface = objects.any(|object| object.shape.manifold().is_some());
+                hint(ui, response.rect, fly, has_surface);
             }
             let by = response.drag_delta();
             if let Some(grip) = grip(ui, response, fly)
@@ -107,9 +110,13 @@ fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
 }
 
 /// Says faintly what the pointer does, to those who have not moved the camera yet.
-fn hint(ui: &Ui, rect: Rect, fly: bool) {
+fn hint(ui: &Ui, rect: Rect, fly: bool, has_surface: bool) {
     let verb = if fly { "look around" } else { "turn" };
-    let text = format!("drag to {verb}, wheel to zoom, F to fit");
+    let last = match has_surface {
+        true => "click a surface to stand there",
+        false => "F to fit",
+    };
+    let text = format!("drag to {verb}, wheel to zoom, {last}");
     // The legend is in the other corner.
     let (font, colour) = (FontId::proportional(12.0), Color32::from_gray(128));
     let painter = ui.painter_at(rect);

@@ -65,6 +65,10 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
         .camera_input(pane)
         .pointer(window, ui, pane, &response);
     if response.hovered() {
+        let at = response.hover_pos();
+        if std::mem::replace(&mut window.focus.pointer, at) != at {
+            window.focus.pointed = Some(pane.clone());
+        }
         crate::ui::measure::follow_pointer(window, ui, pane, &response);
         crate::ui::measure::paint_snap(window, ui, &response);
     }

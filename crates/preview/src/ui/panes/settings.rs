@@ -6,6 +6,7 @@ mod script;
 mod views;
 
 use egui::{ScrollArea, Ui};
+pub(crate) use params::DefineValues;
 
 use crate::ui::window::Window;
 

@@ -1,6 +1,7 @@
 //! The active view, which has the keys: the one that was clicked on, opened or brought forward last, while it can be
 //! seen.
 
+use egui::Pos2;
 use render::ViewId;
 use session::pane::Pane;
 
@@ -14,6 +15,10 @@ pub(crate) struct Focus {
     pub(crate) view: ViewId,
     /// The surface whose camera is shown in space.
     pub(crate) surface: Option<String>,
+    /// The view over which the pointer has moved since a view became active: the next key that moves cameras is for it.
+    pub(crate) pointed: Option<ViewId>,
+    /// The place of the pointer when it was over a view last.
+    pub(crate) pointer: Option<Pos2>,
 }
 
 impl Window {
@@ -33,6 +38,7 @@ impl Window {
             self.input.held.release_views();
             self.focus.view = id.clone();
         }
+        self.focus.pointed = None;
         self.note_surface(id);
     }
 

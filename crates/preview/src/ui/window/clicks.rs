@@ -75,7 +75,7 @@ impl Window {
                 return self.show_leaf_of(request, &clicked);
             }
             Purpose::Measure(_) => return crate::ui::measure::add_place(self, name, hit),
-            Purpose::Pointer(_) => return crate::ui::measure::point(self, name, hit),
+            Purpose::Pointer(_) => return crate::ui::measure::point(self, &clicked),
         };
         self.status_message = Some(StatusMessage::clicked(clicked.words()));
         let camera = match clicked.camera(&self.model, |name| self.has_view_of(name)) {

@@ -157,7 +157,12 @@ impl Window {
                 purpose,
             } => {
                 match purpose {
-                    Purpose::Pointer(_) => crate::ui::measure::take_snap(self, snapped),
+                    Purpose::Pointer(_) => {
+                        crate::ui::measure::take_snap(self, snapped);
+                        if hit.is_none() {
+                            crate::ui::measure::point_at_nothing(self);
+                        }
+                    }
                     _ => self.pictures.render_thread.note_answer(),
                 }
                 if let Some(hit) = hit {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheelUnit, Ui};
+use scene::ObjectId;
 use session::camera_input::axis_views::Turn;
 use session::clicks::Clicks;
 use session::model::Emphasis;
@@ -14,7 +15,7 @@ use session::{MessageKind, StatusMessage};
 
 use super::Window;
 use crate::engine::textures;
-use crate::ui::camera_input::{held, may_be_of_control};
+use crate::ui::camera_input::{held, may_be_of_control, presses_camera_key};
 use crate::ui::held_keys::HeldKeys;
 use crate::ui::panes::picture;
 
@@ -33,9 +34,6 @@ pub(crate) struct InputState {
     /// The camera in space while it turns to a view along an axis.
     pub(crate) turn: Option<Turn>,
 }
-
-/// The title of the step that adds textures.
-const OPEN_TEXTURES: &str = "Open textures";
 
 /// A change of the size of the controls.
 #[derive(Clone, Copy)]
@@ -117,6 +115,9 @@ impl Window {
     /// Takes the keys that go down and come up, and what scrolls. The keys of a text or a dialog never move a camera.
     pub(super) fn hold_keys(&mut self, ui: &Ui) {
         let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
+        if letters && !self.input.held.any() && ui.input(presses_camera_key) {
+            self.activate_pointed(ui);
+        }
         let arrows = letters && self.has_arrows(ui);
         let has_key = |key| {
             if may_be_of_control(key) {
@@ -130,6 +131,19 @@ impl Window {
             let mut events = input.events.iter().rev();
             self.input.fingers = events.find_map(by_fingers).unwrap_or(self.input.fingers);
         });
+    }
+
+    /// Gives the keys to the view over which the pointer was moved, unless a control has them.
+    fn activate_pointed(&mut self, ui: &Ui) {
+        let Some(pointed) = self.focus.pointed.take() else {
+            return;
+        };
+        if self.has_arrows(ui) && self.panes.in_front().contains(&pointed) {
+            if ui.memory(egui::Memory::focused).is_some() {
+                ui.memory_mut(|memory| memory.request_focus(picture::id(&pointed)));
+            }
+            self.activate(&pointed);
+        }
     }
 
     /// Held keys move the camera of the active pane, unless a text is being written.
@@ -172,14 +186,23 @@ impl Window {
         self.has_moved(ui);
     }
 
-    /// Puts the camera in space where everything is seen, from where it looks now: the render thread knows how far that
-    /// is.
-    pub(crate) fn frame_all(&mut self) {
+    /// Puts the camera in space where everything is seen, or one object, from where it looks now: the render thread knows
+    /// how far that is.
+    pub(crate) fn frame(&mut self, only: Option<&str>) {
         let sent = self.pictures.of_views.values();
         let mut sent = sent.filter_map(|view| view.request.as_ref());
-        if let Some(request) = sent.find(|request| request.view.space().is_some()) {
-            self.pictures.render_thread.frame(request.clone());
+        let Some(mut request) = sent.find(|it| it.view.space().is_some()).cloned() else {
+            return;
+        };
+        if let Some(only) = only {
+            let objects = (0..).zip(&request.scene.objects);
+            let others = objects.filter(|(_, object)| object.name != only);
+            let others = others.map(|(index, _)| ObjectId(index)).collect();
+            if let Some(space) = request.view.space_mut() {
+                space.hidden = others;
+            }
         }
+        self.pictures.render_thread.frame(request);
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
@@ -299,35 +322,33 @@ impl Window {
             let files = input.raw.dropped_files.iter();
             files.map(|file| file.path().to_owned()).collect()
         });
-        if let Some(last) = paths.last().cloned() {
-            self.open_images(paths);
-            self.lay_over(last);
-        }
+        self.open_images(paths);
     }
 
-    /// Shows an image that was dropped on the active surface: the desktop does not report where it was dropped.
-    fn lay_over(&mut self, image: PathBuf) {
-        let Some(surface) = self.focus.surface.clone() else {
+    /// Adds image files to the list of textures. The surface in use, or the only one, shows the last of them.
+    pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
+        let Some(last) = paths.last().cloned() else {
             return;
         };
-        let file = image.file_name().unwrap_or(image.as_os_str());
-        let sentence = format!("{} lies on {surface}", file.to_string_lossy());
-        self.status_message = Some(StatusMessage::info(sentence));
-        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
-            view.looks.entry(surface).or_default().texture = Choice::Image(image);
-        });
-    }
-
-    /// Adds image files to the list of textures.
-    pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         for path in &paths {
             textures::open(&mut self.pictures.library, path.clone());
         }
-        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
+        let surfaces = self.model.surfaces();
+        let only = (surfaces.len() == 1).then(|| surfaces[0].clone());
+        let surface = self.focus.surface.clone().or(only);
+        if let Some(surface) = &surface {
+            let file = last.file_name().unwrap_or(last.as_os_str());
+            let sentence = format!("{} lies on {surface}", file.to_string_lossy());
+            self.status_message = Some(StatusMessage::info(sentence));
+        }
+        self.model.change(Step::new("Open textures", ""), |view| {
             for path in paths {
                 if !view.textures.contains(&path) {
                     view.textures.push(path);
                 }
+            }
+            if let Some(surface) = surface {
+                view.looks.entry(surface).or_default().texture = Choice::Image(last);
             }
         });
     }

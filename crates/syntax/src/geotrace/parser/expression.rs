@@ -84,6 +84,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             if [sign.kind, next.kind] == [TokenKind::Star; 2] && sign.span.end == next.span.start {
                 self.warn_power(sign.span);
             }
+            if sign.kind == TokenKind::Slash && matches!(next.kind, TokenKind::Number(_)) {
+                self.warn_fraction_of_power(sign.span, next.span);
+            }
             span = span.to(self.unary()?);
             self.operator(operator, span);
         }

@@ -156,6 +156,22 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         );
     }
 
+    /// `a^1/2`: looks like a root. The quotient belongs to the power as a whole.
+    pub(super) fn warn_fraction_of_power(&mut self, slash: Span, denominator: Span) {
+        let before = &self.source[..slash.start as usize];
+        if slash.end != denominator.start || !before.ends_with("^1") {
+            return;
+        }
+        let fraction = Span::new(slash.start - 1, denominator.end);
+        let text = fraction.text(self.source);
+        let number = denominator.text(self.source);
+        let (read, meant) = (format!("(a^1)/{number}"), format!("({text})"));
+        let written = quote(&format!("a^{text}"));
+        let message = format!("{written} is read as {}", quote(&read));
+        let hint = format!("write {} for the root", quote(&format!("a^{meant}")));
+        self.warn(fraction, message, hint, &[&meant]);
+    }
+
     /// `sin^-1`: looks like the inverse function.
     pub(super) fn warn_inverse(&mut self, id: SymbolId, function: Span, exponent: Span) {
         let text = exponent.text(self.source);

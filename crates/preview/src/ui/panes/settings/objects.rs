@@ -308,5 +308,5 @@ fn textures(window: &mut Window, ui: &mut Ui) {
                 view.textures.retain(|it| *it != path);
             });
     }
-    ui.weak("Images can also be dropped onto the window: the surface in use shows them.");
+    ui.weak("The surface in use shows what is added, and what is dropped onto the window.");
 }

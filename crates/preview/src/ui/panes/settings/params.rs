@@ -1,7 +1,9 @@
 //! The params: a row for each component, with its name, its slider, its value, a button that animates it and a menu.
 
-use egui::{Button, Slider, Ui};
-use scene::Param;
+use std::sync::Arc;
+
+use egui::{Button, Grid, Slider, Ui};
+use scene::{Param, ParamValues};
 use session::{Model, Step};
 
 use crate::ui::icons::{self, Icon};
@@ -12,6 +14,15 @@ use crate::ui::window::Window;
 const SLIDER: [f32; 2] = [20.0, 300.0];
 /// The room for a value, the button that animates and the menu.
 const BESIDE: f32 = 125.0;
+
+/// The values of defines that depend on params.
+#[derive(Debug)]
+pub(crate) struct DefineValues {
+    version: i32,
+    params: Arc<ParamValues>,
+    /// Names and values, in the order of the text.
+    rows: Vec<(String, String)>,
+}
 
 /// Draws the tab.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
@@ -34,6 +45,30 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             row(window, ui, param, k, value, longest);
         }
     }
+    defines(window, ui, settings);
+}
+
+/// Shows the defines that depend on params, with their values.
+fn defines(window: &mut Window, ui: &mut Ui, params: Arc<ParamValues>) {
+    let version = window.model.version;
+    let known = window.panes.defines.take();
+    let known = known.filter(|it| it.version == version && it.params == params);
+    let known = known.unwrap_or_else(|| DefineValues {
+        version,
+        rows: window.model.derived_values(),
+        params,
+    });
+    if !known.rows.is_empty() {
+        ui.separator();
+        Grid::new("defines").num_columns(2).show(ui, |ui| {
+            for (name, value) in &known.rows {
+                ui.label(name);
+                ui.label(value);
+                ui.end_row();
+            }
+        });
+    }
+    window.panes.defines = Some(known);
 }
 
 /// Returns the name of a component, from 0: `r`, or `r_1` of several.
