@@ -16,7 +16,8 @@ after(() => rmSync(folder, { recursive: true }));
 
 function nativePicture(path, view, more = []) {
     const out = join(folder, "picture.png");
-    const options = ["--view", view, "--size", SIZE.join("x"), "--backend", "software", ...more];
+    // The page writes names from the start.
+    const options = ["--view", view, "--size", SIZE.join("x"), "--backend", "software", "--labels", ...more];
     execFileSync(native(), ["render", path, "-o", out, ...options], { stdio: "pipe" });
     return readFileSync(out);
 }
