@@ -190,7 +190,7 @@ pub fn differ_by_shown_camera(before: &PictureRequest, after: &PictureRequest) -
     before != after && like == *after
 }
 
-/// Returns whether two requests of a traced view are for the same picture, as coarse and as fine as may be.
+/// Returns whether two requests are for the same picture, as coarse and as fine as may be.
 pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
     let mut like = a.clone();
     like.size = b.size;

@@ -175,8 +175,16 @@ pub(super) const KEYS: &[Key] = &[
 /// The state that is kept for the 3D view.
 #[derive(Debug, Default)]
 struct SpaceRenderer {
-    /// The objects that show a geodesic camera.
-    camera: Option<(ShownCamera, Arc<[OverlayObject]>)>,
+    camera: Option<CameraObjects>,
+}
+
+/// The objects that show a geodesic camera.
+#[derive(Debug)]
+struct CameraObjects {
+    key: ShownCamera,
+    /// Set if their lines have all their points.
+    is_whole: bool,
+    objects: Arc<[OverlayObject]>,
 }
 
 /// The inputs of a geodesic camera's picture in space.
@@ -398,14 +406,20 @@ impl SpaceRenderer {
             size: request.size,
             placement: *placement,
         };
-        if let Some((known, objects)) = &self.camera
-            && *known == key
+        // With fewer points it will do while something moves.
+        if let Some(known) = &self.camera
+            && known.key == key
+            && (known.is_whole || request.moving)
         {
-            return Ok(objects.clone());
+            return Ok(known.objects.clone());
         }
         let objects: Arc<[OverlayObject]> =
             overlay::camera_objects(request, camera, placement)?.into();
-        self.camera = Some((key, objects.clone()));
+        self.camera = Some(CameraObjects {
+            key,
+            is_whole: !request.moving,
+            objects: objects.clone(),
+        });
         Ok(objects)
     }
 }

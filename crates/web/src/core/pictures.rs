@@ -9,7 +9,7 @@ use render::viewpoint::Viewpoint;
 use render::{PictureRequest, ViewId};
 use session::camera_input::{CameraKind, geodesic, space};
 use session::refinement::{self, PictureDetail, TracedPane};
-use session::request::picture_request;
+use session::request::{differ_by_refinement, picture_request};
 
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
@@ -223,7 +223,13 @@ impl Core {
         let Some(request) = self.request(id, size, moving) else {
             return Some(Err(self.nothing(id)));
         };
-        (self.pictures.sent(id) != Some(&request)).then_some(Ok(request))
+        // While something moves, another size alone is worth no picture.
+        let is_shown = |sent: &PictureRequest| match moving {
+            true => differ_by_refinement(sent, &request),
+            false => *sent == request,
+        };
+        let is_shown = self.pictures.sent(id).is_some_and(is_shown);
+        (!is_shown).then_some(Ok(request))
     }
 
     fn size(&self, id: &ViewId, moving: bool, traced: bool) -> Option<[u32; 2]> {
