@@ -18,8 +18,17 @@ pub(crate) fn is_interrupted() -> bool {
     IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Handles the signals on a thread of its own, which sleeps until one comes. On systems other than Unix, and where no
-/// thread can be started, temporary files stay behind.
+/// Takes a signal; `end` ends the program.
+#[cfg(any(unix, windows))]
+fn take(end: impl FnOnce()) {
+    if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
+        return;
+    }
+    export::whole_file::abandon_all(end);
+}
+
+/// Handles the signals on a thread of its own, which sleeps until one comes. Where no thread can be started, temporary
+/// files stay behind.
 #[cfg(unix)]
 pub(crate) fn remove_what_is_half_written() {
     use signal_hook::consts::{SIGINT, SIGTERM};
@@ -32,10 +41,7 @@ pub(crate) fn remove_what_is_half_written() {
     let thread = std::thread::Builder::new().name("signals".to_owned());
     let _ = thread.spawn(move || {
         for signal in signals.forever() {
-            if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
-                continue;
-            }
-            export::whole_file::abandon_all(|| {
+            take(|| {
                 // It does not return for these signals.
                 let _ = emulate_default_handler(signal);
             });
@@ -43,6 +49,16 @@ pub(crate) fn remove_what_is_half_written() {
     });
 }
 
-/// Does nothing: see the other side.
-#[cfg(not(unix))]
+/// Handles Ctrl+C and Ctrl+Break on a thread of its own, which sleeps until one is pressed. Where no thread can be started,
+/// temporary files stay behind.
+#[cfg(windows)]
+pub(crate) fn remove_what_is_half_written() {
+    /// The exit status of a program that Ctrl+C ends: `STATUS_CONTROL_C_EXIT`.
+    const STATUS: i32 = 0xC000_013A_u32.cast_signed();
+
+    let _ = ctrlc::set_handler(|| take(|| std::process::exit(STATUS)));
+}
+
+/// Does nothing: there are no signals here.
+#[cfg(not(any(unix, windows)))]
 pub(crate) fn remove_what_is_half_written() {}

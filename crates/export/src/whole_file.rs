@@ -1,9 +1,8 @@
 //! Files that are whole or absent: bytes flow in, and a file takes its name when its last byte is on the disk.
 //!
 //! A temporary file beside the target (so that renaming stays within one file system) takes the target's place. Its
-//! name, its removal on failure and the renaming are `tempfile`'s. By hand: a symbolic link keeps pointing to its file,
-//! the permissions of a replaced file are kept, a device or a pipe is written to and not replaced, and several files
-//! appear together.
+//! name and its removal on failure are `tempfile`'s. By hand: a symbolic link keeps pointing to its file, the permissions
+//! of a replaced file are kept, a device or a pipe is written to and not replaced, and several files appear together.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -41,6 +40,20 @@ pub fn write_whole_with<E: From<io::Error>>(
     Ok(Unnamed::new(path, write)?.persist()?)
 }
 
+/// Writes a file that `create` creates, which receives the path of a temporary file: all of it, or nothing. A file that is
+/// replaced keeps its attributes.
+///
+/// # Errors
+/// The system's; an existing file stays as it was.
+pub fn write_whole_created(
+    path: &Path,
+    create: impl FnMut(&Path) -> io::Result<File>,
+    bytes: &[u8],
+) -> io::Result<()> {
+    let write = |mut file: &File, _: &Path| file.write_all(bytes);
+    Unnamed::made(path, create, write)?.persist()
+}
+
 /// Writes a file by something else that knows only paths: `write` receives that of a temporary file. All of it, or nothing.
 ///
 /// # Errors
@@ -52,7 +65,7 @@ pub fn write_whole_at<E: From<io::Error>>(
     if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
         return Err(io::Error::other("it is no file, and needs to be one").into());
     }
-    Ok(Unnamed::made(path, |_, temporary| write(temporary))?.persist()?)
+    Ok(Unnamed::made(path, create_new, |_, temporary| write(temporary))?.persist()?)
 }
 
 /// Writes a file under the first free name of those that `name` returns for 1, 2, …, and returns its path.
@@ -120,7 +133,7 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
         }
         Err(error) => return Err(TargetError::System(error)),
     }
-    temporary_beside(&resolved(path))
+    temporary_beside(&resolved(path), create_new)
         .and_then(NamedTempFile::close)
         .map_err(TargetError::System)
 }
@@ -202,23 +215,24 @@ impl Unnamed {
         path: &Path,
         write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<Self, E> {
-        Self::made(path, |file, _| {
+        Self::made(path, create_new, |file, _| {
             let mut out = BufWriter::new(file);
             write(&mut out)?;
             Ok(out.flush()?)
         })
     }
 
-    /// A file that `write` fills, which receives it and its path.
+    /// A file that `create` creates and `write` fills, which receives it and its path.
     fn made<E: From<io::Error>>(
         path: &Path,
+        create: impl FnMut(&Path) -> io::Result<File>,
         write: impl FnOnce(&File, &Path) -> Result<(), E>,
     ) -> Result<Self, E> {
         let target = resolved(path);
         let (file, temporary) = {
             // Created and noted at once, as far as another thread can see.
             let mut all = temporaries();
-            let created = temporary_beside(&target)?;
+            let created = temporary_beside(&target, create)?;
             all.insert(created.path().to_owned());
             created.into_parts()
         };
@@ -237,12 +251,15 @@ impl Unnamed {
     }
 
     fn persist(mut self) -> io::Result<()> {
-        let Some(temporary) = self.temporary.take() else {
+        let Some(mut temporary) = self.temporary.take() else {
             return Ok(());
         };
         let mut all = temporaries();
         all.remove::<Path>(temporary.as_ref());
-        temporary.persist(&self.target).map_err(|error| error.error)
+        // `tempfile` would take the attributes away that the file has on Windows.
+        fs::rename(&temporary, &self.target)?;
+        temporary.disable_cleanup(true);
+        Ok(())
     }
 }
 
@@ -258,12 +275,19 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A new empty file in the directory of `path`. It has the permissions of any new file: `tempfile` would close it to
-/// other users.
-fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+/// A new empty file in the directory of `path`, by `create`.
+fn temporary_beside(
+    path: &Path,
+    create: impl FnMut(&Path) -> io::Result<File>,
+) -> io::Result<NamedTempFile> {
     tempfile::Builder::new()
         .prefix(PREFIX)
-        .make_in(folder_of(path), |temporary| File::create_new(temporary))
+        .make_in(folder_of(path), create)
+}
+
+/// Creates a file with the permissions of any new file: `tempfile` would close it to other users.
+fn create_new(path: &Path) -> io::Result<File> {
+    File::create_new(path)
 }
 
 /// A system's words as a phrase that follows a colon: without the number that Rust adds, and in lower case.

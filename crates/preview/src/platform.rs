@@ -1,6 +1,7 @@
 //! The parts of the window that depend on the operating system, each with a portable side.
 
-use std::path::PathBuf;
+use std::fs::{File, OpenOptions};
+use std::path::{Path, PathBuf};
 
 /// Returns the folder for what the window remembers between runs that belongs to no program.
 pub(crate) fn state_folder() -> Option<PathBuf> {
@@ -18,12 +19,27 @@ pub(crate) fn state_folder() -> Option<PathBuf> {
     Some(folder?.join("geotrace"))
 }
 
-/// Lowers the priority of this process, so that an editor's requests are answered before a picture is drawn. Other
-/// systems than Linux schedule a process in the background by themselves or not at all.
+/// Lowers the priority of this process, so that an editor's requests are answered before a picture is drawn. On Windows
+/// the server has started it with a lower one.
 pub(crate) fn lower_priority() {
-    #[cfg(target_os = "linux")]
+    #[cfg(unix)]
     {
         // A process that may not be nice is as urgent as before.
         let _ = rustix::process::nice(5);
     }
+}
+
+/// Creates a file that folders do not show. Its name begins with a dot, which is enough except on Windows.
+///
+/// # Errors
+/// The system's; an existing file is left as it is.
+pub(crate) fn create_hidden(path: &Path) -> std::io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(windows)]
+    {
+        const FILE_ATTRIBUTE_HIDDEN: u32 = 0x2;
+        std::os::windows::fs::OpenOptionsExt::attributes(&mut options, FILE_ATTRIBUTE_HIDDEN);
+    }
+    options.open(path)
 }

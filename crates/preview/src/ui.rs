@@ -10,6 +10,7 @@ pub(crate) mod gpu_surface;
 pub(crate) mod held_keys;
 pub(crate) mod highlighting;
 pub(crate) mod icons;
+mod key_names;
 pub(crate) mod measure;
 pub(crate) mod menu;
 pub(crate) mod navigation;

@@ -3,38 +3,49 @@
 
 use std::process::Command;
 
-/// Starts a command in a process group of its own: a key that interrupts an editor in a terminal is not meant for the
-/// window. On systems other than Unix the command stays in the group of its parent.
-pub(crate) fn detach_from_terminal(command: &mut Command) {
+/// Sets a window's process apart from this one before it is started: a key that interrupts an editor in a terminal is not
+/// meant for the window. On systems other than Unix and Windows it stays in the group of its parent.
+///
+/// Windows gives it a console of its own, which is not seen, and schedules it behind the server; elsewhere the window
+/// lowers its priority by itself.
+pub(crate) fn set_apart(command: &mut Command) {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
-    #[cfg(not(unix))]
+    #[cfg(windows)]
+    {
+        const CREATE_NEW_PROCESS_GROUP: u32 = 0x200;
+        const BELOW_NORMAL_PRIORITY_CLASS: u32 = 0x4000;
+        const CREATE_NO_WINDOW: u32 = 0x0800_0000;
+        std::os::windows::process::CommandExt::creation_flags(
+            command,
+            CREATE_NEW_PROCESS_GROUP | BELOW_NORMAL_PRIORITY_CLASS | CREATE_NO_WINDOW,
+        );
+    }
+    #[cfg(not(any(unix, windows)))]
     let _ = command;
 }
 
 /// Calls `then` when a process has ended, on a thread that sleeps until then. A server whose editor has ended ends too,
 /// even if its input stays open.
 ///
-/// Does nothing on systems other than Linux, or where the process cannot be watched: there the end of the input must do.
-#[cfg(target_os = "linux")]
+/// Does nothing where the process cannot be watched: there the end of the input must do.
+#[cfg(any(target_os = "linux", target_os = "macos", windows))]
 pub(crate) fn when_process_ends(process: u32, then: impl FnOnce() + Send + 'static) {
-    use rustix::event::{PollFd, PollFlags, poll};
-    use rustix::process::{Pid, PidfdFlags, pidfd_open};
+    /// The number of the system's error for a process that does not exist: `ERROR_INVALID_PARAMETER`, `ESRCH`.
+    const NO_SUCH_PROCESS: i32 = if cfg!(windows) { 87 } else { 3 };
 
-    let Some(pid) = i32::try_from(process).ok().and_then(Pid::from_raw) else {
+    let Ok(process) = i32::try_from(process) else {
         return;
     };
-    let wait = move || match pidfd_open(pid, PidfdFlags::empty()) {
-        Ok(descriptor) => loop {
-            // The descriptor becomes readable when the process ends.
-            let mut watched = [PollFd::new(&descriptor, PollFlags::IN)];
-            match poll(&mut watched, None) {
-                Ok(0) | Err(rustix::io::Errno::INTR) => {}
-                Ok(_) => return true,
+    let wait = move || match waitpid_any::WaitHandle::open(process) {
+        Ok(mut handle) => loop {
+            match handle.wait() {
+                Ok(()) => return true,
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
                 Err(_) => return false,
             }
         },
-        Err(error) => error == rustix::io::Errno::SRCH,
+        Err(error) => error.raw_os_error() == Some(NO_SUCH_PROCESS),
     };
     let thread = std::thread::Builder::new().name("editor watch".to_owned());
     // Without a thread the end of the input must do, too.
@@ -45,6 +56,6 @@ pub(crate) fn when_process_ends(process: u32, then: impl FnOnce() + Send + 'stat
     });
 }
 
-/// Does nothing: processes are watched on Linux only.
-#[cfg(not(target_os = "linux"))]
+/// Does nothing: no process can be watched here.
+#[cfg(not(any(target_os = "linux", target_os = "macos", windows)))]
 pub(crate) fn when_process_ends(_process: u32, _then: impl FnOnce() + Send + 'static) {}

@@ -1,7 +1,8 @@
 """The server under the profiles of three editors: what each says that it can, and the encoding that it then counts in.
 
 pytest-lsp checks beside every assertion here that nothing is sent that a profile does not know (see pytest.ini). The
-program is the one that GEOTRACE_BIN names.
+program is the one that GEOTRACE_BIN names. Where it runs on a system of its own, GEOTRACE_FOLDER is the URI of a folder
+for documents there, and GEOTRACE_EDITOR the number of a process that stands for the editor's.
 """
 
 import asyncio
@@ -14,7 +15,8 @@ from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
 pytestmark = pytest.mark.asyncio
 
-URI = "file:///scratch/a%20program.gtr"
+FOLDER = os.environ.get("GEOTRACE_FOLDER", "file:///scratch")
+URI = f"{FOLDER}/a%20program.gtr"
 # Each profile's name, and the encoding that it prefers of those that it knows.
 PROFILES = {
     "visual-studio-code": "utf-16",
@@ -46,7 +48,8 @@ async def client(request, lsp_client: LanguageClient):
         return plain(params)
 
     lsp_client.protocol.fm.features[types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS] = record
-    params = types.InitializeParams(capabilities=client_capabilities(profile))
+    process = int(os.environ.get("GEOTRACE_EDITOR", os.getpid()))
+    params = types.InitializeParams(capabilities=client_capabilities(profile), process_id=process)
     result = await lsp_client.initialize_session(params)
     lsp_client.encoding = result.capabilities.position_encoding or "utf-16"
     lsp_client.server = result.capabilities

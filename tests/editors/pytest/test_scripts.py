@@ -3,6 +3,7 @@
 import pytest
 from lsprotocol import types
 from test_profiles import (  # noqa: F401
+    FOLDER,
     change,
     client,
     colored,
@@ -17,7 +18,7 @@ from test_profiles import (  # noqa: F401
 
 pytestmark = pytest.mark.asyncio
 
-URI = "file:///scratch/a%20script.crt"
+URI = f"{FOLDER}/a%20script.crt"
 # A string before each place counts differently in each encoding.
 TEXT = """\
 note = "𝛼é" ball = Sphere { radius -> 0.5 center -> vec3(0, 1, 0) }

@@ -12,7 +12,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use export::whole_file::{phrase, write_whole};
+use export::whole_file::{phrase, write_whole_created};
 use render::figure::{Figure, FigureKind};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -199,7 +199,8 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
         known: known.clone(),
     };
     let text = serde_json::to_vec_pretty(&remembered).map_err(|error| error.to_string())?;
-    write_whole(&place, &text).map_err(|error| {
+    let written = write_whole_created(&place, crate::platform::create_hidden, &text);
+    written.map_err(|error| {
         format!(
             "the view cannot be remembered (`{}`: {error})",
             place.display()
@@ -350,6 +351,21 @@ mod tests {
         assert_eq!(load(&program), (known(), None));
         let files = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(files, 1, "nothing but the file is left behind");
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn the_file_is_hidden_until_somebody_shows_it() {
+        use std::os::windows::fs::MetadataExt as _;
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        let beside = place(&program).expect("a name");
+        let attributes = || beside.metadata().expect("written").file_attributes();
+        for _ in 0..2 {
+            save(&program, &known()).expect("written");
+            assert_eq!(attributes() & 0x2, 0x2);
+        }
+        assert_eq!(load(&program), (known(), None));
     }
 
     #[test]

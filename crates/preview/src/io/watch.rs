@@ -85,10 +85,11 @@ impl Watch {
             // A watcher that has lost events says so by an error: look, to be sure.
             let concerns = event.map_or(true, |event| {
                 !event.kind.is_access()
-                    && event
-                        .paths
-                        .iter()
-                        .any(|it: &PathBuf| it.file_name() == Some(&name))
+                    && event.paths.iter().any(|it: &PathBuf| {
+                        // Some systems take a name in any case.
+                        it.file_name()
+                            .is_some_and(|it| it.eq_ignore_ascii_case(&name))
+                    })
             });
             if concerns {
                 let _ = sender.send(());

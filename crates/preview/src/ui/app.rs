@@ -295,6 +295,10 @@ impl App for Preview {
             && !window.display.closing
             && !window.has_lost_its_screen()
         {
+            // A system that ends all programs, and a Mac's own menu, do not ask.
+            if let Some(sentence) = window.text.rescue() {
+                eprintln!("{sentence}");
+            }
             window.text.say(protocol::Event::Closed);
         }
     }

@@ -12,9 +12,9 @@ use render::Views;
 use render::view::Key;
 
 use crate::engine::recording::Recording;
-use crate::ui::gallery;
 use crate::ui::measure::{self, Measuring};
 use crate::ui::window::{Next, Window};
+use crate::ui::{gallery, key_names};
 use help::HelpPage;
 use picture::PictureDialog;
 use program::ProgramDialog;
@@ -263,7 +263,7 @@ fn key_rows(columns: &[KeyColumn], ui: &mut Ui) {
     }
     ui.end_row();
     for (keys, actions) in rows(columns) {
-        ui.strong(keys);
+        ui.strong(key_names::named(ui.ctx(), keys));
         for action in actions {
             ui.add(egui::Label::new(action).wrap());
         }

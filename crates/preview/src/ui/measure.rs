@@ -23,8 +23,8 @@ use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
 use crate::engine::measure_thread::MeasureThread;
 use crate::ui::camera_input::pixel;
-use crate::ui::number_field;
 use crate::ui::window::Window;
+use crate::ui::{key_names, number_field};
 
 /// The time for which the pointer rests before the status line has the place under it, in seconds.
 const POINTER_RESTS: f64 = 0.15;
@@ -365,9 +365,9 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     ui.scope(|ui| {
         if is_asking {
             ui.weak(hint(measuring.tool));
-            ui.weak(
-                "A ring shows the point, end or corner that a click takes; Alt turns this off.",
-            );
+            let snapping =
+                "A ring shows the point, end or corner that a click takes; Alt turns this off.";
+            ui.weak(key_names::named(ui.ctx(), snapping));
         }
     });
     if let Some(PlacedFigure { surface, figure }) = &mut measuring.figure {

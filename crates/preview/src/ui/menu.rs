@@ -11,7 +11,7 @@ use crate::ui::dialogs::help::HelpPage;
 use crate::ui::dialogs::{picture, program, record};
 use crate::ui::panes::program::commands::{self, TextCommand};
 use crate::ui::window::{TextSource, Window};
-use crate::ui::{measure, navigation, toolbar, welcome};
+use crate::ui::{key_names, measure, navigation, toolbar, welcome};
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
@@ -32,14 +32,14 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
 
 /// An entry of a menu, with its keys beside it; whether it was chosen.
 fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
-    let button = egui::Button::new(title).shortcut_text(keys);
+    let button = egui::Button::new(title).shortcut_text(key_names::named(ui.ctx(), keys));
     let response = ui.add_enabled(enabled, button);
     response.accessible_name(title).clicked()
 }
 
 /// A box of a menu, with its keys beside it.
 pub(super) fn tick(ui: &mut Ui, on: &mut bool, title: &str, keys: &str) -> Response {
-    let keys = RichText::new(keys).weak();
+    let keys = RichText::new(key_names::named(ui.ctx(), keys)).weak();
     let tick = Checkbox::new(on, (title, Atom::grow(), keys));
     ui.add(tick).accessible_name(title)
 }

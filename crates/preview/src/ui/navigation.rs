@@ -7,8 +7,8 @@ use glam::DVec3;
 use render::ViewId;
 use session::camera_input::axis_views::{AXIS_VIEWS, AxisEnd, AxisView, Turn};
 
-use crate::ui::menu;
 use crate::ui::window::Window;
+use crate::ui::{key_names, menu};
 
 /// The name of the setting that makes lines of sight parallel.
 const ORTHOGRAPHIC: &str = "Orthographic";
@@ -77,7 +77,8 @@ pub(crate) fn keys(window: &mut Window, ui: &Ui) {
 pub(crate) fn entries(window: &mut Window, ui: &mut Ui) {
     ui.menu_button("Axis views", |ui| {
         for view in &AXIS_VIEWS {
-            let button = egui::Button::new(view.title).shortcut_text(view.keys);
+            let keys = key_names::named(ui.ctx(), view.keys);
+            let button = egui::Button::new(view.title).shortcut_text(keys);
             if ui.add(button).clicked() {
                 turn_to(window, view.direction(), ui);
             }
@@ -118,7 +119,8 @@ pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
             window.activate(id);
             turn_to(window, end.leads_to(), ui);
         }
-        response.on_hover_text(format!("{} ({})", view.title, view.keys));
+        let keys = key_names::named(ui.ctx(), view.keys);
+        response.on_hover_text(format!("{} ({keys})", view.title));
     }
 }
 

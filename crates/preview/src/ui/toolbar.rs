@@ -5,7 +5,7 @@ use session::Marks;
 
 use super::dialogs::{picture, record};
 use super::icons::{Icon, button};
-use super::{measure, navigation};
+use super::{key_names, measure, navigation};
 use crate::ui::window::Window;
 
 /// The width of a button with its space, in points.
@@ -67,7 +67,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         for (action, icon, name, key) in BUTTONS.into_iter().rev() {
             let hint = match key {
                 "" => name.to_owned(),
-                key => format!("{name} ({key})"),
+                key => format!("{name} ({})", key_names::named(ui.ctx(), key)),
             };
             let is_on = is_on(window, action);
             let is_possible = is_possible(window, action);

@@ -1,5 +1,6 @@
 //! Requests that concern no document alone: settings, folders, symbols of all programs, commands.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use protocol::View;
@@ -58,16 +59,18 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
         token.map(|token| Progress::begin(&server.raw_sender, token, "Reading the workspace"));
     let searched = server.work(move || {
         let mut found = Vec::new();
-        let mut names: Vec<String> = Vec::new();
+        // By their paths: a file has more than one URI, such as with C: and with c%3A.
+        let mut paths: Vec<PathBuf> = Vec::new();
         for snapshot in &open {
-            names.push(snapshot.uri.clone());
+            let uri = snapshot.uri.parse::<lsp::Uri>().ok();
+            paths.extend(uri.and_then(|uri| Some(uri.to_file_path()?.into_owned())));
             matching(snapshot, &query, &mut found);
         }
         for path in workspace::programs(&folders, &languages) {
             let Some(uri) = lsp::Uri::from_file_path(&path) else {
                 continue;
             };
-            if found.len() >= MOST_SYMBOLS || names.iter().any(|name| name == uri.as_str()) {
+            if found.len() >= MOST_SYMBOLS || paths.contains(&path) {
                 continue;
             }
             if let Ok(text) = std::fs::read_to_string(&path) {

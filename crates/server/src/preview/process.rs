@@ -83,7 +83,7 @@ impl Process {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        platform::detach_from_terminal(&mut command);
+        platform::set_apart(&mut command);
         let mut child = command.spawn()?;
         let (input, output, error) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let process = Arc::new(Self {

@@ -9,6 +9,7 @@ mod keys;
 
 use egui::Ui;
 
+use crate::ui::key_names;
 use crate::ui::window::{TextSource, Window};
 
 /// Draws the pane.
@@ -55,7 +56,7 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
             )
             // Dialogs have a button of this name too.
             .accessible_name("Save program")
-            .on_hover_text("Ctrl+S")
+            .on_hover_text(key_names::named(ui.ctx(), "Ctrl+S"))
             .clicked();
         if editor.is_changed() {
             ui.weak("not saved");

@@ -154,7 +154,8 @@ impl<'t> Typist<'t> {
                 if *key == Key::Backspace && plain && self.is_between_brackets() {
                     events.push(press(Key::Delete));
                 }
-                self.is_lost |= modifiers.command || MOVING.contains(key);
+                // Ctrl with a letter moves the cursor on a Mac, where it is not the key of commands.
+                self.is_lost |= modifiers.command || modifiers.ctrl || MOVING.contains(key);
             }
             Event::Paste(_) | Event::Cut | Event::PointerButton { .. } | Event::Ime(_) => {
                 self.is_lost = true;
