@@ -311,6 +311,18 @@ fn view(window: &mut Window, ui: &mut Ui) {
             });
         });
     }
+    let inside = window.focus.view.object.clone();
+    let hint = "Shows the surface from its other side";
+    let mirror = egui::Button::new("Mirror the geodesic view");
+    if ui
+        .add_enabled(inside.is_some(), mirror)
+        .on_hover_text(hint)
+        .clicked()
+        && let Some(surface) = inside
+    {
+        window.model.mirror(&surface);
+        window.has_moved(ui);
+    }
     if entry(ui, true, "Reset the camera", "R") {
         let id = window.focus.view.clone();
         window.camera_input(&id).reset(window, &id);

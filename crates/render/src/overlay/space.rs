@@ -276,7 +276,11 @@ fn frame_objects(
     all.push(curves(placement, &axes[..2], X, CAMERA_AXES));
     all.push(curves(placement, &axes[2..], Y, CAMERA_AXES));
     let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
-    let points = if request.moving { MOVING_POINTS } else { POINTS };
+    let points = if request.moving {
+        MOVING_POINTS
+    } else {
+        POINTS
+    };
     let border: Vec<Vec<Option<Knot>>> = (0..4)
         .into_par_iter()
         .map(|side| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::Model;
 use crate::difference::Difference;
 use crate::history::EndedTrail;
-use crate::{CameraPath, InsideCamera, Step};
+use crate::{CameraPath, ChartCamera, InsideCamera, Step};
 
 /// A placing that can be withdrawn.
 #[derive(Debug)]
@@ -63,6 +63,20 @@ impl Model {
             self.history
                 .record(step, replaced, [(surface, trail)].into());
             self.history.settle();
+        }
+    }
+
+    /// Turns what is seen in the geodesic view of a surface upside down without turning it around: the surface is seen from
+    /// its other side. Such a view has north up where v grows southward.
+    pub fn mirror(&mut self, surface: &str) {
+        if let Some(InsideCamera::Chart(camera)) = self.settle_camera(surface, true) {
+            let mirrored = ChartCamera {
+                y: camera.y.map(|part| -part),
+                moved: true,
+                ..camera
+            };
+            self.place(surface, InsideCamera::Chart(mirrored));
+            self.keep_placement();
         }
     }
 

@@ -556,3 +556,21 @@ fn a_trail_comes_back_with_its_camera() {
     model.undo();
     assert_eq!(length(&model), None, "not {walked}");
 }
+
+#[test]
+fn a_mirrored_geodesic_camera_has_its_up_where_its_down_was() {
+    let mut model = model(SURFACE);
+    model.settle_camera("s", true);
+    let before = model.view.inside["s"];
+    model.mirror("s");
+    let after = model.view.inside["s"];
+    let [Some(before), Some(after)] = [before.chart(), after.chart()] else {
+        panic!("cameras on a surface");
+    };
+    assert_eq!((after.at, after.x), (before.at, before.x));
+    assert_eq!(after.y, before.y.map(|part| -part));
+    let (before, after) = (*before, *after);
+    assert_ne!(before, after);
+    model.undo();
+    assert_eq!(model.view.inside["s"].chart(), Some(&before));
+}

@@ -143,7 +143,7 @@ impl Core {
         }
         self.motions.held = Some(HeldKeys {
             view,
-            keys: keys,
+            keys,
             modifiers: Modifiers {
                 shift,
                 alt,
