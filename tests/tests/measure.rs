@@ -299,5 +299,5 @@ fn the_commands_of_the_page_run() {
         assert!(!run.stdout.contains("none"), "{}", run.stdout);
         count += 1;
     }
-    assert_eq!(count, 7);
+    assert_eq!(count, 8);
 }

@@ -138,8 +138,8 @@ fn figures_and_paths_are_drawn_as_the_window_shows_them() {
     let figure = "--figure s=triangle:0.5,1:1,1:0.7,1.5";
     let path = "--path s=0.5,1.2:0.6,1.3:0.7,1.6";
     for view in [
-        "--eye 4,3,2 --background 010203",
-        "--view geodesic --at 0.7,1.2 --zoom 1",
+        "--labels --eye 4,3,2 --background 010203",
+        "--labels --view geodesic --at 0.7,1.2 --zoom 1",
     ] {
         let plain = match view.contains("--view") {
             true => picture(folder, view),
