@@ -280,17 +280,16 @@ class Controls(OnScreen):
         window.xdotool("type", "--delay", "20", "map.png")
         window.click("Button: Add")
         window.place("map.png")
-        window.click("ComboBox: Texture of s")
-        before = window.settle()["pictures"]
-        window.click("Button: map.png")
-        window.until("a new picture", lambda now: now["pictures"] > before)
         window.settle()
-        self.assertNotEqual(window.pixels("3d"), picture)
-        plain = window.pixels("3d")
-        window.click("ComboBox: Texture of s")
-        window.click("Button: Plain colour")
-        window.settle()
-        self.assertNotEqual(window.pixels("3d"), plain)
+        added = window.pixels("3d")
+        self.assertNotEqual(added, picture, "the only surface shows what is added")
+        for name, seen in [("Plain colour", False), ("map.png", True)]:
+            window.click("ComboBox: Texture of s")
+            before = window.settle()["pictures"]
+            window.click(f"Button: {name}")
+            window.until("a new picture", lambda now: now["pictures"] > before)
+            window.settle()
+            self.assertEqual(window.pixels("3d") == added, seen, name)
         self.screen.keep("texture")
 
     def test_a_broken_file_is_marked_and_a_mended_one_is_not(self):
