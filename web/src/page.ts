@@ -214,14 +214,7 @@ export class Page {
     }
 
     private point(pick: Pick | null): void {
-        if (pick === null) {
-            this.pointed.textContent = "";
-            return;
-        }
-        // The line itself does not say how far away it is.
-        const far = pick.rows.filter(({ name }) => /distance|length/.test(name));
-        const more = far.map(({ name, value }) => `${name} ${Number(value).toPrecision(4)}`);
-        this.pointed.textContent = [pick.text, ...more].join(", ");
+        this.pointed.textContent = pick?.text ?? "";
     }
 
     private declaration(pick: Pick | null): void {
