@@ -123,26 +123,6 @@ struct TraceJson {
     jacobi: Option<[f64; 2]>,
 }
 
-/// The Jacobi field of a geodesic.
-struct JacobiField {
-    conjugates: Vec<f64>,
-    jacobi: [f64; 2],
-}
-
-impl JacobiField {
-    fn text(&self) -> String {
-        let points = match &self.conjugates[..] {
-            [] => "none".to_owned(),
-            lengths => {
-                let lengths: Vec<String> = lengths.iter().copied().map(show).collect();
-                format!("after {}", lengths.join(", "))
-            }
-        };
-        let [m, slope] = self.jacobi.map(show);
-        format!("  conjugate  {points}\n  Jacobi     m = {m}, m' = {slope} at the end\n")
-    }
-}
-
 /// Traces one geodesic.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
@@ -160,16 +140,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     if object.shape.solid().is_some() {
         let (from, trace) = on_solid(arguments, &program, &params, id, length, &options)?;
         drop(progress);
-        let field = arguments.conjugate.then(|| JacobiField {
-            conjugates: trace.conjugates.clone(),
-            jacobi: trace.jacobi,
-        });
-        return print(
-            arguments,
-            document_in_space(&trace),
-            text_in_space(&trace, from),
-            field,
-        );
+        let (document, text) = (document_in_space(&trace), text_in_space(&trace, from));
+        return print(arguments, document, text, (trace.conjugates, trace.jacobi));
     }
     let manifold = program.manifold(id, &params)?;
     let surface = manifold.surface();
@@ -189,37 +161,38 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Err(error) => stopped_at_start(error, surface)?,
     };
     drop(progress);
-    let field = arguments.conjugate.then(|| JacobiField {
-        conjugates: trace.conjugates.clone(),
-        jacobi: trace.jacobi,
-    });
-    print(
-        arguments,
-        document(&trace),
-        text(&trace, from, surface),
-        field,
-    )
+    let (document, text) = (document(&trace), text(&trace, from, surface));
+    print(arguments, document, text, (trace.conjugates, trace.jacobi))
 }
 
-/// Prints what was found, as the arguments ask for it.
+/// Prints what was found, with the conjugate points and the Jacobi field where the arguments ask for them.
 fn print(
     arguments: &Arguments,
     mut document: TraceJson,
-    text: String,
-    field: Option<JacobiField>,
+    mut text: String,
+    (conjugates, jacobi): (Vec<f64>, [f64; 2]),
 ) -> Result<(), Failure> {
-    match arguments.format {
-        Format::Json => {
-            if let Some(JacobiField { conjugates, jacobi }) = field {
-                (document.conjugates, document.jacobi) = (Some(conjugates), Some(jacobi));
-            }
-            output::print_json(&document)
-        }
-        Format::Human => {
-            let field = field.map_or_else(String::new, |field| field.text());
-            output::print(&(text + &field))
-        }
+    if arguments.conjugate {
+        text.push_str(&field_text(&conjugates, jacobi));
+        (document.conjugates, document.jacobi) = (Some(conjugates), Some(jacobi));
     }
+    match arguments.format {
+        Format::Json => output::print_json(&document),
+        Format::Human => output::print(&text),
+    }
+}
+
+/// The conjugate points and the Jacobi field (m, m') at the end.
+fn field_text(conjugates: &[f64], jacobi: [f64; 2]) -> String {
+    let points = match conjugates {
+        [] => "none".to_owned(),
+        lengths => {
+            let lengths: Vec<String> = lengths.iter().copied().map(show).collect();
+            format!("after {}", lengths.join(", "))
+        }
+    };
+    let [m, slope] = jacobi.map(show);
+    format!("  conjugate  {points}\n  Jacobi     m = {m}, m' = {slope} at the end\n")
 }
 
 /// Traces a geodesic on a solid. A start where the solid has no surface or is undefined is one of the arguments.

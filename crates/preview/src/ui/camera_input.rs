@@ -91,14 +91,13 @@ pub(crate) fn may_be_of_control(key: Key) -> bool {
 /// Returns whether a key that moves cameras goes down.
 pub(crate) fn presses_camera_key(input: &InputState) -> bool {
     let mut all = CameraKey::ALL.into_iter().flat_map(names);
-    input.modifiers.is_none() && all.any(|key| input.key_pressed(*key))
+    all.any(|key| input.key_pressed(*key))
 }
 
 /// Returns the keys that move cameras, as the input has them; `arrows` where no control has the focus.
 pub(crate) fn held(input: &InputState, keys: &HeldKeys, arrows: bool) -> Held {
-    let mut all = CameraKey::ALL.into_iter().flat_map(names);
     // The first frame of a held key comes after a pause of any length.
-    let elapsed = match all.any(|key| input.key_pressed(*key)) {
+    let elapsed = match presses_camera_key(input) {
         true => input.predicted_dt,
         false => input.unstable_dt,
     };

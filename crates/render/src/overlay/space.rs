@@ -127,8 +127,8 @@ pub(super) fn key(
     Ok(())
 }
 
-/// The options of geodesics of which only the ends are drawn: exact to a thousandth of a pixel, at a third of the cost of
-/// the default.
+/// The options of geodesics of which only the ends are drawn: exact to a thousandth of a pixel, in fewer steps than by
+/// default.
 fn drawn() -> Options {
     Options {
         tolerance: 1e-6,

@@ -123,7 +123,7 @@ fn distance([x0, y0, x1, y1]: &Segment, x: f32, y: f32) -> f32 {
     } else {
         0.0
     };
-    // Some places of the letters: `hypot`, which cannot overflow, takes a fifth of a page's first picture.
+    // `hypot` is slow in WebAssembly, and these numbers are too small to overflow.
     let [across, down] = [x - x0 - t * dx, y - y0 - t * dy];
     (across * across + down * down).sqrt()
 }

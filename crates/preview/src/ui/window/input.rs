@@ -115,7 +115,9 @@ impl Window {
     /// Takes the keys that go down and come up, and what scrolls. The keys of a text or a dialog never move a camera.
     pub(super) fn hold_keys(&mut self, ui: &Ui) {
         let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
-        if letters && !self.input.held.any() && ui.input(presses_camera_key) {
+        let presses =
+            |input: &egui::InputState| input.modifiers.is_none() && presses_camera_key(input);
+        if letters && !self.input.held.any() && ui.input(presses) {
             self.activate_pointed(ui);
         }
         let arrows = letters && self.has_arrows(ui);
