@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from desktop import BINARY, ROOT, Screen, Window, until
@@ -560,6 +561,14 @@ class Gpu(OnScreen):
         self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
         self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
         self.assertEqual(window.file.read_text(), SPHERE)
+
+    def test_where_vulkan_finds_no_driver_opengl_draws_the_window(self):
+        nothing = {"VK_DRIVER_FILES": "/nothing.json", "VK_ICD_FILENAMES": "/nothing.json"}
+        with unittest.mock.patch.dict(os.environ, nothing):
+            window = self.open(SPHERE)
+        window.settle()
+        self.screen.keep("opengl")
+        self.assertGreater(self.colours(window, "3d"), 100)
 
     def size_of(self, window):
         told = self.screen.run("xdotool", "getwindowgeometry", "--shell", window.id).decode().split()

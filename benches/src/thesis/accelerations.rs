@@ -49,9 +49,10 @@ impl<T: Real, const N: usize> Work for Embedded<'_, T, N> {
 
     #[inline(always)]
     fn run(self) {
-        let [_, du, dv, duu, duv, dvv] = self.derivatives;
+        let [_, du, dv, duu, duv, dvv] = *self.derivatives;
+        let (velocity, mut out) = (*self.velocity, [[T::default(); N]; 2]);
         for lane in 0..N {
-            let [xx, xy, yy] = products(self.velocity, lane);
+            let [xx, xy, yy] = products(&velocity, lane);
             let zero = T::default();
             let (mut e, mut f, mut g) = (zero, zero, zero);
             let (mut along_u, mut along_v) = (zero, zero);
@@ -65,9 +66,10 @@ impl<T: Real, const N: usize> Work for Embedded<'_, T, N> {
                 along_v = along_v + other * bent;
             }
             let r = T::ONE / (e * g - f * f);
-            self.out[0][lane] = r * (f * along_v - g * along_u);
-            self.out[1][lane] = r * (f * along_u - e * along_v);
+            out[0][lane] = r * (f * along_v - g * along_u);
+            out[1][lane] = r * (f * along_u - e * along_v);
         }
+        *self.out = out;
     }
 }
 
@@ -82,10 +84,11 @@ impl<T: Real, const N: usize> Work for Intrinsic<'_, T, N> {
 
     #[inline(always)]
     fn run(self) {
-        let [efg, by_u, by_v] = self.form;
+        let [efg, by_u, by_v] = *self.form;
+        let (velocity, mut out) = (*self.velocity, [[T::default(); N]; 2]);
         let half = T::nearest(0.5);
         for lane in 0..N {
-            let [xx, xy, yy] = products(self.velocity, lane);
+            let [xx, xy, yy] = products(&velocity, lane);
             let [e, f, g] = [efg[0][lane], efg[1][lane], efg[2][lane]];
             let [eu, fu, gu] = [by_u[0][lane], by_u[1][lane], by_u[2][lane]];
             let [ev, fv, gv] = [by_v[0][lane], by_v[1][lane], by_v[2][lane]];
@@ -99,9 +102,10 @@ impl<T: Real, const N: usize> Work for Intrinsic<'_, T, N> {
                 } else {
                     T::nearest(f64::NAN)
                 };
-            self.out[0][lane] = r * (f * along_v - g * along_u);
-            self.out[1][lane] = r * (f * along_u - e * along_v);
+            out[0][lane] = r * (f * along_v - g * along_u);
+            out[1][lane] = r * (f * along_u - e * along_v);
         }
+        *self.out = out;
     }
 }
 

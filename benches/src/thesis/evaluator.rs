@@ -173,18 +173,20 @@ impl<T: Real, const N: usize> Work for Evaluation<'_, T, N> {
             registers[register as usize] = self.at[k.min(1)];
         }
         for step in &self.code.steps {
-            let [a, b] = step.from.map(|register| registers[register as usize]);
+            let [a, b] = step.from.map(|register| register as usize);
             let [first, second] = step.to.map(|register| register as usize);
             match step.operation {
                 Operation::SinCos => {
+                    let a = registers[a];
                     (registers[first], registers[second]) = T::sin_cos(&a);
                 }
                 Operation::SinhCosh => {
+                    let a = registers[a];
                     (registers[first], registers[second]) = T::sinh_cosh(&a);
                 }
-                Operation::Unary(op) => registers[first] = unary(op, &a),
-                Operation::Binary(op) => registers[first] = binary(op, &a, &b),
-                Operation::Power(n) => registers[first] = power(&a, n),
+                Operation::Unary(op) => unary(op, registers, a, first),
+                Operation::Binary(op) => binary(op, registers, [a, b], first),
+                Operation::Power(n) => power(registers, a, n, first),
             }
         }
         for (out, &root) in self.out.iter_mut().zip(&self.code.roots) {
@@ -193,58 +195,74 @@ impl<T: Real, const N: usize> Work for Evaluation<'_, T, N> {
     }
 }
 
+/// Fills a register from others, in a loop of its own. Each operation reads and writes the registers itself: results
+/// that several operations handed back by value would meet in one place on the stack, written in narrower pieces than
+/// they are read in, and the processor would wait for each of those.
 macro_rules! each {
-    (|$($x:ident),+| $value:expr) => {{
-        let mut out = [T::default(); N];
+    ($registers:ident[$to:ident], |$($x:ident),+| $value:expr) => {{
+        $(let $x = $registers[$x];)+
+        let out = &mut $registers[$to];
         for lane in 0..N {
             $(let $x = $x[lane];)+
             out[lane] = $value;
         }
-        out
     }};
 }
 
 #[inline(always)]
-fn unary<T: Real, const N: usize>(op: Unary, x: &[T; N]) -> [T; N] {
+fn unary<T: Real, const N: usize>(op: Unary, registers: &mut [[T; N]], x: usize, to: usize) {
     match op {
-        Unary::Neg => each!(|x| -x),
-        Unary::Sin => T::sin_cos(x).0,
-        Unary::Cos => T::sin_cos(x).1,
-        Unary::Tan => T::tan(x),
-        Unary::Exp => T::exp(x),
-        Unary::Log => T::log(x),
-        Unary::Sinh => T::sinh_cosh(x).0,
-        Unary::Cosh => T::sinh_cosh(x).1,
-        Unary::Tanh => T::tanh(x),
-        Unary::Sqrt => each!(|x| x.sqrt()),
-        Unary::Asin => each!(|x| x.asin()),
-        Unary::Acos => each!(|x| x.acos()),
-        Unary::Atan => each!(|x| x.atan()),
-        Unary::Abs => each!(|x| x.abs()),
-        Unary::Sign => each!(|x| sign(x)),
+        Unary::Neg => each!(registers[to], |x| -x),
+        Unary::Sin => registers[to] = T::sin_cos(&{ registers[x] }).0,
+        Unary::Cos => registers[to] = T::sin_cos(&{ registers[x] }).1,
+        Unary::Tan => registers[to] = T::tan(&{ registers[x] }),
+        Unary::Exp => registers[to] = T::exp(&{ registers[x] }),
+        Unary::Log => registers[to] = T::log(&{ registers[x] }),
+        Unary::Sinh => registers[to] = T::sinh_cosh(&{ registers[x] }).0,
+        Unary::Cosh => registers[to] = T::sinh_cosh(&{ registers[x] }).1,
+        Unary::Tanh => registers[to] = T::tanh(&{ registers[x] }),
+        Unary::Sqrt => each!(registers[to], |x| x.sqrt()),
+        Unary::Asin => each!(registers[to], |x| x.asin()),
+        Unary::Acos => each!(registers[to], |x| x.acos()),
+        Unary::Atan => each!(registers[to], |x| x.atan()),
+        Unary::Abs => each!(registers[to], |x| x.abs()),
+        Unary::Sign => each!(registers[to], |x| sign(x)),
     }
 }
 
 #[inline(always)]
-fn binary<T: Real, const N: usize>(op: Binary, a: &[T; N], b: &[T; N]) -> [T; N] {
+fn binary<T: Real, const N: usize>(
+    op: Binary,
+    registers: &mut [[T; N]],
+    [a, b]: [usize; 2],
+    to: usize,
+) {
     match op {
-        Binary::Add => each!(|a, b| a + b),
-        Binary::Sub => each!(|a, b| a - b),
-        Binary::Mul => each!(|a, b| a * b),
-        Binary::Div => each!(|a, b| a / b),
-        Binary::Pow => each!(|a, b| T::power(a, b)),
-        Binary::Zmul => each!(|a, b| if a == T::default() { a } else { a * b }),
-        Binary::Min => each!(|a, b| if a <= b { a } else { b }),
-        Binary::Max => each!(|a, b| if a >= b { a } else { b }),
-        Binary::AtMost => each!(|a, b| if a <= b { T::ONE } else { T::default() }),
+        Binary::Add => each!(registers[to], |a, b| a + b),
+        Binary::Sub => each!(registers[to], |a, b| a - b),
+        Binary::Mul => each!(registers[to], |a, b| a * b),
+        Binary::Div => each!(registers[to], |a, b| a / b),
+        Binary::Pow => each!(registers[to], |a, b| T::power(a, b)),
+        Binary::Zmul => each!(registers[to], |a, b| if a == T::default() {
+            a
+        } else {
+            a * b
+        }),
+        Binary::Min => each!(registers[to], |a, b| if a <= b { a } else { b }),
+        Binary::Max => each!(registers[to], |a, b| if a >= b { a } else { b }),
+        Binary::AtMost => each!(registers[to], |a, b| if a <= b {
+            T::ONE
+        } else {
+            T::default()
+        }),
     }
 }
 
 /// As [`expr::ops::integer_power`].
 #[inline(always)]
-fn power<T: Real, const N: usize>(x: &[T; N], n: i32) -> [T; N] {
+fn power<T: Real, const N: usize>(registers: &mut [[T; N]], x: usize, n: i32, to: usize) {
     let mut remaining = n.unsigned_abs();
-    let mut square = *x;
+    let mut square = registers[x];
     let mut result = [T::ONE; N];
     while remaining != 0 {
         if remaining & 1 == 1 {
@@ -257,10 +275,13 @@ fn power<T: Real, const N: usize>(x: &[T; N], n: i32) -> [T; N] {
         }
         remaining >>= 1;
     }
-    if n < 0 {
-        each!(|result| T::ONE / result)
-    } else {
-        result
+    let out = &mut registers[to];
+    for lane in 0..N {
+        out[lane] = if n < 0 {
+            T::ONE / result[lane]
+        } else {
+            result[lane]
+        };
     }
 }
 

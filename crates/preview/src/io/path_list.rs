@@ -75,7 +75,11 @@ impl PathList {
             return;
         };
         self.paths = read(file, self.most);
+        let before = self.paths.clone();
         change(&mut self.paths);
+        if self.paths == before {
+            return;
+        }
         let texts = self.paths.iter().filter_map(|path| path.to_str());
         let list = Value::from_iter(texts);
         if let Some(folder) = file.parent()

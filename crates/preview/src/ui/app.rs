@@ -8,6 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetupCreateNew};
+use eframe::wgpu::Backends;
 use eframe::{App, CreationContext, Frame, NativeOptions};
 use egui::{Ui, ViewportCommand};
 use session::StatusMessage;
@@ -15,7 +17,11 @@ use session::StatusMessage;
 use crate::io::report::Report;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
-use crate::{Failure, Faults, Options, Source};
+use crate::{Backend, Failure, Faults, Options, Source};
+
+/// The drivers that are looked for at first. OpenGL's takes a third of the time until the first frame to be loaded, and is
+/// there for machines that have no other.
+const FIRST_DRIVERS: Backends = Backends::PRIMARY;
 
 /// The number of times that a lost GPU is replaced before the window gives up.
 const REVIVALS: u32 = 3;
@@ -49,21 +55,42 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         crate::io::link::greet(&mut std::io::stdout());
         crate::platform::lower_priority();
     }
-    let options = Rc::new(options);
-    on_screens(&Slot::default(), |screen, slot| {
-        let (own, kept) = (Rc::clone(&options), Rc::clone(slot));
+    // Its threads read and compile the text while the display and its driver are opened.
+    let window = first(&egui::Context::default(), &options)?;
+    let backend = options.backend;
+    let mut drivers = FIRST_DRIVERS;
+    on_screens(&Rc::new(RefCell::new(Some(window))), |screen, slot| {
         let mut faults = faults.clone();
         faults.loses_gpu = faults.loses_gpu.filter(|_| screen < faults.losses);
-        let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
-            Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
+        let opening = |drivers| {
+            let (kept, faults) = (Rc::clone(slot), faults.clone());
+            let create = move |context: &CreationContext<'_>| -> Result<
+                Box<dyn App>,
+                Box<dyn std::error::Error + Send + Sync>,
+            > {
+                Ok(Box::new(Preview::new(
+                    context,
+                    backend,
+                    kept,
+                    screen > 0,
+                    &faults,
+                )))
+            };
+            let size = slot
+                .borrow()
+                .as_ref()
+                .and_then(|window| window.display.size);
+            eframe::run_native("geotrace", native(size, drivers), Box::new(create))
         };
-        let size = slot
-            .borrow()
-            .as_ref()
-            .and_then(|window| window.display.size);
-        let run = || eframe::run_native("geotrace", native(size), Box::new(create));
+        let mut run = || match opening(drivers) {
+            Err(eframe::Error::Wgpu(_)) if drivers == FIRST_DRIVERS => {
+                drivers = Backends::PRIMARY | Backends::GL;
+                opening(drivers)
+            }
+            ended => ended,
+        };
         // The code that draws the controls may meet the loss first, and gives up: the window does not.
-        let ended = catch_unwind(AssertUnwindSafe(run));
+        let ended = catch_unwind(AssertUnwindSafe(&mut run));
         let mut window = slot.borrow_mut();
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
         match ended {
@@ -117,8 +144,14 @@ fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<
 type Slot = Rc<RefCell<Option<Window>>>;
 
 /// Returns the options of the desktop's window; one that is opened again is as large as it was.
-fn native(size: Option<egui::Vec2>) -> NativeOptions {
+fn native(size: Option<egui::Vec2>, drivers: Backends) -> NativeOptions {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.instance_descriptor.backends = Backends::from_env().unwrap_or(drivers);
     NativeOptions {
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: setup.into(),
+            ..WgpuConfiguration::default()
+        },
         viewport: egui::ViewportBuilder::default()
             .with_title("Geotrace")
             .with_app_id("geotrace")
@@ -169,29 +202,26 @@ struct Preview {
 impl Preview {
     fn new(
         creation: &CreationContext<'_>,
-        options: &Options,
+        backend: Backend,
         slot: Slot,
+        was_lost: bool,
         faults: &Faults,
-    ) -> Result<Self, Failure> {
+    ) -> Self {
         let context = &creation.egui_ctx;
-        let mut kept = slot.borrow_mut();
-        let window = match &mut *kept {
-            Some(window) => {
+        if let Some(window) = &mut *slot.borrow_mut() {
+            if was_lost {
                 let sentence = "the GPU was lost; the window was opened again";
                 window.status_message = Some(StatusMessage::error(sentence.to_owned()));
-                window.report_from(context);
-                window
             }
-            empty => empty.insert(first(context, options)?),
-        };
-        if let Some(state) = creation.wgpu_render_state.clone() {
-            let screen = GpuSurface::new(state, context);
-            if faults.refuses_samples {
-                screen.refuse_samples();
+            window.report_from(context);
+            if let Some(state) = creation.wgpu_render_state.clone() {
+                let screen = GpuSurface::new(state, context);
+                if faults.refuses_samples {
+                    screen.refuse_samples();
+                }
+                window.move_to(screen, backend, context);
             }
-            window.move_to(screen, options.backend, context);
         }
-        drop(kept);
         let loses = Arc::new(AtomicBool::new(false));
         if let Some(sign) = faults.loses_gpu.clone() {
             let (waker, loses) = (context.clone(), Arc::clone(&loses));
@@ -203,15 +233,15 @@ impl Preview {
                 waker.request_repaint();
             });
         }
-        Ok(Self {
+        Self {
             slot,
             title: String::new(),
             loses,
-        })
+        }
     }
 }
 
-/// The window as it is opened.
+/// The window before it is on a screen.
 fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
     let mut window = match &options.source {
         Source::File(path) => {
@@ -236,7 +266,6 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             reason: error.to_string(),
         })?;
         window.report_to(report);
-        window.report_from(context);
     }
     Ok(window)
 }

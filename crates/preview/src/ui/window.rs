@@ -24,6 +24,7 @@ mod text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::Ui;
 use export::command_line::MOST_PLACES;
@@ -243,9 +244,14 @@ impl Window {
         self.display.apply_style(&context, preferences);
         self.model.is_light = !ui.visuals().dark_mode;
         self.handle_events();
+        let is_first_pass = context.current_pass_index() == 0;
+        if is_first_pass {
+            self.display.clock.waited = Duration::ZERO;
+            self.await_first_text();
+        }
         self.show_faults(ui);
         // A frame that is laid out once more has taken the input already.
-        if context.current_pass_index() == 0 {
+        if is_first_pass {
             if ui.input(|input| input.pointer.any_pressed()) {
                 self.model.history.settle();
             }

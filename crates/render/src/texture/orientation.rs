@@ -33,24 +33,33 @@ pub(super) fn image(from_behind: bool) -> RgbaImage {
     let names: Vec<Vec<Segment>> = (0..CELLS * CELLS)
         .map(|cell| name(cell % CELLS, cell / CELLS))
         .collect();
+    let lines: Vec<LineShares> = (0..side).map(LineShares::at).collect();
     let mut image = RgbaImage::new(side, side);
     image
         .par_chunks_mut(4 * side as usize)
         .enumerate()
         .for_each(|(y, texels)| {
-            let y = y as u32;
+            let (y, down) = (y as u32, &lines[y]);
             let row = y / CELL;
-            for (x, texel) in (0..side).zip(texels.chunks_exact_mut(4)) {
-                let column = x / CELL;
-                let (px, py) = ((x % CELL) as f32 + 0.5, (y % CELL) as f32 + 0.5);
-                let ink = label(
-                    &names[(row * CELLS + column) as usize],
-                    px,
-                    if from_behind { py } else { CELL as f32 - py },
-                );
-                let colour = mix(paper_colour(column, row), ink_colour(column), 0.9 * ink);
-                let [r, g, b] = mix(colour, [1.0; 3], line(x, y)).map(encode);
-                texel.copy_from_slice(&[r, g, b, 255]);
+            let py = (y % CELL) as f32 + 0.5;
+            let py = if from_behind { py } else { CELL as f32 - py };
+            let cells = texels.chunks_exact_mut(4 * CELL as usize);
+            for (column, texels) in (0..CELLS).zip(cells) {
+                let name = NameRow::new(&names[(row * CELLS + column) as usize], py);
+                let (paper, ink) = (paper_colour(column, row), ink_colour(column));
+                let plain = paper.map(encode);
+                let across = &lines[(column * CELL) as usize..];
+                let places = (0..CELL).zip(across).zip(texels.chunks_exact_mut(4));
+                for ((x, across), texel) in places {
+                    let (inked, lined) = (name.ink(x as f32 + 0.5), across.with(down));
+                    // Most texels are neither.
+                    let [r, g, b] = if inked == 0.0 && lined == 0.0 {
+                        plain
+                    } else {
+                        mix(mix(paper, ink, 0.9 * inked), [1.0; 3], lined).map(encode)
+                    };
+                    texel.copy_from_slice(&[r, g, b, 255]);
+                }
             }
         });
     image
@@ -70,9 +79,19 @@ fn ink_colour(column: u32) -> [f32; 3] {
     oklch(0.24, 0.05, hue(column))
 }
 
-/// Returns the share of a texel that is grid line.
-fn line(x: u32, y: u32) -> f32 {
-    let along = |x: u32| {
+/// The shares of a texel that are grid lines across one of the image's axes.
+struct LineShares {
+    /// Lines between cells, and the image's own edges.
+    line: f32,
+    /// The line through the middle of a cell.
+    middle: f32,
+    /// The strip beside a line between cells that a tick reaches into.
+    border: f32,
+}
+
+impl LineShares {
+    /// The shares at a column, or a row.
+    fn at(x: u32) -> Self {
         let side = (CELLS * CELL) as f32;
         let x = x as f32 + 0.5;
         let to_edge = x.min(side - x);
@@ -80,17 +99,19 @@ fn line(x: u32, y: u32) -> f32 {
         let to_line = in_cell.min(CELL as f32 - in_cell);
         let to_middle = (in_cell - 0.5 * CELL as f32).abs();
         let strong = coverage(to_line - LINE).max(coverage(to_edge - EDGE));
-        (
-            0.92 * strong,
-            coverage(to_middle - 1.0),
-            coverage(to_line - TICK),
-        )
-    };
-    // Halves are marked by ticks at the border: a line across would run through the name.
-    let ((across, middle_x, border_x), (down, middle_y, border_y)) = (along(x), along(y));
-    across
-        .max(down)
-        .max(0.6 * (middle_x * border_y).max(middle_y * border_x))
+        Self {
+            line: 0.92 * strong,
+            middle: coverage(to_middle - 1.0),
+            border: coverage(to_line - TICK),
+        }
+    }
+
+    /// The share of a texel in a column and a row. Halves are marked by ticks at the border: a line across would run
+    /// through the name.
+    fn with(&self, row: &Self) -> f32 {
+        let ticks = (self.middle * row.border).max(row.middle * self.border);
+        self.line.max(row.line).max(0.6 * ticks)
+    }
 }
 
 /// The share of a texel inside a shape whose border is at this signed distance.
@@ -98,19 +119,43 @@ fn coverage(distance: f32) -> f32 {
     (0.5 - distance).clamp(0.0, 1.0)
 }
 
-/// Returns the share of ink at a place in a cell.
-fn label(strokes: &[Segment], x: f32, y: f32) -> f32 {
-    let width = ADVANCE + 4.0;
-    let gx = (x - 0.5 * CELL as f32) / SCALE + 0.5 * width;
-    let gy = (y - 0.5 * CELL as f32) / SCALE + 3.0;
-    if gx < -1.0 || gx > width + 1.0 || !(-1.0..=7.0).contains(&gy) {
-        return 0.0;
+/// The name of a cell along a row of its texels.
+struct NameRow {
+    /// The strokes that may reach the row.
+    strokes: Vec<Segment>,
+    /// The row, in units of a glyph's box.
+    y: f32,
+}
+
+impl NameRow {
+    /// The width of a name, in units of a glyph's box.
+    const WIDTH: f32 = ADVANCE + 4.0;
+
+    /// The strokes of a name near the row `y`, in texels.
+    fn new(name: &[Segment], y: f32) -> Self {
+        let y = (y - 0.5 * CELL as f32) / SCALE + 3.0;
+        // Half a stroke's width, and a texel in which it fades.
+        let reach = STROKE + 1.0 / SCALE;
+        let near = |&[_, a, _, b]: &Segment| a.min(b) - reach <= y && y <= a.max(b) + reach;
+        Self {
+            strokes: name.iter().copied().filter(|it| near(it)).collect(),
+            y,
+        }
     }
-    let nearest = strokes
-        .iter()
-        .map(|segment| distance(segment, gx, gy))
-        .fold(f32::INFINITY, f32::min);
-    coverage((nearest - STROKE) * SCALE)
+
+    /// Returns the share of ink at the place `x` of the row, in texels.
+    fn ink(&self, x: f32) -> f32 {
+        let x = (x - 0.5 * CELL as f32) / SCALE + 0.5 * Self::WIDTH;
+        if !(-1.0..=Self::WIDTH + 1.0).contains(&x) {
+            return 0.0;
+        }
+        let nearest = self
+            .strokes
+            .iter()
+            .map(|segment| distance(segment, x, self.y))
+            .fold(f32::INFINITY, f32::min);
+        coverage((nearest - STROKE) * SCALE)
+    }
 }
 
 type Segment = [f32; 4];

@@ -31,16 +31,16 @@ impl Pictures {
         views.any(|view| view.waiting != Waiting::No)
     }
 
-    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
-    /// one is the first of its pane.
+    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none. How
+    /// long the first of a pane takes is not known: it is worth a try.
     fn expected(&self) -> Option<Duration> {
         let views = self.of_views.values();
         let mut waiting = views
             .filter(|view| view.waiting == Waiting::ForFrame)
             .peekable();
         waiting.peek()?;
-        let took = waiting.map(|view| view.picture.as_ref().map(|it| it.took));
-        took.sum()
+        let took = waiting.filter_map(|view| view.picture.as_ref().map(|it| it.took));
+        Some(took.sum())
     }
 
     /// Returns the size of the picture for a pane: see [`refinement::size`].
@@ -234,10 +234,17 @@ impl Window {
         self.model.set_traced(!traced);
     }
 
+    /// Waits for the text that the window is opened with, if this is the first frame: then it is laid out for that text,
+    /// and no frame is drawn without it.
+    pub(super) fn await_first_text(&mut self) {
+        if self.records.counters.frames == 0 && !self.panes.is_welcome {
+            self.await_events(|window| !window.model.read);
+        }
+    }
+
     /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
     /// no frame is drawn without them.
     pub(super) fn await_pictures(&mut self, context: &egui::Context) {
-        self.display.clock.waited = Duration::ZERO;
         if context.current_pass_index() > 0 {
             return;
         }
@@ -245,15 +252,19 @@ impl Window {
         if expected.is_none_or(|expected| expected > self.display.clock.wait_budget) {
             return;
         }
+        if self.await_events(|window| window.pictures.expected().is_some()) {
+            context.request_discard("pictures have come");
+        }
+    }
+
+    /// Takes events over while they are wanted and the frame may wait; returns whether there were any.
+    fn await_events(&mut self, are_wanted: impl Fn(&Self) -> bool) -> bool {
         let start = Instant::now();
         self.events.sender.listen(true);
         let mut came = false;
-        while self.pictures.expected().is_some() {
-            let left = self
-                .display
-                .clock
-                .wait_budget
-                .saturating_sub(start.elapsed());
+        while are_wanted(self) {
+            let budget = self.display.clock.wait_budget;
+            let left = budget.saturating_sub(start.elapsed());
             let Ok(event) = self.events.receiver.recv_timeout(left) else {
                 break;
             };
@@ -263,10 +274,8 @@ impl Window {
         self.events.sender.listen(false);
         // An event that came between the last look and now has not woken the window.
         came |= self.handle_events();
-        self.display.clock.waited = start.elapsed();
-        if came {
-            context.request_discard("pictures have come");
-        }
+        self.display.clock.waited += start.elapsed();
+        came
     }
 
     /// Takes over a pane's picture, or the sentence that says why there is none, and the camera of the views in space.
