@@ -28,7 +28,7 @@ use crate::trace::TraceError;
 
 pub use between::{Connection, Connections, MOST_CONNECTIONS, between, distance};
 pub use circle::{Circle, RayStop, circle};
-pub use place::{PlaceMeasures, place};
+pub use place::{PlaceMeasures, Principal, place};
 pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};
 pub use walk::{Closing, Transport, closing, transport};
 

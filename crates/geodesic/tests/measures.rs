@@ -53,6 +53,60 @@ fn check(what: &str, circle: Circle, expected: [f64; 2], overlaps: bool) {
     assert_eq!(circle.overlaps, overlaps, "{what}: {circle:?}");
 }
 
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+}
+
+#[test]
+fn principal_directions_bend_most_and_least() {
+    // Euler's theorem, on a surface whose chart is oblique: of 360 directions none bends more or less.
+    let surface = triaxial(1.0, 2.0, 3.0);
+    for uv in [[0.3, 0.2], [2.0, -1.0], [5.0, 1.2_f64]] {
+        let found = measure::place(&surface, uv).expect("a place");
+        let (k, h) = (found.gaussian.expect("K"), found.mean.expect("H"));
+        let [most, least] = found.principal.expect("no umbilic");
+        near("K", most.curvature * least.curvature, k, 1e-12);
+        near("H", 0.5 * (most.curvature + least.curvature), h, 1e-12);
+        let [e, f, g] = found.form;
+        let inner =
+            |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * c * e + (a * d + b * c) * f + b * d * g;
+        near("length", inner(most.direction, most.direction), 1.0, 1e-12);
+        near(
+            "right angle",
+            inner(most.direction, least.direction),
+            0.0,
+            1e-12,
+        );
+        let jet = surface.jet(uv.into());
+        let normal = cross(jet.du, jet.dv);
+        let size = dot(normal, normal).sqrt();
+        let bend = |[a, b]: [f64; 2]| {
+            let second = [0, 1, 2]
+                .map(|i| a * a * jet.duu[i] + 2.0 * a * b * jet.duv[i] + b * b * jet.dvv[i]);
+            dot(second, normal) / size
+        };
+        near("most", bend(most.direction), most.curvature, 1e-12);
+        near("least", bend(least.direction), least.curvature, 1e-12);
+        for degree in 0..360 {
+            let (sin, cos) = f64::from(degree).to_radians().sin_cos();
+            let direction = [0, 1].map(|i| cos * most.direction[i] + sin * least.direction[i]);
+            let bend = bend(direction);
+            assert!(bend <= most.curvature + 1e-12 && bend >= least.curvature - 1e-12);
+        }
+    }
+    let sphere = measure::place(&triaxial(2.0, 2.0, 2.0), [0.3, 0.4]).expect("a place");
+    assert_eq!(
+        sphere.principal, None,
+        "every place of a sphere is an umbilic"
+    );
+    let metric = measure::place(&half_plane(), [0.5, 2.0]).expect("a place");
+    assert_eq!(metric.principal, None);
+}
+
 #[test]
 fn curvatures_are_those_of_the_formulas() {
     let [a, b, c] = [1.0, 2.0, 3.0];
@@ -78,6 +132,7 @@ fn curvatures_are_those_of_the_formulas() {
     assert_eq!(half.mean, None);
     let tip = measure::place(&cone(1.0), [0.3, 0.0]).expect("a place");
     assert_eq!((tip.gaussian, tip.mean), (None, None));
+    assert_eq!(tip.principal, None);
     near("G at the tip", tip.form[2], 2.0, 1e-15);
 }
 

@@ -50,6 +50,10 @@ fn place_rows(surface: &dyn Surface, found: &PlaceMeasures) -> Measured {
             let half = (h * h - k).max(0.0).sqrt();
             rows.push(Quantity::new("principal", place([h + half, h - half])));
         }
+        if let Some(all) = found.principal {
+            let directions = all.map(|it| place(it.direction)).join(", ");
+            rows.push(Quantity::new("directions", directions));
+        }
     }
     let form = found.form.map(number).join(", ");
     rows.push(Quantity::new("E, F, G", form));

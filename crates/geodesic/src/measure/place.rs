@@ -22,7 +22,22 @@ pub struct PlaceMeasures {
     /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
     /// space, and where the surface has no tangent plane.
     pub mean: Option<f64>,
+    /// The directions in which the surface bends most and least, for the same normal; `None` on a metric, at an umbilic,
+    /// where all directions are alike, and where (u, v) have no directions.
+    pub principal: Option<[Principal; 2]>,
 }
+
+/// A principal curvature, and its direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principal {
+    /// The normal curvature, the larger one first.
+    pub curvature: f64,
+    /// (a, b): a·σu + b·σv has length 1, and its sign means nothing.
+    pub direction: [f64; 2],
+}
+
+/// How near, relative to the larger one, two principal curvatures are that count as equal.
+const UMBILIC: f64 = 1e-7;
 
 /// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.
 ///
@@ -52,7 +67,43 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
+        principal: surface
+            .is_embedded()
+            .then(|| principal(&jet))
+            .flatten()
+            .filter(|all| {
+                all.iter()
+                    .all(|it| it.direction.iter().all(|x| x.is_finite()))
+            }),
     })
+}
+
+/// The principal curvatures and directions: those in which the second form, with respect to an orthonormal basis of the
+/// tangent plane, is diagonal. `None` at an umbilic.
+fn principal(jet: &Jet) -> Option<[Principal; 2]> {
+    let normal = cross(jet.du, jet.dv);
+    let (area, length) = (norm(normal), norm(jet.du));
+    // σu/|σu|, and σv without its part along σu, in terms of σu and σv.
+    let along = dot(jet.du, jet.dv) / length / length;
+    let basis = [[1.0 / length, 0.0], [-along * length / area, length / area]];
+    let second = |w: [f64; 3]| dot(w, normal) / area;
+    let (l, m, n) = (second(jet.duu), second(jet.duv), second(jet.dvv));
+    let form = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * c * l + (a * d + b * c) * m + b * d * n;
+    let (p, q, r) = (
+        form(basis[0], basis[0]),
+        form(basis[0], basis[1]),
+        form(basis[1], basis[1]),
+    );
+    let (mean, half) = (0.5 * (p + r), (0.5 * (p - r)).hypot(q));
+    if half.is_nan() || half <= UMBILIC * (mean.abs() + half) {
+        return None;
+    }
+    let (sin, cos) = (0.5 * (2.0 * q).atan2(p - r)).sin_cos();
+    let at = |curvature, [x, y]: [f64; 2]| Principal {
+        curvature,
+        direction: [0, 1].map(|k| x * basis[0][k] + y * basis[1][k]),
+    };
+    Some([at(mean + half, [cos, sin]), at(mean - half, [-sin, cos])])
 }
 
 /// K and H, in the chart about a pole where (u,v) has lost too many digits.

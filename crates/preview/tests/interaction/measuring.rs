@@ -97,6 +97,7 @@ fn a_place_has_its_curvatures_and_the_camera_stays() {
     // Closed, clicks move the camera again.
     hand.press(Modifiers::NONE, Key::M);
     assert!(!hand.shows("principal"));
+    assert!(!hand.shows("directions"));
     hand.click_at(space);
     hand.settle();
     assert_ne!(hand.camera("s"), camera);

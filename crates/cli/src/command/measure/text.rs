@@ -14,7 +14,7 @@ pub(super) fn place(found: &PlaceMeasures, embedded: bool) -> String {
         (mean, _) => format!("{}  for the normal σu × σv", curvature(mean)),
     };
     let [e, f, g] = found.form.map(show_measured);
-    format!(
+    let mut text = format!(
         "\
 at (u, v) = {}
   Gaussian curvature  K = {}
@@ -23,7 +23,18 @@ at (u, v) = {}
 ",
         pair_text(found.uv.0),
         curvature(found.gaussian),
-    )
+    );
+    for (name, it) in ["most", "least"]
+        .iter()
+        .zip(found.principal.iter().flatten())
+    {
+        text += &format!(
+            "  bends {name:<13} {} along {}\n",
+            show_measured(it.curvature),
+            pair_text(it.direction)
+        );
+    }
+    text
 }
 
 pub(super) fn circle(found: &Circle, radius: f64) -> String {

@@ -342,12 +342,26 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     #[cold]
     fn missing_argument(&mut self, function: Span) -> Stop {
+        // As in `K(s)`, where nothing is called `K`: that has been said, and `s` would be right behind a word that takes it.
+        self.flagged |= self.state.silent
+            && self.current.kind == TokenKind::ParenClose
+            && self.is_argument_of_word(function.start);
         let name = super::messages::quote(function.text(self.source));
         let message = format!("{name} needs an argument, found {}", self.found());
         let diagnostic = self
             .here(codes::MISSING_ARGUMENT, message)
             .with_related(function, "this is a function");
         self.reject(diagnostic)
+    }
+
+    /// Returns whether `(` and, before it, the end of a word stand before a place.
+    fn is_argument_of_word(&self, place: u32) -> bool {
+        let before = self.source[..place as usize].trim_end();
+        before.strip_suffix('(').is_some_and(|before| {
+            before
+                .trim_end()
+                .ends_with(|c: char| c.is_ascii_alphabetic())
+        })
     }
 
     #[cold]
