@@ -13,18 +13,27 @@ import { extname, join, normalize } from "node:path";
 
 const [cache, extension, suite] = process.argv.slice(2);
 const { chromium } = createRequire(join(cache, "package.json"))("playwright-core");
+/** In the extension's folder: so it runs in the host of that. */
+const SUITE = "/extension/suite.js";
 const LIMIT = 180_000;
+const lines = [];
 const code = join(cache, "node_modules/code-server/lib/vscode");
 const types = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
 
-/** The workbench asks for a server at its own address by itself; a browser's VS Code has none. */
+/** The workbench without a server: code-server's connects to one at its own address, and keeps the user's settings there. */
 const workbench = () => {
     const text = readFileSync(join(code, "out/vs/code/browser/workbench/workbench.js"), "utf8");
-    const parts = text.split("remoteAuthority:location.host");
-    if (parts.length !== 2) {
-        throw new Error("this code-server names its server in another way");
-    }
-    return parts.join("remoteAuthority:void 0");
+    const changes = [
+        ["remoteAuthority:location.host", "remoteAuthority:void 0"],
+        [/\.with\(\{scheme:\w+\.vscodeRemote\}\),"User"\)/g, '.with({scheme:"vscode-userdata"}),"User")'],
+    ];
+    return changes.reduce((text, [from, to]) => {
+        const parts = text.split(from);
+        if (parts.length !== 2) {
+            throw new Error(`this code-server is another one: ${from} is not there once`);
+        }
+        return parts.join(to);
+    }, text);
 };
 
 const server = createServer((request, response) => {
@@ -39,8 +48,9 @@ const server = createServer((request, response) => {
         send(workbench(), "text/javascript");
         return;
     }
-    const file = root === "suite" ? suite : join({ code, extension }[root] ?? "/none", rest);
+    const file = pathname === SUITE ? suite : join({ code, extension }[root] ?? "/none", rest);
     if (!statSync(file, { throwIfNoEntry: false })?.isFile()) {
+        lines.push(`there is no ${pathname}`);
         response.writeHead(404).end();
         return;
     }
@@ -56,12 +66,15 @@ function page() {
     const base = `http://localhost:${port}/code`;
     const configuration = {
         folderUri: { scheme: "tmp", path: "/" },
-        developmentOptions: { extensions: [address("/extension")], extensionTestsPath: address("/suite/index.js") },
+        developmentOptions: { extensions: [address("/extension")], extensionTestsPath: address(SUITE) },
         additionalBuiltinExtensions: [address("/code/extensions/theme-defaults")],
         configurationDefaults: { "files.autoSave": "off", "workbench.colorTheme": "Default Dark Modern" },
         enableWorkspaceTrust: false,
-        // Wanted by code-server's workbench; there is nothing at that path.
-        userDataPath: "/user",
+        // What code-server's workbench asks for besides.
+        userDataPath: "/",
+        isEnabledFileDownloads: true,
+        isEnabledFileUploads: true,
+        isEnabledCoderGettingStarted: false,
         webviewEndpoint: `${base}/out/vs/workbench/contrib/webview/browser/pre`,
     };
     const values = {
@@ -83,7 +96,6 @@ const browser = await chromium.launch({
     args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
 });
 const tab = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
-const lines = [];
 const finish = async (status) => {
     if (process.env.GEOTRACE_SCREENSHOT) {
         await tab.screenshot({ path: process.env.GEOTRACE_SCREENSHOT }).catch(() => {});
