@@ -39,7 +39,7 @@ pub(crate) struct Connection<R, W> {
     pub(crate) writing: W,
 }
 
-/// What serves an editor, whose messages come from `frames`; the bodies of those to it go to `output`. `raw` are the
+/// The connection to an editor, whose messages come from `frames`; the bodies of those to it go to `output`. `raw` are the
 /// messages that `raw_sender` takes.
 pub(crate) fn connect<S>(
     frames: impl Stream<Item = Frame>,
