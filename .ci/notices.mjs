@@ -21,16 +21,16 @@ if (!(platform in TARGETS) || !out) {
     process.exit(2);
 }
 
-const program = platform === "web" ? "geotrace-web" : "geotrace";
+const programs = platform === "web" ? ["geotrace-web", "geotrace-web-server"] : ["geotrace"];
 const options = ["metadata", "--locked", "--format-version", "1", "--filter-platform", TARGETS[platform]];
 const metadata = JSON.parse(execFileSync("cargo", options, { cwd: root, encoding: "utf8", maxBuffer: 2 ** 28 }));
 
-/** What the program is linked with, itself and the workspace left out; by name. */
+/** What the programs are linked with, itself and the workspace left out; by name. */
 function linked() {
     const nodes = new Map(metadata.resolve.nodes.map((node) => [node.id, node]));
     const packages = new Map(metadata.packages.map((one) => [one.id, one]));
     const found = new Set();
-    const open = metadata.packages.filter((one) => one.name === program).map((one) => one.id);
+    const open = metadata.packages.filter((one) => programs.includes(one.name)).map((one) => one.id);
     for (let id = open.pop(); id !== undefined; id = open.pop()) {
         if (!found.has(id)) {
             found.add(id);

@@ -1,13 +1,19 @@
-// Writes the package.json and README.md of the packed extension into a folder: with the publisher and the addresses that
-// the environment names (PUBLISHER, REPOSITORY), without what only building needs.
-import { readFileSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
+// Writes the package.json, README.md and examples.json of the packed extension into a folder: with the publisher and the
+// addresses that the environment names (PUBLISHER, REPOSITORY), without what only building or another TARGET needs.
+import { readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { basename, join } from "node:path";
 
 const [folder] = process.argv.slice(2);
-const { PUBLISHER: publisher, REPOSITORY: repository } = process.env;
+const { PUBLISHER: publisher, REPOSITORY: repository, TARGET: target } = process.env;
 const manifest = JSON.parse(readFileSync("package.json", "utf8"));
 delete manifest.scripts;
 delete manifest.devDependencies;
+if (target === "web") {
+    delete manifest.main;
+    delete manifest.capabilities;
+} else {
+    delete manifest.browser;
+}
 if (publisher) {
     manifest.publisher = publisher;
 }
@@ -23,3 +29,8 @@ if (repository) {
 }
 writeFileSync(join(folder, "package.json"), JSON.stringify(manifest, undefined, 2));
 writeFileSync(join(folder, "README.md"), readme);
+// A browser reads files of the extension, but lists no folder.
+const folderOfExamples = "../../examples";
+const names = readdirSync(folderOfExamples).filter((name) => name.endsWith(".gtr"));
+const texts = names.sort().map((name) => [basename(name, ".gtr"), readFileSync(join(folderOfExamples, name), "utf8")]);
+writeFileSync(join(folder, "examples.json"), JSON.stringify(Object.fromEntries(texts)));

@@ -3,7 +3,8 @@
 //! The reader never gives up. A header without a length, a length that is wrong, a body that is no JSON become a
 //! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found. A message is parsed here, and only here.
 
-use tokio::io::{AsyncRead, AsyncReadExt};
+use futures::{Sink, Stream, sink, stream};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tower_lsp::jsonrpc::{Request, Response};
 
 /// The longest message that is read; an editor sends whole files, but not of this size.
@@ -127,6 +128,23 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
     }
 }
 
+/// The frames of a stream, to its end.
+pub(crate) fn read(stream: impl AsyncRead + Unpin) -> impl Stream<Item = Frame> {
+    stream::unfold(FrameReader::new(stream), async |mut reader| {
+        let frame = reader.next().await?;
+        Some((frame, reader))
+    })
+}
+
+/// Writes each body with its header at once.
+pub(crate) fn write(stream: impl AsyncWrite + Unpin) -> impl Sink<Vec<u8>, Error = std::io::Error> {
+    sink::unfold(stream, async |mut stream, body: Vec<u8>| {
+        stream.write_all(&framed(&body)).await?;
+        stream.flush().await?;
+        Ok(stream)
+    })
+}
+
 /// The bytes of a message with its header.
 pub(crate) fn framed(body: &[u8]) -> Vec<u8> {
     let mut bytes = format!("Content-Length: {}\r\n\r\n", body.len()).into_bytes();
@@ -145,7 +163,7 @@ fn length_of(header: &[u8]) -> Option<usize> {
 
 /// Parses a body as a message. To the protocol's type of requests the method is optional, so that a response is a request
 /// without one.
-fn message(body: &[u8]) -> Option<Frame> {
+pub(crate) fn message(body: &[u8]) -> Option<Frame> {
     let request: Option<Request> = serde_json::from_slice(body).ok();
     match request {
         Some(request) if !request.method().is_empty() => Some(Frame::Request(request)),

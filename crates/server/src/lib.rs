@@ -23,22 +23,29 @@ mod preview;
 mod raw_responses;
 mod session;
 mod settings;
+mod tasks;
 mod to_lsp;
 mod tokens;
+#[cfg(target_family = "wasm")]
+mod turns;
 mod workspace;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use futures::{Sink, Stream};
 use ide::Languages;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tower_lsp::LspService;
 
-use connection::Connection;
+use connection::{Connection, connect};
+use frames::Frame;
 use incoming::Backend;
 pub use preview::WindowProgram;
 use raw_responses::{RawResponses, RawSender};
 use session::Session;
+#[cfg(target_family = "wasm")]
+pub use turns::ServerByTurns;
 
 /// The end of a session.
 #[derive(Debug, Default)]
@@ -65,6 +72,7 @@ impl End {
 ///
 /// # Errors
 /// If the system has no threads or timers left.
+#[cfg(not(target_family = "wasm"))]
 pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
@@ -82,7 +90,7 @@ pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Resu
     Ok(clean)
 }
 
-/// Serves one editor on any pair of streams; see [`run`].
+/// Serves one editor on any pair of streams; see `run`.
 pub async fn serve<R, W>(
     input: R,
     output: W,
@@ -95,18 +103,9 @@ where
 {
     let end = Arc::new(End::default());
     let session = Arc::new(Mutex::new(Session::new(languages, window)));
-    let (raw_sender, raw) = RawSender::new();
-    let faults = raw_sender.clone();
-    let service = LspService::build(|client| {
-        Backend::new(client, end.clone(), session.clone(), raw_sender.clone())
-    });
-    let service = service.custom_method(incoming::CURSOR, Backend::cursor);
-    let (service, socket) = incoming::with_texts(service).finish();
-    let service = RawResponses::new(service, raw_sender);
-    let Connection {
-        mut serving,
-        mut writing,
-    } = Connection::start(input, output, service, socket, faults, raw);
+    let (frames, output) = (frames::read(input), frames::write(output));
+    let Connection { serving, writing } = start(frames, output, end.clone(), session.clone());
+    let (mut serving, mut writing) = (tokio::spawn(serving), tokio::spawn(writing));
     tokio::select! {
         _ = &mut serving => {
             // What has been said is still written.
@@ -119,4 +118,22 @@ where
     serving.abort();
     writing.abort();
     end.asked_for.load(Ordering::SeqCst)
+}
+
+/// The tasks of a session with an editor.
+fn start(
+    frames: impl Stream<Item = Frame>,
+    output: impl Sink<Vec<u8>>,
+    end: Arc<End>,
+    session: Arc<Mutex<Session>>,
+) -> Connection<impl Future<Output = ()>, impl Future<Output = ()>> {
+    let (raw_sender, raw) = RawSender::new();
+    let faults = raw_sender.clone();
+    let service = LspService::build(|client| {
+        Backend::new(client, end.clone(), session.clone(), raw_sender.clone())
+    });
+    let service = service.custom_method(incoming::CURSOR, Backend::cursor);
+    let (service, socket) = incoming::with_texts(service).finish();
+    let service = RawResponses::new(service, raw_sender);
+    connect(frames, output, service, socket, faults, raw)
 }

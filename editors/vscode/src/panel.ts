@@ -4,8 +4,6 @@
 // The panel has the text by its edits, and says which range to select and which edits to apply. Its offsets are those of
 // the text with `\n` as its line ends, which VS Code's are not in a document with CRLF.
 
-import { existsSync } from "node:fs";
-import { basename, join } from "node:path";
 import * as vscode from "vscode";
 
 /** The languages that have a preview. */
@@ -40,17 +38,22 @@ export class Panels implements vscode.Disposable {
     }
 
     /** Whether the extension was packed with the page. */
-    get isThere(): boolean {
-        return existsSync(join(this.folder.fsPath, "preview", "panel.js"));
+    private async isThere(): Promise<boolean> {
+        try {
+            await vscode.workspace.fs.stat(vscode.Uri.joinPath(this.folder, "preview", "panel.js"));
+            return true;
+        } catch {
+            return false;
+        }
     }
 
     /** Opens the panel of a document, or shows it if it is open. */
-    show(document: vscode.TextDocument): void {
+    async show(document: vscode.TextDocument): Promise<void> {
         if (!LANGUAGES.includes(document.languageId)) {
-            void vscode.window.showErrorMessage(`${basename(document.uri.path)} is not a Geotrace program, so it has no preview.`);
+            void vscode.window.showErrorMessage(`${nameOf(document.uri)} is not a Geotrace program, so it has no preview.`);
             return;
         }
-        if (!this.isThere) {
+        if (!(await this.isThere())) {
             void vscode.window.showErrorMessage("This extension was packed without the preview inside VS Code: open the window instead.");
             return;
         }
@@ -102,7 +105,7 @@ class Panel {
         ended: () => void,
     ) {
         const root = vscode.Uri.joinPath(folder, "preview");
-        const title = `Preview ${basename(document.uri.path)}`;
+        const title = `Preview ${nameOf(document.uri)}`;
         const where = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
         this.panel = vscode.window.createWebviewPanel("geotrace.panel", title, where, {
             enableScripts: true,
@@ -182,10 +185,11 @@ class Panel {
 
     private async save(name: string, base64: string): Promise<void> {
         const { uri } = this.document;
-        const inFolder = uri.scheme === "file" ? vscode.Uri.joinPath(uri, "..", basename(name)) : vscode.Uri.file(join("/", basename(name)));
-        const target = await vscode.window.showSaveDialog({ defaultUri: inFolder });
+        const folder = vscode.Uri.joinPath(uri.scheme === "untitled" ? vscode.Uri.file("/untitled") : uri, "..");
+        const defaultUri = vscode.Uri.joinPath(folder, name.replaceAll(/.*[\\/]/g, ""));
+        const target = await vscode.window.showSaveDialog({ defaultUri });
         if (target !== undefined) {
-            await vscode.workspace.fs.writeFile(target, Buffer.from(base64, "base64"));
+            await vscode.workspace.fs.writeFile(target, Uint8Array.from(atob(base64), (byte) => byte.charCodeAt(0)));
         }
     }
 
@@ -194,7 +198,7 @@ class Panel {
     }
 
     private tellText(): void {
-        const name = basename(this.document.uri.path);
+        const name = nameOf(this.document.uri);
         const isNamed = /\.(gtr|crt)$/.test(name);
         const extension = this.document.languageId === "crt" ? "crt" : "gtr";
         this.tell({
@@ -228,6 +232,11 @@ class Panel {
         const offset = this.document.offsetAt(position);
         return this.document.eol === vscode.EndOfLine.LF ? offset : offset - position.line;
     }
+}
+
+/** The last part of a document's path. */
+function nameOf(uri: vscode.Uri): string {
+    return uri.path.replace(/.*\//, "");
 }
 
 /** The page of a panel: it loads the scripts of its folder, and nothing else. */

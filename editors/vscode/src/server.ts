@@ -5,6 +5,7 @@ import { execFile } from "node:child_process";
 import { access, constants } from "node:fs/promises";
 import { delimiter, isAbsolute, join } from "node:path";
 import { promisify } from "node:util";
+import { ServerMissing } from "./session";
 
 /** A program that can be started. */
 export interface Server {
@@ -13,9 +14,6 @@ export interface Server {
     /** Where it was found: "the setting geotrace.server.path", "the extension", "PATH". */
     from: string;
 }
-
-/** Why there is none; the message is a sentence for the user. */
-export class ServerMissing extends Error {}
 
 const program = process.platform === "win32" ? "geotrace.exe" : "geotrace";
 

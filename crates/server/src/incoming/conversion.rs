@@ -1,7 +1,5 @@
 //! The command `geotrace.convert`: a document's text in another language, in a new file that the editor creates and shows.
 
-use std::path::Path;
-
 use tower_lsp::Client;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
@@ -9,6 +7,7 @@ use tower_lsp::ls_types as lsp;
 use super::Backend;
 use super::work::{failed, not_open};
 use crate::documents::Open;
+use crate::tasks;
 use crate::to_lsp::{self, CONVERT_COMMAND};
 
 /// Names that are tried for the new file before it is given up.
@@ -40,28 +39,28 @@ pub(super) async fn convert(
                 .to_owned(),
         );
     }
-    let Some(path) = uri.to_file_path().map(|path| path.into_owned()) else {
+    if uri.as_str().starts_with("untitled:") {
         return tell(
             &server.client,
             "only a script in a file is converted: save it first".to_owned(),
         );
-    };
+    }
     let work = move || {
         let analysis = snapshot.analysis();
         let extension = analysis.conversion().unwrap_or_default();
         let target = (1..=MOST_NAMES)
-            .map(|count| sibling(&path, count, extension))
-            .find(|path| !path.exists());
+            .filter_map(|count| sibling(&uri, count, extension).parse::<lsp::Uri>().ok())
+            .find(|target| !exists(target));
         let target =
             target.ok_or_else(|| "there are too many converted files beside it".to_owned())?;
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let path = target.path().decode().to_string_lossy().into_owned();
+        let name = path.rsplit('/').next().unwrap_or_default();
         let text = analysis
-            .convert(&[], &name)
+            .convert(&[], name)
             .map_err(|error| error.to_string())?;
-        let uri = lsp::Uri::from_file_path(&target);
-        Ok((uri.ok_or_else(|| "its path has no URI".to_owned())?, text))
+        Ok((target, text))
     };
-    let made = tokio::task::spawn_blocking(work).await;
+    let made = tasks::work(work).await;
     let made: std::result::Result<_, String> =
         made.unwrap_or_else(|_| Err("a fault of the server".to_owned()));
     let client = server.client.clone();
@@ -70,7 +69,7 @@ pub(super) async fn convert(
         Err(reason) => return tell(&client, format!("the script is not converted: {reason}")),
     };
     // Requests to the editor are never waited for within a handler.
-    tokio::spawn(async move {
+    tasks::spawn(async move {
         let edit = to_lsp::new_file(&target, text);
         let params = lsp::ApplyWorkspaceEditParams {
             label: Some("Convert to Geotrace's language".to_owned()),
@@ -101,20 +100,30 @@ pub(super) async fn convert(
 }
 
 /// `forest.gtr` beside `forest.crt`; with another count `forest-2.gtr`.
-fn sibling(path: &Path, count: u32, extension: &str) -> std::path::PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+fn sibling(uri: &lsp::Uri, count: u32, extension: &str) -> String {
+    let stem = uri.as_str();
+    let name = stem.rfind('/').map_or(0, |slash| slash + 1);
+    let stem = match stem[name..].rfind('.') {
+        Some(dot) => &stem[..name + dot],
+        None => stem,
+    };
     let number = if count > 1 {
         format!("-{count}")
     } else {
         String::new()
     };
-    path.with_file_name(format!("{stem}{number}.{extension}"))
+    format!("{stem}{number}.{extension}")
+}
+
+/// Returns true if there is such a file on this system: what an editor has elsewhere is its own business.
+fn exists(uri: &lsp::Uri) -> bool {
+    uri.as_str().starts_with("file:") && uri.to_file_path().is_some_and(|path| path.exists())
 }
 
 /// Shows a sentence to the user.
 fn tell(client: &Client, message: String) -> Result<Option<lsp::LSPAny>> {
     let client = client.clone();
-    tokio::spawn(async move {
+    tasks::spawn(async move {
         client
             .show_message(lsp::MessageType::WARNING, message)
             .await

@@ -9,6 +9,7 @@ use super::work::{failed, not_open};
 use super::{Backend, places, window};
 use crate::documents::{ContentChange, Open, Snapshot};
 use crate::raw_responses::{Answer, answer};
+use crate::tasks;
 use crate::to_lsp;
 
 pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentParams) {
@@ -102,7 +103,7 @@ pub(super) async fn diagnostic(
         // What was sent unasked is taken back: else the editor would show everything twice.
         let (client, uri) = (server.client.clone(), uri.clone());
         let publishing = server.publishing.clone();
-        tokio::spawn(async move {
+        tasks::spawn(async move {
             let _turn = publishing.lock().await;
             client.publish_diagnostics(uri, Vec::new(), None).await;
         });
@@ -189,7 +190,7 @@ impl Backend {
         };
         // The handler ends: only a few may be under way.
         let server = self.clone();
-        tokio::spawn(async move {
+        tasks::spawn(async move {
             let place = uri.clone();
             let run = server.work(move || {
                 let found = snapshot.analysis().diagnostics();

@@ -7,6 +7,7 @@ use super::workspace::set;
 use super::{Backend, window};
 use crate::encoding::Encoding;
 use crate::session::Editor;
+use crate::tasks;
 use crate::to_lsp;
 
 pub(super) async fn initialize(
@@ -44,7 +45,7 @@ pub(super) async fn initialize(
 pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
     if server.session().editor.configuration {
         let (client, session) = (server.client.clone(), server.session.clone());
-        tokio::spawn(async move {
+        tasks::spawn(async move {
             let item = lsp::ConfigurationItem {
                 scope_uri: None,
                 section: Some("geotrace".to_owned()),

@@ -17,6 +17,7 @@ use tower_lsp::ls_types as lsp;
 use crate::documents::Open;
 use crate::preview::{Gone, Left, Process, Started, WindowOutput};
 use crate::session::Session;
+use crate::tasks;
 use requests::{WindowRequest, run_all};
 
 /// The time in which windows must have received the command to close when the editor leaves.
@@ -48,11 +49,11 @@ pub(super) fn open(
                 client,
                 session: session.clone(),
             });
-            tokio::spawn(run(window, heard, version_timeout));
+            tasks::spawn(run(window, heard, version_timeout));
         }
         // Requests and notifications are never waited for within a handler.
         Err((kind, message)) => {
-            tokio::spawn(async move { client.show_message(kind, message).await });
+            tasks::spawn(async move { client.show_message(kind, message).await });
         }
     }
 }
@@ -62,7 +63,7 @@ pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: L
     let program = lock(session).window.clone();
     let close_delay = program.map_or(Duration::ZERO, |program| program.close_delay);
     let (session, uri) = (session.clone(), uri.clone());
-    tokio::spawn(async move {
+    tasks::spawn(async move {
         tokio::time::sleep(close_delay).await;
         lock(&session).previews.close(uri.as_str(), left);
     });
@@ -71,6 +72,10 @@ pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: L
 /// Sends all windows the command to close; those that do not respond are ended.
 pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     let all = lock(session).previews.close_all();
+    if all.is_empty() {
+        // A browser, which has no windows, has no clock for the deadline either.
+        return;
+    }
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     for process in all {
         let told = tokio::time::timeout_at(deadline, process.told()).await;
@@ -197,7 +202,7 @@ async fn run(
         }
     }
     let (requests, to_ask) = mpsc::channel(MOST_WAITING);
-    tokio::spawn(run_all(window.clone(), to_ask));
+    tasks::spawn(run_all(window.clone(), to_ask));
     let mut hints: Option<Instant> = None;
     let mut last_hints: Option<Instant> = None;
     let mut deadline: Option<Instant> = None;
@@ -418,7 +423,7 @@ impl PreviewWindow {
     fn refresh_hints(&self) {
         if lock(&self.session).editor.refreshes_hints {
             let client = self.client.clone();
-            tokio::spawn(async move {
+            tasks::spawn(async move {
                 let _ = client.inlay_hint_refresh().await;
             });
         }

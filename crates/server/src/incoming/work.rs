@@ -9,6 +9,7 @@ use tower_lsp::ls_types as lsp;
 use super::Backend;
 use crate::documents::{Open, Snapshot};
 use crate::raw_responses::{Answer, answer};
+use crate::tasks;
 
 impl Backend {
     /// The document as it is now.
@@ -43,32 +44,17 @@ impl Backend {
         feature: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T> {
         let place = self.places.clone().acquire_owned().await;
-        let worker = Worker(tokio::task::spawn_blocking(move || {
+        let done = tasks::work(move || {
             // Held until the work is done, whether anyone waits for it or not.
             let _place = place;
             feature()
-        }));
-        worker.result().await
-    }
-}
-
-/// A task on a worker that is cancelled when its receiver is dropped.
-struct Worker<T>(tokio::task::JoinHandle<T>);
-
-impl<T> Worker<T> {
-    async fn result(mut self) -> Result<T> {
-        (&mut self.0).await.map_err(|_| {
+        });
+        done.await.map_err(|_| {
             failed(
                 ErrorCode::InternalError,
                 "this request ran into a fault of the server; others go on",
             )
         })
-    }
-}
-
-impl<T> Drop for Worker<T> {
-    fn drop(&mut self) {
-        self.0.abort();
     }
 }
 

@@ -16,6 +16,7 @@ use crate::documents::Snapshot;
 use crate::preview;
 use crate::raw_responses::{Answer, RawSender, answer};
 use crate::session::Session;
+use crate::tasks;
 use crate::to_lsp;
 use crate::workspace;
 
@@ -137,7 +138,7 @@ pub(super) fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_j
     let hints = (before.splits, before.values) != (after.splits, after.values);
     let lenses = before.lenses != after.lenses;
     // Requests to the editor are never waited for within a handler.
-    tokio::spawn(async move {
+    tasks::spawn(async move {
         if hints && editor.refreshes_hints {
             let _ = client.inlay_hint_refresh().await;
         }

@@ -1,33 +1,15 @@
 // The preview inside VS Code, in a real webview: the extension was packed with the page.
 const assert = require("node:assert");
-const { mkdtempSync, writeFileSync } = require("node:fs");
-const { tmpdir } = require("node:os");
-const { join } = require("node:path");
 const vscode = require("vscode");
+const { eventually, openAs } = require("./workspace");
 
-const scratch = mkdtempSync(join(tmpdir(), "geotrace-panel-"));
 const SPHERE = `param r = 1 : [0.5, 2];
 surface s(u, v) = (r sin(v) cos(u), r sin(v) sin(u), r cos(v)), u : [0, 2pi], v : [0, pi];
 `;
 
-async function eventually(what, condition) {
-    const start = Date.now();
-    while (Date.now() - start < 40_000) {
-        const value = await condition();
-        if (value) {
-            return value;
-        }
-        await new Promise((resolve) => setTimeout(resolve, 20));
-    }
-    throw new Error(`never came: ${what}`);
-}
-
 /** Opens a document with its panel, and waits for its first picture. */
 async function open(name, text) {
-    const path = join(scratch, name);
-    writeFileSync(path, text);
-    const document = await vscode.workspace.openTextDocument(path);
-    await vscode.window.showTextDocument(document, vscode.ViewColumn.One);
+    const document = await openAs(name, text);
     const api = await vscode.extensions.getExtension("geotrace.geotrace").activate();
     await vscode.commands.executeCommand("geotrace.previewToSide");
     const panels = api.panels();
@@ -74,10 +56,7 @@ exports["a range that the panel names is selected, also in a text with CRLF"] = 
 exports["the command opens the panel where the setting says so, and it closes with its tab"] = async () => {
     const settings = vscode.workspace.getConfiguration("geotrace");
     await settings.update("preview.in", "panel", vscode.ConfigurationTarget.Workspace);
-    const path = join(scratch, "four.gtr");
-    writeFileSync(path, SPHERE);
-    const document = await vscode.workspace.openTextDocument(path);
-    await vscode.window.showTextDocument(document, vscode.ViewColumn.One);
+    const document = await openAs("four.gtr", SPHERE);
     const api = await vscode.extensions.getExtension("geotrace.geotrace").activate();
     await eventually("the server", () => /running/.test(api.status()));
     await vscode.commands.executeCommand("geotrace.preview");

@@ -12,6 +12,7 @@ use tower_lsp::ls_types as lsp;
 
 use super::{PreviewWindow, lock, name};
 use crate::documents::{Open, Snapshot};
+use crate::tasks;
 use crate::to_lsp;
 
 /// The time that the editor may take for one request; the next is sent then.
@@ -163,7 +164,7 @@ impl PreviewWindow {
             let edit = {
                 let (snapshot, make) = (snapshot.clone(), make.clone());
                 let write = move || make(snapshot.analysis());
-                let made = tokio::task::spawn_blocking(write).await;
+                let made = tasks::work(write).await;
                 made.map_err(|_| "a fault of the server".to_owned())??
             };
             if snapshot.text().slice(edit.span).as_ref() == Some(&edit.text) {

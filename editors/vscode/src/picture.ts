@@ -1,39 +1,8 @@
-// The commands that need no language server: a new program from an example, and a picture of a program as a file.
+// The command that writes a picture of a program as a file. It needs the program `geotrace`, but no language server.
 
 import { execFile } from "node:child_process";
-import { readdir, readFile } from "node:fs/promises";
 import { basename, extname, join } from "node:path";
 import * as vscode from "vscode";
-
-/** An example in the list that the user chooses from. */
-interface Example extends vscode.QuickPickItem {
-    text: string;
-}
-
-/** Reads the examples of a folder. The first comment line of each says what it is. */
-async function readExamples(folder: string): Promise<Example[]> {
-    const names = (await readdir(folder)).filter((name) => extname(name) === ".gtr").sort();
-    return Promise.all(
-        names.map(async (name) => {
-            const text = await readFile(join(folder, name), "utf8");
-            const [first = ""] = text.split("\n");
-            return { label: basename(name, ".gtr"), detail: first.replace(/^#\s*/, ""), text };
-        }),
-    );
-}
-
-/** Opens an example as a new, unsaved document. Without a name, the user chooses one. */
-export async function newFromExample(folder: string, name?: string): Promise<void> {
-    const examples = await readExamples(folder);
-    const example =
-        name === undefined
-            ? await vscode.window.showQuickPick(examples, { title: "New Geotrace program", matchOnDetail: true })
-            : examples.find((it) => it.label === name);
-    if (example !== undefined) {
-        const document = await vscode.workspace.openTextDocument({ language: "geotrace", content: example.text });
-        await vscode.window.showTextDocument(document);
-    }
-}
 
 /**
  * Writes the 3D view of a program as a PNG file, with edits that are not saved. Without a document it is the active

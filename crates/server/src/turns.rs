@@ -1,0 +1,55 @@
+//! The server where there are no threads: in a Worker of a browser, which hands it each message and gives it turns.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex};
+
+use futures::channel::mpsc;
+use futures::{FutureExt, future, sink};
+use ide::Languages;
+
+use crate::connection::Connection;
+use crate::frames::{self, Frame};
+use crate::session::Session;
+use crate::tasks;
+
+/// A server for one editor, whose messages are JSON texts without a header.
+#[derive(Debug)]
+pub struct ServerByTurns {
+    heard: mpsc::UnboundedSender<Frame>,
+    said: Rc<RefCell<Vec<String>>>,
+}
+
+impl ServerByTurns {
+    /// A server for documents in these languages. It has no windows.
+    pub fn new(languages: Languages) -> Self {
+        let (heard, frames) = mpsc::unbounded();
+        let said = Rc::<RefCell<Vec<String>>>::default();
+        let output = sink::unfold(said.clone(), |said, body: Vec<u8>| {
+            let text = String::from_utf8_lossy(&body).into_owned();
+            said.borrow_mut().push(text);
+            future::ready(Ok::<_, std::convert::Infallible>(said))
+        });
+        let session = Arc::new(Mutex::new(Session::new(languages, None)));
+        let Connection { serving, writing } = crate::start(frames, output, Arc::default(), session);
+        tasks::spawn(future::join(serving, writing).map(|_| ()));
+        Self { heard, said }
+    }
+
+    /// Takes a message of the editor.
+    pub fn hear(&self, message: &str) {
+        let frame = frames::message(message.as_bytes()).unwrap_or(Frame::Invalid);
+        let _ = self.heard.unbounded_send(frame);
+        tasks::run();
+    }
+
+    /// Does the work that has waited longest; false if none waits.
+    pub fn turn(&self) -> bool {
+        tasks::turn()
+    }
+
+    /// The messages to the editor since the last time.
+    pub fn take_said(&self) -> Vec<String> {
+        std::mem::take(&mut self.said.borrow_mut())
+    }
+}

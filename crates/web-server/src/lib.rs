@@ -1,0 +1,49 @@
+//! The language server for JavaScript: the messages of an editor as JSON, in a Worker of a browser.
+//!
+//! A crate of its own, since the page, which has an editor of its own, is not to load it.
+#![cfg(target_arch = "wasm32")]
+#![allow(
+    unsafe_code,
+    reason = "the macros of wasm-bindgen write the functions that JavaScript calls"
+)]
+
+use server::ServerByTurns;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+#[wasm_bindgen]
+unsafe extern "C" {
+    #[wasm_bindgen(js_namespace = console, js_name = error)]
+    fn log_error(message: &str);
+}
+
+/// The server of one editor.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct LanguageServer(ServerByTurns);
+
+#[wasm_bindgen]
+#[allow(clippy::new_without_default, reason = "only JavaScript makes a server")]
+impl LanguageServer {
+    /// A server. A panic is told on the console before it ends the Worker.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Self {
+        std::panic::set_hook(Box::new(|panic| log_error(&panic.to_string())));
+        Self(ServerByTurns::new(ide::Languages::standard()))
+    }
+
+    /// Takes a message of the editor.
+    pub fn hear(&self, message: &str) {
+        self.0.hear(message);
+    }
+
+    /// Does the work that has waited longest; false if none waits.
+    pub fn turn(&self) -> bool {
+        self.0.turn()
+    }
+
+    /// The messages to the editor since the last time.
+    #[wasm_bindgen(js_name = takeSaid)]
+    pub fn take_said(&self) -> Vec<String> {
+        self.0.take_said()
+    }
+}

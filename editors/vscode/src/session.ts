@@ -1,0 +1,305 @@
+// Starts the language server for Geotrace documents, keeps its status in view, and hands the preview's command on. What it
+// is, a program or WebAssembly, its host says.
+
+import * as vscode from "vscode";
+import {
+    type BaseLanguageClient,
+    type ClientCapabilities,
+    type ExecuteCommandSignature,
+    type FeatureState,
+    type LanguageClientOptions,
+    State,
+    type StaticFeature,
+} from "vscode-languageclient";
+import { newFromExample } from "./examples";
+import { Panels } from "./panel";
+
+/** What VS Code runs in: an operating system with programs, or a browser. */
+export interface Host {
+    /** Makes a client of the server. It throws a `ServerMissing` with a sentence for the user. */
+    connect(options: LanguageClientOptions, output: vscode.LogOutputChannel): Promise<Connected>;
+    /** Whether the server opens windows. Else the preview is always a panel. */
+    hasWindows: boolean;
+}
+
+/** A client that has not been started. */
+export interface Connected {
+    client: BaseLanguageClient;
+    version: string;
+}
+
+/** Why there is no server; the message is a sentence for the user, who can mend it in the settings. */
+export class ServerMissing extends Error {}
+
+/** The languages that the server knows. */
+const LANGUAGES = [{ language: "geotrace" }, { language: "crt" }];
+
+/** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
+const PREVIEW = "geotrace.preview";
+
+/** The notification of where the cursor stands: the preview highlights what is declared there. */
+const CURSOR = "geotrace/cursor";
+/** How long the cursor may have moved before that is told, in milliseconds. */
+const CURSOR_DELAY = 30;
+
+/** What the server tells of each picture of a preview, by the notification geotrace/shown. */
+export interface Shown {
+    uri: string;
+    version: number;
+    /** Whether the text compiled; else the last good picture stays. */
+    ok: boolean;
+    milliseconds: number;
+}
+
+/** What the tests of the extension look at. */
+export interface Api {
+    /** The pictures that have been shown so far, by document; the last of each. */
+    shown(): ReadonlyMap<string, Shown>;
+    /** The client, once it runs. */
+    client(): BaseLanguageClient | undefined;
+    /** What the status item says. */
+    status(): string;
+    /** The previews inside VS Code. */
+    panels(): Panels;
+}
+
+/** The session of this run of the extension. */
+let session: Session | undefined;
+
+export async function start(context: vscode.ExtensionContext, host: Host): Promise<Api> {
+    const started = new Session(context, host);
+    session = started;
+    context.subscriptions.push(started);
+    await started.start();
+    return {
+        client: () => started.client,
+        status: () => started.status.text,
+        shown: () => started.shown,
+        panels: () => started.panels,
+    };
+}
+
+/** VS Code waits for this before it ends: the server says goodbye to its windows. */
+export async function end(): Promise<void> {
+    await session?.end();
+}
+
+/** One run of the server after the other. */
+class Session implements vscode.Disposable {
+    client: BaseLanguageClient | undefined;
+    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", LANGUAGES);
+    readonly shown = new Map<string, Shown>();
+    readonly panels: Panels;
+    private cursor: ReturnType<typeof setTimeout> | undefined;
+    private readonly output = vscode.window.createOutputChannel("Geotrace", { log: true });
+    private readonly disposables: vscode.Disposable[];
+    /** Starts and stops come one after the other. */
+    private turn: Promise<void> = Promise.resolve();
+
+    constructor(
+        context: vscode.ExtensionContext,
+        private readonly host: Host,
+    ) {
+        this.status.name = "Geotrace";
+        this.panels = new Panels(context.extensionUri);
+        this.disposables = [
+            this.panels,
+            this.status,
+            this.output,
+            vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
+            vscode.commands.registerCommand("geotrace.previewToSide", (uri?: vscode.Uri) => this.openPanel(uri)),
+            vscode.workspace.onDidOpenTextDocument((document) => this.opened(document)),
+            vscode.commands.registerCommand("geotrace.showLog", () => this.output.show()),
+            vscode.commands.registerCommand("geotrace.newFromExample", (name?: string) =>
+                newFromExample(vscode.Uri.joinPath(context.extensionUri, "examples.json"), name),
+            ),
+            vscode.workspace.onDidChangeConfiguration(async (change) => {
+                if (change.affectsConfiguration("geotrace.server")) {
+                    await this.restart();
+                }
+            }),
+            vscode.window.onDidChangeTextEditorSelection((change) => this.cursorMoved(change.textEditor)),
+        ];
+    }
+
+    start(): Promise<void> {
+        this.turn = this.turn.then(() => this.run());
+        return this.turn;
+    }
+
+    restart(): Promise<void> {
+        this.turn = this.turn.then(() => this.stop()).then(() => this.run());
+        return this.turn;
+    }
+
+    /** Stops for good. */
+    end(): Promise<void> {
+        clearTimeout(this.cursor);
+        this.turn = this.turn.then(() => this.stop());
+        return this.turn;
+    }
+
+    dispose(): void {
+        void this.end();
+        for (const disposable of this.disposables) {
+            disposable.dispose();
+        }
+    }
+
+    private async run(): Promise<void> {
+        this.show("starting", true);
+        try {
+            const { client, version } = await this.host.connect(this.clientOptions(), this.output);
+            client.onDidChangeState(({ newState }) => this.changed(newState, version));
+            client.registerFeature(new WantsShown());
+            client.onNotification("geotrace/shown", (shown: Shown) => {
+                this.shown.set(shown.uri, shown);
+            });
+            this.client = client;
+            await client.start();
+        } catch (error) {
+            const message = error instanceof Error ? error.message : String(error);
+            this.show("not running", false, message);
+            this.output.error(message);
+            const settings = "Open Settings";
+            const buttons = error instanceof ServerMissing ? [settings] : [];
+            // Not awaited: activation must not hang on a message.
+            void vscode.window.showErrorMessage(message, ...buttons).then((choice) => {
+                if (choice === settings) {
+                    return vscode.commands.executeCommand("workbench.action.openSettings", "geotrace.server.path");
+                }
+                return undefined;
+            });
+        }
+    }
+
+    private async stop(): Promise<void> {
+        const client = this.client;
+        this.client = undefined;
+        try {
+            await client?.dispose();
+        } catch (error) {
+            this.output.warn(String(error));
+        }
+    }
+
+    private clientOptions(): LanguageClientOptions {
+        return {
+            documentSelector: LANGUAGES,
+            outputChannel: this.output,
+            synchronize: { configurationSection: "geotrace" },
+            middleware: {
+                executeCommand: async (command: string, given: unknown[], next: ExecuteCommandSignature) => {
+                    if (command !== PREVIEW) {
+                        return next(command, given);
+                    }
+                    if (this.isInPanel()) {
+                        const [wanted] = given;
+                        const uri = typeof wanted === "string" ? vscode.Uri.parse(wanted) : wanted;
+                        return this.openPanel(uri instanceof vscode.Uri ? uri : undefined);
+                    }
+                    if (given[0] instanceof vscode.Uri) {
+                        // From the explorer the file may not be open, and the server knows open documents only.
+                        await vscode.window.showTextDocument(given[0]);
+                    }
+                    // It may not have moved since the document was opened.
+                    this.tellCursor(vscode.window.activeTextEditor);
+                    return next(command, this.previewArguments(given));
+                },
+            },
+        };
+    }
+
+    /** Whether the preview is a panel of VS Code, and not a window. */
+    private isInPanel(): boolean {
+        return !this.host.hasWindows || vscode.workspace.getConfiguration("geotrace").get("preview.in") === "panel";
+    }
+
+    /** Opens the preview inside VS Code: of a document, or of the active editor's. */
+    private async openPanel(uri = vscode.window.activeTextEditor?.document.uri): Promise<void> {
+        if (uri !== undefined) {
+            const document = await vscode.workspace.openTextDocument(uri);
+            if (!vscode.window.visibleTextEditors.some((editor) => editor.document === document)) {
+                await vscode.window.showTextDocument(document);
+            }
+            await this.panels.show(document);
+        }
+    }
+
+    /** Opens the preview with a document, if that is wanted. The server does it where the preview is a window. */
+    private opened(document: vscode.TextDocument): void {
+        const when = vscode.workspace.getConfiguration("geotrace").get("preview.open");
+        const isOurs = LANGUAGES.some(({ language }) => language === document.languageId);
+        if (this.isInPanel() && when === "onOpen" && isOurs) {
+            void this.openPanel(document.uri);
+        }
+    }
+
+    /** From the palette, a key or the title bar the command comes without what the server needs: a document. */
+    private previewArguments(given: unknown[]): unknown[] {
+        if (typeof given[0] === "string") {
+            return given;
+        }
+        const named = given[0] instanceof vscode.Uri ? given[0] : undefined;
+        const uri = named ?? vscode.window.activeTextEditor?.document.uri;
+        return uri === undefined ? [] : [this.client?.code2ProtocolConverter.asUri(uri) ?? uri.toString()];
+    }
+
+    /** Tells where the cursor stands, some moves at once. */
+    private cursorMoved(editor: vscode.TextEditor): void {
+        if (editor.document.languageId === "geotrace") {
+            clearTimeout(this.cursor);
+            this.cursor = setTimeout(() => this.tellCursor(editor), CURSOR_DELAY);
+        }
+    }
+
+    private tellCursor(editor: vscode.TextEditor | undefined): void {
+        const client = this.client;
+        if (editor?.document.languageId !== "geotrace" || client?.state !== State.Running) {
+            return;
+        }
+        const { code2ProtocolConverter: converter } = client;
+        void client.sendNotification(CURSOR, {
+            textDocument: converter.asTextDocumentIdentifier(editor.document),
+            position: converter.asPosition(editor.selection.active),
+        });
+    }
+
+    private changed(state: State, version: string): void {
+        void vscode.commands.executeCommand("setContext", "geotrace.running", state === State.Running);
+        if (state === State.Running) {
+            this.show(`running, version ${version}`, false);
+        } else if (state === State.Starting) {
+            this.show("starting", true);
+        } else {
+            this.show("stopped", false, "The language server has stopped.");
+        }
+    }
+
+    private show(state: string, busy: boolean, problem?: string): void {
+        this.status.text = `Geotrace: ${state}`;
+        this.status.busy = busy;
+        this.status.detail = problem ?? "language server";
+        this.status.severity =
+            problem === undefined ? vscode.LanguageStatusSeverity.Information : vscode.LanguageStatusSeverity.Error;
+        this.status.command =
+            problem === undefined
+                ? { title: "Restart", command: "geotrace.restart" }
+                : { title: "Show output", command: "geotrace.showLog" };
+    }
+}
+
+/** Says that this editor wants to hear of each picture of a preview. */
+class WantsShown implements StaticFeature {
+    fillClientCapabilities(capabilities: ClientCapabilities): void {
+        capabilities.experimental = { ...capabilities.experimental, geotrace: { shown: true } };
+    }
+
+    initialize(): void {}
+
+    getState(): FeatureState {
+        return { kind: "static" };
+    }
+
+    clear(): void {}
+}
