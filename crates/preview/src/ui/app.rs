@@ -15,7 +15,7 @@ use session::StatusMessage;
 use crate::io::report::Report;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
-use crate::{Failure, Faults, Options, Source};
+use crate::{Ending, Failure, Faults, Options, Source};
 
 /// The number of times that a lost GPU is replaced before the window gives up.
 const REVIVALS: u32 = 3;
@@ -164,6 +164,7 @@ struct Preview {
     title: String,
     /// Set when the GPU is to be given up, for a test.
     loses: Arc<AtomicBool>,
+    ending: Ending,
 }
 
 impl Preview {
@@ -192,6 +193,7 @@ impl Preview {
             window.move_to(screen, options.backend, context);
         }
         drop(kept);
+        options.ending.opened(context);
         let loses = Arc::new(AtomicBool::new(false));
         if let Some(sign) = faults.loses_gpu.clone() {
             let (waker, loses) = (context.clone(), Arc::clone(&loses));
@@ -207,6 +209,7 @@ impl Preview {
             slot,
             title: String::new(),
             loses,
+            ending: options.ending.clone(),
         })
     }
 }
@@ -275,11 +278,12 @@ impl App for Preview {
             context.send_viewport_cmd(ViewportCommand::Focus);
         }
         let asked = ui.input(|input| input.viewport().close_requested());
-        if asked && !window.display.closing && window.text.has_unsaved() {
+        let must_end = window.display.closing || self.ending.is_asked();
+        if asked && !must_end && window.text.has_unsaved() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             window.dialogs.leaving = Some(Next::Close);
             context.request_repaint();
-        } else if window.display.closing && !asked {
+        } else if must_end && !asked {
             context.send_viewport_cmd(ViewportCommand::Close);
         }
     }
@@ -295,7 +299,7 @@ impl App for Preview {
             && !window.display.closing
             && !window.has_lost_its_screen()
         {
-            // A system that ends all programs, and a Mac's own menu, do not ask.
+            // A system that ends all programs, a signal, and a Mac's own menu do not ask.
             if let Some(sentence) = window.text.rescue() {
                 eprintln!("{sentence}");
             }

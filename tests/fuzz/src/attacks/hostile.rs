@@ -101,8 +101,11 @@ fn each(count: usize, one: impl Fn(usize) -> String) -> String {
 const SPHERE: &str =
     "surface s(u,v) = (cosv cosu, cosv sinu, sinv), u : [0, 2pi], v : [-pi/2, pi/2];\n";
 
-/// Programs without bounds, with their names.
-pub(super) const HUGE: &[(&str, fn() -> String)] = &[
+/// A program without bounds: its name, and its text.
+pub(super) type Huge = (&'static str, fn() -> String);
+
+/// Programs without bounds.
+pub(super) const HUGE: &[Huge] = &[
     ("declarations", || {
         each(100_000, |k| format!("define a{k} = {k};\n"))
     }),
@@ -271,7 +274,7 @@ pub(super) const HUGE: &[(&str, fn() -> String)] = &[
         format!("{SPHERE}geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, 1e6];\n")
     }),
     ("solids", || {
-        each(2_000, |k| {
+        each(200, |k| {
             format!("solid s{k}(x,y,z) = x^2 + y^2 + (z - {k})^2 - 1;\n")
         })
     }),

@@ -19,7 +19,7 @@ pub(super) fn bombs(seed: u64, count: u64) -> Report {
     let path = folder.path().join("bomb.png");
     for _ in 0..count {
         // Most images are small, and each size is as likely as half of it.
-        let mut side = || (1 + random.below(LONGEST) >> random.below(8)).max(1) as u32;
+        let mut side = || ((1 + random.below(LONGEST)) >> random.below(8)).max(1) as u32;
         let [width, height] = [side(), side()];
         let is_cut = random.below(4) == 0;
         report.attempt(format!("{width}x{height} {is_cut}").as_bytes(), || {
