@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Asks a window to end; cheap to clone. A text that was not saved is written beside its file, as where a system ends all
 /// programs.
 #[derive(Clone, Debug, Default)]
-pub struct Ending(Arc<Shared>);
+pub struct Ending(Arc<EndingState>);
 
 #[derive(Debug, Default)]
-struct Shared {
+struct EndingState {
     is_asked: AtomicBool,
     /// Wakes the window that is open.
     window: Mutex<Option<egui::Context>>,

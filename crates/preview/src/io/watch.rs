@@ -33,7 +33,7 @@ pub(crate) struct Watch {
 
 /// A change that the system has told of.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Change {
+enum FolderEvent {
     /// The file may hold another text.
     File,
     /// The folder has gone, or lies elsewhere: another one may have its name.
@@ -100,7 +100,7 @@ impl Watch {
         let handler = move |event: notify::Result<notify::Event>| {
             let Ok(event) = event else {
                 // A watcher that has lost events says so by an error: look, to be sure.
-                let _ = sender.send(Change::Folder);
+                let _ = sender.send(FolderEvent::Folder);
                 return;
             };
             if event.kind.is_access() {
@@ -112,9 +112,9 @@ impl Watch {
                     .is_some_and(|it| it.eq_ignore_ascii_case(&name))
             };
             if event.paths.contains(&watched_folder) {
-                let _ = sender.send(Change::Folder);
+                let _ = sender.send(FolderEvent::Folder);
             } else if event.paths.iter().any(is_file) {
-                let _ = sender.send(Change::File);
+                let _ = sender.send(FolderEvent::File);
             }
         };
         let mut watcher =
@@ -128,7 +128,7 @@ impl Watch {
             let mut known: Result<String, Unreadable> = Ok(known);
             // Ends when the watcher is dropped.
             while let Some(change) = next(&changes, matches!(known, Err(Unreadable::Missing(_)))) {
-                if change == Change::Folder && !watch_again(&weak, &folder) {
+                if change == FolderEvent::Folder && !watch_again(&weak, &folder) {
                     return;
                 }
                 let text = read(&path);
@@ -150,19 +150,19 @@ impl Watch {
 }
 
 /// Waits for a change and the end of its burst; of a file that is absent, only for so long. `None` at the end of watching.
-fn next(changes: &Receiver<Change>, is_absent: bool) -> Option<Change> {
+fn next(changes: &Receiver<FolderEvent>, is_absent: bool) -> Option<FolderEvent> {
     let mut change = match is_absent {
         false => changes.recv().ok()?,
         true => match changes.recv_timeout(ABSENCE) {
-            Ok(_) | Err(RecvTimeoutError::Timeout) => Change::Folder,
+            Ok(_) | Err(RecvTimeoutError::Timeout) => FolderEvent::Folder,
             Err(RecvTimeoutError::Disconnected) => return None,
         },
     };
     let begun = Instant::now();
     while begun.elapsed() < LONGEST_BURST {
         match changes.recv_timeout(QUIET) {
-            Ok(Change::File) => {}
-            Ok(Change::Folder) => change = Change::Folder,
+            Ok(FolderEvent::File) => {}
+            Ok(FolderEvent::Folder) => change = FolderEvent::Folder,
             Err(RecvTimeoutError::Timeout) => break,
             Err(RecvTimeoutError::Disconnected) => return None,
         }
@@ -189,7 +189,7 @@ mod tests {
     use std::sync::mpsc::{Receiver, channel};
     use std::time::{Duration, Instant};
 
-    use super::{Change, ChangedFile, Unreadable, Watch, next};
+    use super::{ChangedFile, FolderEvent, Unreadable, Watch, next};
     use crate::channel::EventSender;
 
     /// Nothing takes longer, whatever else the machine does.
@@ -223,11 +223,11 @@ mod tests {
                 let begun = Instant::now();
                 while !is_over.load(Ordering::Relaxed) {
                     assert!(begun.elapsed() < LONG, "the burst has no end");
-                    sender.send(Change::File).expect("it is waited for");
+                    sender.send(FolderEvent::File).expect("it is waited for");
                     std::thread::sleep(Duration::from_millis(1));
                 }
             });
-            assert_eq!(next(&changes, false), Some(Change::File));
+            assert_eq!(next(&changes, false), Some(FolderEvent::File));
             is_over.store(true, Ordering::Relaxed);
         });
     }

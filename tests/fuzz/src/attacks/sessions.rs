@@ -1,6 +1,5 @@
 //! Conversations with the language server.
 
-use serde_json::json;
 use testing::editor::{Editor, Place};
 use testing::random_edits::session;
 use testing::talk::{URI, at, started};
@@ -53,7 +52,7 @@ pub(super) fn unread(_seed: u64, count: u64) -> Report {
             }
             for id in ids {
                 let answer = editor.answer(id).await;
-                assert!(answer.is_ok_and(|it| it != json!(null)), "an answer");
+                assert!(answer.is_ok(), "{answer:?}");
             }
             assert_eq!(editor.quit().await, 0);
         });
