@@ -87,6 +87,7 @@ pub struct Geotrace {
     arguments: Vec<OsString>,
     input: Vec<u8>,
     memory: u64,
+    largest_file: Option<u64>,
     folder: Option<PathBuf>,
     environment: Vec<(String, String)>,
     patience: Duration,
@@ -101,6 +102,7 @@ pub fn geotrace<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Geot
             .collect(),
         input: Vec::new(),
         memory: 4 << 30,
+        largest_file: None,
         folder: None,
         environment: Vec::new(),
         patience: Duration::from_secs(300),
@@ -135,6 +137,18 @@ impl Geotrace {
         self
     }
 
+    /// The most bytes of a file, in steps of 512: what is written beyond them fails, as on a full disk.
+    pub fn largest_file(mut self, bytes: u64) -> Self {
+        self.largest_file = Some(bytes);
+        self
+    }
+
+    /// The longest time that it may take; five minutes if it is not given.
+    pub fn within(mut self, patience: Duration) -> Self {
+        self.patience = patience;
+        self
+    }
+
     /// The working folder.
     pub fn folder(mut self, folder: &Path) -> Self {
         self.folder = Some(folder.to_owned());
@@ -154,13 +168,15 @@ impl Geotrace {
     #[track_caller]
     pub fn run(self) -> Run {
         let what = format!("geotrace {:?}", self.arguments);
+        let mut limits = format!("ulimit -v {}", self.memory >> 10);
+        if let Some(bytes) = self.largest_file {
+            // Without the signal, which would end the program, a write returns an error.
+            limits.push_str(&format!(" && trap '' XFSZ && ulimit -f {}", bytes / 512));
+        }
         let mut command = Command::new("sh");
         command
             .arg("-c")
-            .arg(format!(
-                "ulimit -v {} && exec \"$0\" \"$@\"",
-                self.memory >> 10
-            ))
+            .arg(format!("{limits} && exec \"$0\" \"$@\""))
             .arg(binary())
             .args(&self.arguments)
             .stdin(Stdio::piped())
@@ -236,12 +252,20 @@ pub fn high_water_mark(status: &str) -> u64 {
     kilobytes.unwrap_or(0) * 1024
 }
 
+static BINARY: OnceLock<PathBuf> = OnceLock::new();
+
+/// Runs this program as `geotrace` from now on, unless `$GEOTRACE_BIN` names one or one has been run.
+pub fn use_binary(path: PathBuf) {
+    if std::env::var_os("GEOTRACE_BIN").is_none() {
+        BINARY.get_or_init(|| path);
+    }
+}
+
 /// Returns the binary's path.
 ///
 /// # Panics
 /// If it does not exist.
 pub fn binary() -> &'static Path {
-    static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
         let given = std::env::var_os("GEOTRACE_BIN").map(PathBuf::from);
         let path = given.unwrap_or_else(built_with_the_tests);

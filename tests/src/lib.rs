@@ -3,7 +3,7 @@
 //! ```text
 //! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::geotrace::compile
 //! the binary `geotrace`  ──binary.rs──▶ status, output, peak memory
-//! a language server      ──editor.rs, talk.rs──▶ answers, notifications, a transcript
+//! a language server      ──editor.rs, talk.rs──▶ answers, notifications, a transcript; random edits by random_edits.rs
 //! two numbers or pictures ─close.rs, pictures.rs──▶ equal to a stated tolerance, or a message with both
 //! ```
 
@@ -16,6 +16,7 @@ pub mod examples;
 pub mod great_circles;
 pub mod inside;
 pub mod pictures;
+pub mod random_edits;
 pub mod stiff;
 pub mod structure;
 pub mod talk;

@@ -108,7 +108,7 @@ class Lines:
 class Window:
     """A window on a program of its own."""
 
-    def __init__(self, screen, text, *arguments, name="program.gtr", folder=None, faults=None):
+    def __init__(self, screen, text, *arguments, name="program.gtr", folder=None, notes=None, faults=None):
         self.screen = screen
         self.own = folder is None
         self.folder = Path(folder or tempfile.mkdtemp(prefix="geotrace-window-"))
@@ -117,13 +117,15 @@ class Window:
             self.file.write_bytes(text)
         elif text is not None:
             self.file.write_text(text)
-        self.report = self.folder / "report.jsonl"
-        self.errors = self.folder / "stderr"
+        # What it tells the tests lies elsewhere where its own folder is to go or to be full.
+        notes = Path(notes or self.folder)
+        self.report = notes / "report.jsonl"
+        self.errors = notes / "stderr"
         self.lines = Lines(self.report)
-        self.places = Lines(self.folder / "report.jsonl.controls")
+        self.places = Lines(notes / "report.jsonl.controls")
         self.counters = {}
         self.controls = {}
-        for old in self.folder.glob("report.jsonl*"):
+        for old in notes.glob("report.jsonl*"):
             old.unlink()
         # Without a text it opens with the welcome.
         program = [] if text is None and not self.file.exists() else [str(self.file)]
@@ -271,6 +273,26 @@ class Window:
         self.key("ctrl+a")
         self.xdotool("type", "--delay", "10", text)
         self.settle()
+
+    def type_at_end(self, text):
+        """Types behind the program's text, and waits until it is read."""
+        version = self.take()["version"]
+        self.click("Program text")
+        self.key("ctrl+End")
+        self.xdotool("type", "--delay", "30", text)
+        self.until("it is read", lambda now: now["version"] > version and not now["stale"])
+        self.settle()
+
+    def raise_it(self):
+        """Brings it before other windows and gives it the keys."""
+        self.xdotool("windowraise", self.id)
+        self.xdotool("windowfocus", self.id)
+        self.settle()
+
+    def end(self):
+        """Asks it to end by a signal, and waits."""
+        self.process.terminate()
+        self.process.wait(PATIENCE)
 
     def pane(self, name):
         return self.take()["panes"][name]

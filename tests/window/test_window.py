@@ -4,8 +4,10 @@ import json
 import math
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 import unittest.mock
 from pathlib import Path
@@ -676,6 +678,155 @@ class Faults(OnScreen):
         window = self.open(None, folder=folder)
         window.place("it is kept as")
         self.assertEqual(memory.with_name(memory.name + ".unreadable").read_text(), "{ not json")
+
+    def test_a_file_that_changes_a_hundred_times_a_second_is_followed(self):
+        window = self.open(SPHERE)
+        begun = time.monotonic()
+        shown, number = set(), 0
+        while time.monotonic() - begun < 5.0:
+            number += 1
+            text = SPHERE.replace("[1, 3]", f"[{1 + number / 1e4}, 3]")
+            if number % 2:
+                window.file.write_text(text)
+            else:
+                # As many editors save: another file takes its name.
+                other = window.folder / "other"
+                other.write_text(text)
+                other.rename(window.file)
+            shown |= {tuple(window.take()["params"].get("r", ()))}
+            time.sleep(0.01)
+        self.assertGreater(len(shown), 2, "it is followed while it changes")
+        window.until("the last text is shown", lambda now: now["params"].get("r") == [1 + number / 1e4])
+        window.settle()
+        self.assertEqual(window.file.read_text(), text)
+
+    def test_a_folder_that_goes_keeps_the_text_and_is_followed_again(self):
+        above = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, above)
+        folder = above / "folder"
+        folder.mkdir()
+        window = self.open(SPHERE, folder=folder, notes=above)
+        picture = window.pixels("3d")
+        window.type_at_end("point q = (1, 1, 1);")
+        shutil.rmtree(folder)
+        window.key("ctrl+s")
+        window.place("cannot write")
+        window.settle()
+        # The folder comes back, as with another branch.
+        folder.mkdir()
+        window.click("Program text")
+        window.key("ctrl+s")
+        window.until_written(SPHERE + "point q = (1, 1, 1);")
+        window.file.write_text(TORUS)
+        window.until("it is followed", lambda now: now["params"].get("r") == [0.4])
+        self.assertNotEqual(window.pixels("3d"), picture)
+
+    def test_two_windows_on_one_file_follow_each_other_and_lose_nothing(self):
+        folder = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, folder)
+        one = self.open(SPHERE, folder=folder)
+        two_notes = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, two_notes)
+        two = self.open(None, folder=folder, notes=two_notes)
+        two.settle()
+        for window in (one, two):
+            window.raise_it()
+            window.click_at(*window.middle("Image: 3D view"))
+            window.hold("w")
+        # What one of them saves, the other one shows.
+        one.raise_it()
+        one.type_at_end("point q = (1, 1, 1);")
+        one.key("ctrl+s")
+        one.until_written(SPHERE + "point q = (1, 1, 1);")
+        two.raise_it()
+        two.place("3D view of 3 objects")
+        # What both of them change, neither writes over the other.
+        two.type_at_end("# two")
+        one.raise_it()
+        one.type_at_end("# one")
+        one.key("ctrl+s")
+        saved = SPHERE + "point q = (1, 1, 1);# one"
+        one.until_written(saved)
+        two.raise_it()
+        two.settle()
+        two.key("ctrl+s")
+        two.settle()
+        self.assertEqual(two.file.read_text(), saved)
+        # Both remember what was chosen in one file, which is whole.
+        for window in (one, two):
+            window.end()
+        remembered = json.loads((folder / ".program.gtr.geotrace.json").read_text())
+        self.assertIn("view", remembered)
+        rescued = folder / "program.unsaved.gtr"
+        self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);# two")
+
+    def test_a_signal_ends_the_window_but_not_its_text(self):
+        for name in ("SIGTERM", "SIGINT"):
+            with self.subTest(signal=name):
+                window = self.open(SPHERE)
+                window.type_at_end("point q = (1, 1, 1);")
+                window.process.send_signal(getattr(signal, name))
+                self.assertEqual(window.process.wait(60), 0)
+                rescued = window.folder / "program.unsaved.gtr"
+                self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
+                self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
+                self.assertEqual(window.file.read_text(), SPHERE)
+
+    def test_a_kill_while_it_saves_leaves_whole_files(self):
+        folder = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, folder)
+        (folder / "program.gtr").write_text(SPHERE)
+        texts = {SPHERE}
+        for attempt in range(4):
+            window = self.open(None, folder=folder)
+            window.settle()
+            text = window.file.read_text()
+            window.type_at_end("#")
+            window.key("w")
+            window.xdotool("keydown", "ctrl", "key", "s", "keyup", "ctrl")
+            time.sleep(0.02 * attempt)
+            window.process.kill()
+            window.process.wait()
+            texts |= {text + "#", text + "#w"}
+            self.assertIn(window.file.read_text(), texts)
+            memory = folder / ".program.gtr.geotrace.json"
+            if memory.exists():
+                self.assertIn("view", json.loads(memory.read_text()))
+
+    def test_a_full_disk_is_told_and_nothing_is_lost(self):
+        if os.geteuid() != 0:
+            self.skipTest("only the superuser can mount a small disk")
+        disk = Path(tempfile.mkdtemp(prefix="geotrace-disk-"))
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], check=True)
+        self.addCleanup(disk.rmdir)
+        self.addCleanup(subprocess.run, ["umount", "-l", str(disk)], check=True)
+        notes = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, notes)
+        window = self.open(SPHERE, folder=disk, notes=notes)
+        filler = disk / "filler"
+        with self.assertRaises(OSError):
+            with open(filler, "wb", buffering=0) as file:
+                while True:
+                    file.write(b"x" * 512)
+        window.type_at_end("point q = (1, 1, 1);")
+        window.key("ctrl+s")
+        window.place("cannot write")
+        self.assertEqual(window.file.read_text(), SPHERE)
+        for entry, name in {"Save picture…": "out.png", "Export mesh…": "mesh.obj"}.items():
+            window.click("Button: File")
+            window.click(entry)
+            window.settle()
+            window.enter("TextInput: File", str(disk / name))
+            window.click("Button: Save")
+            window.settle()
+            window.key("Escape")
+            self.assertFalse((disk / name).exists(), name)
+        self.assertEqual([path.name for path in disk.iterdir() if path.name.startswith(".geotrace-")], [])
+        filler.unlink()
+        window.settle()
+        window.click("Program text")
+        window.key("ctrl+s")
+        window.until_written(SPHERE + "point q = (1, 1, 1);")
 
     def test_a_server_that_goes_is_told_and_the_picture_stays(self):
         environment = self.screen.environment()

@@ -1,12 +1,32 @@
 //! The signals that end the program: what is half written is removed first, and the program ends as it would without this.
-//! A command may ask to be told of the first signal instead, to keep what it has done.
+//! A command may ask to be told of the first signal instead, to keep what it has done; so does the window, whose text would be
+//! lost.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 /// Set if the first signal only asks for an end.
 static IS_HEARD: AtomicBool = AtomicBool::new(false);
 /// Set once it has come.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Asks what runs to end by itself; false if it cannot.
+type Ask = Box<dyn Fn() -> bool + Send>;
+/// Called at the first signal.
+static ASK: Mutex<Option<Ask>> = Mutex::new(None);
+/// The time that what was asked to end has for it.
+const GRACE: Duration = Duration::from_secs(3);
+
+/// From now on the first signal calls `ask`. Where that returns true, the program is ended only if it is still there a little
+/// later.
+#[cfg_attr(
+    not(feature = "window"),
+    expect(dead_code, reason = "only a window is asked")
+)]
+pub(crate) fn ask_first(ask: impl Fn() -> bool + Send + 'static) {
+    *ASK.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(ask));
+}
 
 /// From now on the first signal only asks for an end, which [`is_interrupted`] tells; the second one ends the program.
 pub(crate) fn hear() {
@@ -23,6 +43,10 @@ pub(crate) fn is_interrupted() -> bool {
 fn take(end: impl FnOnce()) {
     if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
         return;
+    }
+    let ask = ASK.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if ask.is_some_and(|ask| ask()) {
+        std::thread::sleep(GRACE);
     }
     export::whole_file::abandon_all(end);
 }

@@ -28,8 +28,10 @@ pub use registry::Registry;
 /// Reads the arguments of this process, runs the command that they name, and returns the exit status.
 pub fn run(registry: &Registry) -> ExitCode {
     let parsed = command::Arguments::parse_with(registry, std::env::args_os());
-    // Help, the version, and wrong usage with its exit status.
-    let arguments = parsed.unwrap_or_else(|text| text.exit());
+    let arguments = match parsed {
+        Ok(arguments) => arguments,
+        Err(text) => return print_usage(&text),
+    };
     interruption::remove_what_is_half_written();
     match command::run(arguments, registry) {
         Ok(()) => ExitCode::SUCCESS,
@@ -37,5 +39,17 @@ pub fn run(registry: &Registry) -> ExitCode {
             output::print_failure(&failure);
             failure.exit_code()
         }
+    }
+}
+
+/// Prints help, the version, or wrong usage with its exit status.
+fn print_usage(text: &clap::Error) -> ExitCode {
+    match text.print() {
+        Err(error) if !text.use_stderr() => {
+            let failure = output::stdout_failure(error);
+            output::print_failure(&failure);
+            failure.exit_code()
+        }
+        _ => ExitCode::from(u8::try_from(text.exit_code()).unwrap_or(2)),
     }
 }

@@ -19,6 +19,7 @@ fn main() -> ExitCode {
             "-" => Source::Attached,
             file => Source::File(file.into()),
         },
+        ending: preview::Ending::default(),
         languages: ide::Languages::standard(),
         views: render::Views::standard(),
         backend: match given(2) {

@@ -11,13 +11,14 @@
 //!
 //! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window makes
 //! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `channel`,
-//! `queue`, `examples` and `platform`. What is neither window nor thread nor file is in the crate `session`.
+//! `ending`, `queue`, `examples` and `platform`. What is neither window nor thread nor file is in the crate `session`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
 //! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
 //! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
 
 mod channel;
+mod ending;
 mod engine;
 mod examples;
 mod io;
@@ -31,6 +32,7 @@ use std::path::PathBuf;
 use ide::Languages;
 use render::Views;
 
+pub use ending::Ending;
 pub use engine::remembered::remembered;
 pub use io::report::Counters;
 pub use render::Backend;
@@ -42,6 +44,8 @@ pub use ui::window::Window;
 pub struct Options {
     /// The source of its text.
     pub source: Source,
+    /// Asked to end it from elsewhere.
+    pub ending: Ending,
     /// The languages of programs; the extension of a file chooses one of them.
     pub languages: Languages,
     /// The views that it offers.

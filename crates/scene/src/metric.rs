@@ -48,6 +48,10 @@ const ZERO: f64 = 1e-13;
 /// The number of the lattice's least values from which a walk starts.
 const WALKS: usize = 3;
 
+/// The bounds of the number of steps of a walk, which has fewer where the tape is long. Some hundred are enough; where a metric
+/// is steep and its values are noise, a walk of short steps would go on for ever.
+const STEPS: [usize; 2] = [200, 2_000];
+
 /// Searches one instance of a metric. `instances` says how many will be searched in all, for the work is
 /// shared among them.
 pub(crate) fn witness(
@@ -65,6 +69,7 @@ pub(crate) fn witness(
         registers: Registers::default(),
         domain,
         uniforms,
+        steps: (budget / 16).clamp(STEPS[0], STEPS[1]),
     };
     let points: Vec<Point> = (1..lines)
         .flat_map(|i| (1..lines).map(move |j| [i, j].map(|k| k as f64 / lines as f64)))
@@ -141,6 +146,8 @@ struct Search<'a> {
     registers: Registers,
     domain: &'a [Sampling; 2],
     uniforms: &'a [f64],
+    /// The most steps of a walk.
+    steps: usize,
 }
 
 impl Search<'_> {
@@ -198,11 +205,14 @@ impl Search<'_> {
         None
     }
 
-    /// Compass search: steps along the axes while they lead down, halved where none does.
+    /// Compass search: steps along the axes while they lead down, halved where none does, up to so many.
     fn walk(&mut self, start: Point, merit: fn(&Point) -> f64, cell: f64) -> Point {
         let mut best = start;
         let mut step = cell;
-        while step > 1e-10 && best.defect().is_none() {
+        for _ in 0..self.steps {
+            if step <= 1e-10 || best.defect().is_some() {
+                break;
+            }
             let moves = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
             let next = moves
                 .map(|[x, y]| {
@@ -285,5 +295,17 @@ mod tests {
             let fails = e <= 0.0 || e * g - f * f <= 1e-15;
             assert!(fails, "{metric}: E = {e}, F = {f}, G = {g} at ({u}, {v})");
         }
+    }
+
+    #[test]
+    fn a_steep_metric_of_noise_is_searched_in_bounded_time() {
+        let (sender, ended) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let noise = "1 + (cos abs(u/1e-200))^2, 0, 1 + (v/1e-9 - 1/u)^2";
+            let witness = found(&format!("({noise}), u : [1e-3, 1], v : [-pi/2, pi/2]"));
+            let _ = sender.send(witness);
+        });
+        let witness = ended.recv_timeout(std::time::Duration::from_secs(60));
+        assert_eq!(witness.expect("the search ends"), None);
     }
 }

@@ -11,12 +11,38 @@ use crate::{Target, seeds};
 pub struct Report {
     /// The number of inputs.
     pub inputs: u64,
-    /// The inputs at which the target panicked.
+    /// The inputs at which something was wrong.
     pub failures: Vec<Vec<u8>>,
     /// The longest time for an input.
     pub slowest: Duration,
     /// The input that took it.
     pub slowest_input: Vec<u8>,
+    /// The largest resident memory of a process that was started, in bytes.
+    pub peak: u64,
+}
+
+impl Report {
+    /// Tries an input: `act` panics where something is wrong, and returns the largest resident memory of the processes that
+    /// it has started.
+    pub(crate) fn attempt(&mut self, input: &[u8], act: impl FnOnce() -> u64) {
+        let start = Instant::now();
+        let ended = catch_unwind(AssertUnwindSafe(act));
+        let took = start.elapsed();
+        self.inputs += 1;
+        match ended {
+            Ok(peak) => self.peak = self.peak.max(peak),
+            Err(_) => self.failures.push(input.to_vec()),
+        }
+        if took > self.slowest {
+            self.slowest = took;
+            self.slowest_input = input.to_vec();
+        }
+    }
+
+    /// Returns true once so many inputs have failed that more of them would say nothing new.
+    pub(crate) fn is_hopeless(&self) -> bool {
+        self.failures.len() >= 10
+    }
 }
 
 /// Gives a target its corpus, its seeds as they are, and then `count` mutated inputs of a sequence. It goes on behind a panic,
@@ -25,12 +51,16 @@ pub fn run(target: &Target, seed: u64, count: u64) -> Report {
     let mut report = Report::default();
     let seeds = (target.seeds)();
     let corpus = seeds::corpus(target.name);
+    let one = |input: &[u8]| {
+        (target.run)(input);
+        0
+    };
     for input in corpus.iter().chain(&seeds) {
-        one(target, input, &mut report);
+        report.attempt(input, || one(input));
     }
     let mut random = Random::new(seed);
     for _ in 0..count {
-        if report.failures.len() >= 10 {
+        if report.is_hopeless() {
             break;
         }
         let mut input = match seeds.len() {
@@ -38,21 +68,7 @@ pub fn run(target: &Target, seed: u64, count: u64) -> Report {
             seeds_count => seeds[random.below(seeds_count)].clone(),
         };
         mutate(&mut random, &mut input, &seeds, target.words);
-        one(target, &input, &mut report);
+        report.attempt(&input, || one(&input));
     }
     report
-}
-
-fn one(target: &Target, input: &[u8], report: &mut Report) {
-    let start = Instant::now();
-    let ended = catch_unwind(AssertUnwindSafe(|| (target.run)(input)));
-    let took = start.elapsed();
-    report.inputs += 1;
-    if ended.is_err() {
-        report.failures.push(input.to_vec());
-    }
-    if took > report.slowest {
-        report.slowest = took;
-        report.slowest_input = input.to_vec();
-    }
 }

@@ -5,6 +5,7 @@ mod expression;
 mod messages;
 mod picture;
 mod program;
+mod requests;
 mod settings;
 mod texture;
 
@@ -25,6 +26,8 @@ pub struct Target {
     pub run: fn(&[u8]),
     /// The number of mutated inputs in the tests.
     pub tested: u64,
+    /// The number of mutated inputs of a whole attack.
+    pub full: u64,
 }
 
 impl std::fmt::Debug for Target {
@@ -42,6 +45,7 @@ pub const TARGETS: &[Target] = &[
         words: program::WORDS,
         run: program::geotrace,
         tested: 3_000,
+        full: 1_000_000,
     },
     Target {
         name: "script",
@@ -50,6 +54,7 @@ pub const TARGETS: &[Target] = &[
         words: program::SCRIPT_WORDS,
         run: program::crt,
         tested: 1_500,
+        full: 100_000,
     },
     Target {
         name: "edits",
@@ -58,6 +63,7 @@ pub const TARGETS: &[Target] = &[
         words: program::WORDS,
         run: document::edits,
         tested: 2_000,
+        full: 100_000,
     },
     Target {
         name: "format",
@@ -66,6 +72,7 @@ pub const TARGETS: &[Target] = &[
         words: program::WORDS,
         run: document::format,
         tested: 3_000,
+        full: 100_000,
     },
     Target {
         name: "expression",
@@ -74,6 +81,7 @@ pub const TARGETS: &[Target] = &[
         words: &[],
         run: expression::run,
         tested: 20_000,
+        full: 1_000_000,
     },
     Target {
         name: "picture",
@@ -82,6 +90,7 @@ pub const TARGETS: &[Target] = &[
         words: program::WORDS,
         run: picture::run,
         tested: 400,
+        full: 10_000,
     },
     Target {
         name: "server",
@@ -90,6 +99,16 @@ pub const TARGETS: &[Target] = &[
         words: messages::WORDS,
         run: messages::server,
         tested: 1_000,
+        full: 50_000,
+    },
+    Target {
+        name: "requests",
+        about: "the language server answers every request, whatever its method and the types of its params",
+        seeds: requests::seeds,
+        words: &[],
+        run: requests::run,
+        tested: 1_000,
+        full: 50_000,
     },
     Target {
         name: "protocol",
@@ -98,6 +117,7 @@ pub const TARGETS: &[Target] = &[
         words: messages::WORDS,
         run: messages::protocol,
         tested: 20_000,
+        full: 1_000_000,
     },
     Target {
         name: "settings",
@@ -106,6 +126,7 @@ pub const TARGETS: &[Target] = &[
         words: settings::WORDS,
         run: settings::run,
         tested: 20_000,
+        full: 1_000_000,
     },
     Target {
         name: "texture",
@@ -121,8 +142,15 @@ pub const TARGETS: &[Target] = &[
         ],
         run: texture::run,
         tested: 400,
+        full: 20_000,
     },
 ];
+
+/// Reads a program and asks for everything, and draws it where it compiles.
+pub(crate) fn read_and_draw(program: &[u8]) {
+    self::program::geotrace(program);
+    picture::run(program);
+}
 
 /// The target of a name.
 pub fn target(name: &str) -> Option<&'static Target> {

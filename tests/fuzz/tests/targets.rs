@@ -1,18 +1,22 @@
-//! Every target with a fixed number of inputs from a fixed seed. `GEOTRACE_FUZZ=10` gives ten times as many.
+//! Every target with a fixed number of inputs from a fixed seed, and a few attempts of every attack. `GEOTRACE_FUZZ=10` gives
+//! ten times as many.
 
-use fuzz::{run, target};
+use fuzz::run::{self, Report};
+use fuzz::{ATTACKS, target};
+
+fn times() -> u64 {
+    let wanted = std::env::var("GEOTRACE_FUZZ").ok();
+    wanted.and_then(|it| it.parse().ok()).unwrap_or(1)
+}
 
 fn check(name: &str) {
     let target = target(name).expect("a target");
-    let times = std::env::var("GEOTRACE_FUZZ")
-        .ok()
-        .and_then(|it| it.parse().ok());
-    let report = run::run(target, 1, times.unwrap_or(1) * target.tested);
-    assert!(
-        report.inputs >= target.tested,
-        "only {} inputs",
-        report.inputs
-    );
+    let report = run::run(target, 1, times() * target.tested);
+    assert_passed(name, &report, target.tested);
+}
+
+fn assert_passed(name: &str, report: &Report, least: u64) {
+    assert!(report.inputs >= least, "only {} inputs", report.inputs);
     let failures: Vec<_> = report
         .failures
         .iter()
@@ -39,4 +43,12 @@ macro_rules! targets {
     };
 }
 
-targets! { program script edits format expression picture server protocol settings texture }
+targets! { program script edits format expression picture server requests protocol settings texture }
+
+#[test]
+fn attacks() {
+    for attack in ATTACKS {
+        let report = (attack.run)(1, times() * attack.tested);
+        assert_passed(attack.name, &report, attack.tested);
+    }
+}

@@ -88,7 +88,7 @@ pub(super) fn open_file(file: Option<PathBuf>, context: &Context) -> Result<(), 
 
 #[cfg(feature = "window")]
 fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
-    use preview::{Options, Source};
+    use preview::{Ending, Options, Source};
 
     let source = match &arguments.file {
         Some(file) if file.as_os_str() == "-" => {
@@ -99,8 +99,13 @@ fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
         None if arguments.attached => Source::Attached,
         None => Source::Welcome,
     };
+    // A signal would lose what was typed and not saved.
+    let ending = Ending::default();
+    let asked = ending.clone();
+    crate::interruption::ask_first(move || asked.ask());
     let options = Options {
         source,
+        ending,
         languages: context.languages().map_err(NoWindow::Other)?,
         views: context.registry.views.clone(),
         backend: arguments.backend,

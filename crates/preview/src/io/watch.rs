@@ -1,13 +1,15 @@
 //! The file that is watched: its text flows to the window whenever it holds another one.
 //!
 //! Its folder is what the system watches, since many editors write a new file and rename it. What comes in a burst is
-//! read once, a little later.
+//! read once, a little later; a burst that does not end is read now and then. A folder that goes, as with another branch, is
+//! looked for until it is there again.
 
 use std::fmt;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::{Duration, Instant};
 
 use export::whole_file::phrase;
 use ide::language::LONGEST_PROGRAM;
@@ -18,11 +20,24 @@ use crate::io::files::read_limited;
 
 /// The time for which nothing must happen before the file is read.
 const QUIET: Duration = Duration::from_millis(30);
+/// The longest time from a change until the file is read, though it goes on changing.
+const LONGEST_BURST: Duration = Duration::from_millis(300);
+/// The time after which a file that is not there is looked for again.
+const ABSENCE: Duration = Duration::from_millis(500);
 
 /// Watches a file for as long as it lives.
 #[derive(Debug)]
 pub(crate) struct Watch {
-    _watcher: RecommendedWatcher,
+    _watcher: Arc<Mutex<RecommendedWatcher>>,
+}
+
+/// A change that the system has told of.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum FolderEvent {
+    /// The file may hold another text.
+    File,
+    /// The folder has gone, or lies elsewhere: another one may have its name.
+    Folder,
 }
 
 /// The text of a watched file as it is now.
@@ -81,18 +96,25 @@ impl Watch {
         let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
         let name = path.file_name().unwrap_or_default().to_owned();
         let (sender, changes) = channel();
+        let watched_folder = folder.clone();
         let handler = move |event: notify::Result<notify::Event>| {
-            // A watcher that has lost events says so by an error: look, to be sure.
-            let concerns = event.map_or(true, |event| {
-                !event.kind.is_access()
-                    && event.paths.iter().any(|it: &PathBuf| {
-                        // Some systems take a name in any case.
-                        it.file_name()
-                            .is_some_and(|it| it.eq_ignore_ascii_case(&name))
-                    })
-            });
-            if concerns {
-                let _ = sender.send(());
+            let Ok(event) = event else {
+                // A watcher that has lost events says so by an error: look, to be sure.
+                let _ = sender.send(FolderEvent::Folder);
+                return;
+            };
+            if event.kind.is_access() {
+                return;
+            }
+            // Some systems take a name in any case.
+            let is_file = |it: &PathBuf| {
+                it.file_name()
+                    .is_some_and(|it| it.eq_ignore_ascii_case(&name))
+            };
+            if event.paths.contains(&watched_folder) {
+                let _ = sender.send(FolderEvent::Folder);
+            } else if event.paths.iter().any(is_file) {
+                let _ = sender.send(FolderEvent::File);
             }
         };
         let mut watcher =
@@ -100,16 +122,14 @@ impl Watch {
         watcher
             .watch(&folder, RecursiveMode::NonRecursive)
             .map_err(|error| error.to_string())?;
+        let watcher = Arc::new(Mutex::new(watcher));
+        let weak = Arc::downgrade(&watcher);
         std::thread::spawn(move || {
             let mut known: Result<String, Unreadable> = Ok(known);
             // Ends when the watcher is dropped.
-            while changes.recv().is_ok() {
-                loop {
-                    match changes.recv_timeout(QUIET) {
-                        Ok(()) => {}
-                        Err(RecvTimeoutError::Timeout) => break,
-                        Err(RecvTimeoutError::Disconnected) => return,
-                    }
+            while let Some(change) = next(&changes, matches!(known, Err(Unreadable::Missing(_)))) {
+                if change == FolderEvent::Folder && !watch_again(&weak, &folder) {
+                    return;
                 }
                 let text = read(&path);
                 if text == known {
@@ -126,5 +146,112 @@ impl Watch {
             }
         });
         Ok(Self { _watcher: watcher })
+    }
+}
+
+/// Waits for a change and the end of its burst; of a file that is absent, only for so long. `None` at the end of watching.
+fn next(changes: &Receiver<FolderEvent>, is_absent: bool) -> Option<FolderEvent> {
+    let mut change = match is_absent {
+        false => changes.recv().ok()?,
+        true => match changes.recv_timeout(ABSENCE) {
+            Ok(_) | Err(RecvTimeoutError::Timeout) => FolderEvent::Folder,
+            Err(RecvTimeoutError::Disconnected) => return None,
+        },
+    };
+    let begun = Instant::now();
+    while begun.elapsed() < LONGEST_BURST {
+        match changes.recv_timeout(QUIET) {
+            Ok(FolderEvent::File) => {}
+            Ok(FolderEvent::Folder) => change = FolderEvent::Folder,
+            Err(RecvTimeoutError::Timeout) => break,
+            Err(RecvTimeoutError::Disconnected) => return None,
+        }
+    }
+    Some(change)
+}
+
+/// Watches the folder that has this name now, if there is one. Returns false at the end of watching.
+fn watch_again(watcher: &Weak<Mutex<RecommendedWatcher>>, folder: &Path) -> bool {
+    let Some(watcher) = watcher.upgrade() else {
+        return false;
+    };
+    let mut watcher = watcher.lock().unwrap_or_else(PoisonError::into_inner);
+    // What is not watched any more cannot be given up, and what is not there cannot be watched yet.
+    let _ = watcher.unwatch(folder);
+    let _ = watcher.watch(folder, RecursiveMode::NonRecursive);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::mpsc::{Receiver, channel};
+    use std::time::{Duration, Instant};
+
+    use super::{ChangedFile, FolderEvent, Unreadable, Watch, next};
+    use crate::channel::EventSender;
+
+    /// Nothing takes longer, whatever else the machine does.
+    const LONG: Duration = Duration::from_secs(60);
+
+    fn watched(path: &Path) -> (Watch, Receiver<ChangedFile>) {
+        std::fs::write(path, "first").expect("written");
+        let (events, received) = EventSender::new(egui::Context::default());
+        let watch = Watch::start(path, "first".to_owned(), events).expect("it is watched");
+        (watch, received)
+    }
+
+    /// Waits until the file is told to have a text, or none.
+    fn until(received: &Receiver<ChangedFile>, text: Option<&str>) {
+        loop {
+            let changed = received.recv_timeout(LONG).expect("the change is told");
+            match (changed.text, text) {
+                (Ok(told), Some(text)) if told == text => return,
+                (Err(Unreadable::Missing(_)), None) => return,
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_that_never_rests_is_read_all_the_same() {
+        let (sender, changes) = channel();
+        let is_over = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let begun = Instant::now();
+                while !is_over.load(Ordering::Relaxed) {
+                    assert!(begun.elapsed() < LONG, "the burst has no end");
+                    sender.send(FolderEvent::File).expect("it is waited for");
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            });
+            assert_eq!(next(&changes, false), Some(FolderEvent::File));
+            is_over.store(true, Ordering::Relaxed);
+        });
+    }
+
+    #[test]
+    fn a_folder_that_goes_is_watched_again_when_it_is_back() {
+        let above = tempfile::tempdir().expect("a folder");
+        let folder = above.path().join("folder");
+        std::fs::create_dir(&folder).expect("a folder");
+        let path = folder.join("a.gtr");
+        let (_watch, received) = watched(&path);
+        std::fs::remove_dir_all(&folder).expect("removed");
+        until(&received, None);
+        std::fs::create_dir(&folder).expect("a folder");
+        std::fs::write(&path, "second").expect("written");
+        until(&received, Some("second"));
+        std::fs::write(&path, "third").expect("written");
+        until(&received, Some("third"));
+        // Another folder takes its place.
+        std::fs::rename(&folder, above.path().join("elsewhere")).expect("renamed");
+        std::fs::create_dir(&folder).expect("a folder");
+        std::fs::write(&path, "fourth").expect("written");
+        until(&received, Some("fourth"));
+        std::fs::write(&path, "fifth").expect("written");
+        until(&received, Some("fifth"));
     }
 }

@@ -17,7 +17,7 @@ use session::StatusMessage;
 use crate::io::report::Report;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
-use crate::{Backend, Failure, Faults, Options, Source};
+use crate::{Ending, Failure, Faults, Options, Source};
 
 /// The drivers that are looked for at first. OpenGL's takes a third of the time until the first frame to be loaded, and is
 /// there for machines that have no other.
@@ -57,20 +57,20 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     }
     // Its threads read and compile the text while the display and its driver are opened.
     let window = first(&egui::Context::default(), &options)?;
-    let backend = options.backend;
+    let options = Rc::new(options);
     let mut drivers = FIRST_DRIVERS;
     on_screens(&Rc::new(RefCell::new(Some(window))), |screen, slot| {
         let mut faults = faults.clone();
         faults.loses_gpu = faults.loses_gpu.filter(|_| screen < faults.losses);
         let opening = |drivers| {
-            let (kept, faults) = (Rc::clone(slot), faults.clone());
+            let (kept, own, faults) = (Rc::clone(slot), Rc::clone(&options), faults.clone());
             let create = move |context: &CreationContext<'_>| -> Result<
                 Box<dyn App>,
                 Box<dyn std::error::Error + Send + Sync>,
             > {
                 Ok(Box::new(Preview::new(
                     context,
-                    backend,
+                    &own,
                     kept,
                     screen > 0,
                     &faults,
@@ -197,12 +197,13 @@ struct Preview {
     title: String,
     /// Set when the GPU is to be given up, for a test.
     loses: Arc<AtomicBool>,
+    ending: Ending,
 }
 
 impl Preview {
     fn new(
         creation: &CreationContext<'_>,
-        backend: Backend,
+        options: &Options,
         slot: Slot,
         was_lost: bool,
         faults: &Faults,
@@ -219,9 +220,10 @@ impl Preview {
                 if faults.refuses_samples {
                     screen.refuse_samples();
                 }
-                window.move_to(screen, backend, context);
+                window.move_to(screen, options.backend, context);
             }
         }
+        options.ending.opened(context);
         let loses = Arc::new(AtomicBool::new(false));
         if let Some(sign) = faults.loses_gpu.clone() {
             let (waker, loses) = (context.clone(), Arc::clone(&loses));
@@ -237,6 +239,7 @@ impl Preview {
             slot,
             title: String::new(),
             loses,
+            ending: options.ending.clone(),
         }
     }
 }
@@ -304,11 +307,12 @@ impl App for Preview {
             context.send_viewport_cmd(ViewportCommand::Focus);
         }
         let asked = ui.input(|input| input.viewport().close_requested());
-        if asked && !window.display.closing && window.text.has_unsaved() {
+        let must_end = window.display.closing || self.ending.is_asked();
+        if asked && !must_end && window.text.has_unsaved() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             window.dialogs.leaving = Some(Next::Close);
             context.request_repaint();
-        } else if window.display.closing && !asked {
+        } else if must_end && !asked {
             context.send_viewport_cmd(ViewportCommand::Close);
         }
     }
@@ -324,7 +328,7 @@ impl App for Preview {
             && !window.display.closing
             && !window.has_lost_its_screen()
         {
-            // A system that ends all programs, and a Mac's own menu, do not ask.
+            // A system that ends all programs, a signal, and a Mac's own menu do not ask.
             if let Some(sentence) = window.text.rescue() {
                 eprintln!("{sentence}");
             }

@@ -56,7 +56,8 @@ fn tokens(analysis: &dyn Analysis) -> String {
     format!("{:?}", analysis.semantic_tokens(whole))
 }
 
-/// Lays a program out twice: the second time changes nothing, and its words and diagnostics are those of the text before.
+/// Lays a program out twice: the second time changes nothing, and its words, diagnostics and values are those of the text
+/// before.
 pub(crate) fn format(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let languages = Languages::standard();
@@ -75,6 +76,12 @@ pub(crate) fn format(input: &[u8]) {
         codes(&*after),
         "the diagnostics of {text:?} and of {laid_out:?}"
     );
+    let values = |analysis: &dyn Analysis| -> Vec<String> {
+        let whole = Span::new(0, analysis.text().len());
+        let hints = analysis.hints(whole).into_iter();
+        hints.map(|it| it.label).collect()
+    };
+    assert_eq!(values(&*before), values(&*after), "values of {text:?}");
     let words = |text: &str| text.split_whitespace().collect::<String>();
     assert_eq!(words(&text), words(&laid_out), "all but white space stays");
 }

@@ -49,7 +49,7 @@ pub(crate) const WORDS: &[&str] = &[
 /// The time that the server has for an input, far more than it needs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-fn framed(content: &str) -> String {
+pub(super) fn framed(content: &str) -> String {
     format!("Content-Length: {}\r\n\r\n{content}", content.len())
 }
 
@@ -101,6 +101,11 @@ pub(crate) fn conversations() -> Vec<Vec<u8>> {
 
 /// Gives bytes to a language server and closes the stream: it ends, and all that it says is framed JSON.
 pub(crate) fn server(input: &[u8]) {
+    said(input);
+}
+
+/// All messages of a language server to an editor that says this.
+pub(super) fn said(input: &[u8]) -> Vec<serde_json::Value> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
@@ -124,6 +129,7 @@ pub(crate) fn server(input: &[u8]) {
         output
     });
     let mut rest = &output[..];
+    let mut messages = Vec::new();
     while !rest.is_empty() {
         let end = rest
             .windows(4)
@@ -137,9 +143,10 @@ pub(crate) fn server(input: &[u8]) {
             .and_then(|it| it.trim().parse().ok())
             .expect("a length");
         let content = &rest[end + 4..end + 4 + length];
-        serde_json::from_slice::<serde_json::Value>(content).expect("a message is JSON");
+        messages.push(serde_json::from_slice(content).expect("a message is JSON"));
         rest = &rest[end + 4 + length..];
     }
+    messages
 }
 
 /// Lines of the server to a window, and back.

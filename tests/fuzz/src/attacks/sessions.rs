@@ -1,0 +1,84 @@
+//! Conversations with the language server.
+
+use testing::editor::{Editor, Place};
+use testing::random_edits::session;
+use testing::talk::{URI, at, started};
+
+use crate::run::Report;
+
+/// The edits of a session.
+const EDITS: u64 = 1_000;
+/// The requests that wait at once.
+const UNREAD: u64 = 2_000;
+
+pub(super) fn utf_8(seed: u64, count: u64) -> Report {
+    sessions("utf-8", seed, count)
+}
+
+pub(super) fn utf_16(seed: u64, count: u64) -> Report {
+    sessions("utf-16", seed, count)
+}
+
+pub(super) fn utf_32(seed: u64, count: u64) -> Report {
+    sessions("utf-32", seed, count)
+}
+
+fn sessions(encoding: &'static str, seed: u64, count: u64) -> Report {
+    many(count, EDITS, |number| {
+        // Some editors ask for diagnostics, the others are told them.
+        let pulls = number % 4 == 3;
+        wait_for(session(
+            encoding,
+            pulls,
+            seed.wrapping_mul(1 << 20) + number,
+            EDITS as usize,
+        ));
+    })
+}
+
+/// Posts requests and reads nothing until the last one is on its way.
+pub(super) fn unread(_seed: u64, count: u64) -> Report {
+    many(count, UNREAD, |number| {
+        wait_for(async {
+            let mut editor: Editor = started(Place::Here, "unread").await;
+            editor.open(URI, &"define a = 2pi;\n".repeat(300)).await;
+            let mut ids = Vec::new();
+            for k in 0..UNREAD {
+                let method = ["hover", "documentSymbol", "completion"][(k + number) as usize % 3];
+                let id = editor
+                    .post(&format!("textDocument/{method}"), at(7, 8))
+                    .await;
+                ids.push(id);
+            }
+            for id in ids {
+                let answer = editor.answer(id).await;
+                assert!(answer.is_ok(), "{answer:?}");
+            }
+            assert_eq!(editor.quit().await, 0);
+        });
+    })
+}
+
+/// Sessions of equal length, counted by what happens in them.
+fn many(count: u64, each: u64, one: impl Fn(u64)) -> Report {
+    let mut report = Report::default();
+    for number in 0..count.div_ceil(each) {
+        if report.is_hopeless() {
+            break;
+        }
+        let input = format!("session {number}");
+        report.attempt(input.as_bytes(), || {
+            one(number);
+            0
+        });
+    }
+    report.inputs *= each;
+    report
+}
+
+fn wait_for(conversation: impl Future<Output = ()>) {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build();
+    runtime.expect("a runtime").block_on(conversation);
+}
