@@ -25,9 +25,10 @@ impl Interval {
             Unary::Cos => x.waves()[1],
             Unary::Tan => x.tangent(),
             Unary::Exp => x.rising(f64::exp).at_least(0.0),
-            Unary::Sqrt => x.restricted(0.0, f64::INFINITY, |x| {
+            // The root of −0, which is in every interval from below zero, is −0.
+            Unary::Sqrt => x.restricted(-0.0, f64::INFINITY, |x| {
                 let root = |x: f64| if x == 0.0 { x } else { x.sqrt().next_down() };
-                Self::exact(root(x.lower).max(0.0), x.upper.sqrt().next_up())
+                Self::exact(root(x.lower), x.upper.sqrt().next_up())
             }),
             Unary::Log => x.restricted(0.0, f64::INFINITY, |x| {
                 let lower = if x.lower == 0.0 {

@@ -28,10 +28,10 @@ at (u, v) = {}
         .iter()
         .zip(found.principal.iter().flatten())
     {
+        let [a, b] = it.direction.map(show_measured);
         text += &format!(
-            "  bends {name:<13} {} along {}\n",
-            show_measured(it.curvature),
-            pair_text(it.direction)
+            "  bends {name:<13} {} along ({a}, {b})\n",
+            show_measured(it.curvature)
         );
     }
     text
