@@ -62,8 +62,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 #[test]
-fn principal_directions_bend_most_and_least() {
-    // Euler's theorem, on a surface whose chart is oblique: of 360 directions none bends more or less.
+fn principal_directions_have_the_largest_and_the_smallest_curvature() {
+    // Euler's theorem, on a surface whose chart is oblique: the curvatures of 360 directions lie between the two.
     let surface = triaxial(1.0, 2.0, 3.0);
     for uv in [[0.3, 0.2], [2.0, -1.0], [5.0, 1.2_f64]] {
         let found = measure::place(&surface, uv).expect("a place");

@@ -22,8 +22,8 @@ pub struct PlaceMeasures {
     /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
     /// space, and where the surface has no tangent plane.
     pub mean: Option<f64>,
-    /// The directions in which the surface bends most and least, for the same normal; `None` on a metric, at an umbilic,
-    /// where all directions are alike, and where (u, v) have no directions.
+    /// The directions of the largest and of the smallest normal curvature, for the same normal; `None` on a metric, at
+    /// an umbilic, where all directions are alike, and where (u, v) have no directions.
     pub principal: Option<[Principal; 2]>,
 }
 
@@ -36,7 +36,7 @@ pub struct Principal {
     pub direction: [f64; 2],
 }
 
-/// How near, relative to the larger one, two principal curvatures are that count as equal.
+/// The largest difference, relative to the larger one, of two principal curvatures that count as equal.
 const UMBILIC: f64 = 1e-7;
 
 /// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.

@@ -24,13 +24,10 @@ at (u, v) = {}
         pair_text(found.uv.0),
         curvature(found.gaussian),
     );
-    for (name, it) in ["most", "least"]
-        .iter()
-        .zip(found.principal.iter().flatten())
-    {
+    for (name, it) in ["k1", "k2"].iter().zip(found.principal.iter().flatten()) {
         let [a, b] = it.direction.map(show_measured);
         text += &format!(
-            "  bends {name:<13} {} along ({a}, {b})\n",
+            "  principal           {name} = {} along ({a}, {b})\n",
             show_measured(it.curvature)
         );
     }
