@@ -570,7 +570,8 @@ class Gpu(OnScreen):
             window = self.open(SPHERE)
         window.settle()
         self.screen.keep("opengl")
-        self.assertGreater(self.colours(window, "3d"), 100)
+        for pane in ("3d", "geodesic:s"):
+            self.assertGreater(self.colours(window, pane), 1000, pane)
 
     def size_of(self, window):
         told = self.screen.run("xdotool", "getwindowgeometry", "--shell", window.id).decode().split()
@@ -591,7 +592,7 @@ class Gpu(OnScreen):
         window = self.open(text, faults=lambda _folder: ["refuse"])
         # The note comes with the first picture behind the refusal.
         begun = window.settle()["pictures"]
-        window.hold("w")
+        window.xdotool("windowsize", window.id, 1200, 800)
         window.until("a new picture", lambda now: now["pictures"] > begun)
         window.place("the GPU has refused the shader of `s`, which is computed without it")
         self.screen.keep("refused")

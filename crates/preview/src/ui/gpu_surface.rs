@@ -18,23 +18,26 @@ use crate::Backend;
 pub(crate) struct GpuSurface {
     state: RenderState,
     gpu: Arc<Gpu>,
-    /// Copies pictures; none if the GPU is lost already.
+    /// Copies pictures; none on OpenGL, or if the GPU is lost already.
     blitter: Option<Arc<Blitter>>,
 }
 
 impl GpuSurface {
     /// Takes the device over: its errors and its loss no longer end the program.
     pub(crate) fn new(state: RenderState, context: &Context) -> Self {
-        let name = state.adapter.get_info().name;
+        let adapter = state.adapter.get_info();
+        let name = adapter.name;
         let waker = context.clone();
         // Nothing else may wake a window that can no longer be drawn.
         let lost = move || waker.request_repaint();
         let gpu = Gpu::adopt(state.device.clone(), state.queue.clone(), name, lost);
-        let blitter = Blitter::new(&gpu, state.target_format).ok();
+        // OpenGL has no views of a texture in another format.
+        let can_blit = adapter.backend != GraphicsApi::Gl;
+        let blitter = can_blit.then(|| Blitter::new(&gpu, state.target_format).ok());
         Self {
             state,
             gpu: Arc::new(gpu),
-            blitter: blitter.map(Arc::new),
+            blitter: blitter.flatten().map(Arc::new),
         }
     }
 
@@ -89,7 +92,7 @@ impl GpuSurface {
 
 /// A picture where the window paints it from.
 pub(crate) enum TextureBinding {
-    /// A texture of egui's: where there is no screen, as in tests.
+    /// A texture of egui's: where nothing copies canvases, as on OpenGL, or there is no screen, as in tests.
     Texture(TextureHandle),
     /// A canvas on the screen's GPU.
     Canvas {
@@ -109,7 +112,9 @@ impl TextureBinding {
         screen: Option<&GpuSurface>,
         context: &Context,
     ) -> Option<Self> {
-        let Some(screen) = screen else {
+        let copying =
+            screen.and_then(|screen| Some((screen, Arc::clone(screen.blitter.as_ref()?))));
+        let Some((screen, blitter)) = copying else {
             let Pixels::Image(image) = painted else {
                 return None;
             };
@@ -125,7 +130,6 @@ impl TextureBinding {
             texture.set(image, options);
             return Some(Self::Texture(texture));
         };
-        let blitter = Arc::clone(screen.blitter.as_ref()?);
         let (canvas, is_own) = match painted {
             Pixels::Texture(canvas) => (canvas, false),
             Pixels::Image(image) => {
