@@ -67,19 +67,12 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
-        principal: surface
-            .is_embedded()
-            .then(|| principal(&jet))
-            .flatten()
-            .filter(|all| {
-                all.iter()
-                    .all(|it| it.direction.iter().all(|x| x.is_finite()))
-            }),
+        principal: principal(&jet).filter(|_| surface.is_embedded()),
     })
 }
 
 /// The principal curvatures and directions: those in which the second form, with respect to an orthonormal basis of the
-/// tangent plane, is diagonal. `None` at an umbilic.
+/// tangent plane, is diagonal. `None` at an umbilic, and where there is no tangent plane: there the form is not finite.
 fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     let normal = cross(jet.du, jet.dv);
     let (area, length) = (norm(normal), norm(jet.du));
@@ -95,7 +88,7 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
         form(basis[1], basis[1]),
     );
     let (mean, half) = (0.5 * (p + r), (0.5 * (p - r)).hypot(q));
-    if half.is_nan() || half <= UMBILIC * (mean.abs() + half) {
+    if !half.is_finite() || half <= UMBILIC * (mean.abs() + half) {
         return None;
     }
     let (sin, cos) = (0.5 * (2.0 * q).atan2(p - r)).sin_cos();

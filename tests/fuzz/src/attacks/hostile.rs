@@ -88,11 +88,6 @@ pub(super) fn metrics(seed: u64, count: u64) -> Report {
     report
 }
 
-/// Repeats a text.
-fn times(text: &str, count: usize) -> String {
-    text.repeat(count)
-}
-
 /// Declarations that each have a number.
 fn each(count: usize, one: impl Fn(usize) -> String) -> String {
     (0..count).map(one).collect()
@@ -115,61 +110,61 @@ pub(super) const HUGE: &[Huge] = &[
             each(20_000, |k| format!("define a{} = a{k} + 1;\n", k + 1))
         )
     }),
-    ("repeated", || times("define a = 1;\n", 100_000)),
+    ("repeated", || "define a = 1;\n".repeat(100_000)),
     ("brackets", || {
         format!(
             "define a = {}1{};",
-            times("(", 100_000),
-            times(")", 100_000)
+            "(".repeat(100_000),
+            ")".repeat(100_000)
         )
     }),
     ("open brackets", || {
-        format!("define a = {}", times("(", 100_000))
+        format!("define a = {}", "(".repeat(100_000))
     }),
     ("closed brackets", || {
-        format!("define a = 1{};", times(")", 100_000))
+        format!("define a = 1{};", ")".repeat(100_000))
     }),
-    ("intervals", || times("[0, 1] ", 100_000)),
+    ("intervals", || "[0, 1] ".repeat(100_000)),
     ("functions", || {
-        format!("define a = {}1;", times("sin ", 100_000))
+        format!("define a = {}1;", "sin ".repeat(100_000))
     }),
     ("exponents", || {
-        format!("define a = 2{};", times("^2", 100_000))
+        format!("define a = 2{};", "^2".repeat(100_000))
     }),
     ("negations", || {
-        format!("define a = {}1;", times("-", 100_000))
+        format!("define a = {}1;", "-".repeat(100_000))
     }),
     ("terms", || {
-        format!("define a = 0{};", times(" + 1", 200_000))
+        format!("define a = 0{};", " + 1".repeat(200_000))
     }),
     ("factors", || {
-        format!("define a = {}1;", times("2 ", 200_000))
+        format!("define a = {}1;", "2 ".repeat(200_000))
     }),
     ("quotients", || {
-        format!("define a = 1{};", times("/2", 100_000))
+        format!("define a = 1{};", "/2".repeat(100_000))
     }),
-    ("word", || format!("define a = {};", times("pi", 500_000))),
-    ("name", || format!("define {} = 1;", times("a", 1_000_000))),
+    ("word", || format!("define a = {};", "pi".repeat(500_000))),
+    ("name", || format!("define {} = 1;", "a".repeat(1_000_000))),
     ("number", || {
-        format!("define a = {};", times("9", 1_000_000))
+        format!("define a = {};", "9".repeat(1_000_000))
     }),
     ("digits", || {
-        format!("define a = 0.{}1;", times("0", 1_000_000))
+        format!("define a = 0.{}1;", "0".repeat(1_000_000))
     }),
-    ("semicolons", || times(";", 1_000_000)),
-    ("NUL", || times("\0", 1_000_000)),
+    ("semicolons", || ";".repeat(1_000_000)),
+    ("NUL", || "\0".repeat(1_000_000)),
     ("comment", || {
-        format!("# {}\n{SPHERE}", times("x", 5_000_000))
+        format!("# {}\n{SPHERE}", "x".repeat(5_000_000))
     }),
-    ("comments", || format!("{}{SPHERE}", times("#\n", 500_000))),
-    ("line", || times("point p = (1, 2, 3); ", 200_000)),
-    ("errors", || times("define = ;\n", 20_000)),
+    ("comments", || format!("{}{SPHERE}", "#\n".repeat(500_000))),
+    ("line", || "point p = (1, 2, 3); ".repeat(200_000)),
+    ("errors", || "define = ;\n".repeat(20_000)),
     ("undefined names", || {
         each(20_000, |k| format!("define a{k} = b{k};\n"))
     }),
-    ("bytes of four", || times("𝛼", 250_000)),
-    ("byte order marks", || times("\u{FEFF}", 300_000)),
-    ("carriage returns", || times("\r", 1_000_000)),
+    ("bytes of four", || "𝛼".repeat(250_000)),
+    ("byte order marks", || "\u{FEFF}".repeat(300_000)),
+    ("carriage returns", || "\r".repeat(1_000_000)),
     ("doublings", || {
         format!(
             "function f0(x) = x + x;\n{}point p = (f59(1), 0, 0);\n",
@@ -191,19 +186,19 @@ pub(super) const HUGE: &[Huge] = &[
     ("primes", || {
         format!(
             "function f(x) = x^2/(1 + exp x);\npoint p = (f{}(1), 0, 0);\n",
-            times("'", 1_000)
+            "'".repeat(1_000)
         )
     }),
     ("few primes", || {
         format!(
             "function f(x) = 1/(1 + x^2);\npoint p = (f{}(1), 0, 0);\n",
-            times("'", 100)
+            "'".repeat(100)
         )
     }),
     ("partials", || {
         format!(
             "function f(u,v) = sin(u v);\npoint p = (f_{}(1, 2), 0, 0);\n",
-            times("u", 1_000)
+            "u".repeat(1_000)
         )
     }),
     ("arguments", || {
@@ -216,7 +211,7 @@ pub(super) const HUGE: &[Huge] = &[
         each(10_000, |k| format!("param p{k} : [0, 1];\n"))
     }),
     ("a param's parts", || {
-        format!("param p : {}[0, 1];\n", times("[0, 1], ", 5_000))
+        format!("param p : {}[0, 1];\n", "[0, 1], ".repeat(5_000))
     }),
     ("grids", || {
         each(30, |k| format!("grid g{k} : [0, 1, 10];\n"))
@@ -290,7 +285,7 @@ pub(super) const HUGE: &[Huge] = &[
         "solid s(x,y,z) = x^60 + y^60 + z^60 - 1;\n".to_owned()
     }),
     ("a field", || {
-        format!("solid s(x,y,z) = {}x - 1;\n", times("sin ", 200))
+        format!("solid s(x,y,z) = {}x - 1;\n", "sin ".repeat(200))
     }),
     ("a waving metric", || {
         "metric s(u,v) = (1 + sin(1e6 u)^2, 0, 1 + cos(1e6 v)^2), u : [0, 1], v : [0, 1];\n"
