@@ -592,7 +592,7 @@ class Gpu(OnScreen):
         window = self.open(text, faults=lambda _folder: ["refuse"])
         # The note comes with the first picture behind the refusal.
         begun = window.settle()["pictures"]
-        window.xdotool("windowsize", window.id, 1200, 800)
+        window.hold("w")
         window.until("a new picture", lambda now: now["pictures"] > begun)
         window.place("the GPU has refused the shader of `s`, which is computed without it")
         self.screen.keep("refused")

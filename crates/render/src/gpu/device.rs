@@ -2,12 +2,12 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, OnceLock, mpsc};
 
 use super::platform;
 use crate::error::RenderError;
 
-/// An open device. wgpu's own handler of errors panics; here they are caught by scopes, or kept to be reported.
+/// An open device. wgpu's own handler of errors panics; here scopes catch them.
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -18,12 +18,11 @@ pub struct Gpu {
     faults: Arc<Faults>,
 }
 
-/// Errors of a device outside all scopes.
+/// The faults of a device.
 #[derive(Debug, Default)]
 struct Faults {
-    /// The first error that has not been reported yet.
-    stray: Mutex<Option<String>>,
-    lost: AtomicBool,
+    /// Why it is gone, once it is.
+    loss: OnceLock<String>,
     /// Shaders of samples are refused, for tests.
     refuses: AtomicBool,
 }
@@ -113,7 +112,7 @@ impl Gpu {
     /// Destroys the device for all of its users, as if it were lost.
     pub fn destroy(&self) {
         // The driver's own report of it may come later.
-        self.faults.lost.store(true, Ordering::Release);
+        self.faults.lose("it was destroyed");
         self.device.destroy();
     }
 
@@ -127,8 +126,12 @@ impl Gpu {
         self.faults.refuses.load(Ordering::Relaxed)
     }
 
-    /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its errors and its
-    /// loss are caught here, and reported with the next picture; `lost` is called when it is gone, on any thread.
+    /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its loss is caught
+    /// here, and reported with the next picture; `lost` is called when it is gone, on any thread.
+    ///
+    /// Each use of it here has scopes of its own for errors. An error outside of them is another user's, and no
+    /// picture's: a window that is resized while a picture is drawn cannot always configure its surface, for instance,
+    /// and does so with its next frame.
     pub fn adopt(
         device: wgpu::Device,
         queue: wgpu::Queue,
@@ -136,14 +139,11 @@ impl Gpu {
         lost: impl Fn() + Send + 'static,
     ) -> Self {
         let faults = Arc::new(Faults::default());
-        let kept = faults.clone();
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            kept.keep(error.to_string());
-        }));
+        // By default, it would be a panic.
+        device.on_uncaptured_error(Arc::new(|_| ()));
         let kept = faults.clone();
         device.set_device_lost_callback(move |_, message| {
-            kept.lost.store(true, Ordering::Release);
-            kept.keep(format!("the device was lost: {message}"));
+            kept.lose(&message);
             lost();
         });
         Self {
@@ -185,7 +185,7 @@ impl Gpu {
 
     /// Returns true if the device is gone for good: nothing can be drawn with it any more.
     pub fn is_lost(&self) -> bool {
-        self.faults.lost.load(Ordering::Acquire)
+        self.faults.loss.get().is_some()
     }
 
     /// Runs work with all errors of the device caught. The first that occurs is the result, unless the work itself
@@ -208,14 +208,8 @@ impl Gpu {
         if let Some(error) = found {
             return Err(RenderError::Gpu(error.to_string()));
         }
-        let stray = self
-            .faults
-            .stray
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        match (result, stray) {
-            (Ok(_), Some(message)) => Err(RenderError::Gpu(message)),
+        match (result, self.faults.loss.get()) {
+            (Ok(_), Some(reason)) => Err(RenderError::Gpu(reason.clone())),
             (result, _) => result,
         }
     }
@@ -416,11 +410,9 @@ impl Gpu {
 }
 
 impl Faults {
-    fn keep(&self, message: String) {
-        self.stray
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get_or_insert(message);
+    /// Notes that the device is gone, unless that is known.
+    fn lose(&self, reason: &str) {
+        let _ = self.loss.set(format!("the device was lost: {reason}"));
     }
 }
 

@@ -31,16 +31,16 @@ impl Pictures {
         views.any(|view| view.waiting != Waiting::No)
     }
 
-    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
-    /// one is the first of its pane.
+    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none. How
+    /// long the first of a pane takes is not known: it is worth a try.
     fn expected(&self) -> Option<Duration> {
         let views = self.of_views.values();
         let mut waiting = views
             .filter(|view| view.waiting == Waiting::ForFrame)
             .peekable();
         waiting.peek()?;
-        let took = waiting.map(|view| view.picture.as_ref().map(|it| it.took));
-        took.sum()
+        let took = waiting.filter_map(|view| view.picture.as_ref().map(|it| it.took));
+        Some(took.sum())
     }
 
     /// Returns the size of the picture for a pane: see [`refinement::size`].
