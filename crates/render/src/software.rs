@@ -17,9 +17,11 @@ mod shade;
 mod space;
 mod strokes;
 mod surfaces;
+mod thinning;
 mod vectors;
 
 pub use pick::{NEAR, Picked, pick};
 pub use space::{Drawable, draw};
 pub(crate) use space::{draw_beside, draw_with_depths};
 pub(crate) use strokes::strokes;
+pub(crate) use thinning::moving_stride;

@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use geometry::ManifoldError;
 use image::{Rgba, RgbaImage};
+use render::gpu::Pixels;
+use render::request::part::SpaceOptions;
 use render::texture::Texture;
 use render::viewpoint::Viewpoint;
-use render::{Backend, RenderError, RenderedImage, style};
+use render::{Backend, PictureRequest, RenderError, RenderedImage, Renderer, style};
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::{Wanted, scene};
@@ -305,4 +307,43 @@ fn wrong_requests_are_refused_with_a_sentence() {
     let mut stuck = Wanted::space([8, 8]);
     stuck.in_space().camera = Viewpoint::new([1.0; 3], [1.0; 3]);
     assert!(attempt(stuck).is_err_and(|e| e.contains("direction")));
+}
+
+/// The 3D views of a program while something moves, and at rest.
+fn moving_and_at_rest(source: &str) -> [RgbaImage; 2] {
+    let scene = scene(source);
+    [true, false].map(|moving| {
+        let params = ParamValues::initial(&scene);
+        let mut request = PictureRequest::new(&scene, params, SpaceOptions::default(), [400, 300]);
+        request.moving = moving;
+        let drawn = Renderer::software().draw(&request).expect("a picture");
+        match drawn.image {
+            Pixels::Image(image) => image,
+            Pixels::Texture(_) => panic!("the software path draws in memory"),
+        }
+    })
+}
+
+#[test]
+fn a_smooth_surface_has_fewer_triangles_while_something_moves_and_looks_the_same() {
+    let torus = "surface s(u,v) = ((2 + cos v)cos u, (2 + cos v)sin u, sin v), \
+                 u : [0, 2pi, 120], v : [0, 2pi, 80];";
+    let [moving, rest] = moving_and_at_rest(torus);
+    assert!(moving != rest, "nothing was left out");
+    let pixels = moving.pixels().zip(rest.pixels());
+    let differences =
+        pixels.map(|(a, b)| (0..3).map(|k| a.0[k].abs_diff(b.0[k])).max().unwrap_or(0));
+    let differences: Vec<u8> = differences.collect();
+    let seen = differences.iter().filter(|it| **it > 16).count();
+    assert!(seen * 50 < differences.len(), "{seen} pixels differ");
+}
+
+#[test]
+fn what_fewer_triangles_would_change_is_drawn_as_at_rest() {
+    let rough = "surface s(u,v) = (u, v, 0.1 sin(40u) sin(40v)), u : [-1, 1, 90], v : [-1, 1, 90];";
+    let holed = "surface s(u,v) = (u, v, sqrt(0.8 - u^2 - v^2)), u : [-1, 1, 90], v : [-1, 1, 90];";
+    for source in [rough, holed] {
+        let [moving, rest] = moving_and_at_rest(source);
+        assert!(moving == rest, "{source}");
+    }
 }

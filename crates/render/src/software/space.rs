@@ -42,6 +42,8 @@ pub struct Drawable {
     pub line: LineStyle,
     /// The image of a surface; other kinds have no use for it.
     pub texture: Option<Arc<Texture>>,
+    /// Of a surface, one column and row of samples in so many is drawn.
+    pub(crate) stride: usize,
 }
 
 impl Drawable {
@@ -53,6 +55,7 @@ impl Drawable {
             emphasis: look.emphasis,
             line: look.line,
             texture,
+            stride: 1,
         }
     }
 
@@ -64,6 +67,7 @@ impl Drawable {
             emphasis: 0.0,
             line: LineStyle::default(),
             texture: None,
+            stride: 1,
         }
     }
 }
@@ -263,9 +267,9 @@ fn fill<'t>(
 /// Cuts the objects into jobs.
 pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
     let mut jobs = Vec::new();
-    for (index, Drawable { samples, .. }) in objects.iter().enumerate() {
+    for (index, object) in objects.iter().enumerate() {
         // Units of work and the triangles of each.
-        let (units, triangles) = match samples.as_ref() {
+        let (units, triangles) = match object.samples.as_ref() {
             Samples::Points(samples) => (samples.len(), style::POINT_SEGMENTS),
             Samples::Vectors(samples) => (
                 samples.len(),
@@ -274,7 +278,8 @@ pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
             Samples::Curves { count, samples } => (samples.len() / *count as usize, 2 * count),
             Samples::Surfaces { count, samples } => {
                 let instances = samples.len() / (count[0] as usize * count[1] as usize);
-                (instances * (count[1] as usize - 1), 2 * (count[0] - 1))
+                let [across, down] = count.map(|n| surfaces::quads(n, object.stride));
+                (instances * down, 2 * across as u32)
             }
         };
         let triangles = triangles as usize;
@@ -310,6 +315,7 @@ pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     let material = 2 * job.object as u32;
     let range = job.range.clone();
     let eye = &eye.with_lines(objects[job.object].line);
+    let stride = objects[job.object].stride;
     match objects[job.object].samples.as_ref() {
         Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
         Samples::Vectors(samples) => {
@@ -319,7 +325,9 @@ pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
             vec![curves::mesh(eye, material, *count, samples, range)]
         }
         Samples::Surfaces { count, samples } => {
-            vec![surfaces::mesh(eye, material, *count, samples, range)]
+            vec![surfaces::mesh(
+                eye, material, *count, stride, samples, range,
+            )]
         }
     }
 }

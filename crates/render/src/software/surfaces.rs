@@ -5,7 +5,13 @@ use glam::{Vec2, Vec3};
 use super::mesh::{Eye, Mesh, MeshBuilder, Vertex, VertexId};
 use crate::sample::SurfaceSample;
 
-/// The triangles of the quad rows `rows` (numbered over all instances, `count[1] − 1` to each).
+/// The number of rows or columns of quads between `samples` rows or columns of which one in `stride`, and the last, is drawn.
+pub(super) fn quads(samples: u32, stride: usize) -> usize {
+    (samples as usize - 1).div_ceil(stride)
+}
+
+/// The triangles of the quad rows `rows`, numbered over all instances, [`quads`] to each. One column and row of samples in
+/// `stride` is drawn, and the last one.
 ///
 /// A triangle with an undefined corner is left out. RayEnds from the side that σu×σv points to, triangles run
 /// counterclockwise.
@@ -13,21 +19,24 @@ pub(super) fn mesh(
     eye: &Eye,
     material: u32,
     count: [u32; 2],
+    stride: usize,
     samples: &[SurfaceSample],
     rows: std::ops::Range<usize>,
 ) -> Mesh {
     let mut builder = MeshBuilder::new(eye, material);
     let [columns, lines] = count.map(|n| n as usize);
-    let quad_rows = lines - 1;
+    let [quad_columns, quad_rows] = count.map(|n| quads(n, stride));
     // The lower row of samples of one quad row is the upper one of the next.
     let mut last: Option<(usize, Vec<Option<VertexId>>)> = None;
     for row in rows {
         let (instance, j) = (row / quad_rows, row % quad_rows);
         let line = |builder: &mut MeshBuilder, j: usize| -> Vec<Option<VertexId>> {
+            let j = (j * stride).min(lines - 1);
             let first = (instance * lines + j) * columns;
-            let v = j as f32 / quad_rows as f32;
-            (0..columns)
+            let v = j as f32 / (lines - 1) as f32;
+            (0..=quad_columns)
                 .map(|i| {
+                    let i = (i * stride).min(columns - 1);
                     let sample = &samples[first + i];
                     (sample.defined != 0.0).then(|| {
                         builder.vertex(Vertex {
@@ -44,7 +53,7 @@ pub(super) fn mesh(
             _ => line(&mut builder, j),
         };
         let far = line(&mut builder, j + 1);
-        for i in 0..columns - 1 {
+        for i in 0..quad_columns {
             let (a, b, c, d) = (near[i], near[i + 1], far[i + 1], far[i]);
             if let (Some(a), Some(b), Some(c)) = (a, b, c) {
                 builder.triangle(a, b, c);

@@ -243,7 +243,9 @@ impl ViewRenderer for SpaceRenderer {
             gpu.draw_space(&mut shared.samples, &scene, shared.is_single, progress)?
         } else {
             let sampled = |share: f32| progress(SAMPLING_SHARE * share);
-            let (mut drawables, notes) = drawables(shared, request, options, &framed, &sampled);
+            let moving = request.moving.then_some(&camera);
+            let (mut drawables, notes) =
+                drawables(shared, request, options, &framed, moving, &sampled);
             drawables.extend(overlay.iter().map(|object| {
                 let look = object.look(request.scale);
                 Drawable::new(object.samples.clone(), &look, None)
@@ -297,7 +299,7 @@ impl ViewRenderer for SpaceRenderer {
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request)?;
-        let (drawables, _) = drawables(shared, request, options, &framed, &|_| {});
+        let (drawables, _) = drawables(shared, request, options, &framed, None, &|_| {});
         let picked = software::pick(&camera, &drawables, at);
         let solids = shared
             .solids
@@ -506,12 +508,14 @@ fn frame(
     shared.framing.frame(request, structures, leaves_room)
 }
 
-/// The scene's objects with their samples, and what a reader of the picture should know of them.
+/// The scene's objects with their samples, and what a reader of the picture should know of them. While something moves,
+/// `moving` is the camera, and surfaces have fewer triangles where it does not see the difference.
 fn drawables(
     shared: &mut SharedState,
     request: &PictureRequest,
     options: &SpaceOptions,
     framed: &Framed,
+    moving: Option<&Camera>,
     progress: &dyn Fn(f32),
 ) -> (Vec<Drawable>, Vec<String>) {
     let (mut drawables, mut notes) = (Vec::new(), Vec::new());
@@ -531,7 +535,13 @@ fn drawables(
         let is_surface = object.shape.is_surface();
         let texture = is_surface.then(|| texture(request, framed, id));
         let look = &looks[id.0 as usize];
-        drawables.push(Drawable::new(sampled.samples, look, texture));
+        let stride = moving.map_or(1, |camera| {
+            software::moving_stride(camera, &sampled.samples)
+        });
+        drawables.push(Drawable {
+            stride,
+            ..Drawable::new(sampled.samples, look, texture)
+        });
         progress(drawables.len() as f32 / scene.objects.len() as f32);
     }
     (drawables, notes)

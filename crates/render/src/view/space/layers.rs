@@ -23,7 +23,8 @@ impl SpaceRenderer {
         let request = &*shared.stated_colours.textured(request);
         let options = options(request)?;
         let stage = self.stage(shared, request, options)?;
-        let (drawables, mut notes) = drawables(shared, request, options, &stage.framed, &|_| {});
+        let (drawables, mut notes) =
+            drawables(shared, request, options, &stage.framed, None, &|_| {});
         let extras = stage.overlay.iter().map(|object| {
             let look = object.look(request.scale);
             Drawable::new(object.samples.clone(), &look, None)
