@@ -62,8 +62,12 @@ export interface PaneEvents {
     focused(): void;
     /** It has another size. */
     resized(): void;
+    /** Clicks are places to be measured. */
+    isMeasuring?(): boolean;
+    /** A place to be measured was clicked on. */
+    measured?(pick: Pick | null): void;
     /** A key that is the page's. */
-    key(key: "traced" | "orthographic" | "next" | "previous" | "undo" | "redo"): void;
+    key(key: "measure" | "traced" | "orthographic" | "next" | "previous" | "undo" | "redo"): void;
     /** Something cannot be done, as a sentence. */
     say(message: string): void;
     /** A drag turns the camera where it stands (`Preferences.fly`). */
@@ -358,7 +362,9 @@ export class Pane {
     private async click(at: [number, number], kind: "single" | "double" | "control"): Promise<void> {
         const view = this.info.id;
         try {
-            if (kind !== "single") {
+            if (kind !== "control" && this.events.isMeasuring?.()) {
+                this.events.measured?.(await this.core.call("pick", { view, at, measures: true }));
+            } else if (kind !== "single") {
                 const call = kind === "double" ? "doubleClick" : "pick";
                 this.events.declaration(await this.core.call(call, { view, at }));
             } else if (!this.isInside) {
@@ -490,6 +496,9 @@ export class Pane {
                     this.core.tell("release", {});
                 }
                 return !this.isInside;
+            case "KeyM":
+                this.events.key("measure");
+                return true;
             case "KeyT":
                 this.events.key("traced");
                 return true;

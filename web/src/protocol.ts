@@ -440,7 +440,7 @@ export interface Example {
 export interface Figure {
   surface: string;
   kind: 'place' | 'distance' | 'circle' | 'triangle';
-  /** (u, v) each: 1, 2, 2 (the second is on the circle; 1 with a radius), 3. A missing first one is the camera's place. */
+  /** (u, v) each: 1, 2, 2 (the second is on the circle; 1 with a radius), 3. A circle's missing first one is the camera's place. */
   places: [number, number][];
   /** Of a circle. */
   radius?: number;
@@ -449,6 +449,8 @@ export interface Figure {
 export interface Measured {
   rows: { name: string; value: string }[];
   note: string | null;
+  /** The figure's places, with the one that was missing. */
+  places: [number, number][];
 }
 
 // -------------------------------------------------------------------------------------------------------- the messages
@@ -502,8 +504,11 @@ export interface Calls {
   undo: { params: Record<string, never>; result: string | null };
   redo: { params: Record<string, never>; result: string | null };
 
-  /** What is seen at a place of a pane. */
-  pick: { params: { view: string; at: [number, number] }; result: Pick | null };
+  /**
+   * What is seen at a place of a pane. For measuring, the surface under a line is meant, and a declared point or end of a
+   * geodesic near the place is taken in its stead.
+   */
+  pick: { params: { view: string; at: [number, number]; measures?: boolean }; result: Pick | null };
   /**
    * A click: puts the geodesic camera of what is seen there at that place, if it can have one (`placed` is then the
    * geodesic view that shows it).
@@ -514,8 +519,8 @@ export interface Calls {
   };
   /** A double click: its first half, which was a `click`, is withdrawn. Its use is the declaration: `Pick.range`. */
   doubleClick: { params: { view: string; at: [number, number] }; result: Pick | null };
-  /** Measures a figure. Its lines are shown until another one is measured. */
-  measure: { params: { figure: Figure }; result: Measured };
+  /** Measures a figure. Its lines are shown until another one is measured; `null` is none. */
+  measure: { params: { figure: Figure | null }; result: Measured };
 
   /** Takes an image (PNG or JPEG) under a name; the sizes in pixels that it has as a texture. */
   texture: { params: { name: string; bytes: ArrayBuffer }; result: { width: number; height: number } };

@@ -2,6 +2,7 @@
 
 import type { Core } from "./core.ts";
 import { button, type IconName, make } from "./dom.ts";
+import { Measuring } from "./measure.ts";
 import { Pane, type PaneEvents } from "./pane.ts";
 import type { NoPicture, Picture, Scene, ViewInfo } from "./protocol.ts";
 
@@ -21,6 +22,7 @@ export class Views {
     private readonly grid = make("div", { class: "grid" });
     private readonly nothing = make("p", { class: "empty" });
     private readonly panes = new Map<string, Pane>();
+    private readonly measuring: Measuring;
     private scene: Scene | undefined;
     private focused: string | undefined;
     private isTold = false;
@@ -31,7 +33,9 @@ export class Views {
         private readonly core: Core,
         private readonly events: ViewsEvents,
     ) {
-        this.element = make("div", { class: "views", role: "group", "aria-label": "Pictures" }, this.chips, this.grid);
+        this.measuring = new Measuring(core);
+        const parts = [this.chips, this.measuring.element, this.grid];
+        this.element = make("div", { class: "views", role: "group", "aria-label": "Pictures" }, ...parts);
         new ResizeObserver(() => this.arrange()).observe(this.grid);
     }
 
@@ -64,6 +68,7 @@ export class Views {
         }
         this.setChips(scene.views);
         this.arrange();
+        this.measuring.update(scene);
     }
 
     picture(picture: Picture): void {
@@ -142,9 +147,13 @@ export class Views {
             resized: () => this.tellSizes(),
             moved: () => (this.moved = { pane, at: performance.now() }),
             patience: () => (this.isBehind(pane) ? BEHIND : 0),
+            isMeasuring: () => this.measuring.isOpen,
+            measured: (pick) => this.measuring.take(pick),
             isFlying: () => this.core.settings.preferences?.fly ?? false,
             key: (key) => {
                 switch (key) {
+                    case "measure":
+                        return this.measuring.toggle();
                     case "traced":
                         return pane.info.instead === null ? undefined : this.flip("traced");
                     case "orthographic":
@@ -226,7 +235,7 @@ export class Views {
             chip.setAttribute("aria-pressed", String(this.isOpen(view)));
             return chip;
         });
-        this.chips.replaceChildren(...chips);
+        this.chips.replaceChildren(...chips, this.measuring.opener);
     }
 
     /** Shares the room so that the shortest side of a pane is as long as it can be. */

@@ -25,6 +25,7 @@ use session::framing::Framing;
 use session::model::Emphasis;
 use session::questions::Measurer;
 use session::reader::Read;
+use session::snapping::SnapTargets;
 use session::textures::{ImageState, Library};
 use session::{Model, View};
 
@@ -51,6 +52,8 @@ pub struct Core {
     renderer: Renderer,
     framing: Framing,
     measurer: Measurer,
+    /// The places to which clicks snap while something is measured.
+    targets: Option<SnapTargets>,
     pictures: PanePictures,
     clicks: Clicks,
     motions: Motions,
@@ -92,6 +95,7 @@ impl Core {
             renderer: Renderer::software(),
             framing: Framing::default(),
             measurer: Measurer::default(),
+            targets: None,
             pictures: PanePictures::default(),
             clicks: Clicks::default(),
             motions: Motions::default(),
@@ -160,13 +164,13 @@ impl Core {
             Call::Settings {} => self.settings(),
             Call::Undo {} => self.travel(Model::undo),
             Call::Redo {} => self.travel(Model::redo),
-            Call::Pick { view, at } => {
-                let found = self.pick(&ViewId::from(&*view), at)?;
+            Call::Pick { view, at, measures } => {
+                let found = self.pick(&ViewId::from(&*view), at, measures)?;
                 json!(found.map(|found| found.pick))
             }
             Call::Click { view, at } => self.click(&ViewId::from(&*view), at)?,
             Call::DoubleClick { view, at } => self.double_click(&ViewId::from(&*view), at)?,
-            Call::Measure { figure } => self.measure(figure)?,
+            Call::Measure { figure } => self.measure(figure.as_ref())?,
             Call::Examples {} => examples::list(),
         })
     }

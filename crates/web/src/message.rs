@@ -101,6 +101,8 @@ pub enum Call {
     Pick {
         view: String,
         at: [f64; 2],
+        #[serde(default)]
+        measures: bool,
     },
     Click {
         view: String,
@@ -111,7 +113,7 @@ pub enum Call {
         at: [f64; 2],
     },
     Measure {
-        figure: AskedFigure,
+        figure: Option<AskedFigure>,
     },
     Examples {},
 }

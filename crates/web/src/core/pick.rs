@@ -1,6 +1,6 @@
 //! Clicks on pictures, and the object that is seen at a place.
 
-use render::figure::Figure;
+use render::figure::{Figure, FigureKind};
 use render::point::PixelPoint;
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
@@ -9,6 +9,7 @@ use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{PlacedFigure, Quantity};
 use session::questions::{MeasureAnswer, MeasureQuestion};
+use session::snapping::{Snapping, measured_place};
 
 use super::Core;
 use crate::message::{AskedFigure, Pick, QuantityRow};
@@ -28,7 +29,8 @@ impl Core {
         Some(self.editing.source().range(span))
     }
 
-    /// Finds what is seen at a place of a pane.
+    /// Finds what is seen at a place of a pane; if it `measures`, the surface under a line is meant, and the place is one
+    /// that is declared, where there is one near.
     ///
     /// # Errors
     /// The sentence that says why it cannot be found.
@@ -36,14 +38,22 @@ impl Core {
         &mut self,
         id: &ViewId,
         at: [f64; 2],
+        measures: bool,
     ) -> Result<Option<PickedObject>, String> {
         self.read();
         let Some((request, pixel)) = self.pictures.pixel(id, at) else {
             return Ok(None);
         };
         let request = request.clone();
-        let hit = self.renderer.pick(&request, PixelPoint(pixel));
-        let Some(hit) = hit.map_err(|error| error.to_string())? else {
+        let pixel = PixelPoint(pixel);
+        let hit = if measures {
+            let (renderer, targets) = (&mut self.renderer, &mut self.targets);
+            measured_place(renderer, targets, &request, pixel, Snapping::On).hit
+        } else {
+            let hit = self.renderer.pick(&request, pixel);
+            hit.map_err(|error| error.to_string())?
+        };
+        let Some(hit) = hit else {
             return Ok(None);
         };
         let Some(clicked) = ClickedObject::new(&request, &hit) else {
@@ -104,7 +114,7 @@ impl Core {
     /// # Errors
     /// The sentence that says why no camera can stand there.
     pub(super) fn click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
-        let Some(PickedObject { pick, request, hit }) = self.pick(id, at)? else {
+        let Some(PickedObject { pick, request, hit }) = self.pick(id, at, false)? else {
             return Ok(Value::Null);
         };
         // In a geodesic view a click means nothing: a drag walks there.
@@ -141,26 +151,31 @@ impl Core {
             self.pictures.put_surface(shown);
             self.note_motion();
         }
-        let found = self.pick(id, at)?;
+        let found = self.pick(id, at, false)?;
         Ok(json!(found.map(|found| found.pick)))
     }
 
-    /// Measures a figure on a surface, and shows its lines until another one is measured.
+    /// Measures a figure on a surface, and shows its lines until another one, or nothing, is measured.
     ///
     /// # Errors
     /// The sentence that says that there is no such surface.
-    pub(super) fn measure(&mut self, asked: AskedFigure) -> Result<Value, String> {
+    pub(super) fn measure(&mut self, asked: Option<&AskedFigure>) -> Result<Value, String> {
         self.read();
+        let Some(asked) = asked else {
+            self.model.measured = None;
+            return Ok(json!({ "rows": [], "note": null, "places": [] }));
+        };
         let AskedFigure {
             surface,
             kind,
             mut places,
             radius,
-        } = asked;
+        } = asked.clone();
         let none = || format!("there is no surface `{surface}`");
         let camera = self.model.view.inside.get(&surface);
         let centre = camera.and_then(|camera| Some(camera.chart()?.at));
-        if places.len() + 1 == kind.places() && radius.is_none() {
+        let lacks_centre = kind == FigureKind::Circle && places.len() + 1 == kind.places();
+        if lacks_centre && radius.is_none() {
             places.splice(0..0, centre);
         }
         let subject = self.model.subject(&surface).ok_or_else(none)?;
@@ -173,10 +188,11 @@ impl Core {
             },
         });
         match self.measurer.answer(&subject, &question) {
-            Some(MeasureAnswer::Figure(_, measured)) => {
+            Some(MeasureAnswer::Figure(placed, measured)) => {
                 let rows: Vec<QuantityRow> = measured.rows.iter().map(QuantityRow::from).collect();
                 self.model.measured = Some((surface, measured.lines));
-                Ok(json!({ "rows": rows, "note": measured.note }))
+                let places = &placed.figure.places;
+                Ok(json!({ "rows": rows, "note": measured.note, "places": places }))
             }
             _ => Err(none()),
         }

@@ -359,3 +359,72 @@ fn a_param_and_a_camera_are_written_into_the_text() {
     );
     assert!(page.call("writeParam", json!({ "param": "q" })).is_err());
 }
+
+#[test]
+fn a_figure_is_measured_drawn_and_taken_away() {
+    let text =
+        "surface s(u, v) = (sin(v) cos(u), sin(v) sin(u), cos(v)), u : [0, 2pi], v : [0, pi];
+        point p = (0, 0 - 1, 0);
+        curve c(t) = (sin(t), 0 - 1, cos(t)), t : [0, 1];";
+    let mut page = Page::open(text);
+    let panes = json!({ "panes": [{ "view": "3d", "width": 200, "height": 200 }] });
+    page.tell("panes", panes);
+    let plain = page.rest().pop().expect("a picture").pixels;
+    let figure = |kind: &str, places: Value| json!({ "figure": { "surface": "s", "kind": kind, "places": places } });
+    let quarter = json!([
+        [0.0, 1.5],
+        [std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2]
+    ]);
+    let measured = page
+        .call("measure", figure("distance", quarter.clone()))
+        .expect("measured");
+    assert_eq!(measured["rows"][0]["name"], "distance");
+    assert_eq!(measured["rows"][0]["value"], "1.5707963");
+    assert_eq!(measured["places"], quarter);
+    let drawn = page.rest().pop().expect("a picture").pixels;
+    assert!(drawn != plain, "its line is not drawn");
+    page.call("measure", json!({ "figure": null }))
+        .expect("taken away");
+    assert!(page.rest().pop().expect("a picture").pixels == plain);
+    // A place that lacks is no camera's, but of a circle.
+    let begun = page
+        .call("measure", figure("distance", json!([[0.0, 1.5]])))
+        .expect("begun");
+    assert_eq!(begun["places"], json!([[0.0, 1.5]]));
+    assert_eq!(begun["rows"], json!([]));
+}
+
+#[test]
+fn a_place_to_be_measured_snaps_to_a_declared_point() {
+    let text =
+        "surface s(u, v) = (sin(v) cos(u), sin(v) sin(u), cos(v)), u : [0, 2pi], v : [0, pi];
+        point p = (0, 0 - 1, 0);";
+    let mut page = Page::open(text);
+    let panes = json!({ "panes": [{ "view": "3d", "width": 200, "height": 200 }] });
+    page.tell("panes", panes);
+    page.rest();
+    let near = |page: &mut Page, measures: bool| {
+        let found = (0..40_000).map(|k| [f64::from(k % 200), f64::from(k / 200)]);
+        let pick = |at: [f64; 2]| {
+            let asked = json!({ "view": "3d", "at": at, "measures": measures });
+            page.call("pick", asked).expect("picked")
+        };
+        found
+            .step_by(97)
+            .map(pick)
+            .filter(|it| it["object"] == "s")
+            .map(|it| it["parameters"].clone())
+            .collect::<Vec<_>>()
+    };
+    let exact = json!([1.5 * std::f64::consts::PI, std::f64::consts::FRAC_PI_2]);
+    let close = |place: &Value| {
+        [0, 1].iter().all(|&k| {
+            (place[k].as_f64().unwrap_or(9.0) - exact[k].as_f64().unwrap_or(0.0)).abs() < 1e-9
+        })
+    };
+    assert!(near(&mut page, true).iter().any(close), "no place snaps");
+    assert!(
+        !near(&mut page, false).iter().any(close),
+        "a place snaps though nothing is measured"
+    );
+}
