@@ -25,9 +25,9 @@ test("a distance on a sphere is that of the great circle, follows a slider, and 
     const clicks = [[x - 40, y - 30], [x + 50, y + 20]];
     const places = [];
     for (const [at, over] of clicks) {
+        const before = await row(page, "(u, v)");
         await page.mouse.click(at, over);
-        await shown(page, "(u, v)");
-        await settled(page);
+        await page.waitForFunction((old) => ![old, undefined].includes(document.querySelector(".measuring dd")?.textContent), before);
         places.push(JSON.parse((await row(page, "(u, v)")).replace("(", "[").replace(")", "]")));
     }
     assert.notDeepEqual(places[0], places[1]);
