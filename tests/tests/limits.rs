@@ -1,8 +1,10 @@
 //! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
 
+use export::mesh::MOST_CELLS;
 use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
 use geodesic::measure::MOST_CONNECTIONS;
 use geodesic::trace::MOST_OF_ONE;
+use geometry::solids::MAX_SHAPE_WORK;
 use render::texture::{MAX_FILE_PIXELS, MAX_FILE_SIDE};
 use render::view::traced;
 use scene::crt;
@@ -131,7 +133,7 @@ fn programs() -> Vec<Limit> {
 fn scripts() -> Vec<Limit> {
     vec![
         limit(
-            "rounds of loops and calls of a script",
+            "rounds of loops and calls of a script, 256 bytes of a new string counted as one",
             grouped(crt::MAX_WORK),
             "a script ends",
             "it takes more than {MAX_WORK} rounds and calls",
@@ -176,6 +178,20 @@ fn pictures() -> Vec<Limit> {
             "as above",
             "is too large: it may have {} million pixels",
             "",
+        ),
+        limit(
+            "operations on intervals to find where the solids of a scene lie; a sixteenth of that for what is told at a name",
+            grouped(MAX_SHAPE_WORK),
+            "run time: a few seconds",
+            "to find where the solids lie takes more work than there may be",
+            "fewer instances; what differs by place alone is moved by a map, and read once",
+        ),
+        limit(
+            "cells along the longest side of a solid's mesh; of more than 32 solids in a file so many fewer that all have about as many triangles",
+            MOST_CELLS,
+            "memory and run time",
+            "cells along its longest side, not {MOST_CELLS}",
+            "`--object`: fewer solids in a file",
         ),
         limit(
             "samples of a pixel in the traced view",

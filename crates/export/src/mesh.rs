@@ -18,6 +18,7 @@ mod solid;
 mod stl;
 mod weld;
 
+pub use solid::{FINE_SOLIDS, LEAST_CELLS, MOST_CELLS};
 pub use weld::{Mesh, Vertex};
 
 use std::fmt;
@@ -32,6 +33,7 @@ use render::sample::{Samples, positions, sample_with_notes};
 use render::texture::Texture;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
+use solid::Fineness;
 
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -163,12 +165,31 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let placement = Bounds::of(scene, params).placement;
     let colours = request.object_colours();
     let mut model = Model::default();
-    for (index, object) in scene.objects.iter().enumerate() {
-        let id = ObjectId(index as u32);
-        if !objects.map_or(is_shown(id), |objects| objects.contains(&id)) {
-            continue;
-        }
-        let (geometry, notes) = geometry(scene, params, request, id, object, &placement);
+    let wanted = |id| objects.map_or(is_shown(id), |objects| objects.contains(&id));
+    let all = (0..).map(ObjectId).zip(&scene.objects);
+    let all: Vec<(ObjectId, &Object)> = all.filter(|(id, _)| wanted(*id)).collect();
+    let solids = all
+        .iter()
+        .filter(|(_, object)| object.shape.solid().is_some());
+    let solids = solids.count();
+    let mut fineness = Fineness::of(solids);
+    let cells = fineness.cells;
+    if cells < MOST_CELLS {
+        model.notes.push(format!(
+            "each of the {solids} solids has {cells} cells along its longest side, not {MOST_CELLS}: fewer solids in a file have more"
+        ));
+    }
+    for (id, object) in all {
+        let index = id.0 as usize;
+        let (geometry, notes) = geometry(
+            scene,
+            params,
+            request,
+            id,
+            object,
+            &placement,
+            &mut fineness,
+        );
         model.notes.extend(notes);
         model.parts.extend(geometry.map(|geometry| Part {
             object: id,
@@ -291,9 +312,10 @@ fn geometry(
     id: ObjectId,
     object: &Object,
     placement: &Placement,
+    fineness: &mut Fineness,
 ) -> (Option<Geometry>, Vec<String>) {
     if object.shape.solid().is_some() {
-        let (mesh, notes) = solid::meshed(scene, params, object);
+        let (mesh, notes) = solid::meshed(scene, params, object, fineness);
         let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
         return (
             mesh.map(|mesh| Geometry::Surface(mesh, Texture::plain())),

@@ -6,7 +6,7 @@ mod scenes;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use export::mesh::{ExportError, Geometry, MeshFormat, Model, model};
+use export::mesh::{ExportError, FINE_SOLIDS, Geometry, MeshFormat, Model, model};
 use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
@@ -441,4 +441,30 @@ fn every_example_can_be_exported_in_every_format() {
             }
         }
     }
+}
+
+#[test]
+fn many_solids_have_fewer_cells_each_and_say_so() {
+    let balls = |count: usize| {
+        let each = |k| format!("solid s{k}(x,y,z) = x^2 + y^2 + (z - {k})^2 - 1;\n");
+        let model = exported(&(0..count).map(each).collect::<String>());
+        let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+        (triangles, model.notes)
+    };
+    let (one, notes) = balls(1);
+    assert_eq!(notes, [] as [&str; 0]);
+    let (few, notes) = balls(FINE_SOLIDS);
+    assert!(few > FINE_SOLIDS * one * 9 / 10, "{few}");
+    assert_eq!(notes, [] as [&str; 0]);
+    let (many, notes) = balls(4 * FINE_SOLIDS);
+    assert!(
+        (9 * few / 10..11 * few / 10).contains(&many),
+        "{many}, not {few}"
+    );
+    assert_eq!(
+        notes,
+        [
+            "each of the 128 solids has 64 cells along its longest side, not 128: fewer solids in a file have more"
+        ]
+    );
 }

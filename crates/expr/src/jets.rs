@@ -127,11 +127,6 @@ impl JetTape {
         self.code.program.instruction_count()
     }
 
-    /// The number of registers that an evaluation uses, those of fixed numbers among them.
-    pub fn register_count(&self) -> usize {
-        self.code.register_count
-    }
-
     /// Computes what is the same at every point. `uniforms` follows [`JetTape::uniforms`].
     ///
     /// # Panics

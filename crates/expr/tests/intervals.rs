@@ -295,6 +295,28 @@ fn what_jumps_is_never_monotone() {
 }
 
 #[test]
+fn the_slope_of_a_quotient_is_tight_where_its_divisor_has_no_zero() {
+    let reciprocal = |value: Interval| {
+        let slope = Interval::point(1.0);
+        let divisor = Slope { value, slope };
+        let Slope { slope, .. } = Slope::binary(Binary::Div, Slope::constant(1.0), divisor);
+        [slope.lower(), slope.upper()]
+    };
+    // −1/t² on [1, 2].
+    let [least, most] = reciprocal(Interval::new(1.0, 2.0));
+    assert!((-1.000001..=-1.0).contains(&least) && (-0.25..=-0.249999).contains(&most));
+    // A pole: the slope of what jumps is everything, also where only an end of the interval is one, and where that is +0.
+    let all = Interval::new(-1.0, 2.0);
+    for value in [
+        all,
+        Interval::new(0.0, 2.0),
+        Interval::unary(Unary::Abs, all),
+    ] {
+        assert_eq!(reciprocal(value), [f64::NEG_INFINITY, f64::INFINITY]);
+    }
+}
+
+#[test]
 fn a_box_needs_only_the_branches_that_it_meets() {
     // min over 16 squared distances from points on a line: near one, the others are left out.
     let mut graph = Graph::default();

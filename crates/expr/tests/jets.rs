@@ -360,6 +360,61 @@ proptest! {
 }
 
 #[test]
+fn many_registers_have_the_bits_of_one_lane_in_all_lanes() {
+    // Sines of many places that are all needed at the end, so that as many registers are in use.
+    let mut graph = Graph::default();
+    let [u, v, _] = variables(&mut graph);
+    let place = |k: usize| {
+        let k = k as f64;
+        (0.1 * k - 3.0, 2.0 - 0.07 * k)
+    };
+    let all: [[f64; 64]; 2] = [
+        std::array::from_fn(|k| place(k).0),
+        std::array::from_fn(|k| place(k).1),
+    ];
+    for terms in [20, 60, 400] {
+        let mut angle = graph.mul(u, v);
+        let mut sines = Vec::new();
+        for k in 0..terms {
+            let step = graph.constant(0.25 + f64::from(k));
+            let next = graph.add(angle, step);
+            angle = graph.unary(Unary::Sin, next);
+            sines.push(angle);
+        }
+        let mut root = u;
+        for &sine in sines.iter().rev() {
+            let product = graph.mul(root, sine);
+            root = graph.add(product, sine);
+        }
+        let wide = jet(&graph, root, &all, 0.7);
+        for lane in [0, 7, 8, 63] {
+            let at = all.map(|lanes| [lanes[lane]]);
+            let one = wide.map(|lanes| [lanes[lane]]);
+            assert_eq!(
+                bits(jet(&graph, root, &at, 0.7)),
+                bits(one),
+                "{terms} {lane}"
+            );
+        }
+    }
+}
+
+#[test]
+fn powers_just_above_those_that_multiply_have_their_symbolic_derivatives() {
+    // The exponents of their derivatives are among those that do.
+    for exponent in [1025.0, 1026.0, -1025.0] {
+        let mut graph = Graph::default();
+        let [u, v, _] = variables(&mut graph);
+        let base = graph.mul(u, v);
+        let exponent = graph.constant(exponent);
+        let root = graph.binary(Binary::Pow, base, exponent);
+        let at = [1.0625, 0.9375];
+        let actual = jet(&graph, root, &at.map(|x| [x]), 0.0).map(|[x]| x);
+        assert_jet(actual, symbolic(&graph, root, at, 0.0), 1e-12, &at);
+    }
+}
+
+#[test]
 fn powers_by_a_param_have_the_derivatives_of_a_literal() {
     for exponent in [-3.0, -1.0, 0.0, 1.0, 2.0, 3.0, 0.5] {
         let mut graph = Graph::default();

@@ -138,7 +138,9 @@ fn shared_expressions_are_computed_once_and_counted_as_trees_too() {
         y = graph.mul(sine, cosine);
     }
     assert_eq!(statistics::operation_count(&graph, &[y]), 300);
+    assert_eq!(graph.operation_count(&[y]), 300);
     assert_eq!(statistics::tree_size(&graph, &[y]), u64::MAX);
+    assert_eq!(graph.tree_size(&[y]), u64::MAX);
     let slope = graph.derivatives(&[y], X).unwrap();
     assert!(statistics::operation_count(&graph, &slope) < 1_500);
 }

@@ -1,6 +1,7 @@
 //! Sets that polynomials bound against the sign of the expression that they are read from.
 
 use expr::Input;
+use expr::ops::Binary;
 use expr::polynomial::{MOST_PIECES, Polynomial, Region, region};
 use expr::tape::{Registers, Tape};
 
@@ -116,6 +117,23 @@ fn regions_are_where_the_expression_is_not_positive() {
         (gyroid.min(&(rr - 1.0)), vec![2], 1),
         (gyroid * (rr - 1.0), vec![2, 2], 2),
         (-gyroid.max(&(z - 1.0)), vec![1], 1),
+        // A number that is negative makes the greatest of a least.
+        (x.min(y) * x.uniform() * -2.0 + 0.3, vec![1, 1], 0),
+        (x.max(y) * x.uniform() * -2.0 - 0.3, vec![1, 1], 0),
+        (x.min(y) * x.uniform() * 2.0 + 0.3, vec![1, 1], 0),
+        (x.max(y) * x.uniform() * 2.0 - 0.3, vec![1, 1], 0),
+        // Powers by a param, which is 0.75: a root where what is below it may be negative, a square, and one that is neither.
+        (
+            (rr + 0.0).binary(Binary::Pow, &(x.uniform() - 0.25)) - 1.0,
+            vec![2, 2],
+            0,
+        ),
+        (
+            rr.binary(Binary::Pow, &(x.uniform() + 1.25)) - z,
+            vec![4],
+            0,
+        ),
+        (rr.binary(Binary::Pow, &x.uniform()) - z, vec![], 1),
         // min of what is not defined everywhere is left as it is.
         (x.sqrt().sin().min(&(rr - 1.0)), vec![], 1),
         (x.number(-1.0), vec![], 0),

@@ -9,7 +9,7 @@ use scene::{BoundGrid, ObjectId, ParamValues, Range, Sampling, Scene};
 use tracer::{BoundingBox, Ray};
 
 use crate::manifold::ManifoldError;
-use crate::solids::{RayScene, RaySceneOptions};
+use crate::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
 
 /// The surface of the first instance of a solid.
 #[derive(Debug)]
@@ -49,7 +49,7 @@ impl SolidSurface {
             thickness: None,
             picture_look: Default::default(),
         };
-        let rays = RayScene::of_solid(scene, params, &options, object);
+        let rays = RayScene::of_solid(scene, params, &options, object, &mut { MAX_SHAPE_WORK });
         let world = rays.world();
         let bounds = (world.solid_count() > 0).then(|| world.bounds(0)).flatten();
         let bounds = bounds.filter(|bounds| !bounds.is_empty());

@@ -46,6 +46,9 @@ pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
 /// The most instances of all surfaces of a scene that rays meet.
 pub const MAX_SHEETS: usize = 4096;
 
+/// The most work that reading the shapes of a scene's solids and looking for their boxes may take, in operations on intervals.
+pub const MAX_SHAPE_WORK: u64 = 100_000_000;
+
 /// The parts of a scene that become a [`RayScene`], and how they look where they do not say it themselves.
 #[derive(Clone, Copy)]
 pub struct RaySceneOptions<'a> {
@@ -160,6 +163,8 @@ pub enum RayFault {
     TooManyLeaves,
     /// Not drawn: its derivatives are too large.
     TooLarge,
+    /// Not drawn: with it, reading the shapes of the solids takes more work than there is.
+    TooMuchWork,
     /// Not drawn whole: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
     TooManyBodies,
     /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
@@ -179,18 +184,21 @@ impl RayScene {
     pub fn new(scene: &Scene, params: &ParamValues, options: &RaySceneOptions<'_>) -> Self {
         let shown = scene.numbered().filter(|(id, _)| (options.shown)(*id));
         let objects = shown.map(|(id, object)| (Some(id), object)).collect();
-        Self::of(scene, params, options, objects)
+        Self::of(scene, params, options, objects, &mut { MAX_SHAPE_WORK })
     }
 
     /// Prepares one solid alone, also one that is a part of others; it may be of [`Scene::objects`] or of [`Scene::parts`].
+    /// `work` is what reading its shapes may take, [`MAX_SHAPE_WORK`] for the solids of a scene together, and becomes what is
+    /// left of that.
     pub fn of_solid(
         scene: &Scene,
         params: &ParamValues,
         options: &RaySceneOptions<'_>,
         solid: &Object,
+        work: &mut u64,
     ) -> Self {
         let id = scene.object(&solid.name).map(|(id, _)| id);
-        Self::of(scene, params, options, vec![(id, solid)])
+        Self::of(scene, params, options, vec![(id, solid)], work)
     }
 
     fn of(
@@ -198,6 +206,7 @@ impl RayScene {
         params: &ParamValues,
         options: &RaySceneOptions<'_>,
         objects: Vec<(Option<ObjectId>, &Object)>,
+        work: &mut u64,
     ) -> Self {
         let mut draft = Draft::new(scene, params, options);
         let with_bodies = options.thickness.is_some();
@@ -211,12 +220,15 @@ impl RayScene {
             draft.shapes.prepare(graph.to_mut());
         }
         let nowhere = |_: Input| f64::NAN;
-        let mut builder = WorldBuilder::new(&graph, &nowhere);
+        let mut builder = WorldBuilder::new(&graph, &nowhere).with_work(*work);
         for &(id, object) in &objects {
             if object.shape.solid().is_some() {
                 draft.solid(&mut builder, id, object);
             }
         }
+        *work = builder.work_left();
+        // Bodies have three shapes in all.
+        builder = builder.with_work(u64::MAX);
         for &(id, object) in &objects {
             if let (Some(thickness), Some(id)) = (&options.thickness, id)
                 && is_body(object)
@@ -312,6 +324,12 @@ impl RayScene {
                 .picture_look
                 .light(standard_sky(above, direction)),
         }
+    }
+
+    /// True if a solid is left out because the work of reading shapes is used up.
+    pub fn is_out_of_work(&self) -> bool {
+        let mut notes = self.content.notes.iter();
+        notes.any(|note| note.fault == RayFault::TooMuchWork)
     }
 
     /// The formulas of the picture.
@@ -552,7 +570,7 @@ impl<'a> Draft<'a> {
                     self.note(object, RayFault::TooManyLeaves);
                     return;
                 }
-                Err(Omission::TooLarge | Omission::Unbalanced) => return,
+                Err(_) => return,
             }
         }
         self.leaf_room = expansion.room;
@@ -566,6 +584,7 @@ impl<'a> Draft<'a> {
         match expanded.build(scene, solid, builder, &mut self.table) {
             Ok(()) => {}
             Err(Omission::TooLarge) => return self.note(object, RayFault::TooLarge),
+            Err(Omission::TooMuchWork) => return self.note(object, RayFault::TooMuchWork),
             Err(_) => return,
         }
         let number = self.object(id, object);
@@ -783,6 +802,10 @@ impl std::fmt::Display for RayNote {
             RayFault::TooLarge => {
                 write!(f, "`{name}` is not drawn: its derivatives are too large")
             }
+            RayFault::TooMuchWork => write!(
+                f,
+                "`{name}` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less"
+            ),
             RayFault::TooManyBodies => write!(
                 f,
                 "not all of `{name}` is drawn: points, arrows and curves have more than {MAX_BODIES} pieces"

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use expr::ops::Unary;
 use expr::{Input, NodeId};
 use geometry::solids::{
     RayFault, RayScene, RaySceneOptions, SOLID_COLOR, StandardLights, Thickness,
@@ -455,6 +456,57 @@ fn singular_instances_are_left_out_and_noted() {
         notes[0].to_string(),
         "1 of the 3 instances of `stack` are not drawn: the map of `flat` takes volumes to 0"
     );
+}
+
+#[test]
+fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
+    /// Six operations and one for all.
+    const BALL: u64 = 64 * 7;
+    let mut writer = Writer::default();
+    // Half a million waves: each instance is a shape of its own, and its box takes thousands of evaluations.
+    let (grid, k) = writer.grid("k", 0.0, 1.0, 500_000);
+    let graph = &mut writer.scene.graph;
+    let [x, y, z] = [0, 1, 2].map(|k| graph.input(Input::Variable(k)));
+    let shifted = graph.add(x, k);
+    let wave = graph.unary(Unary::Sin, shifted);
+    let squares = [x, y, z].map(|x| graph.mul(x, x));
+    let field = squares
+        .into_iter()
+        .fold(wave, |sum, square| graph.add(sum, square));
+    let map = writer.identity();
+    let leaf = writer.leaf("wave", field, map);
+    writer.solid("waves", vec![leaf], &[SolidStep::Leaf(0)], &[grid]);
+    let one = writer.number(1.0);
+    let ball = writer.ball(one);
+    let map = writer.identity();
+    let leaf = writer.leaf("ball", ball, map);
+    writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
+    let options = RaySceneOptions {
+        shown: &|_| true,
+        color: &|_| SOLID_COLOR,
+        thickness: None,
+        picture_look: Default::default(),
+    };
+    let params = ParamValues::initial(&writer.scene);
+    let alone = |name: &str, work: &mut u64| -> Vec<String> {
+        let (_, object) = writer.scene.object(name).expect("declared");
+        let rays = RayScene::of_solid(&writer.scene, &params, &options, object, work);
+        assert_eq!(rays.is_out_of_work(), rays.world().solid_count() == 0);
+        rays.notes()
+            .into_iter()
+            .map(|note| note.to_string())
+            .collect()
+    };
+    // A ball is read, and its box has a formula.
+    let mut work = 1_000_000;
+    assert_eq!(alone("ball", &mut work).len(), 0);
+    assert_eq!(work, 1_000_000 - BALL);
+    let said = "`waves` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less";
+    assert_eq!(alone("waves", &mut work), [said]);
+    assert_eq!(work, 0);
+    assert_eq!(alone("ball", &mut work), [said.replace("waves", "ball")]);
+    assert_eq!(alone("ball", &mut { BALL }).len(), 1);
+    assert_eq!(alone("ball", &mut { BALL + 1 }).len(), 0);
 }
 
 #[test]

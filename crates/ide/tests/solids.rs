@@ -202,6 +202,11 @@ fn hover_tells_what_a_solid_is() {
     assert!(ball.contains(wanted), "{ball}");
     let ground = told("param h : [0, 1]; solid g¦round(x,y,z) = z - h;");
     assert!(ground.contains("endless, for `h = 0`"), "{ground}");
+    // A box for each of a million shapes is no answer while somebody reads.
+    let many =
+        told("grid g : [0, 1, 1000000]; solid w¦aves(x,y,z) = sin(x+g) + x^2 + y^2 + z^2 - 1;");
+    assert!(many.contains("too many instances"), "{many}");
+    assert!(!many.contains("within"), "{many}");
     let cube = told(&at("cube(x"));
     assert!(cube.contains("a part"), "{cube}");
     let mirror = told(&at("mirror"));

@@ -5,8 +5,9 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
-use geometry::solids::{RayScene, RaySceneOptions};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
 use glam::DVec3;
+use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 use tracer::Ray;
@@ -51,6 +52,8 @@ pub(crate) struct ObjectCloud {
     /// columns and rows.
     pub(crate) grid: Vec<[f64; 3]>,
     pub(crate) counts: [usize; 2],
+    /// True for a solid without points because the work for a scene's solids was used up.
+    pub(crate) is_omitted: bool,
 }
 
 impl Bounds {
@@ -61,12 +64,13 @@ impl Bounds {
 
     /// The bounds of some of the objects.
     pub fn of_some(scene: &Scene, params: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
-        let objects = (0..).map(ObjectId).zip(&scene.objects);
-        let clouds: Vec<ObjectCloud> = objects
-            .filter(|(id, _)| counts(*id))
-            .map(|(_, object)| ObjectCloud::new(scene, params, object))
+        let wanted: Vec<bool> = (0..)
+            .map(ObjectId)
+            .zip(&scene.objects)
+            .map(|(id, _)| counts(id))
             .collect();
-        Self::around_objects(clouds.iter())
+        let clouds = ObjectCloud::all(scene, params, &wanted);
+        Self::around_objects(clouds.iter().flatten())
     }
 
     /// The bounds of some objects.
@@ -134,14 +138,33 @@ impl Bounds {
 }
 
 impl ObjectCloud {
-    /// Samples an object coarsely.
+    /// Samples the objects of a scene that are wanted coarsely; `None` for the others.
+    pub(crate) fn all(scene: &Scene, params: &ParamValues, wanted: &[bool]) -> Vec<Option<Self>> {
+        let options = RaySceneOptions {
+            shown: &|_| true,
+            color: &|_| DVec3::ONE,
+            thickness: None,
+            picture_look: Default::default(),
+        };
+        // In the order of the scene: what the work is enough for does not depend on threads.
+        let mut work = MAX_SHAPE_WORK;
+        let mut prepared = |object: &Object| {
+            let solid = object.shape.solid().is_some();
+            solid.then(|| RayScene::of_solid(scene, params, &options, object, &mut work))
+        };
+        let objects = scene.objects.iter().zip(wanted);
+        let objects: Vec<(&Object, bool, Option<RayScene>)> = objects
+            .map(|(object, &wanted)| (object, wanted, wanted.then(|| prepared(object)).flatten()))
+            .collect();
+        let cloud = |(object, wanted, rays): &(&Object, bool, Option<RayScene>)| match rays {
+            Some(rays) => Some(Self::of_solid(rays)),
+            None => wanted.then(|| Self::new(scene, params, object)),
+        };
+        objects.par_iter().map(cloud).collect()
+    }
+
+    /// Samples an object coarsely that is no solid.
     pub(crate) fn new(scene: &Scene, params: &ParamValues, object: &Object) -> Self {
-        if object.shape.solid().is_some() {
-            return Self {
-                points: solid_points(scene, params, object),
-                ..Self::default()
-            };
-        }
         let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
             (Some(position), _) => position.to_vec(),
             (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
@@ -182,19 +205,22 @@ impl ObjectCloud {
             closed,
             grid,
             counts,
+            is_omitted: false,
+        }
+    }
+
+    /// Casts rays along the axes into a solid.
+    fn of_solid(rays: &RayScene) -> Self {
+        Self {
+            points: solid_points(rays),
+            is_omitted: rays.is_out_of_work(),
+            ..Self::default()
         }
     }
 }
 
 /// Places on a solid that rays along the axes find; none on an endless one.
-fn solid_points(scene: &Scene, params: &ParamValues, solid: &Object) -> Vec<[f64; 3]> {
-    let options = RaySceneOptions {
-        shown: &|_| true,
-        color: &|_| DVec3::ONE,
-        thickness: None,
-        picture_look: Default::default(),
-    };
-    let rays = RayScene::of_solid(scene, params, &options, solid);
+fn solid_points(rays: &RayScene) -> Vec<[f64; 3]> {
     let world = rays.world();
     let Some(bounds) = (world.solid_count() > 0).then(|| world.bounds(0)).flatten() else {
         return Vec::new();

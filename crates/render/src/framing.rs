@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use geometry::solids::{RayScene, RaySceneOptions};
 use glam::DVec3;
-use rayon::prelude::*;
 use scene::ObjectId;
 use tracer::camera::{LensCamera, LensProjection};
 
@@ -76,22 +75,22 @@ impl Framing {
         {
             return last.clone();
         }
-        let mut clouds: Vec<Option<Arc<ObjectCloud>>> = contents
+        let known: Vec<Option<Arc<ObjectCloud>>> = contents
             .iter()
             .map(|content| self.clouds.get(content).cloned())
             .collect();
-        clouds
-            .par_iter_mut()
-            .zip(&scene.objects)
-            .filter(|(cloud, _)| cloud.is_none())
-            .for_each(|(cloud, object)| {
-                *cloud = Some(Arc::new(ObjectCloud::new(scene, params, object)));
-            });
-        let clouds: Arc<[Arc<ObjectCloud>]> = clouds.into_iter().flatten().collect();
+        let wanted: Vec<bool> = known.iter().map(Option::is_none).collect();
+        let new = ObjectCloud::all(scene, params, &wanted);
+        let clouds: Arc<[Arc<ObjectCloud>]> = known
+            .into_iter()
+            .zip(new)
+            .filter_map(|(known, new)| known.or_else(|| new.map(Arc::new)))
+            .collect();
         self.clouds = contents
             .iter()
             .cloned()
             .zip(clouds.iter().cloned())
+            .filter(|(_, cloud)| !cloud.is_omitted)
             .collect();
         let shown = || {
             clouds

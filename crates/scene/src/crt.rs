@@ -39,6 +39,8 @@ use run::Interpreter;
 
 /// The most rounds of loops and calls of macros of one run.
 pub const MAX_WORK: u32 = 1_000_000;
+/// The bytes of a new string that count as a round.
+pub const BYTES_OF_A_ROUND: usize = 256;
 /// Calls of macros within calls.
 pub const MAX_CALLS: u32 = 200;
 /// The most characters of a string, elements of a list, and leaves of all entities.

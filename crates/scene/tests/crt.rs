@@ -125,6 +125,14 @@ fn idle_statements_are_named() {
 #[test]
 fn limits_end_in_errors() {
     assert_eq!(codes("while (true) { }"), ["work-limit"]);
+    // Each round copies the string: 10,000 rounds of one that is 256 × 200 bytes long are two millions.
+    let copies = |rounds: u32| {
+        codes(&format!(
+            "r = \"a\" * 51200  k = 0  while (k < {rounds}) {{ s = r + \"b\"  k = k + 1 }}"
+        ))
+    };
+    assert_eq!(copies(4_900), [] as [&str; 0]);
+    assert_eq!(copies(10_000), ["work-limit"]);
     assert_eq!(codes("m = Macro () { m() }\nm()"), ["call-depth"]);
     assert_eq!(
         codes("a = \"ab\"\nwhile (true) { a = a + a }"),

@@ -181,6 +181,13 @@ fn chunks_are_blocks_and_statements() {
     for piece in document.script().pieces.iter() {
         assert_eq!(piece.blocks.len(), 1);
     }
+    // Each block is a declaration to those who look for places.
+    assert_eq!(document.declaration_count(), 13);
+    let second = text.find("b = 2").expect("there") as u32;
+    let [above, from] = [second - 1, second].map(|at| document.declarations_begun(at));
+    assert_eq!([above, from], [1, 2]);
+    let third = text.find("while").expect("there") as u32;
+    assert_eq!(document.declarations_ended(third), 2);
 }
 
 #[test]

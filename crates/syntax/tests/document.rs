@@ -444,6 +444,34 @@ fn lines_columns_and_offsets_are_those_of_the_text() {
 }
 
 #[test]
+fn tokens_are_counted_up_to_each_place() {
+    let text = "define a = 1 + 2;\n\n# é\nfunction f(x) = x^2 - sin x; point p = (a, f(1), 0);";
+    let document = Document::new(text, &vocabulary()).expect("a small text");
+    let all: Vec<Token> = document.tokens(Span::new(0, document.len())).collect();
+    assert_eq!(document.token_count() as usize, all.len());
+    for at in 0..=document.len() {
+        let ended = all.iter().filter(|token| token.span.end <= at).count();
+        let begun = all.iter().filter(|token| token.span.start < at).count();
+        assert_eq!(document.tokens_ended(at) as usize, ended, "{at}");
+        assert_eq!(document.tokens_begun(at) as usize, begun, "{at}");
+    }
+}
+
+#[test]
+fn a_keyword_that_becomes_longer_no_longer_ends_what_is_above() {
+    // Between brackets, a `;` ends a declaration only if a keyword follows.
+    let text = "define a = (1;\nbackground 2); define c = 2;";
+    let mut document = Document::new(text, &vocabulary()).expect("a small text");
+    check(&document, text);
+    assert_eq!(document.chunks().count(), 4);
+    let at = text.find(" 2)").expect("there") as u32;
+    document.edit(Span::new(at, at), "x").expect("an edit");
+    check(&document, &text.replacen(" 2)", "x 2)", 1));
+    document.edit(Span::new(at, at + 1), "").expect("an edit");
+    check(&document, text);
+}
+
+#[test]
 fn an_edit_that_is_none_leaves_the_document_as_it_is() {
     let mut document = Document::new("define a = 1; # é", &vocabulary()).expect("a small text");
     let length = document.len();

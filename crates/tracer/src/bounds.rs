@@ -3,6 +3,8 @@
 //! Input: an interval evaluator of an expression. Output: a box outside which the expression is positive or undefined,
 //! side by side: `None` where none is found, which is so for endless sets, and where intervals cannot tell.
 
+use std::cell::Cell;
+
 use expr::interval::Interval;
 use glam::{DAffine3, DVec3};
 
@@ -143,6 +145,30 @@ impl BoundingBox {
             near(a.x, b.x).max(near(a.y, b.y)).max(near(a.z, b.z)),
             far(a.x, b.x).min(far(a.y, b.y)).min(far(a.z, b.z)),
         ]
+    }
+}
+
+/// Work that is left, in operations on intervals.
+#[derive(Debug)]
+pub(crate) struct Work(Cell<u64>);
+
+impl Work {
+    pub(crate) fn new(most: u64) -> Self {
+        Self(Cell::new(most))
+    }
+
+    /// Takes some of it, all that is left if it is not enough; true if there is some left.
+    pub(crate) fn take(&self, operations: u64) -> bool {
+        self.0.set(self.0.get().saturating_sub(operations));
+        !self.is_used_up()
+    }
+
+    pub(crate) fn left(&self) -> u64 {
+        self.0.get()
+    }
+
+    pub(crate) fn is_used_up(&self) -> bool {
+        self.0.get() == 0
     }
 }
 

@@ -118,6 +118,15 @@ impl Contour<'_> {
         (i * (ny + 1) + j) * (nz + 1) + k
     }
 
+    fn corner_numbers(&self, corner: usize) -> [usize; 3] {
+        let [_, ny, nz] = self.cells;
+        [
+            corner / ((ny + 1) * (nz + 1)),
+            corner / (nz + 1) % (ny + 1),
+            corner % (nz + 1),
+        ]
+    }
+
     fn cell(&self, [i, j, k]: [usize; 3]) -> usize {
         let [_, ny, nz] = self.cells;
         (i * ny + j) * nz + k
@@ -180,38 +189,54 @@ impl Contour<'_> {
             .iter()
             .map(|(axis, first, found)| ((*axis, *first), &found[..]))
             .collect();
-        for axis in 0..3 {
-            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-            for p in 1..self.cells[b] {
-                for q in 1..self.cells[c] {
-                    let mut first = [0; 3];
-                    (first[b], first[c]) = (p, q);
-                    let found = known.get(&(axis, first)).copied().unwrap_or_default();
-                    self.read_line(axis, first, found);
-                }
-            }
+        for (low, axis) in self.crossed() {
+            let mut first = low;
+            first[axis] = 0;
+            let found = known.get(&(axis, first)).copied().unwrap_or_default();
+            let crossing = self.crossing(low, axis, found);
+            self.edges.insert((self.corner(low), axis as u8), crossing);
         }
     }
 
-    /// Finds the places on the edges of a line of the grid.
-    fn read_line(&mut self, axis: usize, first: [usize; 3], found: &[LineCrossing]) {
-        for k in 0..self.cells[axis] {
-            let (mut low, mut high) = (first, first);
-            (low[axis], high[axis]) = (k, k + 1);
-            let corner = self.corner(low);
-            let [a, b] = [corner, self.corner(high)].map(|corner| self.inside[corner]);
-            if a == b {
-                continue;
+    /// The edges whose ends differ: the lower corner and the axis of each. The corners of the rim are outside.
+    fn crossed(&self) -> Vec<([usize; 3], usize)> {
+        let [nx, ny, nz] = self.cells;
+        let mut crossed = Vec::new();
+        for i in 0..nx {
+            for j in 0..ny {
+                for (axis, next) in [[i + 1, j, 0], [i, j + 1, 0], [i, j, 1]]
+                    .into_iter()
+                    .enumerate()
+                {
+                    // Most rows of corners are equal to the next ones.
+                    let [row, next] = [[i, j, 0], next].map(|first| {
+                        let first = self.corner(first);
+                        &self.inside[first..first + nz]
+                    });
+                    if row != next {
+                        let pairs = row.iter().zip(next).enumerate();
+                        let differ = pairs.filter(|(_, (a, b))| a != b);
+                        crossed.extend(differ.map(|(k, _)| ([i, j, k], axis)));
+                    }
+                }
             }
-            let from = found.partition_point(|it| it.along < k as f64);
-            let mut on_edge = found[from..]
-                .iter()
-                .take_while(|it| it.along <= k as f64 + 1.0);
-            let crossing = match on_edge.find(|it| it.entering == b) {
-                Some(found) => found.place,
-                None => self.halved(low, high, a),
-            };
-            self.edges.insert((corner, axis as u8), crossing);
+        }
+        crossed
+    }
+
+    /// The place on an edge whose ends differ; `found` is what its line crosses.
+    fn crossing(&self, low: [usize; 3], axis: usize, found: &[LineCrossing]) -> EdgeCrossing {
+        let mut high = low;
+        high[axis] += 1;
+        let inside = self.inside[self.corner(low)];
+        let along = low[axis] as f64;
+        let from = found.partition_point(|it| it.along < along);
+        let mut on_edge = found[from..]
+            .iter()
+            .take_while(|it| it.along <= along + 1.0);
+        match on_edge.find(|it| it.entering != inside) {
+            Some(found) => found.place,
+            None => self.halved(low, high, inside),
         }
     }
 
@@ -282,23 +307,7 @@ impl Contour<'_> {
 
     /// Gives each patch of each cell a vertex, and each segment of an ambiguous face.
     fn place_vertices(&mut self) {
-        let mut active: Vec<[usize; 3]> = Vec::new();
-        let [nx, ny, nz] = self.cells;
-        for i in 0..nx {
-            for j in 0..ny {
-                for k in 0..nz {
-                    let first = self.inside[self.corner([i, j, k])];
-                    let differs = (1..8).any(|bits| {
-                        let corner = [i + (bits & 1), j + (bits >> 1 & 1), k + (bits >> 2)];
-                        self.inside[self.corner(corner)] != first
-                    });
-                    if differs {
-                        active.push([i, j, k]);
-                    }
-                }
-            }
-        }
-        for cell in active {
+        for cell in self.active() {
             // The two edges to which the faces join an edge.
             let mut next = [[usize::MAX; 2]; 12];
             let mut link = |from: usize, to: usize| {
@@ -351,6 +360,26 @@ impl Contour<'_> {
         }
     }
 
+    /// The cells that the surface meets, those around the edges that cross, in the order of their numbers.
+    fn active(&self) -> Vec<[usize; 3]> {
+        let [nx, ny, nz] = self.cells;
+        let mut is_active = vec![false; nx * ny * nz];
+        for &(corner, axis) in self.edges.keys() {
+            let (low, axis) = (self.corner_numbers(corner), usize::from(axis));
+            for (p, q) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let mut cell = low;
+                cell[(axis + 1) % 3] -= p;
+                cell[(axis + 2) % 3] -= q;
+                is_active[self.cell(cell)] = true;
+            }
+        }
+        let numbers = |cell: usize| [cell / (ny * nz), cell / nz % ny, cell % nz];
+        let all = is_active.iter().enumerate();
+        all.filter(|(_, active)| **active)
+            .map(|(cell, _)| numbers(cell))
+            .collect()
+    }
+
     fn vertex(&mut self, position: DVec3, planes: &[EdgeCrossing]) -> u32 {
         let normal: DVec3 = planes.iter().map(|plane| plane.normal).sum();
         self.mesh.positions.push(position);
@@ -388,15 +417,10 @@ impl Contour<'_> {
             .map(|(key, crossing)| (*key, crossing.normal))
             .collect();
         edges.sort_unstable_by_key(|(key, _)| *key);
-        let [_, ny, nz] = self.cells;
         for ((corner, axis), normal) in edges {
             let axis = usize::from(axis);
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
-            let low = [
-                corner / ((ny + 1) * (nz + 1)),
-                corner / (nz + 1) % (ny + 1),
-                corner % (nz + 1),
-            ];
+            let low = self.corner_numbers(corner);
             // The corners of the rim are outside: there are cells on all sides.
             let cell = |p: usize, q: usize| {
                 let mut cell = low;
@@ -460,13 +484,17 @@ fn mean(places: impl ExactSizeIterator<Item = DVec3>) -> DVec3 {
     places.sum::<DVec3>() / count
 }
 
+/// Elements beside the diagonal below this share of those on it are rounding.
+const ROUNDING: f64 = 1e-17;
+
 /// The eigenvalues and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;
     for _ in 0..16 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let off = matrix.col(q)[p];
-            if off == 0.0 {
+            let size = matrix.col(p)[p].abs() + matrix.col(q)[q].abs();
+            if off.abs() <= ROUNDING * size {
                 continue;
             }
             let ratio = (matrix.col(q)[q] - matrix.col(p)[p]) / (2.0 * off);

@@ -95,6 +95,11 @@ impl Field {
         })
     }
 
+    /// The number of operations of its value.
+    pub(crate) fn operation_count(&self) -> usize {
+        self.value.operation_count()
+    }
+
     /// True if the set is that where the expression's negative is not positive.
     pub(crate) fn is_negated(&self) -> bool {
         self.negated

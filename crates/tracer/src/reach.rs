@@ -10,10 +10,12 @@ use expr::ops::Binary;
 use expr::polynomial::{Polynomial, Region};
 use glam::{DMat3, DVec3};
 
-use crate::bounds::BoundingBox;
+use crate::bounds::{BoundingBox, Work};
 
 /// The number of boxes on the cube that are tested for one size.
 const BOXES: usize = 4096;
+/// The operations on intervals that a term takes.
+const TERM: u64 = 6;
 /// Cubes are looked for between 2^−LARGEST and 2^LARGEST.
 const LARGEST: i32 = 40;
 
@@ -76,32 +78,35 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
     })
 }
 
-/// A box that contains the region, as far as its polynomials say so.
-pub(crate) fn reach(region: &Region) -> Option<BoundingBox> {
+/// A box that contains the region, as far as its polynomials say so; none once `work` is used up.
+pub(crate) fn reach(region: &Region, work: &Work) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
-            let size = DVec3::splat(cube(p)?);
+            let size = DVec3::splat(cube(p, work)?);
             Some(BoundingBox {
                 lower: -size,
                 upper: size,
             })
         }
         Region::Field(..) => None,
-        Region::All(parts) => parts.iter().filter_map(reach).reduce(|a, b| BoundingBox {
-            lower: a.lower.max(b.lower),
-            upper: a.upper.min(b.upper),
-        }),
+        Region::All(parts) => parts
+            .iter()
+            .filter_map(|part| reach(part, work))
+            .reduce(|a, b| BoundingBox {
+                lower: a.lower.max(b.lower),
+                upper: a.upper.min(b.upper),
+            }),
         Region::Any(parts) => {
             let mut all = BoundingBox::EMPTY;
             for part in parts {
-                all = all.union(&reach(part)?);
+                all = all.union(&reach(part, work)?);
             }
             Some(all)
         }
     }
 }
 
-fn cube(p: &Polynomial) -> Option<f64> {
+fn cube(p: &Polynomial, work: &Work) -> Option<f64> {
     if p.degree() < 2 || p.degree() % 2 == 1 {
         return None;
     }
@@ -109,7 +114,7 @@ fn cube(p: &Polynomial) -> Option<f64> {
     let mut least = None;
     for k in (-LARGEST..=LARGEST).rev().step_by(2) {
         let size = f64::from(k).exp2();
-        if !positive_outside(p, size) {
+        if !positive_outside(p, size, work) {
             break;
         }
         least = Some(size);
@@ -117,16 +122,17 @@ fn cube(p: &Polynomial) -> Option<f64> {
     least
 }
 
-fn positive_outside(p: &Polynomial, size: f64) -> bool {
+fn positive_outside(p: &Polynomial, size: f64, work: &Work) -> bool {
     let small = Interval::new(0.0, 1.0 / size);
     let whole = Interval::new(-1.0, 1.0);
     let mut budget = BOXES;
+    let operations = TERM * p.terms().count() as u64;
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
             // The two coordinates on the face, and the reciprocal of the size.
             let mut rest = vec![[whole, whole, small]];
             while let Some(part) = rest.pop() {
-                if budget == 0 {
+                if budget == 0 || !work.take(operations) {
                     return false;
                 }
                 budget -= 1;

@@ -10,7 +10,7 @@ use expr::polynomial::{Polynomial, Region, region};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::bounds::{BoundingBox, enclose};
+use crate::bounds::{BoundingBox, Work, enclose};
 use crate::field::{Field, FieldScratch};
 use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
@@ -45,17 +45,25 @@ pub(crate) enum LeafSurface {
     Field(Arc<Field>, NodeId),
 }
 
+/// The work of reading an expression, for each of its operations: copies, derivatives, polynomials.
+const READING: u64 = 64;
+
 /// A side of a frame is at least this share of the longest.
 const FLATTEST: f64 = 1e-3;
 
 impl Shape {
+    /// Where `work` is used up, the box is endless or larger than it need be.
     pub(crate) fn new(
         graph: &Graph,
         node: NodeId,
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
+        work: &Work,
     ) -> Result<Self, TooLarge> {
         let field = Field::new(graph, node, false, uniform)?;
+        // One operation more: what is none has a value, too.
+        let operations = field.operation_count() as u64 + 1;
+        work.take(READING * operations);
         let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
         let mut scratch = FieldScratch::default();
         let bounds = if limits.iter().any(|side| side.is_empty()) {
@@ -70,7 +78,10 @@ impl Shape {
                 })
             };
             let is_empty = |sides: &[Interval; 3]| sides.iter().any(|side| side.is_empty());
-            let mut on_box = |sides| field.on_box(&mut scratch, sides);
+            let mut on_box = |sides| match work.take(operations) {
+                true => field.on_box(&mut scratch, sides),
+                false => Interval::WHOLE,
+            };
             match ellipsoid(&region).map(within) {
                 Some(sides) if is_empty(&sides) => Some(BoundingBox::EMPTY),
                 Some(sides) => Some(BoundingBox {
@@ -78,7 +89,7 @@ impl Shape {
                     upper: DVec3::from_array(sides.map(Interval::upper)),
                 }),
                 None => enclose(limits, &mut on_box).or_else(|| {
-                    let sides = within(reach(&region)?);
+                    let sides = within(reach(&region, work)?);
                     match is_empty(&sides) {
                         true => Some(BoundingBox::EMPTY),
                         false => enclose(sides, &mut on_box),

@@ -9,7 +9,7 @@ use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DVec3};
 use rustc_hash::FxHashMap;
 
-use crate::bounds::BoundingBox;
+use crate::bounds::{BoundingBox, Work};
 use crate::bvh::Hierarchy;
 use crate::field::FieldScratch;
 use crate::leaf::Leaf;
@@ -45,12 +45,15 @@ pub enum BuildError {
     SingularMap(usize),
     /// The steps of this solid do not join into one set.
     Unbalanced(usize),
+    /// The work that was given is used up.
+    TooMuchWork,
 }
 
 /// Collects what a world consists of.
 pub struct WorldBuilder<'a> {
     graph: &'a Graph,
     uniform: &'a dyn Fn(Input) -> f64,
+    work: Work,
     shapes: Vec<Shape>,
     solids: Vec<Vec<SetStep>>,
 }
@@ -93,16 +96,28 @@ impl<'a> WorldBuilder<'a> {
         Self {
             graph,
             uniform,
+            work: Work::new(u64::MAX),
             shapes: Vec::new(),
             solids: Vec::new(),
         }
+    }
+
+    /// Limits the work of reading shapes and of looking for their boxes, in operations on intervals.
+    pub fn with_work(mut self, work: u64) -> Self {
+        self.work = Work::new(work);
+        self
+    }
+
+    /// Returns the work that is left.
+    pub fn work_left(&self) -> u64 {
+        self.work.left()
     }
 
     /// Adds the set where the expression in the variables 0, 1, 2 (x, y, z) is not positive, within the cuts. It is not
     /// seen until a solid has it as a leaf.
     ///
     /// # Errors
-    /// If the expression's gradient is too large.
+    /// If the expression's gradient is too large, or the work is used up.
     pub fn shape(
         &mut self,
         field: NodeId,
@@ -114,14 +129,17 @@ impl<'a> WorldBuilder<'a> {
     /// Adds a set as [`WorldBuilder::shape`] does, with uniforms of its own: those of one instance of an object.
     ///
     /// # Errors
-    /// If the expression's gradient is too large.
+    /// If the expression's gradient is too large, or the work is used up.
     pub fn shape_with(
         &mut self,
         field: NodeId,
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
     ) -> Result<ShapeId, BuildError> {
-        let shape = Shape::new(self.graph, field, cuts, uniform)?;
+        let shape = Shape::new(self.graph, field, cuts, uniform, &self.work)?;
+        if self.work.is_used_up() {
+            return Err(BuildError::TooMuchWork);
+        }
         self.shapes.push(shape);
         Ok(ShapeId(self.shapes.len() - 1))
     }
@@ -522,6 +540,7 @@ impl std::fmt::Display for BuildError {
                     "a map of solid {solid} is singular: it takes volumes to 0"
                 )
             }
+            Self::TooMuchWork => write!(f, "to find where the shapes lie takes too much work"),
             Self::Unbalanced(solid) => {
                 write!(f, "the steps of solid {solid} do not join into one set")
             }

@@ -5,7 +5,7 @@ use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
-use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR};
 use glam::DVec3;
 use render::bounds::Bounds;
 use scene::{Object, ParamValues, Scene, Shape};
@@ -204,7 +204,9 @@ fn prepared(
     let found = all().find(|object| object.name == name);
     match found {
         Some(object) if object.shape.solid().is_some() => {
-            Ok(RayScene::of_solid(scene, params, &options, object))
+            Ok(RayScene::of_solid(scene, params, &options, object, &mut {
+                MAX_SHAPE_WORK
+            }))
         }
         found => Err(no_solid(program, scene, name, found)),
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR, instance_grids};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR, instance_grids};
 use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
@@ -126,6 +126,9 @@ struct SolidEntry {
     instances: u64,
     /// `[[x min, x max], [y min, y max], [z min, z max]]`; none for an endless solid.
     bounds: Option<[[f64; 2]; 3]>,
+    /// The reason for which nothing is known of its leaves and its box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unknown: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -183,11 +186,12 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
         thickness: None,
         picture_look: Default::default(),
     };
+    let mut work = MAX_SHAPE_WORK;
     let drawn = scene.objects.iter().map(|object| (object, true));
     let all = drawn.chain(scene.parts.iter().map(|object| (object, false)));
     let entries = all.filter_map(|(object, drawn)| {
         let own = instance_grids(object.shape.solid()?);
-        let rays = RayScene::of_solid(scene, params, &options, object);
+        let rays = RayScene::of_solid(scene, params, &options, object, &mut work);
         let bounds = (rays.world().solid_count() > 0).then(|| rays.world().bounds(0));
         let bounds = bounds.flatten().filter(|bounds| !bounds.is_empty());
         let leaves = rays.leaves().into_iter();
@@ -205,6 +209,9 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
                 .saturating_mul(params.combination_count(scene, own)),
             bounds: bounds
                 .map(|bounds| [0, 1, 2].map(|axis| [bounds.lower[axis], bounds.upper[axis]])),
+            unknown: rays
+                .is_out_of_work()
+                .then(|| rays.notes().iter().map(ToString::to_string).collect()),
         })
     });
     entries.collect()
@@ -365,6 +372,14 @@ fn solid_text(text: &mut String, entry: &SolidEntry) {
     let _ = write!(text, "  {}: ", entry.name);
     if !entry.drawn {
         text.push_str("a part of others, not drawn; ");
+    }
+    if let Some(reason) = &entry.unknown {
+        let _ = writeln!(
+            text,
+            "{}; {reason}",
+            count(entry.instances as usize, "instance")
+        );
+        return;
     }
     let leaves = entry.leaves.iter();
     let leaves = leaves.map(|leaf| format!("{} ({})", leaf.name, leaf.class));

@@ -1,21 +1,46 @@
 //! Solids as meshes, by dual contouring.
 
-use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR};
 use scene::{Object, ParamValues, Scene};
 use tracer::contour;
 
 use super::weld::{Mesh, Vertex};
 
-/// The number of cells along the longest side of a solid's box.
-const CELLS: u32 = 128;
+/// The most cells along the longest side of a solid's box.
+pub const MOST_CELLS: u32 = 128;
+/// The least.
+pub const LEAST_CELLS: u32 = 8;
+/// So many solids have the most cells; more of them have fewer, so that all together have about as many triangles.
+pub const FINE_SOLIDS: usize = 32;
 /// A vertex has the normal of a triangle's plane where its own is farther from it than this cosine says: at edges.
 const SMOOTH: f32 = 0.9;
+
+/// The size of the meshes of a file's solids.
+pub(super) struct Fineness {
+    /// The number of cells along the longest side of a solid's box.
+    pub(super) cells: u32,
+    /// The work that is left to read their shapes.
+    work: u64,
+}
+
+impl Fineness {
+    /// That of so many solids. The number of triangles of a mesh goes with the square of that of its cells.
+    pub(super) fn of(solids: usize) -> Self {
+        let share = FINE_SOLIDS as f64 / solids.max(1) as f64;
+        let cells = f64::from(MOST_CELLS) * share.sqrt();
+        Self {
+            cells: (cells as u32).clamp(LEAST_CELLS, MOST_CELLS),
+            work: MAX_SHAPE_WORK,
+        }
+    }
+}
 
 /// Meshes a solid with all its instances. The sentences are for the user.
 pub(super) fn meshed(
     scene: &Scene,
     params: &ParamValues,
     object: &Object,
+    fineness: &mut Fineness,
 ) -> (Option<Mesh>, Vec<String>) {
     let options = RaySceneOptions {
         shown: &|_| true,
@@ -23,7 +48,7 @@ pub(super) fn meshed(
         thickness: None,
         picture_look: Default::default(),
     };
-    let rays = RayScene::of_solid(scene, params, &options, object);
+    let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.work);
     let mut notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();
     if rays.world().solid_count() == 0 {
         return (None, notes);
@@ -35,7 +60,7 @@ pub(super) fn meshed(
         ));
         return (None, notes);
     };
-    let found = contour(rays.world(), 0, &bounds, CELLS);
+    let found = contour(rays.world(), 0, &bounds, fineness.cells);
     let mut mesh = Mesh {
         places: found.positions.iter().map(|at| at.to_array()).collect(),
         ..Mesh::default()

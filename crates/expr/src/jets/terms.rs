@@ -367,11 +367,6 @@ impl TermBuilder {
     pub(super) fn general_power(&mut self, a: Term, b: Term) -> Term {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(crate::ops::power(x, y)),
-            (_, Some(y)) => {
-                if let Some(n) = crate::ops::small_integer(y) {
-                    return self.integer_power(a, n);
-                }
-            }
             (Some(1.0), None) => return a,
             _ => {}
         }

@@ -39,6 +39,12 @@ impl Formula {
         self.with(node)
     }
 
+    /// The uniform 0.
+    pub fn uniform(&self) -> Self {
+        let node = self.graph.borrow_mut().input(Input::Uniform(0));
+        self.with(node)
+    }
+
     pub fn unary(&self, op: Unary) -> Self {
         let node = self.graph.borrow_mut().unary(op, self.node);
         self.with(node)

@@ -42,6 +42,7 @@ pub(super) enum Omission {
     Singular { leaf: u32 },
     TooManyLeaves,
     TooLarge,
+    TooMuchWork,
     Unbalanced,
 }
 
@@ -269,7 +270,11 @@ impl ExpandedSolid {
                         &leaf.cuts,
                         &expanded.uniforms,
                     );
-                    SetStep::Leaf(shape.map_err(|_| Omission::TooLarge)?, expanded.map)
+                    let shape = shape.map_err(|error| match error {
+                        BuildError::TooMuchWork => Omission::TooMuchWork,
+                        _ => Omission::TooLarge,
+                    });
+                    SetStep::Leaf(shape?, expanded.map)
                 }
             });
         }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
-use geometry::solids::{RayScene, RaySceneOptions};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::{ParamValues, Scene};
 
@@ -14,6 +14,8 @@ use super::hints::short;
 use super::item::Item;
 use super::start;
 
+/// The most work that a description may take, in operations on intervals: a share of what a picture may.
+const MOST_WORK: u64 = MAX_SHAPE_WORK / 16;
 /// The most kinds of leaf that are told.
 const MOST_LEAVES: usize = 12;
 
@@ -33,7 +35,12 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
         thickness: None,
         picture_look: Default::default(),
     };
-    let rays = RayScene::of_solid(scene, &ParamValues::initial(scene), &options, object);
+    let params = ParamValues::initial(scene);
+    let mut work = MOST_WORK;
+    let rays = RayScene::of_solid(scene, &params, &options, object, &mut work);
+    if rays.is_out_of_work() {
+        text.push("too many instances, or too long, to say here where it lies".to_owned());
+    }
     if rays.world().solid_count() == 0 {
         return text;
     }

@@ -21,7 +21,9 @@ use super::entity::Entity;
 use super::operate;
 use super::random::JavaRandom;
 use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
-use super::{Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, build, codes};
+use super::{
+    BYTES_OF_A_ROUND, Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, build, codes,
+};
 use crate::limits::MAX_LEAVES;
 
 /// Expressions and statements within others, over all calls. In a browser a stack of one megabyte is all that there is; it
@@ -225,7 +227,12 @@ impl<'s> Interpreter<'s> {
 
     /// Counts a round of a loop, or a call.
     pub(super) fn count(&mut self, span: Span, what: &str) -> Result<(), Stopped> {
-        self.work += 1;
+        self.spend(1, span, what)
+    }
+
+    /// Counts what takes the work of so many rounds or calls.
+    fn spend(&mut self, rounds: u32, span: Span, what: &str) -> Result<(), Stopped> {
+        self.work = self.work.saturating_add(rounds);
         if self.given_up.load(Ordering::Relaxed) {
             self.is_over = true;
             return Err(Stopped);
@@ -614,6 +621,11 @@ impl<'s> Interpreter<'s> {
                 None => operate::binary(link.operator, &value, &other)
                     .map_err(|(code, message)| self.fault(code, span, message))?,
             };
+            // A string is copied as a whole.
+            if let ScriptValue::Text(text) = &value {
+                let rounds = text.len() / BYTES_OF_A_ROUND;
+                self.spend(rounds as u32, span, "this string")?;
+            }
         }
         Ok(value)
     }

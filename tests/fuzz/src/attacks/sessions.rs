@@ -10,6 +10,8 @@ use crate::run::Report;
 const EDITS: u64 = 1_000;
 /// The requests that wait at once.
 const UNREAD: u64 = 2_000;
+/// The declarations that they are about.
+const DECLARATIONS: usize = 300;
 
 pub(super) fn utf_8(seed: u64, count: u64) -> Report {
     sessions("utf-8", seed, count)
@@ -41,18 +43,25 @@ pub(super) fn unread(_seed: u64, count: u64) -> Report {
     many(count, UNREAD, |number| {
         wait_for(async {
             let mut editor: Editor = started(Place::Here, "unread").await;
-            editor.open(URI, &"define a = 2pi;\n".repeat(300)).await;
-            let mut ids = Vec::new();
+            let names = 0..DECLARATIONS;
+            let text: String = names.map(|k| format!("define a{k} = 2pi;\n")).collect();
+            editor.open(URI, &text).await;
+            let mut asked = Vec::new();
             for k in 0..UNREAD {
                 let method = ["hover", "documentSymbol", "completion"][(k + number) as usize % 3];
-                let id = editor
-                    .post(&format!("textDocument/{method}"), at(7, 8))
-                    .await;
-                ids.push(id);
+                let place = at(7, 8);
+                let id = editor.post(&format!("textDocument/{method}"), place).await;
+                asked.push((id, method));
             }
-            for id in ids {
+            for (id, method) in asked {
                 let answer = editor.answer(id).await;
-                assert!(answer.is_ok(), "{answer:?}");
+                let is_whole = answer.as_ref().is_ok_and(|answer| match method {
+                    "hover" => answer["contents"].is_object(),
+                    "documentSymbol" => answer.as_array().map(Vec::len) == Some(DECLARATIONS),
+                    // There is nothing to complete within a name that is declared.
+                    _ => true,
+                });
+                assert!(is_whole, "{method}: {answer:?}");
             }
             assert_eq!(editor.quit().await, 0);
         });
