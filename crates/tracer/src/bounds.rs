@@ -148,11 +148,11 @@ impl BoundingBox {
     }
 }
 
-/// Work that is left, in operations on intervals.
+/// The work that is left, in operations on intervals.
 #[derive(Debug)]
-pub(crate) struct Work(Cell<u64>);
+pub(crate) struct WorkBudget(Cell<u64>);
 
-impl Work {
+impl WorkBudget {
     pub(crate) fn new(most: u64) -> Self {
         Self(Cell::new(most))
     }

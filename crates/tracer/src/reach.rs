@@ -10,7 +10,7 @@ use expr::ops::Binary;
 use expr::polynomial::{Polynomial, Region};
 use glam::{DMat3, DVec3};
 
-use crate::bounds::{BoundingBox, Work};
+use crate::bounds::{BoundingBox, WorkBudget};
 
 /// The number of boxes on the cube that are tested for one size.
 const BOXES: usize = 4096;
@@ -79,7 +79,7 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
 }
 
 /// A box that contains the region, as far as its polynomials say so; none once `work` is used up.
-pub(crate) fn reach(region: &Region, work: &Work) -> Option<BoundingBox> {
+pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
             let size = DVec3::splat(cube(p, work)?);
@@ -106,7 +106,7 @@ pub(crate) fn reach(region: &Region, work: &Work) -> Option<BoundingBox> {
     }
 }
 
-fn cube(p: &Polynomial, work: &Work) -> Option<f64> {
+fn cube(p: &Polynomial, work: &WorkBudget) -> Option<f64> {
     if p.degree() < 2 || p.degree() % 2 == 1 {
         return None;
     }
@@ -122,7 +122,7 @@ fn cube(p: &Polynomial, work: &Work) -> Option<f64> {
     least
 }
 
-fn positive_outside(p: &Polynomial, size: f64, work: &Work) -> bool {
+fn positive_outside(p: &Polynomial, size: f64, work: &WorkBudget) -> bool {
     let small = Interval::new(0.0, 1.0 / size);
     let whole = Interval::new(-1.0, 1.0);
     let mut budget = BOXES;

@@ -10,7 +10,7 @@ use expr::polynomial::{Polynomial, Region, region};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::bounds::{BoundingBox, Work, enclose};
+use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::field::{Field, FieldScratch};
 use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
@@ -52,13 +52,13 @@ const READING: u64 = 64;
 const FLATTEST: f64 = 1e-3;
 
 impl Shape {
-    /// Where `work` is used up, the box is endless or larger than it need be.
+    /// Makes a shape. Where `work` is used up, its box is endless or larger than it need be.
     pub(crate) fn new(
         graph: &Graph,
         node: NodeId,
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
-        work: &Work,
+        work: &WorkBudget,
     ) -> Result<Self, TooLarge> {
         let field = Field::new(graph, node, false, uniform)?;
         // One operation more: what is none has a value, too.

@@ -9,7 +9,7 @@ use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DVec3};
 use rustc_hash::FxHashMap;
 
-use crate::bounds::{BoundingBox, Work};
+use crate::bounds::{BoundingBox, WorkBudget};
 use crate::bvh::Hierarchy;
 use crate::field::FieldScratch;
 use crate::leaf::Leaf;
@@ -53,7 +53,7 @@ pub enum BuildError {
 pub struct WorldBuilder<'a> {
     graph: &'a Graph,
     uniform: &'a dyn Fn(Input) -> f64,
-    work: Work,
+    work: WorkBudget,
     shapes: Vec<Shape>,
     solids: Vec<Vec<SetStep>>,
 }
@@ -96,7 +96,7 @@ impl<'a> WorldBuilder<'a> {
         Self {
             graph,
             uniform,
-            work: Work::new(u64::MAX),
+            work: WorkBudget::new(u64::MAX),
             shapes: Vec::new(),
             solids: Vec::new(),
         }
@@ -104,7 +104,7 @@ impl<'a> WorldBuilder<'a> {
 
     /// Limits the work of reading shapes and of looking for their boxes, in operations on intervals.
     pub fn with_work(mut self, work: u64) -> Self {
-        self.work = Work::new(work);
+        self.work = WorkBudget::new(work);
         self
     }
 

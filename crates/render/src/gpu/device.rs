@@ -21,7 +21,7 @@ pub struct Gpu {
 /// The faults of a device.
 #[derive(Debug, Default)]
 struct Faults {
-    /// Why it is gone, once it is.
+    /// The reason why it is gone, once it is.
     loss: OnceLock<String>,
     /// Shaders of samples are refused, for tests.
     refuses: AtomicBool,
