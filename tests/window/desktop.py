@@ -180,10 +180,11 @@ class Window:
     def until_written(self, text):
         """Waits until the program's file has a text."""
         try:
-            until("the file has the text", lambda: self.file.read_text() == text)
+            until("the file has the text", lambda: self.file.is_file() and self.file.read_text() == text)
         except AssertionError as error:
             self.screen.keep("failed")
-            raise AssertionError(f"{error}; {self.file.read_text()!r}; {self.counters}") from None
+            there = self.file.read_text() if self.file.is_file() else None
+            raise AssertionError(f"{error}; {there!r}; {self.counters}") from None
 
     def said(self):
         return self.errors.read_text(errors="replace")

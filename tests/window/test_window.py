@@ -223,10 +223,10 @@ class Controls(OnScreen):
         window.until("W goes nearer", lambda now: now["eye"] != eye)
         window.settle()
         window.key("f")
-        window.until("F frames everything", lambda now: now["eye"][0] > eye[0] - 0.05 and now["frames"] > before)
+        window.until("F frames everything", lambda now: now["eye"] and now["eye"][0] > eye[0] - 0.05 and now["frames"] > before)
         window.settle()
         window.key("r")
-        window.until("R resets the camera", lambda now: math.dist(now["eye"], first) < 1e-9)
+        window.until("R resets the camera", lambda now: now["eye"] and math.dist(now["eye"], first) < 1e-9)
         window.settle()
         self.assertEqual(window.pixels("3d"), picture, "as at first")
 
