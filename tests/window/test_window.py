@@ -223,7 +223,8 @@ class Controls(OnScreen):
         window.until("W goes nearer", lambda now: now["eye"] != eye)
         window.settle()
         window.key("f")
-        window.until("F frames everything", lambda now: now["eye"] and now["eye"][0] > eye[0] - 0.05 and now["frames"] > before)
+        is_far = lambda now: now["eye"] and now["eye"][0] > eye[0] - 0.05
+        window.until("F frames everything", lambda now: is_far(now) and now["frames"] > before)
         window.settle()
         window.key("r")
         window.until("R resets the camera", lambda now: now["eye"] and math.dist(now["eye"], first) < 1e-9)
