@@ -23,7 +23,7 @@ export class Measuring {
     private readonly rows = make("dl");
     private kind: Kind = KINDS[1];
     private figure: Figure | undefined;
-    /** The figure, the params and the version of the text that were asked for last. */
+    /** The state that was asked for last. */
     private asked = "";
     private isAsking = false;
     private scene: Scene | undefined;
@@ -89,10 +89,15 @@ export class Measuring {
         this.rows.replaceChildren();
     }
 
+    /** All that the measures depend on. */
+    private state(): string {
+        return JSON.stringify([this.figure, this.scene?.version, this.core.settings.params]);
+    }
+
     /** Asks for the measures, unless they are known. While an answer is awaited, only the last state is asked for. */
     private async ask(): Promise<void> {
         const { figure } = this;
-        const state = JSON.stringify([figure, this.scene?.version, this.core.settings.params]);
+        const state = this.state();
         if (figure === undefined || this.isAsking || state === this.asked) {
             return;
         }
@@ -126,7 +131,7 @@ export class Measuring {
         if (missing <= 0) {
             // The centre of a circle is where the camera was, also when that has gone on.
             this.figure = { ...figure, places: answer.places };
-            this.asked = JSON.stringify([this.figure, this.scene?.version, this.core.settings.params]);
+            this.asked = this.state();
         }
     }
 }

@@ -170,7 +170,7 @@ impl Core {
             }
             Call::Click { view, at } => self.click(&ViewId::from(&*view), at)?,
             Call::DoubleClick { view, at } => self.double_click(&ViewId::from(&*view), at)?,
-            Call::Measure { figure } => self.measure(figure.as_ref())?,
+            Call::Measure { figure } => self.measure(figure)?,
             Call::Examples {} => examples::list(),
         })
     }

@@ -159,7 +159,7 @@ impl Core {
     ///
     /// # Errors
     /// The sentence that says that there is no such surface.
-    pub(super) fn measure(&mut self, asked: Option<&AskedFigure>) -> Result<Value, String> {
+    pub(super) fn measure(&mut self, asked: Option<AskedFigure>) -> Result<Value, String> {
         self.read();
         let Some(asked) = asked else {
             self.model.measured = None;
@@ -170,7 +170,7 @@ impl Core {
             kind,
             mut places,
             radius,
-        } = asked.clone();
+        } = asked;
         let none = || format!("there is no surface `{surface}`");
         let camera = self.model.view.inside.get(&surface);
         let centre = camera.and_then(|camera| Some(camera.chart()?.at));
