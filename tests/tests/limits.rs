@@ -242,6 +242,20 @@ fn geodesics() -> Vec<Limit> {
             "`--max-evaluations`",
         ),
         limit(
+            "evaluations of the surface for one geodesic that is drawn as a line",
+            grouped(geometry::MAX_LINE_EVALUATIONS),
+            "run time: about a second",
+            "is not drawn to its end",
+            "a shorter interval",
+        ),
+        limit(
+            "evaluations for all declared geodesics of a scene; each declaration has an equal share, and each instance of it",
+            grouped(geometry::MAX_DECLARED_EVALUATIONS),
+            "run time: a few seconds",
+            "is not drawn to its end",
+            "fewer geodesics",
+        ),
+        limit(
             "geodesics between two places that `measure` lists",
             MOST_CONNECTIONS,
             "run time",

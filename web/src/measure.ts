@@ -1,5 +1,6 @@
 // Measuring: a kind of figure is chosen, places of a surface are clicked on in any picture, and what is measured of them
-// stands here and is drawn on the surface. It follows the params and the text.
+// stands here and is drawn on the surface. It follows the params and the text. A walk has no places: it is measured as the
+// camera goes on.
 
 import type { Core } from "./core.ts";
 import { button, make } from "./dom.ts";
@@ -10,6 +11,7 @@ const KINDS = [
     { kind: "distance", label: "Distance", places: 2, hint: "Click on two places of a surface, in any picture." },
     { kind: "circle", label: "Circle", places: 1, hint: "Click on a place: the circle about the geodesic camera goes through it." },
     { kind: "triangle", label: "Triangle", places: 3, hint: "Click on the three corners, in any picture." },
+    { kind: "walk", label: "Walk", places: 0, hint: "Drag the picture from inside, or hold the arrow keys in it: the way is measured." },
 ] as const;
 
 type Kind = (typeof KINDS)[number];
@@ -21,6 +23,9 @@ export class Measuring {
     private readonly kinds = new Map<Kind, HTMLButtonElement>();
     private readonly note = make("p", { role: "status" });
     private readonly rows = make("dl");
+    private readonly back = button("Back to the start", () => void this.walkBack(), {
+        hint: "Walks the shortest geodesic to where the walk began",
+    });
     private kind: Kind = KINDS[1];
     private figure: Figure | undefined;
     /** The state that was asked for last. */
@@ -34,9 +39,9 @@ export class Measuring {
         }
         const close = button("Close measuring", () => this.toggle(), { icon: "close", text: false });
         const bar = make("div", { role: "toolbar", "aria-label": "Figures" }, ...this.kinds.values(), close);
-        this.element = make("section", { class: "measuring", "aria-label": "Measure", hidden: true }, bar, this.note, this.rows);
+        this.element = make("section", { class: "measuring", "aria-label": "Measure", hidden: true }, bar, this.note, this.rows, this.back);
         this.element.addEventListener("keydown", (event) => event.key === "Escape" && this.toggle());
-        this.opener = button("Measure", () => this.toggle(), { icon: "ruler", kind: "opener", hint: "Distances, circles and triangles on a surface (M)" });
+        this.opener = button("Measure", () => this.toggle(), { icon: "ruler", kind: "opener", hint: "Distances, circles, triangles and walks on a surface (M)" });
         this.choose(this.kind);
     }
 
@@ -44,11 +49,17 @@ export class Measuring {
         return !this.element.hidden;
     }
 
+    /** Clicks are places to be measured. */
+    get takesPlaces(): boolean {
+        return this.isOpen && this.kind.kind !== "walk";
+    }
+
     /** Opens it, or closes it with all that was measured. */
     toggle(): void {
         this.element.hidden = this.isOpen;
         this.opener.setAttribute("aria-pressed", String(this.isOpen));
         this.clear();
+        this.begin();
     }
 
     /** Takes a place that was clicked on. A figure that has all its places, or is on another surface, gives way to a new one. */
@@ -59,6 +70,9 @@ export class Measuring {
             return;
         }
         const { kind, places: needed } = this.kind;
+        if (kind === "walk") {
+            return;
+        }
         const begun = this.figure;
         const goesOn = begun?.surface === pick.object && begun.places.length < needed;
         this.figure = { surface: pick.object, kind, places: [...(goesOn ? begun.places : []), [u, v]] };
@@ -77,6 +91,26 @@ export class Measuring {
             press.setAttribute("aria-pressed", String(other === kind));
         }
         this.clear();
+        this.begin();
+    }
+
+    /** A walk is measured from where its trail begins: it is shown from now on. */
+    private begin(): void {
+        this.back.hidden = this.kind.kind !== "walk";
+        if (this.isOpen && this.kind.kind === "walk") {
+            if (this.core.settings.preferences?.marks?.trail !== true) {
+                this.core.change({ preferences: { marks: { trail: true } } }, "trail");
+            }
+            void this.ask();
+        }
+    }
+
+    private async walkBack(): Promise<void> {
+        try {
+            await this.core.call("walkBack", {});
+        } catch (error) {
+            this.note.textContent = (error as Error).message;
+        }
     }
 
     private clear(): void {
@@ -91,44 +125,48 @@ export class Measuring {
 
     /** All that the measures depend on. */
     private state(): string {
-        return JSON.stringify([this.figure, this.scene?.version, this.core.settings.params]);
+        const { params, inside } = this.core.settings;
+        const place = this.kind.kind === "walk" ? inside : this.figure;
+        return JSON.stringify([this.kind.kind, place, this.scene?.version, params]);
     }
 
     /** Asks for the measures, unless they are known. While an answer is awaited, only the last state is asked for. */
     private async ask(): Promise<void> {
-        const { figure } = this;
+        const { figure, kind } = this;
+        const isWalk = kind.kind === "walk" && this.isOpen;
         const state = this.state();
-        if (figure === undefined || this.isAsking || state === this.asked) {
+        if ((figure === undefined && !isWalk) || this.isAsking || state === this.asked) {
             return;
         }
         this.asked = state;
         this.isAsking = true;
         let answer: Measured | string;
         try {
-            answer = await this.core.call("measure", { figure });
+            answer = await (figure === undefined ? this.core.call("measureWalk", {}) : this.core.call("measure", { figure }));
         } catch (error) {
             answer = (error as Error).message;
         }
         this.isAsking = false;
-        if (this.figure === figure) {
+        if (this.figure === figure && this.kind === kind && this.isOpen) {
             this.show(figure, answer);
         }
         void this.ask();
     }
 
-    private show(figure: Figure, answer: Measured | string): void {
+    private show(figure: Figure | undefined, answer: Measured | string): void {
         if (typeof answer === "string") {
             this.note.textContent = answer;
             this.rows.replaceChildren();
             return;
         }
-        const missing = this.kind.places - figure.places.length;
+        const missing = this.kind.places - (figure?.places.length ?? 0);
         const more = missing === 1 ? "Click on one more place." : `Click on ${missing} more places.`;
-        this.note.textContent = missing > 0 ? more : (answer.note ?? "");
+        const nothing = answer.rows.length === 0 ? this.kind.hint : "";
+        this.note.textContent = missing > 0 ? more : (answer.note ?? nothing);
         this.rows.replaceChildren(
             ...answer.rows.map(({ name, value }) => make("div", {}, make("dt", {}, name), make("dd", {}, value))),
         );
-        if (missing <= 0) {
+        if (missing <= 0 && figure !== undefined) {
             // The centre of a circle is where the camera was, also when that has gone on.
             this.figure = { ...figure, places: answer.places };
             this.asked = this.state();

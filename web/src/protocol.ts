@@ -521,6 +521,10 @@ export interface Calls {
   doubleClick: { params: { view: string; at: [number, number] }; result: Pick | null };
   /** Measures a figure. Its lines are shown until another one is measured; `null` is none. */
   measure: { params: { figure: Figure | null }; result: Measured };
+  /** Measures the walk of the geodesic camera that was used last: there is one where trails are shown. */
+  measureWalk: { params: Record<string, never>; result: Measured };
+  /** Leads that camera back to the start of its walk, along the shortest geodesic. */
+  walkBack: { params: Record<string, never>; result: null };
 
   /** Takes an image (PNG or JPEG) under a name; the sizes in pixels that it has as a texture. */
   texture: { params: { name: string; bytes: ArrayBuffer }; result: { width: number; height: number } };

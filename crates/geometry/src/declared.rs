@@ -9,10 +9,32 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, SpacePath};
 
 use crate::manifold::{Manifold, ManifoldError};
-use crate::polyline::{GeodesicStart, Knot, knots_at, space_knots_at};
+use crate::polyline::{
+    GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at, space_knots_at,
+};
 
 /// The most points of all instances of a declared geodesic; further instances are not drawn.
 pub const MAX_POINTS: u64 = 2_000_000;
+
+/// The most evaluations of surfaces for all declared geodesics of a scene: a few seconds.
+pub const MAX_DECLARED_EVALUATIONS: u64 = 20_000_000;
+
+/// The most evaluations for one instance of a declared geodesic of which `instances` are drawn. Each declared geodesic of the
+/// scene has as many for all its instances.
+pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
+    let declared = scene.objects.iter().filter(|object| {
+        object.shape.geodesic().is_some() || object.shape.space_geodesic().is_some()
+    });
+    let declared = declared.count().max(1) as u64;
+    (MAX_DECLARED_EVALUATIONS / declared / instances.max(1)).min(MAX_LINE_EVALUATIONS)
+}
+
+/// The sentence about lines of a declared geodesic that end because their evaluations are used up.
+pub fn cut_note(name: &str) -> String {
+    format!(
+        "`{name}` is not drawn to its end: geodesics this long take more work than there may be; a shorter interval, or fewer geodesics, are drawn whole"
+    )
+}
 
 /// All instances of a declared geodesic, as knots.
 #[derive(Clone, Debug, Default)]
@@ -46,8 +68,8 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
     let shared = on
         .filter(|on| on.grids.is_empty())
         .map(|on| Manifold::new(scene, surface, &params.first_instance(scene, on)));
-    let line = |index: u64| -> InstanceLine {
-        let nowhere = || vec![None; lengths.len()];
+    let line = |index: u64, max_evaluations: u64| -> InstanceLine {
+        let nowhere = || KnotLine::nowhere(lengths.len());
         let uniforms = params.instance(scene, object, index);
         let own;
         let manifold = match &shared {
@@ -66,7 +88,8 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
                 let surface = manifold.surface();
                 let from = GeodesicStart::Chart(initial.start, initial.direction);
                 let lengths: Vec<f64> = lengths.iter().map(|t| t * initial.unit).collect();
-                (knots_at(surface, &from, &lengths), None)
+                let line = knots_at(surface, &from, &lengths, max_evaluations);
+                (line, None)
             }
             Err(fault) => {
                 let faults = scene.geodesic_faults(object, &uniforms);
@@ -84,7 +107,7 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
 }
 
 /// A line of one instance, and the reason why it is not drawn.
-type InstanceLine = (Vec<Option<Knot>>, Option<String>);
+type InstanceLine = (KnotLine, Option<String>);
 
 /// Follows all instances of a geodesic on a solid.
 fn follow_in_space(
@@ -96,9 +119,9 @@ fn follow_in_space(
 ) -> FollowedGeodesic {
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
     let start = Tape::new(&scene.graph, &[path.direction, path.start].concat());
-    let line = |index: u64| -> InstanceLine {
+    let line = |index: u64, max_evaluations: u64| -> InstanceLine {
         let uniforms = params.instance(scene, object, index);
-        let nowhere = |reason: String| (vec![None; lengths.len()], Some(reason));
+        let nowhere = |reason: String| (KnotLine::nowhere(lengths.len()), Some(reason));
         let surface = ImplicitSurface::new(&scene.graph, path.field, &uniforms, None);
         let Ok(surface) = surface else {
             let name = path.solid.to_owned();
@@ -112,8 +135,8 @@ fn follow_in_space(
         let mut out = [f64::NAN; 6];
         start.eval(&mut Registers::default(), &inputs, &mut out);
         let [a, b, c, x, y, z] = out;
-        match space_knots_at(&surface, [x, y, z], [a, b, c], &lengths) {
-            Ok(knots) => (knots, None),
+        match space_knots_at(&surface, [x, y, z], [a, b, c], &lengths, max_evaluations) {
+            Ok(line) => (line, None),
             Err(fault) => {
                 let faults = scene.geodesic_faults(object, &uniforms);
                 nowhere(match faults.first() {
@@ -132,7 +155,7 @@ fn all_instances(
     params: &ParamValues,
     object: &Object,
     domain: &Sampling,
-    line: &(dyn Fn(u64) -> InstanceLine + Sync),
+    line: &(dyn Fn(u64, u64) -> InstanceLine + Sync),
 ) -> FollowedGeodesic {
     let name = &object.name;
     let instances = params.instance_count(scene, object);
@@ -143,7 +166,14 @@ fn all_instances(
             "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
         ));
     }
-    let (lines, faults): (Vec<_>, Vec<_>) = (0..drawn).into_par_iter().map(line).unzip();
+    let max_evaluations = evaluations_per_line(scene, drawn);
+    let (lines, faults): (Vec<_>, Vec<_>) = (0..drawn)
+        .into_par_iter()
+        .map(|index| line(index, max_evaluations))
+        .unzip();
+    if lines.iter().any(|line| line.is_cut) {
+        notes.push(cut_note(name));
+    }
     let faults: Vec<String> = faults.into_iter().flatten().collect();
     if let Some(first) = faults.first() {
         notes.push(match (faults.len(), drawn) {
@@ -155,7 +185,7 @@ fn all_instances(
     }
     FollowedGeodesic {
         count: domain.count,
-        lines,
+        lines: lines.into_iter().map(|line| line.knots).collect(),
         notes,
     }
 }

@@ -17,8 +17,11 @@ mod polyline_cache;
 mod solid_surface;
 pub mod solids;
 
-pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
+pub use declared::{
+    FollowedGeodesic, MAX_DECLARED_EVALUATIONS, MAX_POINTS, cut_note, evaluations_per_line,
+    follow_declared, lies_in_space,
+};
 pub use manifold::{Manifold, ManifoldError};
-pub use polyline::{GeodesicStart, Knot, knots_at, space_knots_at};
+pub use polyline::{GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at, space_knots_at};
 pub use polyline_cache::{ChartPolyline, GeodesicSegment};
 pub use solid_surface::SolidSurface;

@@ -5,8 +5,30 @@
 
 use geodesic::frame::Frame;
 use geodesic::implicit::{ImplicitSurface, SpaceTraceError};
-use geodesic::surface::Surface;
+use geodesic::surface::{Surface, affordable_evaluations};
 use geodesic::trace::{Options, Status, Trace, TraceError, trace};
+
+/// The most evaluations of the surface for the knots of one geodesic: about a second, and a few where it passes poles.
+pub const MAX_LINE_EVALUATIONS: u64 = 2_000_000;
+
+/// A geodesic as knots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KnotLine {
+    /// One for each length; `None` behind the end of a geodesic.
+    pub knots: Vec<Option<Knot>>,
+    /// True if it ends because its evaluations are used up.
+    pub is_cut: bool,
+}
+
+impl KnotLine {
+    /// A geodesic that does not start, at `count` lengths.
+    pub(crate) fn nowhere(count: usize) -> Self {
+        Self {
+            knots: vec![None; count],
+            is_cut: false,
+        }
+    }
+}
 
 /// A point of a geodesic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,35 +49,44 @@ pub enum GeodesicStart<'a> {
 }
 
 impl GeodesicStart<'_> {
-    fn trace(&self, surface: &dyn Surface, length: f64) -> Result<Trace, TraceError> {
+    fn trace(
+        &self,
+        surface: &dyn Surface,
+        length: f64,
+        options: &Options,
+    ) -> Result<Trace, TraceError> {
         let sign = if length < 0.0 { -1.0 } else { 1.0 };
-        let options = Options::default();
         match self {
             Self::Chart(uv, direction) => {
                 let direction = direction.map(|d| sign * d);
-                trace(surface, *uv, direction, length.abs(), &options)
+                trace(surface, *uv, direction, length.abs(), options)
             }
             Self::Frame(frame, place) => {
                 let place = place.map(|x| sign * x);
-                frame.trace(surface, place, length.abs(), &options)
+                frame.trace(surface, place, length.abs(), options)
             }
         }
     }
 }
 
 /// Follows a geodesic to ascending arc lengths; negative ones lie behind the start. A geodesic that ends early has one
-/// knot at its end and `None` from there on.
+/// knot at its end and `None` from there on. It takes about `max_evaluations` of the surface at most, fewer where one
+/// evaluation is dear ([`affordable_evaluations`]).
 pub fn knots_at(
     surface: &dyn Surface,
     start: &GeodesicStart,
     lengths: &[f64],
-) -> Vec<Option<Knot>> {
+    max_evaluations: u64,
+) -> KnotLine {
     let ahead = lengths.partition_point(|&t| t < 0.0);
     let behind: Vec<f64> = lengths[..ahead].iter().rev().copied().collect();
-    let mut knots = one_way(surface, start, &behind);
-    knots.reverse();
-    knots.extend(one_way(surface, start, &lengths[ahead..]));
-    knots
+    let mut left = affordable_evaluations(surface, max_evaluations) as usize;
+    let mut line = one_way(surface, start, &behind, &mut left);
+    line.knots.reverse();
+    let rest = one_way(surface, start, &lengths[ahead..], &mut left);
+    line.knots.extend(rest.knots);
+    line.is_cut |= rest.is_cut;
+    line
 }
 
 /// Follows a geodesic on a solid to ascending arc lengths, as [`knots_at`] does on a surface.
@@ -67,16 +98,21 @@ pub fn space_knots_at(
     start: [f64; 3],
     direction: [f64; 3],
     lengths: &[f64],
-) -> Result<Vec<Option<Knot>>, SpaceTraceError> {
+    max_evaluations: u64,
+) -> Result<KnotLine, SpaceTraceError> {
     let (start, direction) = surface.start(start, direction)?;
-    let one_way = |lengths: &mut dyn Iterator<Item = f64>, sign: f64, count: usize| {
+    let mut left = max_evaluations as usize;
+    let mut is_cut = false;
+    let mut one_way = |lengths: &mut dyn Iterator<Item = f64>, sign: f64, count: usize| {
         let mut knots = Vec::with_capacity(count);
         let (mut at, mut towards, mut before) = (start, direction.map(|x| sign * x), 0.0);
         for length in lengths {
             let step = (length - before).abs();
-            let Ok(trace) = surface.trace(at, towards, step, &Options::default()) else {
+            let Ok(trace) = surface.trace(at, towards, step, &options(left)) else {
                 break;
             };
+            left = left.saturating_sub(trace.evaluations);
+            is_cut |= trace.status == Status::WorkLimit;
             knots.push(Some(Knot {
                 uv: [f64::NAN; 2],
                 position: Some(trace.position),
@@ -96,26 +132,34 @@ pub fn space_knots_at(
     knots.reverse();
     let rest = &lengths[ahead..];
     knots.extend(one_way(&mut rest.iter().copied(), 1.0, rest.len()));
-    Ok(knots)
+    Ok(KnotLine { knots, is_cut })
 }
 
-/// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before.
-fn one_way(surface: &dyn Surface, start: &GeodesicStart, lengths: &[f64]) -> Vec<Option<Knot>> {
+/// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before. The evaluations that it
+/// takes are subtracted from `left`.
+fn one_way(
+    surface: &dyn Surface,
+    start: &GeodesicStart,
+    lengths: &[f64],
+    left: &mut usize,
+) -> KnotLine {
     let mut knots = Vec::with_capacity(lengths.len());
+    let mut is_cut = false;
     // The last trace, which holds the direction of the geodesic at its end, and its arc length.
     let mut last: Option<(Trace, f64)> = None;
     let complete = |trace: &Trace| trace.status == Status::Complete;
     for &length in lengths {
         let gone_on = last.as_ref().and_then(|(from, at)| {
             let step = (length - at).abs();
-            let options = Options::default();
-            trace(surface, from.uv, from.direction, step, &options)
-                .ok()
-                .filter(complete)
+            let trace = trace(surface, from.uv, from.direction, step, &options(*left)).ok()?;
+            *left = left.saturating_sub(trace.evaluations);
+            Some(trace).filter(complete)
         });
         let reached = match gone_on {
             Some(trace) => Ok(trace),
-            None => start.trace(surface, length),
+            None => start
+                .trace(surface, length, &options(*left))
+                .inspect(|trace| *left = left.saturating_sub(trace.evaluations)),
         };
         match reached {
             Ok(trace) => {
@@ -125,6 +169,7 @@ fn one_way(surface: &dyn Surface, start: &GeodesicStart, lengths: &[f64]) -> Vec
                 }));
                 // A geodesic that ends early keeps the knot at its end.
                 if !complete(&trace) {
+                    is_cut = trace.status == Status::WorkLimit;
                     break;
                 }
                 last = Some((trace, length));
@@ -133,5 +178,14 @@ fn one_way(surface: &dyn Surface, start: &GeodesicStart, lengths: &[f64]) -> Vec
         }
     }
     knots.resize(lengths.len(), None);
-    knots
+    KnotLine { knots, is_cut }
+}
+
+/// The options of a geodesic from one knot to the next, of a line with `left` evaluations.
+fn options(left: usize) -> Options {
+    let options = Options::default();
+    Options {
+        max_evaluations: options.max_evaluations.min(left),
+        ..options
+    }
 }

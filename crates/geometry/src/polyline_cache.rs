@@ -23,15 +23,23 @@ pub struct GeodesicSegment {
     pub lengths: [f64; 2],
     /// The number of intervals: one less than there are points.
     pub pieces: u32,
+    /// The most evaluations of the surface.
+    pub max_evaluations: u64,
 }
 
-/// Points (u, v) in the domain; `None` where the geodesic ends before.
-pub type ChartPolyline = Arc<[Option<[f64; 2]>]>;
+/// A geodesic as points of the chart; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct ChartPolyline {
+    /// Points (u, v) in the domain; `None` where the geodesic ends before.
+    pub points: Arc<[Option<[f64; 2]>]>,
+    /// True if it ends because its evaluations are used up.
+    pub is_cut: bool,
+}
 
 /// The geodesics that were followed on one surface.
 #[derive(Debug, Default)]
 pub(crate) struct PolylineCache {
-    known: Mutex<HashMap<[u64; 7], ChartPolyline>>,
+    known: Mutex<HashMap<[u64; 8], ChartPolyline>>,
 }
 
 impl PolylineCache {
@@ -61,30 +69,32 @@ impl PolylineCache {
 
     fn keep(&self, segments: &[GeodesicSegment], found: &[Option<ChartPolyline>]) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let points =
-            |all: &mut dyn Iterator<Item = &ChartPolyline>| -> usize { all.map(|l| l.len()).sum() };
+        let points = |all: &mut dyn Iterator<Item = &ChartPolyline>| -> usize {
+            all.map(|l| l.points.len()).sum()
+        };
         // The lines of this picture are needed again sooner than those of earlier ones.
         if points(&mut known.values()) + points(&mut found.iter().flatten()) > MOST_KEPT {
             known.clear();
         }
         let mut room = MOST_KEPT;
-        for (segment, points) in segments.iter().zip(found.iter().flatten()) {
-            let Some(left) = room.checked_sub(points.len()) else {
+        for (segment, line) in segments.iter().zip(found.iter().flatten()) {
+            let Some(left) = room.checked_sub(line.points.len()) else {
                 break;
             };
             room = left;
-            known.insert(segment.key(), points.clone());
+            known.insert(segment.key(), line.clone());
         }
     }
 }
 
 impl GeodesicSegment {
-    fn key(&self) -> [u64; 7] {
+    fn key(&self) -> [u64; 8] {
         let [u, v] = self.start;
         let [a, b] = self.direction;
         let [low, high] = self.lengths;
         let [u, v, a, b, low, high] = [u, v, a, b, low, high].map(f64::to_bits);
-        [u, v, a, b, low, high, u64::from(self.pieces)]
+        let pieces = u64::from(self.pieces);
+        [u, v, a, b, low, high, pieces, self.max_evaluations]
     }
 
     fn points(&self, surface: &dyn Surface) -> ChartPolyline {
@@ -94,7 +104,10 @@ impl GeodesicSegment {
             .map(|k| low + (high - low) * f64::from(k) / count)
             .collect();
         let start = GeodesicStart::Chart(self.start, self.direction);
-        let knots = knots_at(surface, &start, &lengths);
-        knots.iter().map(|knot| knot.map(|k| k.uv)).collect()
+        let line = knots_at(surface, &start, &lengths, self.max_evaluations);
+        ChartPolyline {
+            points: line.knots.iter().map(|knot| knot.map(|k| k.uv)).collect(),
+            is_cut: line.is_cut,
+        }
     }
 }

@@ -3,7 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-use geometry::{GeodesicSegment, Manifold, ManifoldError, follow_declared, lies_in_space};
+use geometry::{
+    GeodesicSegment, GeodesicStart, MAX_DECLARED_EVALUATIONS, MAX_LINE_EVALUATIONS, Manifold,
+    ManifoldError, evaluations_per_line, follow_declared, knots_at, lies_in_space,
+};
 use scene::{ObjectId, ParamValues, Scene};
 
 const PROGRAM: &str = "\
@@ -59,9 +62,10 @@ fn a_geodesic_is_followed_once() {
         direction: [1.0, 0.0],
         lengths: [0.0, PI],
         pieces: 4,
+        max_evaluations: 10_000,
     };
     let first = manifold.polylines(&[segment]);
-    let points: Vec<[f64; 2]> = first[0].iter().flatten().copied().collect();
+    let points: Vec<[f64; 2]> = first[0].points.iter().flatten().copied().collect();
     assert_eq!(points.len(), 5);
     // Along the equator of a sphere of radius 2.
     for (k, [u, v]) in points.into_iter().enumerate() {
@@ -69,7 +73,7 @@ fn a_geodesic_is_followed_once() {
         assert!((v - FRAC_PI_2).abs() < 1e-8, "{v}");
     }
     let again = manifold.clone().polylines(&[segment]);
-    assert!(Arc::ptr_eq(&first[0], &again[0]));
+    assert!(Arc::ptr_eq(&first[0].points, &again[0].points));
 }
 
 #[test]
@@ -85,4 +89,43 @@ fn declared_geodesics_have_knots_at_their_samples() {
     let [x, _, z] = last.expect("a knot in space");
     assert!((x - 2.0 * 1_f64.cos()).abs() < 1e-8, "{x}");
     assert!((z + 2.0 * 1_f64.sin()).abs() < 1e-8, "{z}");
+}
+
+#[test]
+fn a_geodesic_whose_evaluations_are_used_up_has_the_knots_before_that() {
+    let scene = scene();
+    let manifold = manifold(&scene, "s").expect("a surface");
+    let start = GeodesicStart::Chart([0.0, FRAC_PI_2], [1.0, 0.3]);
+    let lengths: Vec<f64> = (-50..=50).map(|k| 3.0 * f64::from(k)).collect();
+    let whole = knots_at(manifold.surface(), &start, &lengths, MAX_LINE_EVALUATIONS);
+    assert!(!whole.is_cut && whole.knots.iter().all(Option::is_some));
+    // What lies behind the start is followed first.
+    let cut = knots_at(manifold.surface(), &start, &lengths, 2_000);
+    assert!(cut.is_cut);
+    assert!(cut.knots[100].is_none());
+    let reached = cut.knots.iter().flatten().count();
+    assert!((10..90).contains(&reached), "{reached}");
+}
+
+#[test]
+fn the_evaluations_of_a_scene_are_shared_by_its_geodesics() {
+    let all = MAX_DECLARED_EVALUATIONS;
+    assert_eq!(evaluations_per_line(&scene(), 1), MAX_LINE_EVALUATIONS);
+    assert_eq!(evaluations_per_line(&scene(), 1_000), all / 1_000);
+    let many: String = (0..100)
+        .map(|k| format!("geodesic g{k}(t) : s = (0, 1) @ (0, pi/2), t : [0, 1e6];\n"))
+        .collect();
+    let text = PROGRAM.replace(
+        "geodesic g(t) : s = (0, 1) @ (0, pi/2), t : [0, 2, 5];\n",
+        &many,
+    );
+    let scene = scene::geotrace::compile(&text).scene.expect("a scene");
+    assert_eq!(evaluations_per_line(&scene, 1), all / 100);
+    assert_eq!(evaluations_per_line(&scene, 1_000), all / 100_000);
+    let (id, _) = scene.object("g7").expect("a geodesic");
+    let followed = follow_declared(&scene, &ParamValues::initial(&scene), id);
+    let [note] = &followed.notes[..] else {
+        panic!("{:?}", followed.notes);
+    };
+    assert!(note.starts_with("`g7` is not drawn to its end"), "{note}");
 }

@@ -12,7 +12,7 @@ use geodesic::measure::{
 };
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status};
-use geometry::{GeodesicStart, knots_at};
+use geometry::{GeodesicStart, MAX_LINE_EVALUATIONS, knots_at};
 use scene::ObjectId;
 
 use crate::figure::{Figure, FigureKind};
@@ -117,8 +117,8 @@ impl Drawing<'_> {
             .map(|k| it.length * f64::from(k) / f64::from(POINTS))
             .collect();
         let start = GeodesicStart::Chart(it.from.0, it.direction.0);
-        let knots = knots_at(self.surface, &start, &lengths);
-        let points: Vec<_> = knots.into_iter().map_while(|k| Some(k?.uv)).collect();
+        let line = knots_at(self.surface, &start, &lengths, MAX_LINE_EVALUATIONS);
+        let points: Vec<_> = line.knots.into_iter().map_while(|k| Some(k?.uv)).collect();
         self.trail(points, it.length)
     }
 

@@ -8,7 +8,7 @@ use geodesic::frame::Frame;
 use geodesic::metric::Metric;
 use geodesic::surface::{Side, Surface};
 use geodesic::trace::{Options, Trace, TraceError};
-use geometry::{GeodesicStart, Knot, Manifold, knots_at};
+use geometry::{GeodesicStart, Knot, MAX_LINE_EVALUATIONS, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -101,9 +101,10 @@ impl Trail {
             let lengths: Vec<f64> = (1..pieces)
                 .map(|k| trace.length * f64::from(k) / f64::from(pieces))
                 .collect();
-            let knots = knots_at(surface, &GeodesicStart::Frame(frame, step), &lengths);
+            let start = GeodesicStart::Frame(frame, step);
+            let line = knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS);
             self.points
-                .extend(knots.into_iter().flatten().map(|k| k.uv));
+                .extend(line.knots.into_iter().flatten().map(|k| k.uv));
             self.points.push(trace.uv.0);
             self.length += trace.length;
             if self.points.len() > MOST_POINTS {

@@ -134,6 +134,24 @@ fn a_surface_wears_its_geodesics() {
 }
 
 #[test]
+fn a_geodesic_too_long_to_be_drawn_is_drawn_in_part_with_a_note() {
+    let drawn = |length: &str| {
+        let source = format!("{SPHERE}geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, {length}];\n");
+        draw(&source, [0.0, 0.0], 2.0, Overlays::default())
+    };
+    let told = |length: &str| {
+        let mut notes = drawn(length).notes;
+        notes.retain(|note| note.contains("`g`"));
+        notes
+    };
+    assert_eq!(told("100"), Vec::<String>::new());
+    let [note] = &told("1e9")[..] else {
+        panic!("{:?}", told("1e9"));
+    };
+    assert!(note.starts_with("`g` is not drawn to its end"), "{note}");
+}
+
+#[test]
 fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
     let source = format!(
         "{SPHERE} grid k : [0, 1, 3]; geodesic g(t) : s = (1, k) @ (0, 0), t : [-1, 2, 31];"

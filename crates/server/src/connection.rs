@@ -6,9 +6,9 @@
 //!                         raw responses ─────────┘
 //! ```
 //!
-//! The futures of the requests run beside each other in one task, which also reads: each is polled first in the order of
-//! the messages. `tower_lsp::Server` does the same behind streams of its own, which would frame and parse every message a
-//! second time, without the recovery of `frames::FrameReader`.
+//! The futures of the requests run beside each other in one task, which also reads and writes: each is polled first in the
+//! order of the messages. `tower_lsp::Server` does the same behind streams of its own, which would frame and parse every
+//! message a second time, without the recovery of `frames::FrameReader`.
 
 use futures::channel::{mpsc, oneshot};
 use futures::{FutureExt, Sink, SinkExt, Stream, StreamExt, TryFutureExt, future, join, stream};
@@ -31,25 +31,17 @@ const PARSE_ERROR: i64 = -32700;
 /// … or no request.
 const INVALID_REQUEST: i64 = -32600;
 
-/// The two tasks of a connection.
-pub(crate) struct Connection<R, W> {
-    /// Reads and works; ends with the input, or behind `exit`.
-    pub(crate) serving: R,
-    /// Writes; ends when there is nothing more to write, or the editor does not read any more.
-    pub(crate) writing: W,
-}
-
-/// The connection to an editor, whose messages come from `frames`; the bodies of those to it go to `output`. `raw` are the
-/// messages that `raw_sender` takes.
-pub(crate) fn connect<S>(
+/// Serves the connection to an editor, whose messages come from `frames`; the bodies of those to it go to `output`. `raw`
+/// are the messages that `raw_sender` takes. Ends behind the last frame or `exit`, when everything that was said is written
+/// or the editor does not read any more.
+pub(crate) async fn run<S>(
     frames: impl Stream<Item = Frame>,
     output: impl Sink<Vec<u8>>,
     service: S,
     socket: ClientSocket,
     raw_sender: RawSender,
     raw: UnboundedReceiver<Message>,
-) -> Connection<impl Future<Output = ()>, impl Future<Output = ()>>
-where
+) where
     S: Service<Request, Response = Option<Response>>,
 {
     let (requests, mut answers) = socket.split();
@@ -59,7 +51,7 @@ where
     let (responses, to_write) = mpsc::channel(0);
     let messages = stream::select(to_write.map(json::<Response>), requests.map(json));
     let writing = write_all(Box::pin(output), raw, Box::pin(messages));
-    let serving = async move {
+    let serving = async {
         let (mut tasks, to_do) = mpsc::channel(WAITING);
         let work = to_do
             .buffer_unordered(CONCURRENCY)
@@ -103,7 +95,8 @@ where
         };
         join!(work, read);
     };
-    Connection { serving, writing }
+    // One task, in this order: what a handler has said is written in the same turn, without waking another thread.
+    join!(serving, writing);
 }
 
 /// The items of a stream until the sender of `ended` is dropped. The stream is dropped then: a handler that waits for room

@@ -38,7 +38,6 @@ use ide::Languages;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tower_lsp::LspService;
 
-use connection::{Connection, connect};
 use frames::Frame;
 use incoming::Backend;
 pub use preview::WindowProgram;
@@ -104,29 +103,24 @@ where
     let end = Arc::new(End::default());
     let session = Arc::new(Mutex::new(Session::new(languages, window)));
     let (frames, output) = (frames::read(input), frames::write(output));
-    let Connection { serving, writing } = start(frames, output, end.clone(), session.clone());
-    let (mut serving, mut writing) = (tokio::spawn(serving), tokio::spawn(writing));
+    let mut connection = tokio::spawn(start(frames, output, end.clone(), session.clone()));
     tokio::select! {
-        _ = &mut serving => {
-            // What has been said is still written.
-            let _ = (&mut writing).await;
-        }
+        _ = &mut connection => {}
         () = end.now.notified() => {}
     }
     // The editor has gone, with a word or without one: its windows go too.
     incoming::close_all(&session).await;
-    serving.abort();
-    writing.abort();
+    connection.abort();
     end.asked_for.load(Ordering::SeqCst)
 }
 
-/// The tasks of a session with an editor.
+/// A session with an editor, from its first message to its last.
 fn start(
     frames: impl Stream<Item = Frame>,
     output: impl Sink<Vec<u8>>,
     end: Arc<End>,
     session: Arc<Mutex<Session>>,
-) -> Connection<impl Future<Output = ()>, impl Future<Output = ()>> {
+) -> impl Future<Output = ()> {
     let (raw_sender, raw) = RawSender::new();
     let faults = raw_sender.clone();
     let service = LspService::build(|client| {
@@ -135,5 +129,5 @@ fn start(
     let service = service.custom_method(incoming::CURSOR, Backend::cursor);
     let (service, socket) = incoming::with_texts(service).finish();
     let service = RawResponses::new(service, raw_sender);
-    connect(frames, output, service, socket, faults, raw)
+    connection::run(frames, output, service, socket, faults, raw)
 }

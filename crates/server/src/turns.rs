@@ -5,10 +5,9 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
 use futures::channel::mpsc;
-use futures::{FutureExt, future, sink};
+use futures::{future, sink};
 use ide::Languages;
 
-use crate::connection::Connection;
 use crate::frames::{self, Frame};
 use crate::session::Session;
 use crate::tasks;
@@ -31,8 +30,7 @@ impl ServerByTurns {
             future::ready(Ok::<_, std::convert::Infallible>(said))
         });
         let session = Arc::new(Mutex::new(Session::new(languages, None)));
-        let Connection { serving, writing } = crate::start(frames, output, Arc::default(), session);
-        tasks::spawn(future::join(serving, writing).map(|_| ()));
+        tasks::spawn(crate::start(frames, output, Arc::default(), session));
         Self { heard, said }
     }
 

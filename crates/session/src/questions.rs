@@ -11,6 +11,8 @@ use geometry::{Manifold, ManifoldError};
 use crate::camera_controller::Subject;
 use crate::figures;
 use crate::measuring::{Measured, PlacedFigure, Quantity, angle, number, place};
+use crate::motion::Motion;
+use crate::{CameraPath, ChartCamera};
 
 /// A question about a surface.
 #[derive(Clone, Debug)]
@@ -44,6 +46,30 @@ pub enum MeasureQuestion {
         /// The place (u, v).
         to: [f64; 2],
     },
+}
+
+impl MeasureQuestion {
+    /// A walk along a path, to where the camera is now.
+    pub fn walk(path: &CameraPath, camera: &ChartCamera) -> Self {
+        let turns = path.motions().iter().map(|motion| match motion {
+            Motion::Turn(angle) => *angle,
+            _ => 0.0,
+        });
+        Self::Walk {
+            start: path.start.frame(),
+            end: camera.frame(),
+            turned: turns.sum(),
+            length: path.trail.length,
+        }
+    }
+
+    /// The way back from where the camera is now to the start of a path.
+    pub fn way_back(path: &CameraPath, camera: &ChartCamera) -> Self {
+        Self::WayBack {
+            from: camera.frame(),
+            to: path.start.at,
+        }
+    }
 }
 
 /// An answer.

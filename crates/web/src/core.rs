@@ -171,6 +171,8 @@ impl Core {
             Call::Click { view, at } => self.click(&ViewId::from(&*view), at)?,
             Call::DoubleClick { view, at } => self.double_click(&ViewId::from(&*view), at)?,
             Call::Measure { figure } => self.measure(figure)?,
+            Call::MeasureWalk {} => self.measure_walk(),
+            Call::WalkBack {} => self.walk_back()?,
             Call::Examples {} => examples::list(),
         })
     }

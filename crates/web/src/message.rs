@@ -115,6 +115,8 @@ pub enum Call {
     Measure {
         figure: Option<AskedFigure>,
     },
+    MeasureWalk {},
+    WalkBack {},
     Examples {},
 }
 

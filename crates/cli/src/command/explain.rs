@@ -209,9 +209,10 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
                 .saturating_mul(params.combination_count(scene, own)),
             bounds: bounds
                 .map(|bounds| [0, 1, 2].map(|axis| [bounds.lower[axis], bounds.upper[axis]])),
-            unknown: rays
-                .is_out_of_work()
-                .then(|| rays.notes().iter().map(ToString::to_string).collect()),
+            unknown: rays.is_out_of_work().then(|| {
+                let notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();
+                notes.join("; ")
+            }),
         })
     });
     entries.collect()

@@ -470,16 +470,7 @@ fn ask_walk(window: &mut Window) {
         before.is_same(&subject) && Arc::ptr_eq(known, &path) && *end == camera
     });
     if !is_known {
-        let turns = path.motions().iter().map(|motion| match motion {
-            Motion::Turn(angle) => *angle,
-            _ => 0.0,
-        });
-        let question = MeasureQuestion::Walk {
-            start: path.start.frame(),
-            end: camera.frame(),
-            turned: turns.sum(),
-            length: path.trail.length,
-        };
+        let question = MeasureQuestion::walk(&path, &camera);
         measuring.walk = Some((subject.clone(), path, camera));
         ask(window, subject, question);
     }
@@ -496,10 +487,7 @@ fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, ChartCamera)>
 fn walk_back(window: &mut Window) {
     let measuring = &window.dialogs.measuring;
     if let Some((subject, path, camera)) = &measuring.walk {
-        let question = MeasureQuestion::WayBack {
-            from: camera.frame(),
-            to: path.start.at,
-        };
+        let question = MeasureQuestion::way_back(path, camera);
         ask(window, subject.clone(), question);
     }
 }

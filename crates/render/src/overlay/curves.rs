@@ -16,10 +16,10 @@ use super::ink;
 use crate::geodesic_view::PlacedCamera;
 use crate::request::PictureRequest;
 use crate::trail::Trail;
-use geometry::{GeodesicSegment, MAX_POINTS};
+use geometry::{GeodesicSegment, MAX_POINTS, cut_note, evaluations_per_line};
 
-/// The most pieces of one line.
-const MOST_PIECES: u32 = 4096;
+/// The most pieces of one line in a direction; what is longer is not drawn to its end.
+const MOST_PIECES: u32 = 16_384;
 /// Pieces are at most so many pixels long: then they are straight.
 const STRAIGHT: f64 = 6.0;
 
@@ -59,7 +59,9 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let instances = params
             .instance_count(scene, object)
             .min((MAX_POINTS / u64::from(pieces)).max(1));
+        let max_evaluations = evaluations_per_line(scene, instances);
         let mut fault = None;
+        let mut is_cut = false;
         let mut lines = Vec::new();
         for instance in 0..instances {
             let uniforms = params.instance(scene, object, instance);
@@ -71,19 +73,26 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
             }
             match evaluator.evaluate(&uniforms) {
                 Ok(initial) => {
-                    let lengths = lengths.map(|t| t * initial.unit);
+                    let whole = lengths.map(|t| t * initial.unit);
+                    let lengths = drawn(whole, camera);
+                    is_cut |= lengths != whole;
                     lines.push(GeodesicSegment {
                         start: initial.start,
                         direction: initial.direction,
                         lengths,
                         pieces: piece_count(lengths[1] - lengths[0], domain.count, camera),
+                        max_evaluations,
                     });
                 }
                 Err(error) => fault = Some(error),
             }
         }
-        for points in camera.manifold().polylines(&lines) {
-            curve.add(&points, camera);
+        for line in camera.manifold().polylines(&lines) {
+            curve.add(&line.points, camera);
+            is_cut |= line.is_cut;
+        }
+        if is_cut {
+            curve.notes.push(cut_note(&curve.name));
         }
         if let Some(fault) = fault {
             let name = &curve.name;
@@ -98,14 +107,31 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
     all
 }
 
+/// The longest piece that is straight in the picture.
+fn straight(camera: &PlacedCamera) -> f64 {
+    let [width, height] = camera.size().map(f64::from);
+    STRAIGHT * 2.0 * camera.zoom / width.min(height).max(1.0)
+}
+
+/// The part of a line, an interval of arc lengths, that [`MOST_PIECES`] straight ones reach: that nearest to its start. It
+/// changes only now and then while a camera zooms.
+fn drawn([low, high]: [f64; 2], camera: &PlacedCamera) -> [f64; 2] {
+    let reach = (f64::from(MOST_PIECES) * straight(camera))
+        .log2()
+        .floor()
+        .exp2();
+    [
+        low.max(high.min(0.0) - reach),
+        high.min(low.max(0.0) + reach),
+    ]
+}
+
 /// Returns the number of pieces of a line: more than are needed, so that a camera that zooms needs others only now and
 /// then.
 fn piece_count(length: f64, samples: u32, camera: &PlacedCamera) -> u32 {
-    let [width, height] = camera.size().map(f64::from);
-    let pixel = 2.0 * camera.zoom / width.min(height).max(1.0);
-    let needed = (length / (STRAIGHT * pixel)).ceil();
-    let needed = needed.clamp(1.0, f64::from(MOST_PIECES)) as u32;
-    let samples = samples.clamp(1, MOST_PIECES);
+    let needed = (length / straight(camera)).ceil();
+    let needed = needed.clamp(1.0, f64::from(2 * MOST_PIECES)) as u32;
+    let samples = samples.clamp(1, 2 * MOST_PIECES);
     needed.next_power_of_two().max(samples)
 }
 

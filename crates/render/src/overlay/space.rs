@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use geodesic::trace::{Options, Status};
-use geometry::{GeodesicStart, Knot, knots_at};
+use geometry::{GeodesicStart, Knot, MAX_LINE_EVALUATIONS, knots_at};
 use rayon::prelude::*;
 use scene::{ObjectId, Scene};
 
@@ -165,7 +165,8 @@ pub(crate) fn camera_objects(
         let lengths: Vec<f64> = (0..=POINTS)
             .map(|k| length * f64::from(k) / f64::from(POINTS))
             .collect();
-        knots_at(surface, &GeodesicStart::Frame(frame, place), &lengths)
+        let start = GeodesicStart::Frame(frame, place);
+        knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS).knots
     };
     let origin = surface.jet(frame.uv).position;
     let mut all = frame_objects(request, placement, (origin, zoom), &at, &axis);
@@ -178,11 +179,8 @@ pub(crate) fn camera_objects(
             let rays: Vec<_> = (0..=DIRECTIONS)
                 .into_par_iter()
                 .map(|k| {
-                    knots_at(
-                        surface,
-                        &GeodesicStart::Frame(frame, direction(k)),
-                        &lengths,
-                    )
+                    let start = GeodesicStart::Frame(frame, direction(k));
+                    knots_at(surface, &start, &lengths, MAX_LINE_EVALUATIONS).knots
                 })
                 .collect();
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())

@@ -1,4 +1,6 @@
-//! Clicks on pictures, and the object that is seen at a place.
+//! Clicks on pictures, the object that is seen at a place, and measures.
+
+use std::sync::Arc;
 
 use render::figure::{Figure, FigureKind};
 use render::point::PixelPoint;
@@ -8,8 +10,10 @@ use serde_json::{Value, json};
 use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{PlacedFigure, Quantity};
+use session::motion::Motion;
 use session::questions::{MeasureAnswer, MeasureQuestion};
 use session::snapping::{Snapping, measured_place};
+use session::{CameraPath, ChartCamera};
 
 use super::Core;
 use crate::message::{AskedFigure, Pick, QuantityRow};
@@ -196,5 +200,49 @@ impl Core {
             }
             _ => Err(none()),
         }
+    }
+
+    /// Measures the walk of the geodesic camera that was used last.
+    pub(super) fn measure_walk(&mut self) -> Value {
+        self.read();
+        let answer = self.walked().and_then(|(subject, path, camera)| {
+            let question = MeasureQuestion::walk(&path, &camera);
+            self.measurer.answer(&subject, &question)
+        });
+        let rows: Vec<QuantityRow> = match &answer {
+            Some(MeasureAnswer::Walk(rows)) => rows.iter().map(QuantityRow::from).collect(),
+            _ => Vec::new(),
+        };
+        json!({ "rows": rows, "note": null, "places": [] })
+    }
+
+    /// Leads the geodesic camera that was used last back to the start of its walk, along the shortest geodesic.
+    ///
+    /// # Errors
+    /// The sentence that says that there is none.
+    pub(super) fn walk_back(&mut self) -> Result<Value, String> {
+        self.read();
+        let none = || "No geodesic back to the start of the trail was found.".to_owned();
+        let (subject, path, camera) = self.walked().ok_or_else(none)?;
+        let question = MeasureQuestion::way_back(&path, &camera);
+        match self.measurer.answer(&subject, &question) {
+            Some(MeasureAnswer::WayBack(surface, Some(step))) => {
+                self.model.move_camera(&surface, Motion::Walk(step));
+                self.model.history.settle();
+                self.note_motion();
+                Ok(Value::Null)
+            }
+            _ => Err(none()),
+        }
+    }
+
+    /// The path of the geodesic camera that was used last, or else of any, with its surface and the camera as it is now.
+    fn walked(&mut self) -> Option<(Subject, Arc<CameraPath>, ChartCamera)> {
+        let paths = &self.model.paths;
+        let last = self.pictures.surface().filter(|it| paths.contains_key(it));
+        let surface = last.or_else(|| paths.keys().next().cloned())?;
+        let path = paths.get(&surface)?.clone();
+        let camera = *self.model.view.inside.get(&surface)?.chart()?;
+        Some((self.model.subject(&surface)?, path, camera))
     }
 }

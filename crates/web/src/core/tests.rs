@@ -1,5 +1,7 @@
 //! Tests of the core, natively: what a page does, without a page.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use super::{Core, DrawnPicture};
@@ -392,6 +394,62 @@ fn a_figure_is_measured_drawn_and_taken_away() {
         .expect("begun");
     assert_eq!(begun["places"], json!([[0.0, 1.5]]));
     assert_eq!(begun["rows"], json!([]));
+}
+
+#[test]
+fn a_walk_is_measured_and_closed_by_the_way_back() {
+    let text =
+        "surface s(u, v) = (sin(v) cos(u), sin(v) sin(u), cos(v)), u : [0, 2pi], v : [0, pi];";
+    let mut page = Page::open(text);
+    let marks =
+        json!({ "patch": { "preferences": { "marks": { "trail": true } } }, "step": "trail" });
+    page.tell("change", marks);
+    page.panes(&["3d", "geodesic:s"]);
+    page.rest();
+    let rows = |page: &mut Page| {
+        let measured = page.call("measureWalk", json!({})).expect("an answer");
+        let rows = measured["rows"].as_array().expect("rows").clone();
+        let row = |row: &Value| {
+            let text = |key: &str| row[key].as_str().expect("a text").to_owned();
+            (text("name"), text("value"))
+        };
+        rows.iter().map(row).collect::<BTreeMap<String, String>>()
+    };
+    let drag = |page: &mut Page, by: [f64; 2]| {
+        let drag = json!({ "view": "geodesic:s", "grip": "orbit", "by": by });
+        page.tell("drag", drag);
+        page.tell("release", json!({}));
+        page.rest();
+    };
+    // Two sides of a triangle; the third is the shortest way back.
+    drag(&mut page, [9.0, 0.0]);
+    drag(&mut page, [0.0, 9.0]);
+    let open = rows(&mut page);
+    assert!(
+        open.contains_key("length") && open.contains_key("to the start"),
+        "{open:?}"
+    );
+    page.call("walkBack", json!({})).expect("a way back");
+    page.rest();
+    let closed = rows(&mut page);
+    let number = |rows: &BTreeMap<String, String>, name: &str| -> f64 {
+        let text = rows.get(name).unwrap_or_else(|| panic!("{rows:?}"));
+        let number = text
+            .split([' ', '=', '°'])
+            .find_map(|word| word.parse().ok());
+        number.unwrap_or_else(|| panic!("{text}"))
+    };
+    let sides = number(&closed, "length");
+    let way = number(&open, "length") + number(&open, "to the start");
+    assert!((sides - way).abs() < 1e-6, "{open:?} {closed:?}");
+    // The holonomy is the area of the triangle with a right angle and equal sides a, by Girard: 2 atan(tan²(a/2)).
+    let side = number(&open, "length") / 2.0;
+    let area = 2.0 * (side / 2.0).tan().powi(2).atan();
+    let found = number(&closed, "holonomy").abs();
+    assert!(
+        (found - area).abs() < 1e-5,
+        "{found} for {area}: {closed:?}"
+    );
 }
 
 #[test]
