@@ -77,3 +77,34 @@ test("a triangle on a sphere has the excess of its area, and M opens the tool", 
     await page.waitForFunction(() => /no place of a surface/.test(document.querySelector(".measuring p").textContent));
     await state.close(page);
 });
+
+test("a walk has its length, and where the way back has closed it, its holonomy", async () => {
+    const page = await state.open(link(SPHERE));
+    await rest(page);
+    await page.getByRole("button", { name: "Measure", exact: true }).click();
+    await page.getByRole("button", { name: "Walk", exact: true }).click();
+    await settled(page);
+    const canvas = page.locator('[data-view="geodesic:s"] canvas');
+    const { x, y, width, height } = await canvas.boundingBox();
+    // Above the rows, which lie over the foot of the picture.
+    const from = [x + width / 2, y + height / 3];
+    for (const [dx, dy] of [[60, 0], [0, 40]]) {
+        await page.mouse.move(...from);
+        await page.mouse.down();
+        await page.mouse.move(from[0] + dx, from[1] + dy, { steps: 4 });
+        await page.mouse.up();
+        await settled(page);
+    }
+    await shown(page, "to the start");
+    const open = parseFloat(await row(page, "length"));
+    assert.ok(open > 0.1, `${open}`);
+    const side = parseFloat(await row(page, "to the start"));
+    await page.getByRole("button", { name: "Back to the start", exact: true }).click();
+    await shown(page, "holonomy");
+    const [length, holonomy] = [parseFloat(await row(page, "length")), parseFloat(await row(page, "holonomy"))];
+    assert.ok(Math.abs(length - open - side) < 1e-5, `${length} for ${open} + ${side}`);
+    assert.ok(Math.abs(holonomy) > 1e-3, `${holonomy}`);
+    await page.getByRole("button", { name: "Distance", exact: true }).click();
+    assert.equal(await page.getByRole("button", { name: "Back to the start", exact: true }).isVisible(), false);
+    await state.close(page);
+});
