@@ -27,9 +27,9 @@ use super::{
 use crate::limits::MAX_LEAVES;
 
 /// Expressions and statements within others, over all calls. In a browser a stack of one megabyte is all that there is; it
-/// holds twice as many.
+/// holds half as many again.
 const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
-    1_500
+    1_000
 } else {
     10_000
 };
