@@ -19,8 +19,8 @@ pub const MAX_POINTS: u64 = 2_000_000;
 /// The most evaluations of surfaces for all declared geodesics of a scene: a few seconds.
 pub const MAX_DECLARED_EVALUATIONS: u64 = 20_000_000;
 
-/// The most evaluations for one instance of a declared geodesic of which `instances` are drawn. Each declared geodesic of the
-/// scene has as many for all its instances.
+/// The most evaluations for one instance of a declared geodesic of which `instances` are drawn: each declaration has an equal
+/// share of [`MAX_DECLARED_EVALUATIONS`], and each of its instances an equal share of that.
 pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
     let declared = scene.objects.iter().filter(|object| {
         object.shape.geodesic().is_some() || object.shape.space_geodesic().is_some()
@@ -32,7 +32,7 @@ pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
 /// The sentence about lines of a declared geodesic that end because their evaluations are used up.
 pub fn cut_note(name: &str) -> String {
     format!(
-        "`{name}` is not drawn to its end: geodesics this long take more work than there may be; a shorter interval, or fewer geodesics, are drawn whole"
+        "`{name}` is not drawn to its end, which would take too much work: shorten its interval, or declare fewer geodesics"
     )
 }
 

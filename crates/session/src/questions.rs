@@ -72,6 +72,9 @@ impl MeasureQuestion {
     }
 }
 
+/// The sentence for the user where [`MeasureAnswer::WayBack`] has no step.
+pub const NO_WAY_BACK: &str = "No geodesic back to the start of the trail was found.";
+
 /// An answer.
 #[derive(Debug)]
 pub enum MeasureAnswer {

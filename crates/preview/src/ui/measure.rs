@@ -17,7 +17,7 @@ use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{Measured, PlacedFigure, Quantity, hint, title};
 use session::motion::Motion;
-use session::questions::{MeasureAnswer, MeasureQuestion};
+use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK};
 use session::snapping::Snapping;
 use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
@@ -316,8 +316,7 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
             window.model.history.settle();
         }
         MeasureAnswer::WayBack(_, None) => {
-            let text = "No geodesic back to the start of the trail was found.";
-            window.status_message = Some(StatusMessage::info(text));
+            window.status_message = Some(StatusMessage::info(NO_WAY_BACK));
         }
     }
 }

@@ -11,7 +11,7 @@ use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{PlacedFigure, Quantity};
 use session::motion::Motion;
-use session::questions::{MeasureAnswer, MeasureQuestion};
+use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK};
 use session::snapping::{Snapping, measured_place};
 use session::{CameraPath, ChartCamera};
 
@@ -222,8 +222,7 @@ impl Core {
     /// The sentence that says that there is none.
     pub(super) fn walk_back(&mut self) -> Result<Value, String> {
         self.read();
-        let none = || "No geodesic back to the start of the trail was found.".to_owned();
-        let (subject, path, camera) = self.walked().ok_or_else(none)?;
+        let (subject, path, camera) = self.walked().ok_or(NO_WAY_BACK)?;
         let question = MeasureQuestion::way_back(&path, &camera);
         match self.measurer.answer(&subject, &question) {
             Some(MeasureAnswer::WayBack(surface, Some(step))) => {
@@ -232,7 +231,7 @@ impl Core {
                 self.note_motion();
                 Ok(Value::Null)
             }
-            _ => Err(none()),
+            _ => Err(NO_WAY_BACK.to_owned()),
         }
     }
 
