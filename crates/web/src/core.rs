@@ -254,8 +254,7 @@ impl Core {
         self.pictures.forget();
         self.clicks = Clicks::default();
         self.motions = Motions::default();
-        self.is_unread = true;
-        self.read();
+        self.compile();
         let scene = self.model.scene.as_ref();
         if !is_chosen && scene.is_some_and(|scene| scene.picture.is_some()) {
             // What describes a picture is seen as that picture.
@@ -278,9 +277,15 @@ impl Core {
 
     /// Compiles the text, if it has changed.
     fn read(&mut self) {
-        if !std::mem::take(&mut self.is_unread) {
-            return;
+        if std::mem::take(&mut self.is_unread) && self.compile() {
+            // A camera that the reader has not moved shows everything of a new scene too.
+            self.model.reframe();
         }
+    }
+
+    /// Compiles the text. Returns whether it leads to another scene.
+    fn compile(&mut self) -> bool {
+        self.is_unread = false;
         let start = web_time::Instant::now();
         let program = self.editing.program();
         let read = Read {
@@ -296,9 +301,11 @@ impl Core {
         });
         let mut compiled = read.compiled(version, self.editing.source().as_str().into());
         compiled.took = start.elapsed();
+        let is_fresh = compiled.scene.is_some();
         self.model.take(compiled);
         self.library.look_again();
         self.told.is_stale = true;
+        is_fresh
     }
 
     /// Ends what only lasts for a while. Returns the next time at which something does.

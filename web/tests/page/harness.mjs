@@ -105,6 +105,20 @@ export async function changed(page, before, view = "3d") {
     }
 }
 
+/** Fails unless two pictures are of the same things from the same place. The core keeps the units in which it draws while a
+ * param moves, so some pixels differ in their last bits. */
+export function assertAlike(one, other) {
+    const far = one.pixels.filter((value, at) => Math.abs(value - other.pixels[at]) > 16).length;
+    assert.ok(far < one.pixels.length / 10_000, `${far} of ${one.pixels.length} channels differ`);
+}
+
+/** Hides the geodesic cameras: their arrows in space are as long as the scene was when it was drawn first. */
+export async function hideCameras(page) {
+    await page.getByRole("tab", { name: "Views" }).click();
+    await page.getByLabel("Cameras").uncheck();
+    await page.getByRole("tab", { name: "Params" }).click();
+}
+
 /** Waits until a view's picture is `wanted`, to the last pixel. */
 export async function becomes(page, wanted, view = "3d") {
     const deadline = Date.now() + 15_000;

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { settled } from "./browser.mjs";
 import { serve } from "./serve.mjs";
-import { changed, dist, link, middle, picture, setup, SPHERE, text, write } from "./harness.mjs";
+import { assertAlike, changed, dist, hideCameras, link, middle, picture, rest, setup, SPHERE, text, write } from "./harness.mjs";
 
 const state = setup();
 const files = (folder) =>
@@ -172,17 +172,22 @@ test("a Worker that dies is started again, with text and settings", async () => 
         };
     };
     const page = await state.open(link(SPHERE), { init });
+    await hideCameras(page);
+    const opened = await rest(page);
     await page.getByRole("textbox", { name: "Value of r" }).fill("1.7");
     await page.keyboard.press("Enter");
-    await page.waitForTimeout(300);
-    await settled(page);
-    const before = await picture(page);
-    // A message that no page sends: the Worker's script fails.
-    await page.evaluate(() => window.workers.at(-1).postMessage(null));
+    await changed(page, opened);
+    const before = await rest(page);
+    await page.evaluate(() => {
+        window.drawnAgain = new Promise((resolve) => {
+            document.querySelector('[data-view="3d"]').addEventListener("picture", resolve, { once: true });
+        });
+        // A message that no page sends: the Worker's script fails.
+        window.workers.at(-1).postMessage(null);
+    });
     await page.locator(".toast.bad", { hasText: "was started again" }).waitFor();
-    await settled(page);
-    await page.waitForTimeout(300);
-    assert.equal((await picture(page)).digest, before.digest);
+    await page.evaluate(() => window.drawnAgain.then(() => {}));
+    assertAlike(before, await rest(page));
     assert.equal(await page.getByRole("textbox", { name: "Value of r" }).inputValue(), "1.7");
     await write(page, SPHERE.replace("r cos(v))", "2r cos(v))"));
     await changed(page, before);

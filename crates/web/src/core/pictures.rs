@@ -139,6 +139,8 @@ impl PanePictures {
 impl Core {
     pub(super) fn set_panes(&mut self, panes: Vec<Pane>) {
         let mut before = std::mem::take(&mut self.pictures.panes);
+        // A camera that was opened with its program stays as it is in the first panes.
+        let are_first = before.is_empty();
         let mut is_resized = false;
         for pane in panes {
             let id = ViewId::from(&*pane.view);
@@ -149,7 +151,7 @@ impl Core {
                 && self.camera_kind(&id) == CameraKind::Space;
             self.pictures.panes.insert(id, state);
         }
-        if is_resized {
+        if is_resized && !are_first {
             // A camera that the reader has not moved shows everything in a pane of another shape too.
             self.model.reframe();
         }
@@ -340,7 +342,8 @@ impl Core {
     /// Draws a picture; `None` where it cannot be drawn, of which the page is told.
     fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<DrawnPicture> {
         let start = web_time::Instant::now();
-        let drawn = self.drawn(&request);
+        let at_rest = self.size(id, false, self.shows_traced(id))?;
+        let drawn = self.drawn(&request, at_rest);
         let took = start.elapsed().as_secs_f64();
         self.pictures.drawn += 1;
         let number = self.pictures.drawn;
@@ -385,11 +388,13 @@ impl Core {
         Some(DrawnPicture { info, pixels })
     }
 
-    /// Draws a picture, and takes over the camera that sees everything. Returns the request with that camera, if the
-    /// picture would be the same from there.
+    /// Draws a picture, and takes over the camera that sees everything, which is that of a picture of the size `at_rest`:
+    /// the sides of a coarse one are rounded. Returns the request with that camera, if the picture would be the same from
+    /// there.
     fn drawn(
         &mut self,
         request: &PictureRequest,
+        at_rest: [u32; 2],
     ) -> Result<
         (
             Option<PictureRequest>,
@@ -400,7 +405,9 @@ impl Core {
     > {
         let sentence = |error: render::RenderError| error.to_string();
         let mut whole = request.clone();
+        whole.size = at_rest;
         let home = self.framing.fill_in(&mut whole).map_err(sentence)?;
+        whole.size = request.size;
         let mut image = self.renderer.draw(&whole).map_err(sentence)?;
         let empty = render::gpu::Pixels::Image(image::RgbaImage::default());
         let pixels = std::mem::replace(&mut image.image, empty);

@@ -208,6 +208,46 @@ fn settings_are_those_of_the_window_and_can_be_undone() {
 }
 
 #[test]
+fn a_camera_of_a_program_that_is_opened_again_stays_where_it_was() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d"]);
+    page.work();
+    let opened = page.settings()["space"].clone();
+    page.tell("change", json!({ "patch": { "params": { "r": [1.2] } } }));
+    page.rest();
+    let settings = page.settings();
+    assert_eq!(settings["space"], opened, "a param moves no camera");
+    // Another Worker learns of the panes after the program.
+    let mut other = Page::open("");
+    let program = json!({ "name": "a.gtr", "text": TORUS, "version": 1, "settings": settings });
+    other.call("open", program).expect("it opens");
+    other.panes(&["3d"]);
+    other.work();
+    assert_eq!(other.settings()["space"], opened);
+    // A pane of another shape needs another camera.
+    let panes = json!([{ "view": "3d", "width": 64, "height": 96 }]);
+    other.tell("panes", json!({ "panes": panes }));
+    other.work();
+    assert_ne!(other.settings()["space"], opened);
+}
+
+#[test]
+fn a_camera_that_the_reader_has_not_moved_shows_everything_of_another_text() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["3d"]);
+    page.work();
+    let opened = page.settings()["space"]["eye"].clone();
+    let text = format!("{TORUS}# a comment");
+    page.tell("text", json!({ "version": 3, "text": text }));
+    page.rest();
+    assert_eq!(page.settings()["space"]["eye"], opened);
+    let text = TORUS.replace("(2 + r cos(v))", "(20 + r cos(v))");
+    page.tell("text", json!({ "version": 4, "text": text }));
+    page.rest();
+    assert_ne!(page.settings()["space"]["eye"], opened);
+}
+
+#[test]
 fn only_what_the_core_changes_by_itself_is_told() {
     let mut page = Page::open(TORUS);
     page.panes(&["3d"]);
