@@ -115,9 +115,20 @@ impl Editor {
         &mut self,
         make: impl FnOnce(&dyn Analysis) -> Result<Edit, E>,
     ) -> Result<bool, String> {
+        self.rewrite(|analysis| make(analysis).map(|edit| vec![edit]))
+    }
+
+    /// Makes edits of the text as it is now; whether the text is another one then.
+    ///
+    /// # Errors
+    /// Those of `make`; the text is as it was.
+    pub fn rewrite<E: std::fmt::Display>(
+        &mut self,
+        make: impl FnOnce(&dyn Analysis) -> Result<Vec<Edit>, E>,
+    ) -> Result<bool, String> {
         let analysis = self.language.read(&self.text);
-        let edit = make(&*analysis).map_err(|refusal| refusal.to_string())?;
-        let text = ide::edit::apply(&self.text, &[edit]);
+        let edits = make(&*analysis).map_err(|refusal| refusal.to_string())?;
+        let text = ide::edit::apply(&self.text, &edits);
         let changed = text != self.text;
         if changed {
             self.replace(text);

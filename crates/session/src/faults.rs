@@ -100,6 +100,7 @@ mod tests {
             column: 1,
             message: (*message).to_owned(),
             hint: None,
+            fixes: Vec::new(),
         };
         Diagnosis {
             findings: messages.iter().map(finding).collect(),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use ide::language::Analysis;
 use ide::outline::DeclarationRange;
 use scene::Scene;
-use syntax::diagnostic::Severity;
+use syntax::diagnostic::{Fix, Severity};
 use syntax::span::Span;
 
 /// The result of compiling a text.
@@ -48,4 +48,6 @@ pub struct Finding {
     pub message: String,
     /// Advice for the user.
     pub hint: Option<String>,
+    /// What would correct it.
+    pub fixes: Vec<Fix>,
 }

@@ -76,6 +76,7 @@ pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
         column: 1,
         message: "internal error: the program could not be read".to_owned(),
         hint: Some("please report it, with the program".to_owned()),
+        fixes: Vec::new(),
     };
     Compiled {
         ok: false,
@@ -99,6 +100,7 @@ fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
             column: place.column,
             message: diagnostic.message.clone(),
             hint: diagnostic.hint.clone(),
+            fixes: diagnostic.fixes.clone(),
         }
     };
     diagnostics.iter().map(finding).collect()

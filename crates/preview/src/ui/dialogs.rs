@@ -170,8 +170,8 @@ const KEYS: [Key; 6] = [
 ];
 
 /// The keys of the program's pane and of files, in one sentence each: the menus show them too.
-const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab takes one, Ctrl+F finds, Ctrl+/ comments. Ctrl+N, \
-    Ctrl+O, Ctrl+S: new, open, save; Ctrl+E, Ctrl+M, Ctrl+R: save a picture, a mesh, record.";
+const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab takes one, Ctrl+F finds, Ctrl+/ comments, F2 \
+    renames, Ctrl+. fixes, Shift+Alt+F formats. Ctrl+N, Ctrl+O, Ctrl+S: new, open, save; Ctrl+E, Ctrl+M, Ctrl+R: save a picture, a mesh, record.";
 
 /// The keys of views that have the same ones.
 struct KeyColumn {

@@ -187,8 +187,11 @@ fn edit(window: &mut Window, ui: &mut Ui) {
         ("Undo in the text", "Ctrl+Z there", TextCommand::Undo),
         ("Redo in the text", "Ctrl+Y there", TextCommand::Redo),
         ("Comment or uncomment lines", "Ctrl+/", TextCommand::Comment),
+        ("Rename…", "F2", TextCommand::Rename),
+        ("Fix what needs no choice", "Ctrl+.", TextCommand::FixAll),
+        ("Format", "Shift+Alt+F", TextCommand::Format),
     ] {
-        let can = commands::is_possible(&window.text, ui, command);
+        let can = commands::is_possible(window, ui, command);
         if entry(ui, can, title, keys) {
             window.edit_text(ui, command);
         }

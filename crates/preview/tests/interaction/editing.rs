@@ -290,3 +290,74 @@ fn a_word_under_the_pointer_is_described() {
     }
     assert!(described, "{:?}", hand.names());
 }
+
+#[test]
+fn a_fix_below_a_diagnostic_corrects_the_text() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    types(&mut hand, "define a = sin 2r");
+    // A mistake is shown after a pause.
+    hand.until("a fix is offered", |hand| offers(hand, "Write `sin(2r)`"));
+    hand.click_on(Role::Button, "Write `sin(2r)`");
+    hand.settle();
+    assert_eq!(typed(&hand), "define a = sin(2r)");
+    // The text has the keys, with the cursor behind what was corrected.
+    types(&mut hand, ";");
+    assert_eq!(typed(&hand), "define a = sin(2r);");
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(typed(&hand), "define a = sin 2r", "one step back");
+}
+
+#[test]
+fn a_name_is_changed_wherever_it_is_used() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    types(&mut hand, "define a = 2r;");
+    // Behind the `r` of that line.
+    hand.press(Modifiers::NONE, Key::ArrowLeft);
+    hand.press(Modifiers::NONE, Key::F2);
+    hand.settle();
+    assert_eq!(
+        hand.focused(),
+        Some((Role::TextInput, "Rename `r` to".to_owned()))
+    );
+    types(&mut hand, "sin");
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert!(hand.shows("`sin` is already builtin"), "{:?}", hand.names());
+    types(&mut hand, "radius");
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    let text = format!("{SPHERE}define a = 2r;");
+    let renamed = text
+        .replace("param r", "param radius")
+        .replace("= r(", "= radius(");
+    let renamed = renamed
+        .replace(", r +", ", radius +")
+        .replace("2r;", "2radius;");
+    assert_eq!(hand.window().text(), Some(renamed.as_str()));
+    // The bar is gone, and the cursor is still behind the name.
+    types(&mut hand, "z");
+    let typed = renamed.replace("2radius;", "2radiusz;");
+    assert_eq!(hand.window().text(), Some(typed.as_str()));
+}
+
+#[test]
+fn a_text_is_laid_out_and_fixed_by_keys() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    types(&mut hand, "define   a=sin 2r;define b=cos 3r;");
+    // The letter comes with the key.
+    let format = key(Key::F, Modifiers::SHIFT | Modifiers::ALT);
+    hand.in_one_frame([format].into_iter().chain(letters("F")));
+    hand.settle();
+    let laid_out = SPHERE.replace("s(u,v)", "s(u, v)");
+    let text = format!("{laid_out}define a = sin 2r;\ndefine b = cos 3r;\n");
+    assert_eq!(hand.window().text(), Some(text.as_str()));
+    types(&mut hand, "define c = ln(r);");
+    hand.press(Modifiers::COMMAND, Key::Period);
+    hand.settle();
+    let fixed = format!("{text}define c = log(r);");
+    assert_eq!(hand.window().text(), Some(fixed.as_str()));
+}

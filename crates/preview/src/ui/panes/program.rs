@@ -6,6 +6,7 @@ pub(crate) mod completion;
 pub(crate) mod find;
 mod findings;
 mod keys;
+pub(crate) mod rename;
 
 use egui::Ui;
 

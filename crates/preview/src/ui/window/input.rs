@@ -225,6 +225,7 @@ impl Window {
         }
         if self.text.is_own() && !self.panes.is_welcome && !self.dialogs.is_open() {
             self.find_keys(ui);
+            self.text_keys(ui);
         }
         if pressed(Modifiers::NONE, Key::F11) {
             crate::ui::menu::toggle_full_screen(ui);

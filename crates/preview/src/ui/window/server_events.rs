@@ -141,7 +141,7 @@ impl Window {
     }
 
     /// Compiles the text of the window's own where it was written into, or says why it was not.
-    fn note_written(&mut self, written: Result<bool, String>) {
+    pub(crate) fn note_written(&mut self, written: Result<bool, String>) {
         match written {
             Ok(true) => self.text.compile(),
             Ok(false) => {}

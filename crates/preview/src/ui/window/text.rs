@@ -17,6 +17,7 @@ use crate::io::watch::Watch;
 use crate::ui::highlighting;
 use crate::ui::panes::program::completion::Assistant;
 use crate::ui::panes::program::find::Find;
+use crate::ui::panes::program::rename::Rename;
 
 /// The sentence of the status line after the text was saved, until it is edited.
 pub(super) const SAVED: &str = "Saved";
@@ -35,6 +36,8 @@ pub(crate) struct WindowText {
     pub(crate) assistant: Assistant,
     /// The search in it.
     pub(crate) find: Find,
+    /// The renaming in it that has been asked for.
+    pub(crate) rename: Option<Rename>,
     pub(super) reports: ServerReports,
 }
 
@@ -66,6 +69,7 @@ impl WindowText {
             painter: highlighting::Painter::default(),
             assistant: Assistant::default(),
             find: Find::default(),
+            rename: None,
             reports: ServerReports::default(),
         }
     }
@@ -121,6 +125,7 @@ impl WindowText {
         self.painter = highlighting::Painter::default();
         self.assistant = Assistant::default();
         self.find = Find::default();
+        self.rename = None;
         self.begins_after
     }
 

@@ -11,7 +11,7 @@ use session::model::ReadText;
 use session::typing;
 use syntax::span::Span;
 
-use super::{completion, find, keys};
+use super::{completion, find, keys, rename};
 use crate::ui::window::{TextSource, Window};
 
 /// Returns the id of the field with the text.
@@ -21,7 +21,8 @@ pub(crate) fn id() -> Id {
 
 /// Shows the text with line numbers, in all of the room that is left; returns whether it was edited.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) -> bool {
-    let replaced = find::show(&mut window.text, ui);
+    let mut replaced = find::show(&mut window.text, ui);
+    replaced |= rename::show(&mut window.text, ui);
     let room = ui.available_height();
     let edited = ScrollArea::vertical()
         .id_salt("text")

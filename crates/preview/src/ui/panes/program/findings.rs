@@ -2,6 +2,7 @@
 
 use egui::{Frame, Panel, RichText, ScrollArea, Ui};
 use session::Finding;
+use syntax::diagnostic::Fix;
 use syntax::span::Span;
 
 use crate::ui::highlighting::severity_colour;
@@ -12,7 +13,16 @@ const SHARE: f32 = 0.4;
 /// The number of diagnostics that are listed.
 const LISTED: usize = 100;
 
-/// Lists the diagnostics, if there are any; a click on one shows its place.
+/// What a click in the list asks for.
+enum Wish {
+    /// A place is to be shown.
+    Place(Span),
+    /// The text is to be corrected.
+    Fix(Fix),
+}
+
+/// Lists the diagnostics, if there are any; a click on one shows its place. Those of the window's own text have their fixes
+/// below.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let findings = window.model.faults.findings();
     if findings.is_empty() {
@@ -21,30 +31,42 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let room = SHARE * ui.available_height();
     let panel = Panel::bottom("findings").frame(Frame::new());
     let panel = panel.resizable(false).show_separator_line(false);
-    let place = panel.show(ui, |ui| {
+    let is_own = window.text.is_own();
+    let wish = panel.show(ui, |ui| {
         ui.separator();
         let list = ScrollArea::vertical()
             .max_height(room)
             .auto_shrink([false, true]);
-        let places = list.show(ui, |ui| {
+        let wishes = list.show(ui, |ui| {
             let listed = findings.iter().take(LISTED);
-            let places = listed.filter_map(|finding| row(ui, finding));
-            places.last()
+            let wishes = listed.filter_map(|finding| row(ui, finding, is_own));
+            wishes.last()
         });
-        places.inner
+        wishes.inner
     });
-    if let Some(place) = place.inner {
-        window.open_place(place);
+    match wish.inner {
+        Some(Wish::Place(place)) => window.open_place(place),
+        Some(Wish::Fix(fix)) => window.apply(&fix),
+        None => {}
     }
 }
 
-/// Shows a diagnostic and its hint; returns its place if it was clicked on.
-fn row(ui: &mut Ui, finding: &Finding) -> Option<Span> {
+/// Shows a diagnostic, its hint, and its fixes where the text can be edited here; returns what was clicked on.
+fn row(ui: &mut Ui, finding: &Finding, is_own: bool) -> Option<Wish> {
     let colour = severity_colour(finding.severity, ui.visuals().dark_mode);
     let text = format!("Line {}: {}", finding.line, finding.message);
     let link = ui.link(RichText::new(text).color(colour));
     if let Some(hint) = &finding.hint {
         ui.weak(hint);
     }
-    link.clicked().then_some(finding.span)
+    let mut fixes = finding.fixes.iter().filter(|_| is_own).peekable();
+    let mut chosen = None;
+    if fixes.peek().is_some() {
+        ui.horizontal_wrapped(|ui| {
+            let clicked = fixes.filter(|fix| ui.small_button(&fix.title).clicked());
+            chosen = clicked.last().cloned();
+        });
+    }
+    let place = link.clicked().then_some(Wish::Place(finding.span));
+    chosen.map(Wish::Fix).or(place)
 }

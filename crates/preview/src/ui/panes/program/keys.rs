@@ -92,6 +92,11 @@ pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
+/// The range of all characters of a text.
+pub(super) fn everything(text: &str) -> CCursorRange {
+    characters(text, 0..text.len())
+}
+
 /// Selects a range of characters.
 pub(super) fn select(ui: &Ui, id: Id, range: CCursorRange) {
     let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
