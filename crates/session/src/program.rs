@@ -48,6 +48,6 @@ pub struct Finding {
     pub message: String,
     /// Advice for the user.
     pub hint: Option<String>,
-    /// What would correct it.
+    /// Changes of the text that correct it, one of which the user chooses.
     pub fixes: Vec<Fix>,
 }

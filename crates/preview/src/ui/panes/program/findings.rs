@@ -13,8 +13,8 @@ const SHARE: f32 = 0.4;
 /// The number of diagnostics that are listed.
 const LISTED: usize = 100;
 
-/// What a click in the list asks for.
-enum Wish {
+/// The effect of a click in the list.
+enum Click {
     /// A place is to be shown.
     Place(Span),
     /// The text is to be corrected.
@@ -32,27 +32,27 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let panel = Panel::bottom("findings").frame(Frame::new());
     let panel = panel.resizable(false).show_separator_line(false);
     let is_own = window.text.is_own();
-    let wish = panel.show(ui, |ui| {
+    let click = panel.show(ui, |ui| {
         ui.separator();
         let list = ScrollArea::vertical()
             .max_height(room)
             .auto_shrink([false, true]);
-        let wishes = list.show(ui, |ui| {
+        let clicks = list.show(ui, |ui| {
             let listed = findings.iter().take(LISTED);
-            let wishes = listed.filter_map(|finding| row(ui, finding, is_own));
-            wishes.last()
+            let clicks = listed.filter_map(|finding| row(ui, finding, is_own));
+            clicks.last()
         });
-        wishes.inner
+        clicks.inner
     });
-    match wish.inner {
-        Some(Wish::Place(place)) => window.open_place(place),
-        Some(Wish::Fix(fix)) => window.apply(&fix),
+    match click.inner {
+        Some(Click::Place(place)) => window.open_place(place),
+        Some(Click::Fix(fix)) => window.apply(&fix),
         None => {}
     }
 }
 
 /// Shows a diagnostic, its hint, and its fixes where the text can be edited here; returns what was clicked on.
-fn row(ui: &mut Ui, finding: &Finding, is_own: bool) -> Option<Wish> {
+fn row(ui: &mut Ui, finding: &Finding, is_own: bool) -> Option<Click> {
     let colour = severity_colour(finding.severity, ui.visuals().dark_mode);
     let text = format!("Line {}: {}", finding.line, finding.message);
     let link = ui.link(RichText::new(text).color(colour));
@@ -67,6 +67,6 @@ fn row(ui: &mut Ui, finding: &Finding, is_own: bool) -> Option<Wish> {
             chosen = clicked.last().cloned();
         });
     }
-    let place = link.clicked().then_some(Wish::Place(finding.span));
-    chosen.map(Wish::Fix).or(place)
+    let place = link.clicked().then_some(Click::Place(finding.span));
+    chosen.map(Click::Fix).or(place)
 }
