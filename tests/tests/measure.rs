@@ -215,6 +215,8 @@ fn people_read_sentences() {
         ("--at 0,0", "Gaussian curvature  K = 1"),
         ("--at 0,0 --circle 1", "it does not overlap itself"),
         ("--between 0,0 1,0", "distance 1"),
+        // Geodesics from a place to itself are loops.
+        ("--between 1,0 1,0", "distance 0; 2 loops"),
         ("--triangle 0,0 1,0 0,1", "angle excess"),
     ] {
         measure(SPHERE, arguments)

@@ -139,6 +139,15 @@ fn a_figure_is_whole_as_pdf_and_names_are_text_in_svg() {
     for name in ["wall", "behind", "on", "x", "z"] {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }
+    // A browser paints words letter by letter: rims that came with the letters would cover those before.
+    let words: Vec<&str> = svg
+        .lines()
+        .filter(|line| line.starts_with("<text"))
+        .collect();
+    for pair in words.chunks(2) {
+        assert!(pair[0].contains(" fill=\"none\" stroke=\"#"), "{}", pair[0]);
+        assert!(!pair[1].contains("stroke"), "{}", pair[1]);
+    }
     let pdf = std::fs::read(folder.path().join("out.pdf")).expect("a file");
     assert!(pdf.starts_with(b"%PDF-"));
     assert!(pdf.trim_ascii_end().ends_with(b"%%EOF"));
@@ -318,4 +327,47 @@ fn without_a_gpu_nothing_but_the_summary_is_printed() {
     assert!(output.status.success(), "{told}");
     assert!(told.starts_with("out.png: 3D view"), "{told}");
     assert_eq!(told.lines().count(), 1, "{told}");
+}
+
+#[test]
+fn nothing_of_a_figure_lies_over_its_legend() {
+    let folder = folder();
+    // The scene is behind the legend too.
+    let view = "--theme print --eye 3,-9,4 --target 0.8,0,0.8 --size 400x300 --texture wall=curvature --axes --labels";
+    let draw = |file: &str, legend: &str| {
+        let output = geotrace(folder.path(), &format!("-o {file} {view} {legend}"), None);
+        assert!(output.status.success(), "{}", told(&output));
+        folder.path().join(file)
+    };
+    let [without, with] = ["", "--legend"].map(|legend| {
+        let file = format!("out{}.svg", legend.len());
+        std::fs::read_to_string(draw(&file, legend)).expect("a text")
+    });
+    let [plain, key] = ["", "--legend"].map(|legend| {
+        let file = format!("out{}.png", legend.len());
+        image::open(draw(&file, legend))
+            .expect("a picture")
+            .into_rgba8()
+    });
+    let is_key = |x: u32, y: u32| plain.get_pixel(x, y) != key.get_pixel(x, y);
+    let right = (0..400).take_while(|x| is_key(*x, 299)).count() as f32;
+    let height = (0..300).rev().take_while(|y| is_key(0, *y)).count() as f32;
+    assert!(right > 50.0 && height > 20.0, "{right}, {height}");
+    let is_covered = |[x, y]: [f32; 2]| x < right - 1.0 && y > 301.0 - height && y < 300.0;
+    let covered = |svg: &str| {
+        let lines = paths(svg).into_iter();
+        let pieces = lines.flat_map(|(_, _, places)| {
+            let pieces = places.windows(2).map(|ends| [ends[0], ends[1]]);
+            pieces.collect::<Vec<_>>()
+        });
+        let along = pieces.flat_map(|[a, b]| {
+            (0..=100_u8).map(move |k| {
+                let share = f32::from(k) / 100.0;
+                [0, 1].map(|i| a[i] + share * (b[i] - a[i]))
+            })
+        });
+        along.filter(|place| is_covered(*place)).count()
+    };
+    assert!(covered(&without) > 0, "the scene reaches there");
+    assert_eq!(covered(&with), 0);
 }

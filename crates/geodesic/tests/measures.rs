@@ -105,6 +105,14 @@ fn principal_directions_have_the_largest_and_the_smallest_curvature() {
     );
     let metric = measure::place(&half_plane(), [0.5, 2.0]).expect("a place");
     assert_eq!(metric.principal, None);
+    // Where the coordinate lines meet at a right angle, rounding leaves nothing of what is zero.
+    for uv in [[0.3, 0.2], [2.0, -1.0], [5.0, 1.2]] {
+        let found = measure::place(&triaxial(1.0, 1.0, 3.0), uv).expect("a place");
+        let [most, least] = found.principal.expect("no umbilic");
+        assert_eq!(found.form[1], 0.0);
+        let products = [most, least].map(|it| it.direction[0] * it.direction[1]);
+        assert_eq!(products, [0.0; 2], "{uv:?}");
+    }
 }
 
 #[test]

@@ -141,7 +141,36 @@ pub(crate) fn over_space(
     camera: Option<&GeodesicCamera>,
     labels: &[TextLabel],
 ) -> Result<Vec<&'static str>, RenderError> {
-    labels::write(image, labels, request);
+    let (key, legend) = space_key(request, camera)?;
+    labels::write(
+        image,
+        labels,
+        request,
+        key.place(request.size, request.scale),
+    );
+    key.draw(image, request.scale);
+    let drawn = [("legend", legend), ("labels", request.overlays.labels)];
+    let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
+    Ok(drawn.map(|(name, _)| name).collect())
+}
+
+/// Returns the place of the key over a 3D picture, left, top, right and bottom in pixels, if it has one.
+///
+/// # Errors
+/// Those of the geodesic camera that is shown.
+pub(crate) fn space_key_place(
+    request: &PictureRequest,
+    camera: Option<&GeodesicCamera>,
+) -> Result<Option<[f32; 4]>, RenderError> {
+    let (key, _) = space_key(request, camera)?;
+    Ok(key.place(request.size, request.scale))
+}
+
+/// Returns the key to a 3D picture, and whether it has more than trails.
+fn space_key(
+    request: &PictureRequest,
+    camera: Option<&GeodesicCamera>,
+) -> Result<(legend::Legend, bool), RenderError> {
     let mut key = legend::Legend::default();
     if request.overlays.legend {
         if let Some(camera) = camera {
@@ -161,10 +190,7 @@ pub(crate) fn over_space(
             key.line(ink::trail(&trail.kind), &trail_words(trail));
         }
     }
-    key.draw(image, request.scale);
-    let drawn = [("legend", legend), ("labels", request.overlays.labels)];
-    let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
-    Ok(drawn.map(|(name, _)| name).collect())
+    Ok((key, legend))
 }
 
 fn trail_words(trail: &Trail) -> String {

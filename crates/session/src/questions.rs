@@ -170,6 +170,11 @@ fn pointer(
         Some(_) => "length of the geodesic seen",
         None => "distance from the camera",
     };
+    if polar.is_none() && camera.is_some_and(|camera| is_here(surface, camera, uv)) {
+        // Geodesics from a place to itself are loops.
+        rows.push(Quantity::new(name, number(0.0)));
+        return (rows, Some(0.0));
+    }
     let seen = polar.or_else(|| {
         let camera = camera?;
         let it = measure::distance(surface, camera.uv, uv).ok().flatten()?;
@@ -181,6 +186,21 @@ fn pointer(
         rows.push(Quantity::new("direction", angle(direction)));
     }
     (rows, seen.map(|[distance, _]| distance))
+}
+
+/// The share of the zoom that a place may lie apart from where the camera stands, if it is to count as that place.
+const HERE: f64 = 1e-6;
+
+/// Returns whether a place is that of a camera.
+fn is_here(surface: &dyn Surface, camera: &Frame, [u, v]: [f64; 2]) -> bool {
+    let [du, dv] = [u - camera.uv.0[0], v - camera.uv.0[1]];
+    let form = measure::place(surface, [u, v]).map(|found| found.form);
+    form.is_ok_and(|[e, f, g]| {
+        let length = (e * du * du + 2.0 * f * du * dv + g * dv * dv)
+            .max(0.0)
+            .sqrt();
+        length <= HERE * camera.zoom(surface)
+    })
 }
 
 /// The share of the zoom that the ends of a walk may lie apart, if the walk is to count as closed.

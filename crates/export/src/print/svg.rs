@@ -26,7 +26,7 @@ pub(super) fn text(layers: &Layers, title: &str) -> Result<String, String> {
         svg.push_str(&path(stroke));
     }
     svg.push_str(&format!(
-        "</g>\n<g font-family=\"{FONTS}\" font-weight=\"300\" paint-order=\"stroke\" stroke-linejoin=\"round\">\n"
+        "</g>\n<g font-family=\"{FONTS}\" font-weight=\"300\" stroke-linejoin=\"round\">\n"
     ));
     for words in &layers.words {
         svg.push_str(&label(words));
@@ -49,19 +49,26 @@ fn path(stroke: &Stroke) -> String {
     )
 }
 
+/// The words, and below all of them their rims: a browser that spaces letters draws them one by one, each with its rim, which
+/// would lie over the letter before.
 fn label(words: &PlacedWords) -> String {
     let [x, y] = words.baseline;
-    format!(
-        "<text x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\">{}</text>\n",
-        number(x),
-        number(y),
-        number(words.size),
-        number(words.width),
-        colour(words.colour),
+    let text = |paint: &str| {
+        format!(
+            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\" {paint}>{}</text>\n",
+            number(x),
+            number(y),
+            number(words.size),
+            number(words.width),
+            escaped(&words.words)
+        )
+    };
+    let rim = format!(
+        "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" aria-hidden=\"true\"",
         colour(words.rim),
-        number(2.0 * words.rim_width),
-        escaped(&words.words)
-    )
+        number(2.0 * words.rim_width)
+    );
+    text(&rim) + &text(&format!("fill=\"{}\"", colour(words.colour)))
 }
 
 /// A number with as many digits as can be seen.

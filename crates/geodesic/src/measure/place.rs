@@ -39,6 +39,18 @@ pub struct Principal {
 /// The largest difference, relative to the larger one, of two principal curvatures that count as equal.
 const UMBILIC: f64 = 1e-7;
 
+/// What is no larger, relative to the numbers that it comes from, is the rounding of zero.
+const NOISE: f64 = 1e-14;
+
+/// Returns a number, or zero where it is the rounding of zero beside a `size`.
+fn rounded(number: f64, size: f64) -> f64 {
+    if number.abs() <= NOISE * size {
+        0.0
+    } else {
+        number
+    }
+}
+
 /// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.
 ///
 /// # Errors
@@ -55,11 +67,8 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let [[u0, u1], [v0, v1]] = surface.domain();
     let uv = Uv([at[0].clamp(u0, u1), at[1].clamp(v0, v1)]);
     let jet = surface.jet(uv);
-    let form = [
-        dot(jet.du, jet.du),
-        dot(jet.du, jet.dv),
-        dot(jet.dv, jet.dv),
-    ];
+    let [e, g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
+    let form = [e, rounded(dot(jet.du, jet.dv), (e * g).sqrt()), g];
     let [gaussian, mean] = curvatures_near(surface, uv);
     let finite = |x: f64| x.is_finite().then_some(x);
     Ok(PlaceMeasures {
@@ -92,9 +101,18 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
         return None;
     }
     let (sin, cos) = (0.5 * (2.0 * q).atan2(p - r)).sin_cos();
-    let at = |curvature, [x, y]: [f64; 2]| Principal {
-        curvature,
-        direction: [0, 1].map(|k| x * basis[0][k] + y * basis[1][k]),
+    let at = |curvature, [x, y]: [f64; 2]| {
+        let [a, b] = [0, 1].map(|k| x * basis[0][k] + y * basis[1][k]);
+        // The lengths of its parts along σu and σv are compared, not the numbers.
+        let [along_u, along_v] = [a * length, b * norm(jet.dv)].map(f64::abs);
+        let longer = along_u.max(along_v);
+        Principal {
+            curvature,
+            direction: [
+                if along_u <= NOISE * longer { 0.0 } else { a },
+                if along_v <= NOISE * longer { 0.0 } else { b },
+            ],
+        }
     };
     Some([at(mean + half, [cos, sin]), at(mean - half, [-sin, cos])])
 }

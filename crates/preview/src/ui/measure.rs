@@ -346,6 +346,13 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
 }
 
 fn contents(window: &mut Window, ui: &mut Ui) {
+    answers(window, ui);
+    ui.separator();
+    tools(window, ui);
+}
+
+/// Offers the kinds of figures, at the lower edge of the window, which stays where it is.
+fn tools(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
     ui.horizontal_wrapped(|ui| {
         for tool in FigureKind::ALL {
@@ -357,6 +364,9 @@ fn contents(window: &mut Window, ui: &mut Ui) {
             }
         }
     });
+}
+
+fn answers(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
     // What has been measured takes the room of the hints: the window covers less of the view. The scope takes one
     // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.

@@ -310,6 +310,19 @@ fn a_fix_below_a_diagnostic_corrects_the_text() {
 }
 
 #[test]
+fn errors_are_listed_before_warnings() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    types(&mut hand, "define a = sin 2r; define b = ln(r);");
+    hand.until("both are listed", |hand| {
+        hand.shows("`ln` is not defined") && offers(hand, "Write `sin(2r)`")
+    });
+    let [error, warning] =
+        ["`ln` is not defined", "Write `sin(2r)`"].map(|part| hand.rects(part)[0].top());
+    assert!(error < warning, "{error}, {warning}");
+}
+
+#[test]
 fn a_name_is_changed_wherever_it_is_used() {
     let mut hand = Hand::on(SPHERE);
     hand.write_at_end();

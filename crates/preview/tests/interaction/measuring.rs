@@ -145,6 +145,17 @@ fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_
 }
 
 #[test]
+fn the_place_where_one_stands_is_at_no_distance() {
+    let mut hand = Hand::on(SPHERE);
+    let place = hand.space().center();
+    hand.click_at(place);
+    hand.harness.hover_at(place);
+    hand.until("its distance is told", |hand| {
+        hand.shows(", 0 from the camera")
+    });
+}
+
+#[test]
 fn a_resting_pointer_names_what_is_no_surface() {
     let mut hand = Hand::on("curve c(t) = (4t, 0, 0), t : [-1, 1];\npoint p = (0, 0, 9);\n");
     let space = hand.space();

@@ -112,7 +112,8 @@ impl<'a> GeodesicOverlay<'a> {
         if self.request.overlays.labels {
             drawn.push("labels");
         }
-        labels::write(image, &self.labels(), self.request);
+        let place = key.place(self.request.size, self.request.scale);
+        labels::write(image, &self.labels(), self.request, place);
         ([self.notes, notes].concat(), drawn)
     }
 

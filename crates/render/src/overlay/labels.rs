@@ -150,21 +150,31 @@ pub struct PlacedWords {
     pub(super) height: f32,
 }
 
-/// Writes labels over a picture.
-pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &PictureRequest) {
+/// Writes labels over a picture, where possible not under its key, whose place is `key`.
+pub(crate) fn write(
+    image: &mut RgbaImage,
+    labels: &[TextLabel],
+    request: &PictureRequest,
+    key: Option<[f32; 4]>,
+) {
     let ink = Ink::over(request.backdrop());
-    for placed in placed(labels, request) {
+    for placed in placed(labels, request, key) {
         let ink = ink.thinned(placed.share);
         text::write_outlined(image, &placed.words, placed.corner, placed.height, ink);
     }
 }
 
-/// Returns the place of each label, near what it names: where one would lie over another, on another side.
-pub(crate) fn placed(labels: &[TextLabel], request: &PictureRequest) -> Vec<PlacedWords> {
+/// Returns the place of each label, near what it names: where one would lie over another or over the key of the picture,
+/// which is at `key`, on another side.
+pub(crate) fn placed(
+    labels: &[TextLabel],
+    request: &PictureRequest,
+    key: Option<[f32; 4]>,
+) -> Vec<PlacedWords> {
     let size = request.size;
     let axis_height = axis_height(size, request.scale);
     let ink = Ink::over(request.backdrop());
-    let mut taken: Vec<[f32; 4]> = Vec::new();
+    let mut taken: Vec<[f32; 4]> = key.into_iter().collect();
     let mut all = Vec::new();
     for label in labels {
         let height = match label.is_centred {

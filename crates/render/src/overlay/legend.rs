@@ -29,6 +29,35 @@ enum Mark {
     Curvature(CurvatureScale),
 }
 
+impl Mark {
+    /// The number of lines that its entry takes.
+    fn lines(self) -> f32 {
+        match self {
+            Self::Curvature(_) => 3.0,
+            _ => 1.0,
+        }
+    }
+}
+
+/// The measures of a key, in pixels.
+#[derive(Clone, Copy, Debug)]
+struct Layout {
+    /// A pixel of a picture of the usual size.
+    unit: f32,
+    /// The height of words, …
+    text: f32,
+    /// … of a line of them, …
+    line: f32,
+    /// … and what is left free at its edges.
+    pad: f32,
+    /// The width of a swatch, …
+    swatch: f32,
+    /// … and of the widest entry.
+    widest: f32,
+    /// Width and height of all.
+    size: [u32; 2],
+}
+
 impl Legend {
     /// A line of a colour (sRGB).
     pub(super) fn line(&mut self, colour: [u8; 3], words: &str) {
@@ -67,11 +96,17 @@ impl Legend {
         self.entries.is_empty()
     }
 
-    /// Draws the key, if it has entries and the picture room for it.
+    /// Returns the place of the key in a picture: left, top, right and bottom in pixels; `None` if it has no entries or the
+    /// picture no room for it.
     ///
     /// Lines and words are `scale` times as large as usual.
-    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32) {
-        let size = [image.width(), image.height()];
+    pub(super) fn place(&self, size: [u32; 2], scale: f32) -> Option<[f32; 4]> {
+        let [width, height] = self.layout(size, scale)?.size;
+        let [right, bottom] = [width, size[1]].map(|side| side as f32);
+        Some([0.0, bottom - height as f32, right, bottom])
+    }
+
+    fn layout(&self, size: [u32; 2], scale: f32) -> Option<Layout> {
         let unit = (style::pixel_unit(size) * scale).max(0.65);
         let (text, line, pad, swatch) = (16.0 * unit, 22.0 * unit, 8.0 * unit, 28.0 * unit);
         let width_of = |(mark, words): &(Mark, String)| match mark {
@@ -79,17 +114,39 @@ impl Legend {
             Mark::Curvature(_) => text::width(words, text).max(BAR * text) + pad,
             _ => swatch + pad + text::width(words, text),
         };
-        let lines_of = |mark: &Mark| match mark {
-            Mark::Curvature(_) => 3.0,
-            _ => 1.0,
-        };
         let widest = self.entries.iter().map(width_of).fold(0.0, f32::max);
-        let lines: f32 = self.entries.iter().map(|(mark, _)| lines_of(mark)).sum();
+        let lines: f32 = self.entries.iter().map(|(mark, _)| mark.lines()).sum();
         let width = (2.0 * pad + widest).ceil() as u32;
         let height = (2.0 * pad + line * lines).ceil() as u32;
-        if self.entries.is_empty() || width > size[0] || height > size[1] {
+        let has_room = width <= size[0] && height <= size[1];
+        (!self.entries.is_empty() && has_room).then_some(Layout {
+            unit,
+            text,
+            line,
+            pad,
+            swatch,
+            widest,
+            size: [width, height],
+        })
+    }
+
+    /// Draws the key, if it has entries and the picture room for it.
+    ///
+    /// Lines and words are `scale` times as large as usual.
+    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32) {
+        let size = [image.width(), image.height()];
+        let Some(layout) = self.layout(size, scale) else {
             return;
-        }
+        };
+        let Layout {
+            unit,
+            text,
+            line,
+            pad,
+            swatch,
+            widest,
+            size: [width, height],
+        } = layout;
         let top = size[1] - height;
         for y in top..size[1] {
             for x in 0..width {
@@ -113,7 +170,7 @@ impl Legend {
                 let at = [2.0 * pad + swatch, y + 0.5 * (tall - text)];
                 text::write(image, words, at, text, INK);
             }
-            y += line * lines_of(mark);
+            y += line * mark.lines();
         }
     }
 

@@ -25,18 +25,42 @@ const SAME_WIDTH: f32 = 0.12;
 const GUARD: f32 = 1.1;
 
 /// Returns the visible parts of the curves among some objects, in the order in which they are drawn. `depths` are those of
-/// all that may hide them.
-pub(crate) fn strokes(camera: &Camera, objects: &[Drawable], depths: &DepthMap) -> Vec<Stroke> {
+/// all that may hide them; `covered` is a rectangle in which nothing of them is seen: left, top, right and bottom in pixels.
+pub(crate) fn strokes(
+    camera: &Camera,
+    objects: &[Drawable],
+    depths: &DepthMap,
+    covered: Option<[f32; 4]>,
+) -> Vec<Stroke> {
     let eye = Eye::new(camera);
+    let before = Before { depths, covered };
     let mut strokes: Vec<Stroke> = objects
         .par_iter()
-        .flat_map_iter(|object| of_object(&eye, object, depths))
+        .flat_map_iter(|object| of_object(&eye, object, &before))
         .collect();
     strokes.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
     strokes
 }
 
-fn of_object(eye: &Eye, object: &Drawable, depths: &DepthMap) -> Vec<Stroke> {
+/// What may lie before the lines.
+#[derive(Clone, Copy)]
+struct Before<'a> {
+    depths: &'a DepthMap,
+    covered: Option<[f32; 4]>,
+}
+
+impl Before<'_> {
+    /// Returns whether a place of the picture at a depth is seen.
+    fn shows(&self, at: Vec2, depth: f32) -> bool {
+        let is_covered = self.covered.is_some_and(|[left, top, right, bottom]| {
+            (left..right).contains(&at.x) && (top..bottom).contains(&at.y)
+        });
+        let farthest = self.depths.at(at.to_array());
+        !is_covered && farthest.is_some_and(|farthest| depth > farthest)
+    }
+}
+
+fn of_object(eye: &Eye, object: &Drawable, before: &Before<'_>) -> Vec<Stroke> {
     let Samples::Curves { count, samples } = &*object.samples else {
         return Vec::new();
     };
@@ -47,7 +71,7 @@ fn of_object(eye: &Eye, object: &Drawable, depths: &DepthMap) -> Vec<Stroke> {
     for instance in samples.chunks(*count as usize) {
         for run in curves::runs(&eye, instance) {
             let run = curves::distinct(&eye, &run);
-            strokes.extend(visible(&eye, &run, depths).iter().map(|part| Stroke {
+            strokes.extend(visible(&eye, &run, before).iter().map(|part| Stroke {
                 points: part.iter().map(|it| it.at.to_array()).collect(),
                 width: part.iter().map(|it| it.width).sum::<f32>() / part.len() as f32,
                 colour,
@@ -70,7 +94,7 @@ struct Place {
 }
 
 /// Returns the visible parts of a line through view places.
-fn visible(eye: &Eye, run: &[Vec3], depths: &DepthMap) -> Vec<Vec<Place>> {
+fn visible(eye: &Eye, run: &[Vec3], before: &Before<'_>) -> Vec<Vec<Place>> {
     let mut places: Vec<Place> = Vec::new();
     for piece in run.windows(2) {
         let Some([from, to]) = cut(eye, [piece[0], piece[1]]) else {
@@ -80,7 +104,7 @@ fn visible(eye: &Eye, run: &[Vec3], depths: &DepthMap) -> Vec<Vec<Place>> {
         let steps = (length / STEP).ceil().clamp(1.0, MOST_STEPS) as u32;
         places.extend((0..=steps).map(|k| {
             let at = from.lerp(to, k as f32 / steps as f32);
-            place(eye, at, k == 0 || k == steps, depths)
+            place(eye, at, k == 0 || k == steps, before)
         }));
     }
     close_gaps(&mut places);
@@ -112,7 +136,7 @@ fn visible(eye: &Eye, run: &[Vec3], depths: &DepthMap) -> Vec<Vec<Place>> {
     parts.iter().map(|part| corners(part)).collect()
 }
 
-fn place(eye: &Eye, at: Vec3, is_kept: bool, depths: &DepthMap) -> Place {
+fn place(eye: &Eye, at: Vec3, is_kept: bool, before: &Before<'_>) -> Place {
     let half = eye.half_width(at);
     let clip = eye.clip(at, eye.lift * half);
     let depth = clip.z / clip.w;
@@ -122,9 +146,7 @@ fn place(eye: &Eye, at: Vec3, is_kept: bool, depths: &DepthMap) -> Place {
         width: 2.0 * half / eye.pixel(at),
         depth,
         is_kept,
-        is_seen: depths
-            .at(on_picture.to_array())
-            .is_some_and(|farthest| depth > farthest),
+        is_seen: before.shows(on_picture, depth),
     }
 }
 

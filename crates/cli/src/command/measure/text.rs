@@ -64,14 +64,19 @@ circle of radius {}
     )
 }
 
-pub(super) fn between(found: &Connections) -> String {
+/// The geodesics between two places, which are loops where both are `one_place`.
+pub(super) fn between(found: &Connections, one_place: bool) -> String {
     let Some(first) = found.found.first() else {
         return String::new();
     };
+    let (distance, kind) = match one_place {
+        true => (0.0, "loop"),
+        false => (first.length, "geodesic"),
+    };
     let mut text = format!(
         "distance {}; {} no longer than {}\n",
-        show_measured(first.length),
-        count(found.found.len(), "geodesic"),
+        show_measured(distance),
+        count(found.found.len(), kind),
         show_measured(found.within)
     );
     for it in &found.found {

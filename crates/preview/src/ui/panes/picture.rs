@@ -210,7 +210,11 @@ fn progress(painter: &egui::Painter, rect: Rect, done: u32, all: u32) {
     let at = rect.left_bottom() + egui::vec2(8.0, -8.0);
     let text = format!("{done} of {all} samples");
     let font = FontId::proportional(12.0);
-    painter.text(at, Align2::LEFT_BOTTOM, text, font, Color32::from_gray(150));
+    // A picture may have any brightness there.
+    let below = (at + egui::vec2(1.0, 1.0), Color32::from_black_alpha(200));
+    for (at, colour) in [below, (at, Color32::from_gray(230))] {
+        painter.text(at, Align2::LEFT_BOTTOM, &text, font.clone(), colour);
+    }
 }
 
 /// The picture in words.

@@ -47,7 +47,9 @@ impl SpaceRenderer {
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
         notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
-        let strokes = software::strokes(camera, &lines, &depths);
+        let shown = options.show_camera.as_ref();
+        let key = overlay::space_key_place(request, shown)?;
+        let strokes = software::strokes(camera, &lines, &depths, key);
         let mut words = stage
             .axes
             .as_ref()
@@ -65,7 +67,6 @@ impl SpaceRenderer {
         }
         shared.samples.next();
         let mut overlays = overlay::names(stage.overlay.iter());
-        let shown = options.show_camera.as_ref();
         overlays.extend(overlay::over_space(&mut image, request, shown, &[])?);
         let below = RenderedImage {
             notes,
@@ -76,7 +77,7 @@ impl SpaceRenderer {
         Ok(Layers {
             below: below.with_pixels(image),
             strokes,
-            words: overlay::placed(&words, request),
+            words: overlay::placed(&words, request, key),
         })
     }
 }

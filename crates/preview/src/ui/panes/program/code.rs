@@ -79,6 +79,14 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     assistant.is_writing &= response.has_focus();
     // A field gives the keys away in a frame in which anything else is clicked on: it gets them after that.
     let is_clicked = ui.input(|input| input.pointer.any_click());
+    // The list of errors may have taken the line that is being written out of sight.
+    let known = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or(id(), room), room));
+    if room < known - 1.0
+        && response.has_focus()
+        && let Some(range) = output.cursor_range
+    {
+        ui.scroll_to_rect(place_of(&output, range.primary), None);
+    }
     if !is_clicked && let Some(jump) = editor.jump.take() {
         editor.wants_keys |= jump.takes_keys;
         go_to(ui, &output, &editor.text, jump.place);
@@ -128,9 +136,13 @@ fn go_to(ui: &Ui, output: &TextEditOutput, text: &str, place: Span) {
     let mut state = output.state.clone();
     state.cursor.set_char_range(Some(range));
     state.store(ui.ctx(), id());
-    let place = output.galley.pos_from_cursor(range.primary);
-    let place = place.translate(output.galley_pos.to_vec2());
-    ui.scroll_to_rect(place, Some(Align::Center));
+    ui.scroll_to_rect(place_of(output, range.primary), Some(Align::Center));
+}
+
+/// Returns the place of a character on the screen.
+fn place_of(output: &TextEditOutput, cursor: CCursor) -> Rect {
+    let place = output.galley.pos_from_cursor(cursor);
+    place.translate(output.galley_pos.to_vec2())
 }
 
 fn numbers(ui: &Ui, galley: &egui::Galley, at: egui::Pos2, gutter: Rect, font: &FontId) {
@@ -202,10 +214,7 @@ fn hover(
 /// Returns the rectangles of a range of bytes on the screen, one for each row.
 pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) -> Vec<Rect> {
     let range = characters(text, range);
-    let [start, end] = [range.secondary, range.primary].map(|cursor| {
-        let place = output.galley.pos_from_cursor(cursor);
-        place.translate(output.galley_pos.to_vec2())
-    });
+    let [start, end] = [range.secondary, range.primary].map(|cursor| place_of(output, cursor));
     if (start.top() - end.top()).abs() < 1.0 {
         return vec![Rect::from_min_max(start.left_top(), end.right_bottom())];
     }

@@ -2,7 +2,7 @@
 
 use egui::{Frame, Panel, RichText, ScrollArea, Ui};
 use session::Finding;
-use syntax::diagnostic::Fix;
+use syntax::diagnostic::{Fix, Severity};
 use syntax::span::Span;
 
 use crate::ui::highlighting::severity_colour;
@@ -36,9 +36,14 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         ui.separator();
         let list = ScrollArea::vertical()
             .max_height(room)
+            .min_scrolled_height(room)
             .auto_shrink([false, true]);
         let clicks = list.show(ui, |ui| {
-            let listed = findings.iter().take(LISTED);
+            // Errors first: they are what the picture waits for.
+            let is_error = |it: &&Finding| it.severity == Severity::Error;
+            let errors = findings.iter().filter(is_error);
+            let others = findings.iter().filter(|it| !is_error(it));
+            let listed = errors.chain(others).take(LISTED);
             let clicks = listed.filter_map(|finding| row(ui, finding, is_own));
             clicks.last()
         });
