@@ -41,7 +41,7 @@ impl Mark {
 
 /// The measures of a key, in pixels.
 #[derive(Clone, Copy, Debug)]
-struct Layout {
+struct LegendLayout {
     /// A pixel of a picture of the usual size.
     unit: f32,
     /// The height of words, …
@@ -106,7 +106,7 @@ impl Legend {
         Some([0.0, bottom - height as f32, right, bottom])
     }
 
-    fn layout(&self, size: [u32; 2], scale: f32) -> Option<Layout> {
+    fn layout(&self, size: [u32; 2], scale: f32) -> Option<LegendLayout> {
         let unit = (style::pixel_unit(size) * scale).max(0.65);
         let (text, line, pad, swatch) = (16.0 * unit, 22.0 * unit, 8.0 * unit, 28.0 * unit);
         let width_of = |(mark, words): &(Mark, String)| match mark {
@@ -119,7 +119,7 @@ impl Legend {
         let width = (2.0 * pad + widest).ceil() as u32;
         let height = (2.0 * pad + line * lines).ceil() as u32;
         let has_room = width <= size[0] && height <= size[1];
-        (!self.entries.is_empty() && has_room).then_some(Layout {
+        (!self.entries.is_empty() && has_room).then_some(LegendLayout {
             unit,
             text,
             line,
@@ -138,7 +138,7 @@ impl Legend {
         let Some(layout) = self.layout(size, scale) else {
             return;
         };
-        let Layout {
+        let LegendLayout {
             unit,
             text,
             line,
