@@ -39,7 +39,7 @@ pub struct Principal {
 /// The largest difference, relative to the larger one, of two principal curvatures that count as equal.
 const UMBILIC: f64 = 1e-7;
 
-/// What is no larger, relative to the numbers that it comes from, is the rounding of zero.
+/// The largest size, relative to the numbers that it comes from, of a number that is the rounding of zero.
 const NOISE: f64 = 1e-14;
 
 /// Returns a number, or zero where it is the rounding of zero beside a `size`.

@@ -42,7 +42,7 @@ pub(crate) fn strokes(
     strokes
 }
 
-/// What may lie before the lines.
+/// Things that may lie before the lines.
 #[derive(Clone, Copy)]
 struct Before<'a> {
     depths: &'a DepthMap,
