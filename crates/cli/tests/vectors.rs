@@ -371,3 +371,49 @@ fn nothing_of_a_figure_lies_over_its_legend() {
     assert!(covered(&without) > 0, "the scene reaches there");
     assert_eq!(covered(&with), 0);
 }
+
+#[test]
+fn hidden_parts_of_lines_are_dashed_where_they_are_wanted() {
+    let folder = folder();
+    let draw = |file: &str, options: &str| {
+        geotrace(
+            folder.path(),
+            &format!("-o {file} {VIEW} --axes {options}"),
+            None,
+        )
+    };
+    for (file, options) in [
+        ("plain.svg", ""),
+        ("dashed.svg", "--hidden-lines"),
+        ("dashed.pdf", "--hidden-lines"),
+    ] {
+        let output = draw(file, options);
+        assert!(output.status.success(), "{}", told(&output));
+    }
+    let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).expect("a text");
+    let [plain, dashed] = ["plain.svg", "dashed.svg"].map(read);
+    assert!(!plain.contains("stroke-dasharray"));
+    let hidden: String = dashed
+        .lines()
+        .filter(|line| line.contains("stroke-dasharray"))
+        .collect();
+    // The wall hides the left half of the line behind it, and nothing of the line on it; the box is no line of the program.
+    let all = paths(&hidden);
+    let [(colour, _, places)] = &all[..] else {
+        panic!("one line: {all:?}");
+    };
+    assert_eq!(colour, "#ff0000");
+    assert!(places.iter().all(|[x, _]| *x < 151.0), "{places:?}");
+    assert!(places.iter().any(|[x, _]| *x < 120.0), "{places:?}");
+    assert_eq!(
+        dashed.replace(&hidden, "").replace('\n', ""),
+        plain.replace('\n', "")
+    );
+    let refused = draw("dashed.png", "--hidden-lines");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        told(&refused).contains(".svg or a .pdf"),
+        "{}",
+        told(&refused)
+    );
+}

@@ -329,10 +329,12 @@ fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
         error,
         labels,
         axes,
+        hidden_lines,
     } = *overlays;
     options.flag("legend", legend);
     options.flag("labels", labels);
     options.flag("axes", axes);
+    options.flag("hidden-lines", hidden_lines);
     options.flag("conjugate", conjugate_points);
     options.flag("cut-locus", cut_locus);
     options.flag("error", error);

@@ -13,7 +13,8 @@ pub use crate::overlay::{Contour, PlacedWords, outlines};
 pub struct Layers {
     /// All that is no vector.
     pub below: RenderedImage<RgbaImage>,
-    /// The lines above it, in the order in which they are drawn; the hidden parts are left out.
+    /// The lines above it, in the order in which they are drawn; the hidden parts are left out, unless
+    /// [`Overlays::hidden_lines`](crate::request::Overlays::hidden_lines) asks for them.
     pub strokes: Vec<Stroke>,
     /// The words above the lines.
     pub words: Vec<PlacedWords>,
@@ -28,8 +29,20 @@ pub struct Stroke {
     pub width: f32,
     /// Its colour, sRGB.
     pub colour: [u8; 3],
+    /// Set if something hides it: then it is dashed.
+    pub is_hidden: bool,
     /// Greater where it is nearer; of two lines, the nearer one lies above the other.
     pub(crate) nearness: f32,
+}
+
+/// The length of a dash of a line that is hidden, and of the gap behind it, in its widths.
+const DASH: [f32; 2] = [3.0, 2.0];
+
+impl Stroke {
+    /// The length of its dashes and of the gaps between them, whose ends are straight; `None` if it is not dashed.
+    pub fn dashes(&self) -> Option<[f32; 2]> {
+        self.is_hidden.then(|| DASH.map(|part| part * self.width))
+    }
 }
 
 impl Layers {

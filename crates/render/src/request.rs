@@ -80,6 +80,8 @@ pub struct Overlays {
     pub labels: bool,
     /// In space, a box around the scene with ticks.
     pub axes: bool,
+    /// The hidden parts of curves and geodesics in space, dashed; only where lines are [vectors](crate::layers).
+    pub hidden_lines: bool,
 }
 
 /// The distance between wavefronts.

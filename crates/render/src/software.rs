@@ -23,5 +23,5 @@ mod vectors;
 pub use pick::{NEAR, Picked, pick};
 pub use space::{Drawable, draw};
 pub(crate) use space::{draw_beside, draw_with_depths};
-pub(crate) use strokes::strokes;
+pub(crate) use strokes::{LineCover, strokes};
 pub(crate) use thinning::moving_stride;

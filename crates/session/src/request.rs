@@ -136,6 +136,7 @@ fn overlays(marks: &Marks) -> Overlays {
         error: marks.error,
         labels: marks.labels,
         axes: marks.axes,
+        hidden_lines: false,
     }
 }
 

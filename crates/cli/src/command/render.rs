@@ -174,6 +174,9 @@ pub(super) struct Arguments {
     /// A box around the scene, with ticks at round numbers
     #[arg(long, help_heading = "3D view")]
     axes: bool,
+    /// Of an .svg or a .pdf: the hidden parts of curves and geodesics, dashed
+    #[arg(long, help_heading = "3D view", hide_short_help = true)]
+    hidden_lines: bool,
     /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA
     #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view", hide_short_help = true)]
     background: Option<[u8; 4]>,
@@ -359,14 +362,20 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
             .map_or(Ok(()), Animation::check_partial)?;
         interruption::hear();
     }
+    let extension = arguments.output.extension().unwrap_or_default();
+    let print = PrintFormat::of_extension(&extension.to_string_lossy());
+    if arguments.hidden_lines && print.is_none() {
+        return Err(Failure::usage(
+            "`--hidden-lines` is for pictures whose lines are vectors: write to an .svg or a .pdf",
+        ));
+    }
     if let Some(animation) = animation {
         return animation.write(request.size, &draw, |picture, what| {
             summary(picture, what, &request, views)
         });
     }
     let target = OutputTarget::new(&arguments.output)?;
-    let extension = arguments.output.extension().unwrap_or_default();
-    if let Some(format) = PrintFormat::of_extension(&extension.to_string_lossy()) {
+    if let Some(format) = print {
         let request = frame(1.0)?;
         let notes = images.notes(program, &request);
         return print_picture(format, arguments, &request, notes, &target, views);

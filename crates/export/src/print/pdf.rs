@@ -85,6 +85,11 @@ fn drawing(layers: &Layers, [width, height]: [f32; 2]) -> Vec<u8> {
 fn line(content: &mut Content, stroke: &Stroke) {
     let [r, g, b] = shares(stroke.colour);
     content.set_stroke_rgb(r, g, b).set_line_width(stroke.width);
+    if let Some(dashes) = stroke.dashes() {
+        content
+            .set_line_cap(LineCapStyle::ButtCap)
+            .set_dash_pattern(dashes, 0.0);
+    }
     for (k, [x, y]) in stroke.points.iter().enumerate() {
         match k {
             0 => content.move_to(*x, *y),
@@ -92,6 +97,11 @@ fn line(content: &mut Content, stroke: &Stroke) {
         };
     }
     content.stroke();
+    if stroke.is_hidden {
+        content
+            .set_line_cap(LineCapStyle::RoundCap)
+            .set_dash_pattern([], 0.0);
+    }
 }
 
 fn letters(content: &mut Content, words: &PlacedWords) {

@@ -42,8 +42,12 @@ fn path(stroke: &Stroke) -> String {
         // Writing to a text does not fail.
         let _ = write!(d, "{letter}{} {}", number(*x), number(*y));
     }
+    let dashes = stroke.dashes().map_or_else(String::new, |[dash, gap]| {
+        let [dash, gap] = [dash, gap].map(number);
+        format!(" stroke-dasharray=\"{dash} {gap}\" stroke-linecap=\"butt\"")
+    });
     format!(
-        "<path d=\"{d}\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
+        "<path d=\"{d}\" stroke=\"{}\" stroke-width=\"{}\"{dashes}/>\n",
         colour(stroke.colour),
         number(stroke.width)
     )

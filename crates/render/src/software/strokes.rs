@@ -24,43 +24,68 @@ const SAME_WIDTH: f32 = 0.12;
 /// Pieces reach so many half pictures beyond the middle.
 const GUARD: f32 = 1.1;
 
-/// Returns the visible parts of the curves among some objects, in the order in which they are drawn. `depths` are those of
-/// all that may hide them; `covered` is a rectangle in which nothing of them is seen: left, top, right and bottom in pixels.
-pub(crate) fn strokes(
-    camera: &Camera,
-    objects: &[Drawable],
-    depths: &DepthMap,
-    covered: Option<[f32; 4]>,
-) -> Vec<Stroke> {
-    let eye = Eye::new(camera);
-    let before = Before { depths, covered };
-    let mut strokes: Vec<Stroke> = objects
-        .par_iter()
-        .flat_map_iter(|object| of_object(&eye, object, &before))
-        .collect();
-    strokes.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
-    strokes
-}
-
-/// Things that may lie before the lines.
+/// What may lie before lines.
 #[derive(Clone, Copy)]
-struct Before<'a> {
+pub(crate) struct LineCover<'a> {
     depths: &'a DepthMap,
-    covered: Option<[f32; 4]>,
+    key: Option<[f32; 4]>,
 }
 
-impl Before<'_> {
-    /// Returns whether a place of the picture at a depth is seen.
-    fn shows(&self, at: Vec2, depth: f32) -> bool {
-        let is_covered = self.covered.is_some_and(|[left, top, right, bottom]| {
+/// The way in which a place of a line is seen.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Sight {
+    Seen,
+    /// Something lies before it.
+    Hidden,
+    /// It is not drawn.
+    Absent,
+}
+
+impl<'a> LineCover<'a> {
+    /// The depths of all that may hide a line, and the place of the picture's key, in which no line is drawn: left, top, right
+    /// and bottom in pixels.
+    pub(crate) fn new(depths: &'a DepthMap, key: Option<[f32; 4]>) -> Self {
+        Self { depths, key }
+    }
+
+    /// Returns how a place of the picture at a depth is seen.
+    fn sight(&self, at: Vec2, depth: f32) -> Sight {
+        let is_under_key = self.key.is_some_and(|[left, top, right, bottom]| {
             (left..right).contains(&at.x) && (top..bottom).contains(&at.y)
         });
-        let farthest = self.depths.at(at.to_array());
-        !is_covered && farthest.is_some_and(|farthest| depth > farthest)
+        match self.depths.at(at.to_array()) {
+            Some(farthest) if !is_under_key && depth > farthest => Sight::Seen,
+            Some(_) if !is_under_key => Sight::Hidden,
+            _ => Sight::Absent,
+        }
     }
 }
 
-fn of_object(eye: &Eye, object: &Drawable, before: &Before<'_>) -> Vec<Stroke> {
+/// Returns the visible parts of the curves among some objects, in the order in which they are drawn: below them the hidden parts
+/// of those that are marked.
+pub(crate) fn strokes(
+    camera: &Camera,
+    objects: &[(&Drawable, bool)],
+    cover: &LineCover<'_>,
+) -> Vec<Stroke> {
+    let eye = Eye::new(camera);
+    let mut strokes: Vec<Stroke> = objects
+        .par_iter()
+        .flat_map_iter(|(object, hidden)| of_object(&eye, object, cover, *hidden))
+        .collect();
+    strokes.sort_by(|a, b| {
+        let order = b.is_hidden.cmp(&a.is_hidden);
+        order.then(a.nearness.total_cmp(&b.nearness))
+    });
+    strokes
+}
+
+fn of_object(
+    eye: &Eye,
+    object: &Drawable,
+    cover: &LineCover<'_>,
+    with_hidden: bool,
+) -> Vec<Stroke> {
     let Samples::Curves { count, samples } = &*object.samples else {
         return Vec::new();
     };
@@ -71,10 +96,12 @@ fn of_object(eye: &Eye, object: &Drawable, before: &Before<'_>) -> Vec<Stroke> {
     for instance in samples.chunks(*count as usize) {
         for run in curves::runs(&eye, instance) {
             let run = curves::distinct(&eye, &run);
-            strokes.extend(visible(&eye, &run, before).iter().map(|part| Stroke {
+            let parts = parts(&eye, &run, cover, with_hidden);
+            strokes.extend(parts.iter().map(|part| Stroke {
                 points: part.iter().map(|it| it.at.to_array()).collect(),
                 width: part.iter().map(|it| it.width).sum::<f32>() / part.len() as f32,
                 colour,
+                is_hidden: part.iter().any(|it| it.sight == Sight::Hidden),
                 nearness: part.iter().map(|it| it.depth).sum::<f32>() / part.len() as f32,
             }));
         }
@@ -90,11 +117,11 @@ struct Place {
     depth: f32,
     /// Set if the line has a corner here, or an end.
     is_kept: bool,
-    is_seen: bool,
+    sight: Sight,
 }
 
-/// Returns the visible parts of a line through view places.
-fn visible(eye: &Eye, run: &[Vec3], before: &Before<'_>) -> Vec<Vec<Place>> {
+/// Returns the parts of a line through view places that are drawn: the visible ones, and if wanted the hidden ones.
+fn parts(eye: &Eye, run: &[Vec3], cover: &LineCover<'_>, with_hidden: bool) -> Vec<Vec<Place>> {
     let mut places: Vec<Place> = Vec::new();
     for piece in run.windows(2) {
         let Some([from, to]) = cut(eye, [piece[0], piece[1]]) else {
@@ -104,7 +131,7 @@ fn visible(eye: &Eye, run: &[Vec3], before: &Before<'_>) -> Vec<Vec<Place>> {
         let steps = (length / STEP).ceil().clamp(1.0, MOST_STEPS) as u32;
         places.extend((0..=steps).map(|k| {
             let at = from.lerp(to, k as f32 / steps as f32);
-            place(eye, at, k == 0 || k == steps, before)
+            place(eye, at, k == 0 || k == steps, cover)
         }));
     }
     close_gaps(&mut places);
@@ -115,10 +142,15 @@ fn visible(eye: &Eye, run: &[Vec3], before: &Before<'_>) -> Vec<Vec<Place>> {
         // Pieces that were cut do not join.
         let joins = part
             .last()
-            .is_none_or(|it| (it.at - place.at).length() < 4.0 * STEP);
-        if !place.is_seen || !joins {
+            .is_none_or(|it| (it.at - place.at).length() < 4.0 * STEP && it.sight == place.sight);
+        let is_drawn = match place.sight {
+            Sight::Seen => true,
+            Sight::Hidden => with_hidden,
+            Sight::Absent => false,
+        };
+        if !is_drawn || !joins {
             parts.push(Vec::new());
-            if place.is_seen {
+            if is_drawn {
                 parts.extend([vec![*place]]);
             }
             continue;
@@ -136,7 +168,7 @@ fn visible(eye: &Eye, run: &[Vec3], before: &Before<'_>) -> Vec<Vec<Place>> {
     parts.iter().map(|part| corners(part)).collect()
 }
 
-fn place(eye: &Eye, at: Vec3, is_kept: bool, before: &Before<'_>) -> Place {
+fn place(eye: &Eye, at: Vec3, is_kept: bool, cover: &LineCover<'_>) -> Place {
     let half = eye.half_width(at);
     let clip = eye.clip(at, eye.lift * half);
     let depth = clip.z / clip.w;
@@ -146,7 +178,7 @@ fn place(eye: &Eye, at: Vec3, is_kept: bool, before: &Before<'_>) -> Place {
         width: 2.0 * half / eye.pixel(at),
         depth,
         is_kept,
-        is_seen: before.shows(on_picture, depth),
+        sight: cover.sight(on_picture, depth),
     }
 }
 
@@ -180,7 +212,7 @@ fn cut(eye: &Eye, [from, to]: [Vec3; 2]) -> Option<[Vec3; 2]> {
 fn close_gaps(places: &mut [Place]) {
     let mut seen_last: Option<usize> = None;
     for k in 0..places.len() {
-        if !places[k].is_seen {
+        if places[k].sight != Sight::Seen {
             continue;
         }
         if let Some(last) = seen_last
@@ -188,7 +220,7 @@ fn close_gaps(places: &mut [Place]) {
             && (places[k].at - places[last].at).length() <= LEAST_GAP * places[k].width
         {
             for gap in &mut places[last + 1..k] {
-                gap.is_seen = true;
+                gap.sight = Sight::Seen;
             }
         }
         seen_last = Some(k);

@@ -138,6 +138,7 @@ fn overlays(arguments: &Arguments) -> Overlays {
         error: arguments.error,
         labels: arguments.labels,
         axes: arguments.axes,
+        hidden_lines: arguments.hidden_lines,
     }
 }
 
@@ -330,6 +331,7 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
     ];
     let space = [
         ("--axes", arguments.axes),
+        ("--hidden-lines", arguments.hidden_lines),
         ("--hide", !arguments.hide.is_empty()),
         ("--background", arguments.background.is_some()),
         ("--eye", arguments.eye.is_some()),
@@ -346,6 +348,7 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
     // Lines and words are not drawn over rays, and rays part at the eye.
     let drawn = [
         ("--axes", arguments.axes),
+        ("--hidden-lines", arguments.hidden_lines),
         ("--labels", arguments.labels),
         ("--legend", arguments.legend),
         ("--figure", !arguments.figure.is_empty()),

@@ -256,6 +256,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
         legend: random.often(),
         labels: random.often(),
         axes: is_space && random.often(),
+        hidden_lines: is_space && random.often(),
         cut_locus: !is_space && random.often(),
         error: !is_space && random.often(),
         conjugate_points: shows_camera && random.often(),

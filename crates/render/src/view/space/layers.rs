@@ -8,7 +8,7 @@ use crate::overlay;
 use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::PictureRequest;
 use crate::sample::Samples;
-use crate::software::{self, Drawable};
+use crate::software::{self, Drawable, LineCover};
 use crate::solids::SolidPainter;
 use crate::view::SharedState;
 
@@ -31,7 +31,9 @@ impl SpaceRenderer {
         });
         let is_line = |object: &Drawable| matches!(&*object.samples, Samples::Curves { .. });
         let (lines, others): (Vec<Drawable>, Vec<Drawable>) =
-            drawables.into_iter().chain(extras).partition(is_line);
+            drawables.into_iter().partition(is_line);
+        let (extras, others): (Vec<Drawable>, Vec<Drawable>) =
+            others.into_iter().chain(extras).partition(is_line);
         let background = options.background_light();
         let camera = &stage.camera;
         let solids = shared
@@ -49,7 +51,11 @@ impl SpaceRenderer {
         notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
         let shown = options.show_camera.as_ref();
         let key = overlay::space_key_place(request, shown)?;
-        let strokes = software::strokes(camera, &lines, &depths, key);
+        let before = LineCover::new(&depths, key);
+        let hides = request.overlays.hidden_lines;
+        let lines = lines.iter().map(|line| (line, hides));
+        let lines = lines.chain(extras.iter().map(|line| (line, false)));
+        let strokes = software::strokes(camera, &lines.collect::<Vec<_>>(), &before);
         let mut words = stage
             .axes
             .as_ref()
