@@ -24,7 +24,7 @@ const SAME_WIDTH: f32 = 0.12;
 /// Pieces reach so many half pictures beyond the middle.
 const GUARD: f32 = 1.1;
 
-/// What may lie before lines.
+/// Things that may lie before lines.
 #[derive(Clone, Copy)]
 pub(crate) struct LineCover<'a> {
     depths: &'a DepthMap,
