@@ -711,6 +711,8 @@ class Faults(OnScreen):
         picture = window.pixels("3d")
         window.type_at_end("point q = (1, 1, 1);")
         shutil.rmtree(folder)
+        # It comes by itself, and would take the place of the sentence of the save.
+        window.place("the file cannot be read")
         window.key("ctrl+s")
         window.place("cannot write")
         window.settle()
