@@ -1,6 +1,7 @@
 //! Scenes for rays: instances, attributes, stages, bodies; scenes are built by hand.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 use expr::ops::Unary;
 use expr::{Input, NodeId};
@@ -76,7 +77,7 @@ impl Writer {
             field,
             cuts: [None; 3],
             map,
-            attributes: Vec::new(),
+            attributes: Arc::default(),
         }
     }
 
@@ -365,10 +366,10 @@ fn textures_and_bumps_move_along() {
         graph.mul(minus, y)
     };
     let mut leaf = writer.leaf("ball", ball, map);
-    leaf.attributes = vec![
+    leaf.attributes = Arc::new(vec![
         stated("color", &[red, zero, zero], Some(map)),
         stated("bump", &[height], Some(map)),
-    ];
+    ]);
     writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
     let scene = writer.prepared();
     let outside = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
@@ -390,7 +391,10 @@ fn what_is_out_of_range_or_undefined_is_noted() {
     let [x, ..] = writer.variables();
     let root = writer.scene.graph.unary(expr::ops::Unary::Sqrt, x);
     let mut leaf = writer.leaf("ball", ball, here);
-    leaf.attributes = vec![stated("color", &[x], None), stated("mirror", &[root], None)];
+    leaf.attributes = Arc::new(vec![
+        stated("color", &[x], None),
+        stated("mirror", &[root], None),
+    ]);
     writer.solid("ball", vec![leaf], &[SolidStep::Leaf(0)], &[]);
     let scene = writer.prepared();
     let right = look(&scene, &ray([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0]));
@@ -418,14 +422,14 @@ fn glass_is_that_of_the_first_leaf_that_has_some() {
         writer.leaf("stone", ball, here),
         writer.leaf("water", ball, aside),
     ];
-    leaves[0].attributes = vec![
+    leaves[0].attributes = Arc::new(vec![
         stated("glass", &[none], None),
         stated("ior", &[other], None),
-    ];
-    leaves[1].attributes = vec![
+    ]);
+    leaves[1].attributes = Arc::new(vec![
         stated("glass", &[share], None),
         stated("ior", &[index], None),
-    ];
+    ]);
     let steps = [SolidStep::Leaf(0), SolidStep::Leaf(1), SolidStep::Union];
     writer.solid("both", leaves, &steps, &[]);
     let scene = writer.prepared();

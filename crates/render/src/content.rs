@@ -267,7 +267,7 @@ impl<'a> Writer<'a> {
                 let words = cut.as_ref().map_or([u64::MAX; 3], sampling_words);
                 self.words.extend(words);
             }
-            for attribute in &leaf.attributes {
+            for attribute in &*leaf.attributes {
                 self.text(attribute.word);
                 match &attribute.value {
                     AttributeValue::Numbers(nodes) => self.words.push(nodes.len() as u64),

@@ -95,7 +95,7 @@ impl Builder {
             field,
             cuts: [const { None }; 3],
             map: AffineNodes([row(0), row(1), row(2)]),
-            attributes: color.into_iter().collect(),
+            attributes: Arc::new(color.into_iter().collect()),
         }
     }
 

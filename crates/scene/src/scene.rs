@@ -140,7 +140,7 @@ impl Scene {
         let stated = objects.flat_map(|object| {
             let leaves = object.shape.solid().into_iter();
             let leaves = leaves.flat_map(|solid| &solid.leaves);
-            std::iter::once(&object.attributes).chain(leaves.map(|leaf| &leaf.attributes))
+            std::iter::once(&object.attributes).chain(leaves.map(|leaf| &*leaf.attributes))
         });
         let words = stated.filter_map(|attributes| stated_word(attributes, "image"));
         words.collect()

@@ -1,5 +1,7 @@
 //! Solids, lights, cameras and backgrounds as data.
 
+use std::sync::Arc;
+
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
@@ -59,8 +61,9 @@ pub struct SolidLeaf {
     pub cuts: [Option<Sampling>; 3],
     /// From its own coordinates to the scene's.
     pub map: AffineNodes,
-    /// The attributes of its faces: those of the outermost set that states one, else its own.
-    pub attributes: Vec<Attribute>,
+    /// The attributes of its faces: those of the outermost set that states one, else its own. Leaves of one material share
+    /// them.
+    pub attributes: Arc<Vec<Attribute>>,
 }
 
 /// An affine map: rows of a 3 × 3 matrix, each with its translation last. Its nodes read no `Variable`.
@@ -128,7 +131,7 @@ impl Solid {
 
 impl SolidLeaf {
     fn is_same(&self, other: &Self) -> bool {
-        let mut pairs = self.attributes.iter().zip(&other.attributes);
+        let mut pairs = self.attributes.iter().zip(&*other.attributes);
         self.name == other.name
             && self.field == other.field
             && self.cuts == other.cuts
@@ -143,7 +146,8 @@ impl SolidLeaf {
     }
 
     pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
-        let attributes = self.attributes.iter_mut().flat_map(Attribute::nodes_mut);
+        let attributes = Arc::make_mut(&mut self.attributes).iter_mut();
+        let attributes = attributes.flat_map(Attribute::nodes_mut);
         let map = self.map.0.as_flattened_mut().iter_mut();
         std::iter::once(&mut self.field)
             .chain(map)

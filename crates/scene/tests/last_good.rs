@@ -333,7 +333,7 @@ fn forget_places(scene: &mut Scene) {
         if let Shape::Solid(solid) = &mut object.shape {
             for leaf in &mut Arc::make_mut(solid).leaves {
                 leaf.name_span = Span::default();
-                attributes.extend(&mut leaf.attributes);
+                attributes.extend(Arc::make_mut(&mut leaf.attributes));
             }
         }
         attributes

@@ -455,7 +455,7 @@ fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) 
         let object = request.scene.get(*id);
         let leaves = object.and_then(|object| object.shape.solid());
         let leaves = leaves.into_iter().flat_map(|solid| &solid.leaves);
-        let mut attributes = leaves.flat_map(|leaf| &leaf.attributes);
+        let mut attributes = leaves.flat_map(|leaf| &*leaf.attributes);
         let own = style::linear(colours[id.0 as usize]);
         let factor = [0, 1, 2].map(|k| own[k] / usual[k]);
         let brightest = factor.into_iter().fold(0.0, f32::max).min(1.0);

@@ -25,10 +25,11 @@ use crate::stated_picture::StatedPicture;
 /// The greatest value of `t`.
 const LAST: f64 = 100.0;
 
-/// The scene of a run.
-pub(super) fn scene(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Scene {
+/// The scene of a run. An entity goes as soon as its object is there: a million of both need not fit into memory.
+pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene {
     let mut builder = SceneBuilder::default();
-    let objects = drawn.iter().map(|entity| builder.object(entity)).collect();
+    let mut objects = Vec::with_capacity(drawn.len());
+    objects.extend(drawn.into_iter().map(|entity| builder.object(&entity)));
     let mut stage = Vec::new();
     for (k, light) in settings.lights.iter().enumerate() {
         stage.push(builder.light(k, light));
@@ -66,7 +67,8 @@ pub(super) fn scene(settings: &ScriptSettings, drawn: &[Arc<Entity>]) -> Scene {
 #[derive(Default)]
 struct SceneBuilder {
     graph: Graph,
-    materials: HashMap<*const Material, Vec<Attribute>>,
+    /// The attributes of materials, by their places in memory: none is made while the scene is built.
+    materials: HashMap<*const Material, Arc<Vec<Attribute>>>,
     /// The fields of shapes that have no numbers, by their kind, and those of rings by their tube.
     fields: HashMap<(u8, u64), NodeId>,
 }
@@ -79,7 +81,12 @@ enum BuildStep<'a> {
 
 impl SceneBuilder {
     fn object(&mut self, entity: &Entity) -> Object {
-        let mut solid = Solid::default();
+        let leaves = entity.leaves as usize;
+        let mut solid = Solid {
+            leaves: Vec::with_capacity(leaves),
+            steps: Vec::with_capacity(2 * leaves - 1),
+            ..Solid::default()
+        };
         let mut work = vec![BuildStep::Entity(entity, Map::IDENTITY)];
         while let Some(next) = work.pop() {
             match next {
@@ -186,7 +193,7 @@ impl SceneBuilder {
         (field, cuts)
     }
 
-    fn material(&mut self, material: &Arc<Material>) -> Vec<Attribute> {
+    fn material(&mut self, material: &Arc<Material>) -> Arc<Vec<Attribute>> {
         if let Some(known) = self.materials.get(&Arc::as_ptr(material)) {
             return known.clone();
         }
@@ -214,7 +221,9 @@ impl SceneBuilder {
         if let Some(diffuse) = diffuse {
             stated.push(self.numbers("diffuse", &[diffuse]));
         }
-        self.materials.insert(Arc::as_ptr(material), stated.clone());
+        let stated = Arc::new(stated);
+        let known = stated.clone();
+        self.materials.insert(Arc::as_ptr(material), known);
         stated
     }
 

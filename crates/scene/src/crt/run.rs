@@ -172,7 +172,7 @@ impl<'s> Interpreter<'s> {
         });
         let mut assignments: Vec<Assignment> = assigned.collect();
         assignments.sort_unstable_by_key(|it| it.span);
-        let scene = build::scene(&self.settings, &self.drawn);
+        let scene = build::scene(&self.settings, self.drawn);
         let mut diagnostics = self.diagnostics;
         Diagnostic::sort(&mut diagnostics);
         Some(ScriptRun {

@@ -122,7 +122,7 @@ impl PointSet {
         let identity = AffineNodes::identity(graph);
         for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
             leaf.map = by.after(graph, &leaf.map);
-            for attribute in &mut leaf.attributes {
+            for attribute in Arc::make_mut(&mut leaf.attributes) {
                 let before = attribute.map.unwrap_or(identity);
                 attribute.map = Some(by.after(graph, &before));
             }
@@ -135,8 +135,9 @@ impl PointSet {
         for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
             let is_replaced =
                 |own: &Attribute| attributes.iter().any(|stated| stated.word == own.word);
-            leaf.attributes.retain(|own| !is_replaced(own));
-            leaf.attributes.extend(attributes.iter().cloned());
+            let own = Arc::make_mut(&mut leaf.attributes);
+            own.retain(|own| !is_replaced(own));
+            own.extend(attributes.iter().cloned());
         }
     }
 }
@@ -193,7 +194,7 @@ impl Lowerer {
             field,
             cuts: [None; 3],
             map: AffineNodes::identity(&mut self.graph),
-            attributes: Vec::new(),
+            attributes: Arc::default(),
         };
         Ok(Effect::Push(StackItem::Set(Box::new(PointSet::leaf(leaf)))))
     }

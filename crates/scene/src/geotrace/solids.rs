@@ -66,7 +66,7 @@ impl Declarations {
                 field: graph.constant(EVERYWHERE),
                 cuts,
                 map: AffineNodes::identity(graph),
-                attributes: Vec::new(),
+                attributes: Arc::default(),
             };
             uncut = Some(Arc::clone(&set.solid));
             let cut = set.joined(PointSet::leaf(leaf), SolidStep::Intersection);
@@ -165,7 +165,7 @@ impl Declarations {
             field,
             cuts: [None; 3],
             map: AffineNodes::identity(&mut self.lowerer.graph),
-            attributes: Vec::new(),
+            attributes: Arc::default(),
         };
         (Some(PointSet::leaf(leaf)), dependencies)
     }

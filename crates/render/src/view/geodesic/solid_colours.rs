@@ -167,7 +167,7 @@ fn varies(request: &PictureRequest, object: ObjectId) -> bool {
         return false;
     };
     let chosen = request.chosen_texture(object).is_some();
-    let mut attributes = solid.leaves.iter().flat_map(|leaf| &leaf.attributes);
+    let mut attributes = solid.leaves.iter().flat_map(|leaf| &*leaf.attributes);
     let is_variable = |input: &expr::Input| matches!(input, expr::Input::Variable(_));
     let painted = solid.leaves.iter().any(|leaf| {
         let has_place = leaf.attributes.iter().any(|stated| stated.word == "uv");
