@@ -68,6 +68,14 @@ struct Assigned {
     binding: Binding,
 }
 
+/// The entities that a block or a macro has emitted so far.
+#[derive(Default)]
+struct Emitted {
+    entities: Vec<Arc<Entity>>,
+    /// The number of their leaves.
+    leaves: u64,
+}
+
 /// Runs a script.
 pub(super) struct Interpreter<'s> {
     pub(super) lines: &'s ScriptLines,
@@ -84,7 +92,7 @@ pub(super) struct Interpreter<'s> {
     next_id: u64,
     diagnostics: Vec<Diagnostic>,
     /// The entities that the block and the macros that are being run have emitted, the innermost last.
-    emitted: Vec<Vec<Arc<Entity>>>,
+    emitted: Vec<Emitted>,
     /// Variables to which others point, with the places where that is written.
     pointed: HashMap<(usize, Arc<str>), Span>,
     /// The values that names were given, by the places of the names.
@@ -142,11 +150,11 @@ impl<'s> Interpreter<'s> {
                 }
                 BlockKind::Scene(body) if !has_scene => {
                     has_scene = true;
-                    self.emitted.push(Vec::new());
+                    self.emitted.push(Emitted::default());
                     for statement in &body.statements {
                         self.whole(statement, true);
                     }
-                    self.drawn = self.emitted.pop().unwrap_or_default();
+                    self.drawn = self.emitted.pop().unwrap_or_default().entities;
                 }
                 BlockKind::Statement(statement) => self.whole(statement, false),
                 BlockKind::Settings(..) | BlockKind::Scene(_) => {}
@@ -353,12 +361,7 @@ impl<'s> Interpreter<'s> {
         is_call: bool,
     ) -> Result<(), Stopped> {
         let count: u64 = entities.iter().map(|entity| entity.leaves).sum();
-        let before = self.emitted.iter().flatten();
-        // A million leaves are counted again and again only by scripts that come near.
-        let before: u64 = match self.work {
-            work if work % 1024 == 0 => before.map(|entity| entity.leaves).sum(),
-            _ => before.count() as u64,
-        };
+        let before: u64 = self.emitted.iter().map(|it| it.leaves).sum();
         self.leaves(before.saturating_add(count), expression.span)?;
         let place = expression.span.moved(self.base);
         let label: Arc<str> = match expression.identifier() {
@@ -373,7 +376,8 @@ impl<'s> Interpreter<'s> {
             Arc::new(entity.labelled((label.clone(), place)))
         });
         if let Some(emitted) = self.emitted.last_mut() {
-            emitted.extend(labelled);
+            emitted.entities.extend(labelled);
+            emitted.leaves += count;
         }
         Ok(())
     }
@@ -707,11 +711,11 @@ impl<'s> Interpreter<'s> {
         let inner = self.scopes.len() - 1;
         let (scope, base) = (self.scope, self.base);
         (self.scope, self.base) = (inner, called.base);
-        self.emitted.push(Vec::new());
+        self.emitted.push(Emitted::default());
         self.nesting += 1;
         let done = self.body(&called.definition.body, true);
         self.nesting -= 1;
-        let emitted = self.emitted.pop().unwrap_or_default();
+        let emitted = self.emitted.pop().unwrap_or_default().entities;
         (self.scope, self.base) = (scope, base);
         self.scopes.truncate(inner);
         self.pointed.retain(|(scope, _), _| *scope < inner);
