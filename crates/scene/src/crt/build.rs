@@ -67,8 +67,8 @@ pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene
 #[derive(Default)]
 struct SceneBuilder {
     graph: Graph,
-    /// The attributes of materials, by their places in memory: none is made while the scene is built.
-    materials: HashMap<*const Material, Arc<Vec<Attribute>>>,
+    /// The attributes of materials, by the bits of their numbers: a loop makes the same one again and again.
+    materials: HashMap<[Option<u64>; 9], Arc<Vec<Attribute>>>,
     /// The fields of shapes that have no numbers, by their kind, and those of rings by their tube.
     fields: HashMap<(u8, u64), NodeId>,
 }
@@ -193,10 +193,7 @@ impl SceneBuilder {
         (field, cuts)
     }
 
-    fn material(&mut self, material: &Arc<Material>) -> Arc<Vec<Attribute>> {
-        if let Some(known) = self.materials.get(&Arc::as_ptr(material)) {
-            return known.clone();
-        }
+    fn material(&mut self, material: &Material) -> Arc<Vec<Attribute>> {
         let Material {
             color,
             reflectivity,
@@ -205,7 +202,23 @@ impl SceneBuilder {
             diffuse,
             specularity,
             shininess,
-        } = **material;
+        } = *material;
+        let bits = |number: f64| Some(number.to_bits());
+        let [red, green, blue] = color.map(bits);
+        let key = [
+            red,
+            green,
+            blue,
+            bits(reflectivity),
+            bits(transparency),
+            bits(refractiveindex),
+            bits(specularity),
+            bits(shininess),
+            diffuse.and_then(bits),
+        ];
+        if let Some(known) = self.materials.get(&key) {
+            return known.clone();
+        }
         let mut stated = vec![
             self.numbers("color", &color),
             self.numbers("specular", &[specularity]),
@@ -222,8 +235,7 @@ impl SceneBuilder {
             stated.push(self.numbers("diffuse", &[diffuse]));
         }
         let stated = Arc::new(stated);
-        let known = stated.clone();
-        self.materials.insert(Arc::as_ptr(material), known);
+        self.materials.insert(key, stated.clone());
         stated
     }
 
