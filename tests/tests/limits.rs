@@ -133,10 +133,10 @@ fn programs() -> Vec<Limit> {
 fn scripts() -> Vec<Limit> {
     vec![
         limit(
-            "rounds of loops and calls of a script, 256 bytes of a new string counted as one",
+            "rounds of loops, calls and objects of a script, 256 bytes of a new string counted as one",
             grouped(crt::MAX_WORK),
             "a script ends",
-            "it takes more than {MAX_WORK} rounds and calls",
+            "it takes more than {MAX_WORK} rounds, calls and objects",
             "",
         ),
         limit(

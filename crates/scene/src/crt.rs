@@ -37,7 +37,7 @@ use crate::rerun::Rerun;
 use crate::scene::Scene;
 use run::Interpreter;
 
-/// The most rounds of loops and calls of macros of one run.
+/// The most rounds of loops, calls of macros and objects of one run.
 pub const MAX_WORK: u32 = 1_000_000;
 /// The bytes of a new string that count as a round.
 pub const BYTES_OF_A_ROUND: usize = 256;

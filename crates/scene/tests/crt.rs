@@ -133,6 +133,14 @@ fn limits_end_in_errors() {
     };
     assert_eq!(copies(4_900), [] as [&str; 0]);
     assert_eq!(copies(10_000), ["work-limit"]);
+    // An object costs as much as a round.
+    let objects = |rounds: u32| {
+        codes(&format!(
+            "k = 0  while (k < {rounds}) {{ m = Material {{ diffuse -> 0.5 }}  k = k + 1 }}"
+        ))
+    };
+    assert_eq!(objects(499_000), [] as [&str; 0]);
+    assert_eq!(objects(501_000), ["work-limit"]);
     assert_eq!(codes("m = Macro () { m() }\nm()"), ["call-depth"]);
     assert_eq!(
         codes("a = \"ab\"\nwhile (true) { a = a + a }"),

@@ -60,6 +60,7 @@ impl Interpreter<'_> {
             return Err(Stopped);
         };
         let stated = self.attributes(name, &object.attributes)?;
+        self.count_object();
         match name {
             ObjectName::Material => Ok(ScriptValue::Material(Arc::new(material(&stated)))),
             ObjectName::Camera => self.camera(&stated, span),

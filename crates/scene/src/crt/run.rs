@@ -238,6 +238,11 @@ impl<'s> Interpreter<'s> {
         self.spend(1, span, what)
     }
 
+    /// Counts an object that is made: a million take a gigabyte. The loop or the call around it is what is stopped.
+    pub(super) fn count_object(&mut self) {
+        self.work = self.work.saturating_add(1);
+    }
+
     /// Counts what takes the work of so many rounds or calls.
     fn spend(&mut self, rounds: u32, span: Span, what: &str) -> Result<(), Stopped> {
         self.work = self.work.saturating_add(rounds);
@@ -250,7 +255,7 @@ impl<'s> Interpreter<'s> {
         }
         self.is_over = true;
         let message = format!(
-            "the script is stopped in {what}: it takes more than {MAX_WORK} rounds and calls"
+            "the script is stopped in {what}: it takes more than {MAX_WORK} rounds, calls and objects"
         );
         Err(self.fault(codes::WORK_LIMIT, span, message))
     }
