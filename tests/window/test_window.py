@@ -711,7 +711,7 @@ class Faults(OnScreen):
         picture = window.pixels("3d")
         window.type_at_end("point q = (1, 1, 1);")
         shutil.rmtree(folder)
-        # It comes by itself, and would take the place of the sentence of the save.
+        # The watcher reports this by itself, and its sentence would replace that of the save.
         window.place("the file cannot be read")
         window.key("ctrl+s")
         window.place("cannot write")

@@ -25,7 +25,8 @@ use crate::stated_picture::StatedPicture;
 /// The greatest value of `t`.
 const LAST: f64 = 100.0;
 
-/// The scene of a run. An entity goes as soon as its object is there: a million of both need not fit into memory.
+/// The scene of a run. Each entity is dropped once its object is made, so that a million of both are never in memory at
+/// once.
 pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene {
     let mut builder = SceneBuilder::default();
     let mut objects = Vec::with_capacity(drawn.len());
