@@ -16,7 +16,10 @@ import { defineConfig, type Plugin, transformWithOxc } from "vite";
 
 const here = import.meta.dirname;
 
-/** Writes `sw.js` with the list of all other files. */
+/** The files of the core with threads, which are not fetched before they are used. */
+const isThreaded = (file: string) => file.startsWith("assets/thread");
+
+/** Writes `sw.js` with the lists of all other files. */
 function serviceWorker(): Plugin {
     return {
         name: "geotrace-service-worker",
@@ -33,9 +36,11 @@ function serviceWorker(): Plugin {
             }
             const source = readFileSync(join(here, "src/sw.ts"), "utf8");
             const { code } = await transformWithOxc(source, "sw.ts");
-            const head = `const FILES = ${JSON.stringify([...files, ...fixed].map((file) => `./${file}`))};\n`;
+            const list = (name: string, files: string[]) => `const ${name} = ${JSON.stringify(files.map((file) => `./${file}`))};\n`;
+            const first = list("FILES", [...files.filter((file) => !isThreaded(file)), ...fixed]);
+            const later = list("LATER", files.filter(isThreaded));
             const version = `const VERSION = "${digest.digest("hex").slice(0, 16)}";\n`;
-            this.emitFile({ type: "asset", fileName: "sw.js", source: head + version + code });
+            this.emitFile({ type: "asset", fileName: "sw.js", source: first + later + version + code });
         },
     };
 }

@@ -59,6 +59,8 @@ export class Core {
     settings: Settings = {};
     private worker: Worker | undefined;
     private connection: Connection | undefined;
+    /** On it a thread of the Worker says that it has failed. */
+    private channel: BroadcastChannel | undefined;
     private program: Program | undefined;
     /** What a new Worker is told before the program is opened, and after. */
     private readonly kept = new Map<NoticeName, unknown>();
@@ -152,6 +154,8 @@ export class Core {
         clearTimeout(this.watch);
         this.worker?.terminate();
         this.connection?.close();
+        this.channel?.close();
+        this.channel = undefined;
         this.worker = undefined;
         this.connection = undefined;
     }
@@ -162,6 +166,13 @@ export class Core {
         this.checked = -1;
         const connection = new Connection(worker, {
             ...this.on,
+            ready: (event) => {
+                if (event.threads > 1) {
+                    this.channel = new BroadcastChannel(event.channel);
+                    this.channel.onmessage = ({ data }: MessageEvent<string>) => this.lose(data);
+                }
+                this.on.ready?.(event);
+            },
             settings: (event) => {
                 this.settings = event.settings;
                 this.on.settings?.(event);

@@ -49,7 +49,7 @@ export class Page {
 
     constructor(private readonly root: HTMLElement) {
         this.core = new Core(startWorker, {
-            ready: () => (document.documentElement.dataset["core"] = "ready"),
+            ready: ({ threads }) => Object.assign(document.documentElement.dataset, { core: "ready", threads }),
             findings: ({ version, findings }) => this.editor.found(version, findings),
             scene: (scene) => this.see(scene),
             settings: () => this.settingsChanged(),

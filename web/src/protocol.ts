@@ -575,8 +575,11 @@ export interface Notices {
 }
 
 export interface Events {
-  /** The core is there; the first message. The time from the Worker's start. */
-  ready: { took: number };
+  /**
+   * The core is there; the first message. The time from the Worker's start, the number of threads that draw, and the name
+   * of the broadcast channel on which one of them says why it has failed: the Worker itself waits for it for ever then.
+   */
+  ready: { took: number; threads: number; channel: string };
   /** Findings of a text, sorted by place. */
   findings: { version: number; findings: Finding[] };
   /** Another scene, or other values or looks in it. */

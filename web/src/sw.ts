@@ -3,8 +3,13 @@
 // The build writes the list of files and their version in front (`vite.config.ts`). A new version is fetched beside the
 // old one and takes its place when the reader says so, or when no page of the old one is open: a page never gets the
 // files of two versions.
+//
+// It also lets the page's Workers share memory, for threads, which takes two headers that a host of static files need not
+// know. So a page has threads from its second visit on.
 
 declare const FILES: string[];
+/** Files that not every browser asks for: they are kept once they were used. */
+declare const LATER: string[];
 declare const VERSION: string;
 
 interface Scope {
@@ -60,7 +65,25 @@ scope.addEventListener("fetch", (event: Fetch) => {
         const cache = await caches.open(PREFIX + VERSION);
         const own = new URL("./", location.href);
         const wanted = url.pathname === own.pathname ? new URL("index.html", own).href : request.url;
-        return (await cache.match(wanted, { ignoreSearch: true })) ?? fetch(request);
+        const kept = await cache.match(wanted, { ignoreSearch: true });
+        const response = kept ?? (await fetch(request));
+        if (kept === undefined && response.ok && LATER.some((file) => new URL(file, own).href === url.href)) {
+            await cache.put(url.href, response.clone());
+        }
+        // Other files need no headers, and browsers keep what they have compiled of a response only as it came.
+        return ["document", "iframe", "worker"].includes(request.destination) ? isolated(response) : response;
     };
     event.respondWith(answer());
 });
+
+/** The response with the headers without which no memory is shared. */
+function isolated(response: Response): Response {
+    if (response.type === "opaqueredirect") {
+        return response;
+    }
+    const headers = new Headers(response.headers);
+    headers.set("Cross-Origin-Opener-Policy", "same-origin");
+    headers.set("Cross-Origin-Embedder-Policy", "require-corp");
+    const { status, statusText } = response;
+    return new Response(response.body, { status, statusText, headers });
+}

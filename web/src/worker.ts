@@ -3,6 +3,8 @@
 // Messages come first: each step of work (a text is compiled, a camera moves, a picture is drawn) is a task of its own, so
 // that whatever has come in the meantime is heeded before the next one. So of texts and motions that come while a picture
 // is drawn only the last is seen.
+//
+// The core without threads is part of this script: a preview inside VS Code has the script as a text, and no other files.
 
 import init, { Core } from "./core/core.js";
 import type { CallName, Calls, EventName, Events, FromWorker, ToWorker } from "./protocol.ts";
@@ -156,10 +158,30 @@ scope.onmessage = ({ data }) => {
     guarded(() => handle(known, data));
 };
 
-init().then(
-    () => {
-        core = new Core();
-        tell("ready", { took: performance.now() - start });
+/** More threads than these draw a picture of a page no faster. */
+const MOST_THREADS = 8;
+
+/** Loads the core, with threads where the browser lets Workers share memory. */
+async function load(channel: string): Promise<{ Core: typeof Core; threads: number }> {
+    // The browser itself needs a core to bring pictures to the screen: on a machine with two, two threads are slower than one.
+    const wanted = Math.min(navigator.hardwareConcurrency - 1, MOST_THREADS);
+    if (globalThis.crossOriginIsolated && wanted > 1) {
+        try {
+            const { loadThreaded } = await import("./threads.ts");
+            return await loadThreaded(wanted, channel);
+        } catch (error) {
+            console.warn(`without threads: ${String(error)}`);
+        }
+    }
+    await init();
+    return { Core, threads: 1 };
+}
+
+const channel = `geotrace-${Math.random()}`;
+load(channel).then(
+    (loaded) => {
+        core = new loaded.Core();
+        tell("ready", { took: performance.now() - start, threads: loaded.threads, channel });
         for (const message of early.splice(0)) {
             const known: Core | undefined = core;
             if (known !== undefined) {

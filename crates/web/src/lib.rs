@@ -7,8 +7,9 @@
 //! page ◀──Answer, CoreEvent, pixels── worker.ts ◀── bindings ◀┘
 //! ```
 //!
-//! [`Core`] is plain Rust, and is tested natively; `bindings` alone is JavaScript's, and stands in no other build. Nothing
-//! here has a thread, a file or a clock of its own: the Worker hands in texts, bytes and the time, and calls for pictures.
+//! [`Core`] is plain Rust, and is tested natively; `bindings` and `threads` alone are JavaScript's, and stand in no other
+//! build. Nothing here has a file or a clock of its own: the Worker hands in texts, bytes and the time, and calls for
+//! pictures. Where a browser lets Workers share memory, `threads` makes more of them the threads that draw.
 
 #[cfg(target_arch = "wasm32")]
 mod bindings;
@@ -18,6 +19,8 @@ mod examples;
 mod images;
 mod message;
 mod source;
+#[cfg(all(target_arch = "wasm32", target_feature = "atomics"))]
+mod threads;
 
 pub use core::{Core, DrawnPicture, Saved, StepOutcome};
 pub use editing::Editing;

@@ -17,15 +17,25 @@ const files = (folder) =>
     });
 
 test("the whole page is at most two megabytes, compressed with brotli", (context) => {
+    // A browser loads the core with threads or the one without.
+    const all = files(dist);
+    for (const [kind, left] of [["with threads", /core_bg/], ["without threads", /thread/]]) {
+        const loaded = all.filter((file) => !left.test(file));
+        assert.ok(loaded.length < all.length);
+        atMostTwoMegabytes(context, kind, loaded);
+    }
+});
+
+function atMostTwoMegabytes(context, kind, files) {
     // An image is not sent in a form that is longer than itself.
     const sum = (compressed) =>
-        files(dist)
+        files
             .map((file) => readFileSync(file))
             .reduce((total, content) => total + Math.min(content.length, compressed(content).length), 0);
     const [brotli, gzip] = [sum((content) => brotliCompressSync(content)), sum((content) => gzipSync(content, { level: 9 }))];
-    context.diagnostic(`${brotli} bytes with brotli, ${gzip} with gzip`);
-    assert.ok(brotli <= 2 << 20, `${brotli} bytes`);
-});
+    context.diagnostic(`${kind}: ${brotli} bytes with brotli, ${gzip} with gzip`);
+    assert.ok(brotli <= 2 << 20, `${kind}: ${brotli} bytes`);
+}
 
 test("the page works without a network once it was loaded", async () => {
     const page = await state.open(link(SPHERE));

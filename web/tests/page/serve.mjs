@@ -15,10 +15,14 @@ const TYPES = {
 };
 
 /**
- * Serves a folder; `pages` are further pages by their paths. Returns its address, the paths that were asked for, and how it
+ * Serves a folder; `pages` are further pages by their paths. With `isolated` Workers may share memory. Returns its address, the paths that were asked for, and how it
  * is closed.
  */
-export async function serve(folder, pages = {}, { cors = false } = {}) {
+export async function serve(folder, pages = {}, { cors = false, isolated = false } = {}) {
+    const further = {
+        ...(cors && { "access-control-allow-origin": "*" }),
+        ...(isolated && { "cross-origin-opener-policy": "same-origin", "cross-origin-embedder-policy": "require-corp" }),
+    };
     const asked = [];
     const server = createServer((request, response) => {
         const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname));
@@ -27,7 +31,7 @@ export async function serve(folder, pages = {}, { cors = false } = {}) {
         try {
             const content = pages[path] ?? readFileSync(join(folder, file));
             const headers = { "content-type": TYPES[extname(file)] ?? "application/octet-stream", "cache-control": "no-cache" };
-            response.writeHead(200, cors ? { ...headers, "access-control-allow-origin": "*" } : headers);
+            response.writeHead(200, { ...headers, ...further });
             response.end(content);
         } catch {
             response.writeHead(404).end();
