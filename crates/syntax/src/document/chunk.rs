@@ -13,7 +13,8 @@ use super::sequence::Measure;
 #[derive(Clone, Debug)]
 pub(super) struct Finding<G: Grammar> {
     pub(super) diagnostic: Diagnostic,
-    pub(super) deferred: Option<G::Deferred>,
+    /// Boxed, since few have it: a text of a million mistakes has a million findings.
+    pub(super) deferred: Option<Box<G::Deferred>>,
 }
 
 /// The place of a name that the text seems to declare: its last place in the chunk.

@@ -290,7 +290,7 @@ impl<G: Grammar> Document<G> {
             diagnostic,
             deferred: deferred
                 .next_if(|(at, _)| *at == index)
-                .map(|(_, deferred)| deferred),
+                .map(|(_, deferred)| Box::new(deferred)),
         });
         let findings = findings.collect();
         let known_from: HashMap<SymbolId, u32> = known_from.into_iter().collect();
