@@ -11,6 +11,9 @@ use crate::view::Preferences;
 const MOVING_PICTURE: f64 = 0.022;
 /// The time that a step of a picture that is refined should take, in seconds.
 const REFINED_STEP: f64 = 0.1;
+/// A picture that is not traced and would take longer may be as coarse as a traced one while it moves, in seconds: a solid
+/// may take that long by itself.
+const SLOW: f64 = 0.6;
 /// The scale of the first traced picture of a pane.
 const FIRST_TRACED: f64 = 0.25;
 
@@ -53,9 +56,10 @@ pub fn size(
     let shorter = f64::from(room[0].min(room[1]).max(1));
     let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
     if moving && let Some(shown) = shown {
-        let all = f64::from(room[0]) * f64::from(room[1]) * scale * scale;
-        let share = (MOVING_PICTURE / (shown.rate * all).max(1e-9)).sqrt();
-        let (steps, least) = if traced { (16.0, 0.0625) } else { (8.0, 0.25) };
+        let whole = shown.rate * f64::from(room[0]) * f64::from(room[1]) * scale * scale;
+        let share = (MOVING_PICTURE / whole.max(1e-9)).sqrt();
+        let may_be_coarsest = traced || whole > SLOW;
+        let (steps, least) = if may_be_coarsest { (16.0, 0.0625) } else { (8.0, 0.25) };
         // In steps, so that the size does not change with every picture.
         scale *= if traced && shown.samples.is_none() {
             FIRST_TRACED
@@ -149,6 +153,8 @@ mod tests {
             [200, 100],
             "a quarter of the time"
         );
+        let slowest = PictureDetail::new([400, 200], 8.8, None);
+        assert_eq!(size(true, false, Some(slowest)), [25, 16]);
         assert_eq!(size(true, false, None), [400, 200]);
         assert_eq!(
             size(true, true, Some(slow)),

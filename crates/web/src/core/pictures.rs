@@ -14,8 +14,6 @@ use session::request::{differ_by_refinement, picture_request};
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
 
-/// A picture that is not traced and takes longer may be as coarse as a traced one while it moves, in seconds.
-const SLOW: f64 = 0.6;
 /// A picture that takes longer is said to be on its way, in seconds.
 const LONG: f64 = 0.3;
 /// The sides that a pane may have, in pixels.
@@ -242,16 +240,8 @@ impl Core {
             rate: panes * shown.rate,
             ..shown
         });
-        // A solid may take a second by itself: while it moves, it may be as coarse as what is traced.
-        let [width, height] = pane.room.map(f64::from);
-        let is_slow = shown.is_some_and(|shown| shown.rate * width * height > SLOW);
-        let shown = shown.map(|shown| PictureDetail {
-            samples: shown.samples.or((is_slow && !traced).then_some(1)),
-            ..shown
-        });
         let preferences = &self.model.view.preferences;
-        let coarse = traced || is_slow;
-        let size = refinement::size(preferences, id, pane.room, moving, coarse, shown);
+        let size = refinement::size(preferences, id, pane.room, moving, traced, shown);
         Some(size)
     }
 
