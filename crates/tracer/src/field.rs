@@ -395,39 +395,54 @@ impl Field {
 }
 
 /// The place where a value changes its sign between `a`, where it is not positive if `inside`, and `b`, where it is the other
-/// way round: Illinois' variant of the secant, halving where that is quicker or a value is no number.
+/// way round: by inverse quadratic interpolation, or by halving where that is not to be trusted or a value is no number
+/// (Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using
+/// derivatives*, Advances in Engineering Software 28, 1997).
 fn bracketed(
     mut value: impl FnMut(f64) -> f64,
     [mut a, mut b]: [f64; 2],
     [mut at_a, mut at_b]: [f64; 2],
     inside: bool,
 ) -> f64 {
-    let mut kept = 0i32;
-    for step in 0..120 {
-        let width = b - a;
-        if width <= 4.0 * f64::EPSILON * (a.abs().max(b.abs())) + f64::MIN_POSITIVE {
+    let mut is_a_inside = inside;
+    // The next place, as a share of the way from a to b: first that of the secant.
+    let mut share = at_a / (at_a - at_b);
+    for _ in 0..120 {
+        let width = (b - a).abs();
+        let least = 2.0 * f64::EPSILON * a.abs().max(b.abs()) + f64::MIN_POSITIVE;
+        if width <= 2.0 * least {
             break;
         }
-        let secant = b - at_b * (width / (at_b - at_a));
-        let halve = step % 8 == 7 || !(secant > a && secant < b);
-        let middle = if halve { 0.5 * (a + b) } else { secant };
         // A step inside the resolution would never close the bracket from the other side.
-        let least = 2.0 * f64::EPSILON * middle.abs();
-        let middle = middle.clamp(a + least.min(0.5 * width), b - least.min(0.5 * width));
+        let shortest = least / width;
+        let share_taken = match share.is_nan() {
+            true => 0.5,
+            false => share.clamp(shortest, 1.0 - shortest),
+        };
+        let middle = a + share_taken * (b - a);
         let at_middle = value(middle);
-        if (at_middle <= 0.0) == inside {
-            (a, at_a) = (middle, at_middle);
-            if kept > 0 {
-                at_b *= 0.5;
-            }
-            kept = 1;
+        // The new place is a, and b lies across the change; `before` is the one of the old two that is left over.
+        let (before, at_before);
+        if (at_middle <= 0.0) == is_a_inside {
+            (before, at_before) = (a, at_a);
         } else {
-            (b, at_b) = (middle, at_middle);
-            if kept < 0 {
-                at_a *= 0.5;
-            }
-            kept = -1;
+            (before, at_before) = (b, at_b);
+            (b, at_b) = (a, at_a);
+            is_a_inside = !is_a_inside;
         }
+        (a, at_a) = (middle, at_middle);
+        let place = (a - b) / (before - b);
+        let height = (at_a - at_b) / (at_before - at_b);
+        let is_trusted = height * height < place && (1.0 - height) * (1.0 - height) < 1.0 - place;
+        share = match is_trusted {
+            true => {
+                let secant = at_a / (at_b - at_a) * at_before / (at_b - at_before);
+                let bend =
+                    (before - a) / (b - a) * at_a / (at_before - at_a) * at_b / (at_before - at_b);
+                secant + bend
+            }
+            false => 0.5,
+        };
     }
     0.5 * (a + b)
 }
