@@ -6,15 +6,14 @@
 // the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 3 where it did not report in time.
 import { spawn, spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { openSuiteBrowser } from "./suite_browser.mjs";
 
 const [cache, extension, workspace, program] = process.argv.slice(2);
 const here = dirname(fileURLToPath(import.meta.url));
-const { chromium } = createRequire(join(cache, "package.json"))("playwright-core");
 // The preview's windows may take a software driver long.
 const LIMIT = process.env.GEOTRACE_SUITE === undefined ? 180_000 : 420_000;
 
@@ -60,18 +59,6 @@ await new Promise((resolve, reject) => {
     server.on("exit", (status) => reject(new Error(`the server of VS Code ended with ${status}:\n${log}`)));
 });
 
-const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: [
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-    ],
-});
 /** The processes of the windows of previews, where the suite opens any. */
 const windows = () => {
     const report = process.env.GEOTRACE_REPORT;
@@ -80,7 +67,10 @@ const windows = () => {
 };
 const finish = async (status) => {
     const open = windows();
-    await browser.close().catch(() => {});
+    await browser.close(status);
+    if (status === 3) {
+        console.error(log);
+    }
     if (status === 0 && open !== "") {
         // Nobody looks at VS Code any more: it ends its extensions, and they their server.
         const start = Date.now();
@@ -95,38 +85,11 @@ const finish = async (status) => {
     server.kill("SIGKILL");
     process.exit(status);
 };
-const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
-const lines = [];
-await page.exposeFunction("codeAutomationLog", (kind, args) => {
-    const line = args.join(" ");
-    // The workbench talks much; the suite's own lines begin like this.
-    if (/^(ok|FAILED|VS Code:)/.test(line)) {
-        console.log(line);
-    } else {
-        lines.push(line);
-    }
-});
-await page.exposeFunction("codeAutomationExit", (status) => {
-    const screenshot = process.env.GEOTRACE_SCREENSHOT;
-    void (async () => {
-        if (screenshot) {
-            await page.screenshot({ path: screenshot });
-        }
-        if (status !== 0) {
-            console.error(lines.slice(-30).join("\n"));
-        }
-        await finish(status);
-    })();
-});
-page.on("console", (message) => lines.push(message.text()));
-setTimeout(() => {
-    console.error(`no report within ${LIMIT / 1000} s:\n${lines.slice(-40).join("\n")}\n${log}`);
-    void finish(3);
-}, LIMIT);
+const browser = await openSuiteBrowser(cache, LIMIT, finish);
 const remote = (path) => `vscode-remote://localhost:${port}${path}`;
 const payload = JSON.stringify([
     ["extensionDevelopmentPath", remote(extension)],
     ["extensionTestsPath", remote(join(here, "suite/index.js"))],
     ["skipWelcome", "true"],
 ]);
-await page.goto(`http://localhost:${port}/?folder=${encodeURIComponent(workspace)}&payload=${encodeURIComponent(payload)}`);
+await browser.tab.goto(`http://localhost:${port}/?folder=${encodeURIComponent(workspace)}&payload=${encodeURIComponent(payload)}`);

@@ -5,18 +5,20 @@
 //
 // CACHE holds code-server, whose workbench is taken without its server, and playwright-core (see `install`), EXTENSION is the
 // unpacked .vsix, SUITE the bundled suite. Exit status: that of the suite; 3 where it did not report in time.
-// GEOTRACE_SCREENSHOT is a file for a picture of the end.
 import { createReadStream, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
-import { createRequire } from "node:module";
 import { extname, join, normalize } from "node:path";
+import { openSuiteBrowser } from "./suite_browser.mjs";
 
 const [cache, extension, suite] = process.argv.slice(2);
-const { chromium } = createRequire(join(cache, "package.json"))("playwright-core");
 /** In the extension's folder: so it runs in the host of that. */
 const SUITE = "/extension/suite.js";
 const LIMIT = 180_000;
-const lines = [];
+const finish = async (status) => {
+    await browser.close(status);
+    process.exit(status);
+};
+const browser = await openSuiteBrowser(cache, LIMIT, finish);
 const code = join(cache, "node_modules/code-server/lib/vscode");
 const types = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
 
@@ -50,7 +52,7 @@ const server = createServer((request, response) => {
     }
     const file = pathname === SUITE ? suite : join({ code, extension }[root] ?? "/none", rest);
     if (!statSync(file, { throwIfNoEntry: false })?.isFile()) {
-        lines.push(`there is no ${pathname}`);
+        browser.lines.push(`there is no ${pathname}`);
         response.writeHead(404).end();
         return;
     }
@@ -91,34 +93,4 @@ function page() {
     return text.replaceAll(/\{\{(\w+)\}\}/g, (_, name) => values[name]);
 }
 
-const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-});
-const tab = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
-const finish = async (status) => {
-    if (process.env.GEOTRACE_SCREENSHOT) {
-        await tab.screenshot({ path: process.env.GEOTRACE_SCREENSHOT }).catch(() => {});
-    }
-    if (status !== 0) {
-        console.error(lines.slice(-40).join("\n"));
-    }
-    await browser.close().catch(() => {});
-    process.exit(status);
-};
-await tab.exposeFunction("codeAutomationLog", (_kind, args) => {
-    const line = args.join(" ");
-    if (/^(ok|FAILED|VS Code:)/.test(line)) {
-        console.log(line);
-    } else {
-        lines.push(line);
-    }
-});
-await tab.exposeFunction("codeAutomationExit", (status) => void finish(status));
-tab.on("console", (message) => lines.push(message.text()));
-tab.on("pageerror", (error) => lines.push(String(error)));
-setTimeout(() => {
-    console.error(`no report within ${LIMIT / 1000} s`);
-    void finish(3);
-}, LIMIT);
-await tab.goto(`http://localhost:${port}/`);
+await browser.tab.goto(`http://localhost:${port}/`);

@@ -6,22 +6,10 @@ const { mkdtempSync, readFileSync, writeFileSync } = require("node:fs");
 const { tmpdir } = require("node:os");
 const { join } = require("node:path");
 const vscode = require("vscode");
+const { eventually } = require("./workspace");
 
 const { GEOTRACE_REPORT: reportFile, GEOTRACE_SCRATCH: scratch } = process.env;
 const run = (program, ...rest) => execFileSync(program, rest, { encoding: "utf8" }).trim();
-
-/** Waits until the condition gives a value: the first frame may take a software driver long. */
-async function eventually(what, condition) {
-    const start = Date.now();
-    while (Date.now() - start < 60_000) {
-        const value = await condition();
-        if (value) {
-            return value;
-        }
-        await new Promise((resolve) => setTimeout(resolve, 20));
-    }
-    throw new Error(`never came: ${typeof what === "string" ? what : what()}`);
-}
 
 /** The window's counters as it left them last. */
 function report() {

@@ -18,17 +18,17 @@ exports.openAs = async (name, text) => {
     return document;
 };
 
-/** Waits until the condition gives a value. */
+/** Waits until the condition gives a value: the first frame of a window may take a software driver long. `what` may be a function. */
 exports.eventually = async (what, condition) => {
     const start = Date.now();
-    while (Date.now() - start < 40_000) {
+    while (Date.now() - start < 60_000) {
         const value = await condition();
         if (value) {
             return value;
         }
         await new Promise((resolve) => setTimeout(resolve, 20));
     }
-    throw new Error(`never came: ${what}`);
+    throw new Error(`never came: ${typeof what === "string" ? what : what()}`);
 };
 
 exports.found = (document) => vscode.languages.getDiagnostics(document.uri);
