@@ -2,7 +2,7 @@
 // at by screenshots. GEOTRACE_REPORT is where the window leaves its counters, GEOTRACE_SCRATCH a folder for screenshots.
 const assert = require("node:assert");
 const { execFileSync, spawnSync } = require("node:child_process");
-const { mkdtempSync, readFileSync, writeFileSync } = require("node:fs");
+const { existsSync, mkdtempSync, readFileSync, writeFileSync } = require("node:fs");
 const { tmpdir } = require("node:os");
 const { join } = require("node:path");
 const vscode = require("vscode");
@@ -134,7 +134,8 @@ exports["a double click on an object jumps to its declaration"] = async () => {
 exports["a window that is killed does not take the server with it, and the command opens it anew"] = async () => {
     const [process] = processes();
     run("kill", "-9", process);
-    await eventually("its end", () => !processes().includes(process));
+    // Until the server has noticed: before that, the process is on the way to its end.
+    await eventually("its end", () => !existsSync(`/proc/${process}`));
     await replace(0, 0, 0, "#");
     const [hover] = await vscode.commands.executeCommand(
         "vscode.executeHoverProvider",
