@@ -4,7 +4,7 @@
 // `geotrace-render` takes them in place of the whole ones where it is built with `--cfg reduced_fonts` and OUT in
 // GEOTRACE_FONTS.
 import { execFileSync } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import subset from 'subset-font';
 
@@ -18,5 +18,10 @@ const letters = codes.map((code) => String.fromCodePoint(code)).join('');
 mkdirSync(out, { recursive: true });
 for (const name of ['Ubuntu-Light.ttf', 'Hack-Regular.ttf']) {
   const whole = readFileSync(path.join(path.dirname(manifest), 'fonts', name));
-  writeFileSync(path.join(out, name), await subset(whole, letters, { targetFormat: 'sfnt', noHinting: true }));
+  const reduced = await subset(whole, letters, { targetFormat: 'sfnt', noHinting: true });
+  const file = path.join(out, name);
+  // One that is written anew is compiled anew, with all that draws.
+  if (!existsSync(file) || !readFileSync(file).equals(reduced)) {
+    writeFileSync(file, reduced);
+  }
 }
