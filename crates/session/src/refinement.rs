@@ -59,7 +59,11 @@ pub fn size(
         let whole = shown.rate * f64::from(room[0]) * f64::from(room[1]) * scale * scale;
         let share = (MOVING_PICTURE / whole.max(1e-9)).sqrt();
         let may_be_coarsest = traced || whole > SLOW;
-        let (steps, least) = if may_be_coarsest { (16.0, 0.0625) } else { (8.0, 0.25) };
+        let (steps, least) = if may_be_coarsest {
+            (16.0, 0.0625)
+        } else {
+            (8.0, 0.25)
+        };
         // In steps, so that the size does not change with every picture.
         scale *= if traced && shown.samples.is_none() {
             FIRST_TRACED
