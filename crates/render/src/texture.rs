@@ -17,7 +17,7 @@ use std::io::{BufRead, Cursor, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits, RgbaImage, imageops};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits, RgbaImage};
 use rayon::prelude::*;
 
 use crate::style::{decode, encode};
@@ -27,7 +27,10 @@ pub const MAX_FILE_SIDE: u32 = 32_768;
 /// The most pixels of an image file: some kilobytes may decode to any number of them.
 pub const MAX_FILE_PIXELS: u64 = 1 << 26;
 /// The longest side of a texture in texels; a larger image is reduced to it.
-pub const MAX_SIDE: u32 = 8_192;
+const MAX_SIDE: u32 = 8_192;
+/// About the most texels of a texture, with the same effect. A picture that shows it takes 16 bytes for each: it and its
+/// levels in bytes and in linear light.
+const MAX_TEXELS: f64 = (1 << 25) as f64;
 /// The most memory that decoding one image may take, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -151,26 +154,22 @@ impl Texture {
     }
 
     /// A texture of an image with at least one pixel (an empty one gives a white texel). What is transparent shows
-    /// white; an image larger than [`MAX_SIDE`] is reduced.
+    /// white; an image of more than 8,192 texels on a side, or of about 33 million, is reduced.
     pub fn from_image(image: RgbaImage) -> Self {
-        let longest = image.width().max(image.height());
-        let image = if longest > MAX_SIDE {
-            let reduced = |side: u32| {
-                (u64::from(side) * u64::from(MAX_SIDE) / u64::from(longest)).max(1) as u32
-            };
-            let size = [reduced(image.width()), reduced(image.height())];
-            imageops::resize(&image, size[0], size[1], imageops::FilterType::Triangle)
-        } else {
-            image
-        };
         let size = [image.width(), image.height()];
-        let mut texels: Vec<[u8; 4]> = image.pixels().map(|pixel| over_white(pixel.0)).collect();
+        let texels: Vec<[u8; 4]> = image.pixels().map(|pixel| over_white(pixel.0)).collect();
+        drop(image);
         if texels.is_empty() {
-            texels.push([255; 4]);
-            let (size, texels) = ([1, 1], texels);
+            let (size, texels) = ([1, 1], vec![[255; 4]]);
             return Self::chain(Level { size, texels });
         }
-        Self::chain(Level { size, texels })
+        let image = Level { size, texels };
+        let scale = scale_to_fit(size);
+        if scale == 1.0 {
+            return Self::chain(image);
+        }
+        let reduced = |side: u32| (f64::from(side) * scale).round().max(1.0) as u32;
+        Self::chain(image.reduced(size.map(reduced)))
     }
 
     /// A texture of opaque sRGB texels, row by row from v min, each row from u min; there are as many as the size says.
@@ -181,7 +180,7 @@ impl Texture {
     fn chain(first: Level) -> Self {
         let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
-            let next = last.halved();
+            let next = last.reduced(last.size.map(|side| (side / 2).max(1)));
             levels.push(next);
         }
         Self {
@@ -246,7 +245,7 @@ impl Texture {
 
     /// The image as it goes on beyond the sides of its domain: itself where they wrap plainly. A side of u that is
     /// glued to the other one turned over (`flips[0]`) is followed by the image upside down, so that it repeats after
-    /// two widths; likewise `flips[1]` for v and left to right.
+    /// two widths; likewise `flips[1]` for v and left to right. An image that would become too large is halved first.
     pub fn cover(self: &Arc<Self>, flips: [bool; 2]) -> Arc<Self> {
         let index = match flips {
             [false, false] => return self.clone(),
@@ -254,7 +253,12 @@ impl Texture {
             [false, true] => 1,
             [true, true] => 2,
         };
-        let make = || Arc::new(Self::chain(self.levels[0].covered(flips)));
+        let make = || {
+            let fits = |level: &&Level| scale_to_fit(level.covered_size(flips)) == 1.0;
+            let level = self.levels.iter().find(fits);
+            let level = level.expect("a level of one texel fits");
+            Arc::new(Self::chain(level.covered(flips)))
+        };
         self.covers[index].get_or_init(make).clone()
     }
 
@@ -275,10 +279,14 @@ impl Texture {
 }
 
 impl Level {
+    fn covered_size(&self, flips: [bool; 2]) -> [u32; 2] {
+        [0, 1].map(|k| self.size[k] << u32::from(flips[k]))
+    }
+
     /// Twice as large along each axis that flips: beside the image, itself turned over.
     fn covered(&self, flips: [bool; 2]) -> Self {
         let [width, height] = self.size;
-        let size = [0, 1].map(|k| self.size[k] << u32::from(flips[k]));
+        let size = self.covered_size(flips);
         let texel = |x: u32, y: u32| {
             // A step beyond a side of u turns v over, and one beyond a side of v turns u over.
             let (over_u, over_v) = (x >= width, y >= height);
@@ -294,10 +302,9 @@ impl Level {
         }
     }
 
-    /// The next level: each texel is the average of the area it covers, in linear light. With an odd side a texel
-    /// covers three texels in part.
-    fn halved(&self) -> Self {
-        let size = self.size.map(|side| (side / 2).max(1));
+    /// A smaller level of this size: each texel is the average of the area it covers, in linear light. With an odd side
+    /// halved, a texel covers three texels in part.
+    fn reduced(&self, size: [u32; 2]) -> Self {
         let columns: Vec<_> = (0..size[0])
             .map(|x| taps(x, self.size[0], size[0]))
             .collect();
@@ -310,8 +317,8 @@ impl Level {
                 let (top, down) = taps(y as u32, self.size[1], size[1]);
                 for (texel, (left, across)) in row.iter_mut().zip(&columns) {
                     let mut sum = [0.0; 3];
-                    for (j, &wy) in down.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                        for (i, &wx) in across.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+                    for (j, &wy) in down.iter().enumerate() {
+                        for (i, &wx) in across.iter().enumerate() {
                             let from = self.texels[(top + j) * width + left + i];
                             for k in 0..3 {
                                 sum[k] += wx * wy * decode(from[k]);
@@ -325,22 +332,25 @@ impl Level {
     }
 }
 
-/// The first of up to three texels that a texel of the next level covers, and their weights.
-fn taps(index: u32, from: u32, to: u32) -> (usize, [f32; 3]) {
+/// By how much each side of an image must be multiplied for it to fit into a texture; 1 where it fits.
+fn scale_to_fit(size: [u32; 2]) -> f64 {
+    let [width, height] = size.map(f64::from);
+    let side = f64::from(MAX_SIDE) / width.max(height);
+    side.min((MAX_TEXELS / (width * height)).sqrt()).min(1.0)
+}
+
+/// The first of the texels that a texel of a smaller level covers along an axis, and the share of each in it.
+fn taps(index: u32, from: u32, to: u32) -> (usize, Vec<f32>) {
     let scale = f64::from(from) / f64::from(to);
     let (start, end) = (f64::from(index) * scale, f64::from(index + 1) * scale);
-    let first = start.floor();
-    let weights = std::array::from_fn(|k| {
-        let low = first + k as f64;
+    // What rounding leaves over beyond the end is no texel.
+    let last = ((end - 1e-6).ceil() as u32).min(from);
+    let weights = (start as u32..last).map(|texel| {
+        let low = f64::from(texel);
         let covered = (end.min(low + 1.0) - start.max(low)).max(0.0);
-        // What rounding leaves over is no texel.
-        if covered > 1e-6 && low < f64::from(from) {
-            (covered / scale) as f32
-        } else {
-            0.0
-        }
+        (covered / scale) as f32
     });
-    (first as usize, weights)
+    (start as usize, weights.collect())
 }
 
 fn over_white([r, g, b, a]: [u8; 4]) -> [u8; 4] {

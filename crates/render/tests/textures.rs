@@ -1,5 +1,7 @@
 //! Textures: mip chains, filtering, files.
 
+use std::sync::Arc;
+
 use image::{Rgba, RgbaImage};
 use render::style;
 use render::texture::{Texture, TextureError};
@@ -46,6 +48,37 @@ fn odd_sides_are_averaged_without_loss() {
     for light in light {
         assert!((light - 0.2).abs() < 0.005, "{light}");
     }
+}
+
+#[test]
+fn a_large_image_is_reduced_in_linear_light() {
+    let checker = |width, height| {
+        RgbaImage::from_fn(width, height, |x, y| {
+            let byte = if (x + y) % 2 == 0 { 255 } else { 0 };
+            Rgba([byte, byte, byte, 255])
+        })
+    };
+    // By the longest side, and by the number of texels: 33,554,432.
+    for (size, reduced) in [([16_384, 6], [8_192, 3]), ([8_192, 8_192], [5_793, 5_793])] {
+        let texture = Texture::from_image(checker(size[0], size[1]));
+        let level = &texture.levels()[0];
+        assert_eq!(level.size, reduced);
+        let light = level
+            .texels
+            .iter()
+            .map(|texel| f64::from(style::decode(texel[0])));
+        let mean = light.sum::<f64>() / level.texels.len() as f64;
+        assert!((mean - 0.5).abs() < 0.01, "{size:?}: {mean}");
+    }
+}
+
+#[test]
+fn an_image_of_the_earth_keeps_as_much_as_a_texture_holds() {
+    let texture = Texture::from_image(RgbaImage::new(10_800, 5_400));
+    assert_eq!(texture.levels()[0].size, [8_192, 4_096]);
+    // Turned over beyond a side, it has twice the width: so it is halved first.
+    let cover = Arc::new(texture).cover([true, false]);
+    assert_eq!(cover.levels()[0].size, [8_192, 2_048]);
 }
 
 #[test]
