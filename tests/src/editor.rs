@@ -146,9 +146,7 @@ impl Editor {
     async fn send(&mut self, message: Value) {
         self.transcript
             .push(json!({ "from": "client", "message": message }));
-        let body = message.to_string();
-        let framed = format!("Content-Length: {}\r\n\r\n{body}", body.len());
-        self.send_raw(framed.as_bytes()).await;
+        self.send_raw(&framed(&message)).await;
     }
 
     /// Sends a notification.
@@ -389,7 +387,17 @@ async fn read(mut stream: Box<dyn AsyncRead + Unpin + Send>, sender: mpsc::Unbou
     }
 }
 
-fn frame(bytes: &[u8]) -> Option<(Value, usize)> {
+/// A message as it is sent.
+pub fn framed(message: &Value) -> Vec<u8> {
+    let body = message.to_string();
+    format!("Content-Length: {}\r\n\r\n{body}", body.len()).into_bytes()
+}
+
+/// The first message of what was sent, and its length in bytes; `None` if it has not come as a whole.
+///
+/// # Panics
+/// If it is none.
+pub fn frame(bytes: &[u8]) -> Option<(Value, usize)> {
     let header = bytes.windows(4).position(|w| w == b"\r\n\r\n")?;
     let text = std::str::from_utf8(&bytes[..header]).expect("an ASCII header");
     let length: usize = text
