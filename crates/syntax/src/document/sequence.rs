@@ -8,7 +8,7 @@
 //! The trees of `crop` and `ropey` hold sums too, but keep the tree private and hold text: they do not find the place of an
 //! element from its handle, which every question about a chunk needs.
 
-use std::ops::{Add, AddAssign};
+use std::ops::{Add, AddAssign, Sub};
 use std::sync::Arc;
 
 use crate::persistent_vector::PersistentVector;
@@ -213,17 +213,16 @@ impl Sequence {
                 (leaf, 0)
             }
         };
-        let handle = chunk.0 as usize;
-        self.leaves.set(handle, leaf, NONE);
+        self.leaves.set(chunk.0 as usize, leaf, NONE);
         let items = &mut self.node_mut(leaf).items;
         let is_last = index == items.len();
         items.insert(index, (chunk.0, measure));
-        self.split(leaf, is_last);
-        let leaf = self.leaves[handle];
-        self.resum(leaf);
+        let highest = self.split(leaf, is_last);
+        self.add_above(highest, measure);
     }
 
     pub(super) fn remove(&mut self, chunk: ChunkId) {
+        self.measure(chunk, Measure::default());
         let leaf = self.leaves[chunk.0 as usize];
         self.leaves.set(chunk.0 as usize, NONE, NONE);
         self.remove_item(leaf, chunk.0);
@@ -234,35 +233,32 @@ impl Sequence {
         let leaf = self.leaves[chunk.0 as usize];
         let node = self.node_mut(leaf);
         let index = node.index(chunk.0);
-        if let Some(item) = node.items.get_mut(index)
-            && item.1 != measure
-        {
-            item.1 = measure;
-            self.resum(leaf);
+        let before = std::mem::replace(&mut node.items[index].1, measure);
+        if before != measure {
+            self.add_above(leaf, measure - before);
         }
     }
 
-    /// Brings the sums above a node up to date.
-    fn resum(&mut self, mut at: u32) {
+    /// Adds to the sums above a node.
+    fn add_above(&mut self, mut at: u32, more: Measure) {
         loop {
-            let node = &self.nodes[at as usize];
-            let (sum, parent) = (sum(&node.items), node.parent);
+            let parent = self.nodes[at as usize].parent;
             if parent == NONE {
                 return;
             }
             let above = self.node_mut(parent);
             let index = above.index(at);
-            above.items[index].1 = sum;
+            above.items[index].1 += more;
             at = parent;
         }
     }
 
-    /// Splits a node that is too large, and then its ancestors as far as they become too large. The caller brings the sums
-    /// above the last one up to date.
+    /// Splits a node that is too large, and then its ancestors as far as they become too large. Returns the highest node that
+    /// has a new item: the sums above it lack what is new.
     ///
     /// `is_last` says that the new item is the node's last: then the node keeps all its other items, so that a text that is
     /// read from top to bottom fills its nodes instead of leaving them half empty.
-    fn split(&mut self, mut at: u32, mut is_last: bool) {
+    fn split(&mut self, mut at: u32, mut is_last: bool) -> u32 {
         while self.nodes[at as usize].items.len() > MAX_ITEMS {
             let node = self.node_mut(at);
             let middle = match is_last {
@@ -295,6 +291,7 @@ impl Sequence {
             above.items.insert(index + 1, (right, right_sum));
             at = parent;
         }
+        at
     }
 
     /// Makes a node the leaf or parent of its items.
@@ -308,6 +305,7 @@ impl Sequence {
         }
     }
 
+    /// Removes an item whose sum is no longer in those above the node.
     fn remove_item(&mut self, at: u32, item: u32) {
         let node = self.node_mut(at);
         let index = node.index(item);
@@ -330,7 +328,6 @@ impl Sequence {
             self.remove_item(parent, at);
             return;
         }
-        self.resum(at);
         if count < MIN_ITEMS {
             self.join(at, parent);
         }
@@ -355,9 +352,11 @@ impl Sequence {
                 continue;
             }
             let moved = std::mem::take(&mut self.node_mut(right).items);
+            let above = self.node_mut(parent);
+            let index = above.index(left);
+            above.items[index].1 += sum(&moved);
             self.node_mut(left).items.extend(moved);
             self.adopt(left);
-            self.resum(left);
             self.free.push(right);
             self.remove_item(parent, right);
             return;
@@ -386,7 +385,8 @@ impl Sequence {
 impl TreeNode {
     /// The position of an item, which the node holds.
     fn index(&self, item: u32) -> usize {
-        let index = self.items.iter().position(|(other, _)| *other == item);
+        // From the end: a text that is read from top to bottom changes the last item.
+        let index = self.items.iter().rposition(|(other, _)| *other == item);
         debug_assert!(index.is_some(), "a node holds what names it as its parent");
         index.unwrap_or_default()
     }
@@ -398,20 +398,36 @@ fn sum(items: &[(u32, Measure)]) -> Measure {
         .fold(Measure::default(), |sum, (_, measure)| sum + *measure)
 }
 
+impl Measure {
+    /// Each count of two measures taken together.
+    fn with(self, other: Self, together: impl Fn(u32, u32) -> u32) -> Self {
+        Self {
+            chunks: together(self.chunks, other.chunks),
+            bytes: together(self.bytes, other.bytes),
+            lines: together(self.lines, other.lines),
+            characters: together(self.characters, other.characters),
+            findings: together(self.findings, other.findings),
+            searches: together(self.searches, other.searches),
+            tokens: together(self.tokens, other.tokens),
+            declarations: together(self.declarations, other.declarations),
+        }
+    }
+}
+
+/// A difference wraps around where it is less than nothing, and so does a sum with it.
 impl Add for Measure {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            chunks: self.chunks + other.chunks,
-            bytes: self.bytes + other.bytes,
-            lines: self.lines + other.lines,
-            characters: self.characters + other.characters,
-            findings: self.findings + other.findings,
-            searches: self.searches + other.searches,
-            tokens: self.tokens + other.tokens,
-            declarations: self.declarations + other.declarations,
-        }
+        self.with(other, u32::wrapping_add)
+    }
+}
+
+impl Sub for Measure {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        self.with(other, u32::wrapping_sub)
     }
 }
 
