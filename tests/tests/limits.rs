@@ -5,7 +5,7 @@ use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
 use geodesic::measure::MOST_CONNECTIONS;
 use geodesic::trace::MOST_OF_ONE;
 use geometry::solids::MAX_SHAPE_WORK;
-use render::texture::{MAX_FILE_PIXELS, MAX_FILE_SIDE};
+use render::texture::{self, MAX_FILE_PIXELS, MAX_FILE_SIDE};
 use render::view::traced;
 use scene::crt;
 use scene::limits;
@@ -15,7 +15,7 @@ use testing::examples::repository;
 struct Limit {
     what: &'static str,
     most: String,
-    why: &'static str,
+    why: String,
     /// What is said, as it stands in the sources; what is in braces is put in there.
     said: &'static str,
     /// How to raise it; empty where nobody needs to.
@@ -25,14 +25,14 @@ struct Limit {
 fn limit(
     what: &'static str,
     most: impl std::fmt::Display,
-    why: &'static str,
+    why: impl Into<String>,
     said: &'static str,
     raised: &'static str,
 ) -> Limit {
     Limit {
         what,
         most: most.to_string(),
-        why,
+        why: why.into(),
         said,
         raised,
     }
@@ -175,7 +175,11 @@ fn pictures() -> Vec<Limit> {
         limit(
             "pixels of an image",
             grouped(MAX_FILE_PIXELS),
-            "as above",
+            format!(
+                "as above; it is reduced where it has more than {} or a side of more than {}",
+                grouped(texture::MAX_TEXELS),
+                grouped(texture::MAX_SIDE)
+            ),
             "is too large: it may have {} million pixels",
             "",
         ),

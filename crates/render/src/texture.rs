@@ -27,10 +27,10 @@ pub const MAX_FILE_SIDE: u32 = 32_768;
 /// The most pixels of an image file: some kilobytes may decode to any number of them.
 pub const MAX_FILE_PIXELS: u64 = 1 << 26;
 /// The longest side of a texture in texels; a larger image is reduced to it.
-const MAX_SIDE: u32 = 8_192;
+pub const MAX_SIDE: u32 = 8_192;
 /// About the most texels of a texture, with the same effect. A picture that shows it takes 16 bytes for each: it and its
 /// levels in bytes and in linear light.
-const MAX_TEXELS: f64 = (1 << 25) as f64;
+pub const MAX_TEXELS: u32 = 1 << 25;
 /// The most memory that decoding one image may take, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -336,7 +336,8 @@ impl Level {
 fn scale_to_fit(size: [u32; 2]) -> f64 {
     let [width, height] = size.map(f64::from);
     let side = f64::from(MAX_SIDE) / width.max(height);
-    side.min((MAX_TEXELS / (width * height)).sqrt()).min(1.0)
+    side.min((f64::from(MAX_TEXELS) / (width * height)).sqrt())
+        .min(1.0)
 }
 
 /// The first of the texels that a texel of a smaller level covers along an axis, and the share of each in it.
