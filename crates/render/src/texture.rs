@@ -28,8 +28,8 @@ pub const MAX_FILE_SIDE: u32 = 32_768;
 pub const MAX_FILE_PIXELS: u64 = 1 << 26;
 /// The longest side of a texture in texels; a larger image is reduced to it.
 pub const MAX_SIDE: u32 = 8_192;
-/// About the most texels of a texture, with the same effect. A picture that shows it takes 16 bytes for each: it and its
-/// levels in bytes and in linear light.
+/// About the most texels of a texture; a larger image is reduced to so many. A picture that shows it takes 16 bytes for each
+/// of them: 4 for its colour and 8 for that in linear light, and a third more for the smaller levels.
 pub const MAX_TEXELS: u32 = 1 << 25;
 /// The most memory that decoding one image may take, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
@@ -154,7 +154,7 @@ impl Texture {
     }
 
     /// A texture of an image with at least one pixel (an empty one gives a white texel). What is transparent shows
-    /// white; an image of more than 8,192 texels on a side, or of about 33 million, is reduced.
+    /// white; an image with a longer side than [`MAX_SIDE`], or more texels than [`MAX_TEXELS`], is reduced.
     pub fn from_image(image: RgbaImage) -> Self {
         let size = [image.width(), image.height()];
         let texels: Vec<[u8; 4]> = image.pixels().map(|pixel| over_white(pixel.0)).collect();
@@ -245,7 +245,8 @@ impl Texture {
 
     /// The image as it goes on beyond the sides of its domain: itself where they wrap plainly. A side of u that is
     /// glued to the other one turned over (`flips[0]`) is followed by the image upside down, so that it repeats after
-    /// two widths; likewise `flips[1]` for v and left to right. An image that would become too large is halved first.
+    /// two widths; likewise `flips[1]` for v and left to right. It is made of the largest level with which it has no more
+    /// texels than [`MAX_TEXELS`].
     pub fn cover(self: &Arc<Self>, flips: [bool; 2]) -> Arc<Self> {
         let index = match flips {
             [false, false] => return self.clone(),
@@ -254,7 +255,8 @@ impl Texture {
             [true, true] => 2,
         };
         let make = || {
-            let fits = |level: &&Level| scale_to_fit(level.covered_size(flips)) == 1.0;
+            let fits =
+                |level: &&Level| level.covered_size(flips).iter().product::<u32>() <= MAX_TEXELS;
             let level = self.levels.iter().find(fits);
             let level = level.expect("a level of one texel fits");
             Arc::new(Self::chain(level.covered(flips)))
@@ -279,6 +281,7 @@ impl Texture {
 }
 
 impl Level {
+    /// The size of [`Level::covered`].
     fn covered_size(&self, flips: [bool; 2]) -> [u32; 2] {
         [0, 1].map(|k| self.size[k] << u32::from(flips[k]))
     }

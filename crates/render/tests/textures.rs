@@ -79,6 +79,10 @@ fn an_image_of_the_earth_keeps_as_much_as_a_texture_holds() {
     // Turned over beyond a side, it has twice the width: so it is halved first.
     let cover = Arc::new(texture).cover([true, false]);
     assert_eq!(cover.levels()[0].size, [8_192, 2_048]);
+    // One that has room for that stays as sharp, however long it becomes.
+    let texture = Texture::from_image(RgbaImage::new(6_000, 2_000));
+    let cover = Arc::new(texture).cover([true, false]);
+    assert_eq!(cover.levels()[0].size, [12_000, 2_000]);
 }
 
 #[test]
