@@ -222,6 +222,7 @@ impl Sequence {
     }
 
     pub(super) fn remove(&mut self, chunk: ChunkId) {
+        // The sums above no longer count it.
         self.measure(chunk, Measure::default());
         let leaf = self.leaves[chunk.0 as usize];
         self.leaves.set(chunk.0 as usize, NONE, NONE);
@@ -341,9 +342,9 @@ impl Sequence {
             index.checked_sub(1).map(|left| (left, index)),
             Some((index, index + 1)),
         ];
-        for (left, right) in neighbours.into_iter().flatten() {
-            let (Some(&(left, _)), Some(&(right, _))) =
-                (above.items.get(left), above.items.get(right))
+        for (place, next) in neighbours.into_iter().flatten() {
+            let (Some(&(left, _)), Some(&(right, more))) =
+                (above.items.get(place), above.items.get(next))
             else {
                 continue;
             };
@@ -352,9 +353,7 @@ impl Sequence {
                 continue;
             }
             let moved = std::mem::take(&mut self.node_mut(right).items);
-            let above = self.node_mut(parent);
-            let index = above.index(left);
-            above.items[index].1 += sum(&moved);
+            self.node_mut(parent).items[place].1 += more;
             self.node_mut(left).items.extend(moved);
             self.adopt(left);
             self.free.push(right);
