@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::Stdio;
+use std::sync::Arc;
 use std::time::Duration;
 
 use ide::Languages;
@@ -13,9 +14,11 @@ use serde_json::{Value, json};
 use server::WindowProgram;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::process::{Child, Command};
-use tokio::sync::mpsc;
+use tokio::sync::{Mutex, mpsc};
 use tokio::task::JoinHandle;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
+
+use crate::binary::high_water_mark;
 
 /// No answer takes longer, whatever else the machine does.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -39,6 +42,8 @@ pub struct Editor {
     name: String,
     writer: Option<Box<dyn AsyncWrite + Unpin + Send>>,
     incoming: mpsc::UnboundedReceiver<Value>,
+    /// Locked while nothing is to be read.
+    may_read: Arc<Mutex<()>>,
     server: Server,
     next: i64,
     /// Messages that were not asked for yet: notifications, and answers to other requests.
@@ -106,11 +111,13 @@ impl Editor {
             }
         };
         let (sender, incoming) = mpsc::unbounded_channel();
-        tokio::spawn(read(reader, sender));
+        let may_read = Arc::new(Mutex::new(()));
+        tokio::spawn(read(reader, may_read.clone(), sender));
         Self {
             name: format!("{name}-{place:?}"),
             writer: Some(writer),
             incoming,
+            may_read,
             server,
             next: 0,
             waiting: VecDeque::new(),
@@ -134,6 +141,16 @@ impl Editor {
         answer
     }
 
+    /// Reads nothing from the server for this time, at most the rest of a message that is under way; what is sent is written
+    /// meanwhile.
+    pub async fn read_late(&self, time: Duration) {
+        let held = self.may_read.clone().lock_owned().await;
+        tokio::spawn(async move {
+            sleep(time).await;
+            drop(held);
+        });
+    }
+
     /// Sends bytes as they are.
     pub async fn send_raw(&mut self, bytes: &[u8]) {
         if let Some(writer) = &mut self.writer {
@@ -146,7 +163,7 @@ impl Editor {
     async fn send(&mut self, message: Value) {
         self.transcript
             .push(json!({ "from": "client", "message": message }));
-        self.send_raw(&framed(&message)).await;
+        self.send_raw(framed(&message.to_string()).as_bytes()).await;
     }
 
     /// Sends a notification.
@@ -368,10 +385,24 @@ impl Editor {
             Server::Binary(child) => child.id(),
         }
     }
+
+    /// The largest resident memory of the server's process until now, in bytes: of Linux only, elsewhere it is 0.
+    ///
+    /// # Panics
+    /// If the server has no process of its own.
+    pub fn peak(&self) -> u64 {
+        let process = self.process().expect("a process");
+        let status = std::fs::read_to_string(format!("/proc/{process}/status"));
+        status.map_or(0, |status| high_water_mark(&status))
+    }
 }
 
 /// Takes messages from a stream until it ends. What is no message of the protocol is a fault of the server.
-async fn read(mut stream: Box<dyn AsyncRead + Unpin + Send>, sender: mpsc::UnboundedSender<Value>) {
+async fn read(
+    mut stream: Box<dyn AsyncRead + Unpin + Send>,
+    may_read: Arc<Mutex<()>>,
+    sender: mpsc::UnboundedSender<Value>,
+) {
     let mut bytes: Vec<u8> = Vec::new();
     loop {
         while let Some((message, used)) = frame(&bytes) {
@@ -380,6 +411,7 @@ async fn read(mut stream: Box<dyn AsyncRead + Unpin + Send>, sender: mpsc::Unbou
                 return;
             }
         }
+        drop(may_read.lock().await);
         if !matches!(stream.read_buf(&mut bytes).await, Ok(1..)) {
             assert!(bytes.is_empty(), "the server ended within a message");
             return;
@@ -387,16 +419,15 @@ async fn read(mut stream: Box<dyn AsyncRead + Unpin + Send>, sender: mpsc::Unbou
     }
 }
 
-/// A message as it is sent.
-pub fn framed(message: &Value) -> Vec<u8> {
-    let body = message.to_string();
-    format!("Content-Length: {}\r\n\r\n{body}", body.len()).into_bytes()
+/// The text of a message as it is sent.
+pub fn framed(body: &str) -> String {
+    format!("Content-Length: {}\r\n\r\n{body}", body.len())
 }
 
-/// The first message of what was sent, and its length in bytes; `None` if it has not come as a whole.
+/// The first message in what a server has sent, and how many bytes it takes; `None` if it is not there as a whole.
 ///
 /// # Panics
-/// If it is none.
+/// If what stands there is no message.
 pub fn frame(bytes: &[u8]) -> Option<(Value, usize)> {
     let header = bytes.windows(4).position(|w| w == b"\r\n\r\n")?;
     let text = std::str::from_utf8(&bytes[..header]).expect("an ASCII header");

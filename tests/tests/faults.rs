@@ -10,8 +10,8 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use testing::binary::{binary, geotrace, high_water_mark};
-use testing::editor::Place;
+use testing::binary::{binary, geotrace};
+use testing::editor::{Place, framed};
 use testing::structure;
 use testing::talk::{URI, at, document, started};
 
@@ -136,6 +136,7 @@ async fn an_editor_that_reads_late_has_all_its_answers_and_costs_little_memory()
     let mut editor = started(Place::Binary, "faults-late").await;
     editor.open(URI, &"define a = 2pi;\n".repeat(300)).await;
     editor.diagnostics(URI, 1).await;
+    editor.read_late(Duration::from_millis(200)).await;
     // Each answer has some ten thousand bytes, and the pipe holds a few of them.
     let mut ids = Vec::new();
     for _ in 0..3_000 {
@@ -146,11 +147,8 @@ async fn an_editor_that_reads_late_has_all_its_answers_and_costs_little_memory()
         let symbols = editor.answer(id).await.expect("an answer");
         assert_eq!(symbols.as_array().map(Vec::len), Some(300));
     }
-    let process = editor.process().expect("a process");
-    if let Ok(status) = std::fs::read_to_string(format!("/proc/{process}/status")) {
-        let peak = high_water_mark(&status);
-        assert!(peak < 300 << 20, "{} MB", peak >> 20);
-    }
+    let peak = editor.peak();
+    assert!(peak < 300 << 20, "{} MB", peak >> 20);
     assert_eq!(editor.quit().await, 0);
 }
 
@@ -164,9 +162,7 @@ async fn an_editor_that_writes_byte_by_byte_is_understood() {
         "method": "textDocument/didOpen",
         "params": { "textDocument": text },
     });
-    let body = message.to_string();
-    let framed = format!("Content-Length: {}\r\n\r\n{body}", body.len());
-    for byte in framed.as_bytes() {
+    for byte in framed(&message.to_string()).as_bytes() {
         editor.send_raw(&[*byte]).await;
         tokio::task::yield_now().await;
     }

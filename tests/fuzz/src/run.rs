@@ -17,7 +17,7 @@ pub struct Report {
     pub slowest: Duration,
     /// The input that took it.
     pub slowest_input: Vec<u8>,
-    /// The largest resident memory of a process that was started, in bytes.
+    /// The largest resident memory of a process that was started, in bytes; 0 if none was.
     pub peak: u64,
 }
 

@@ -1,16 +1,10 @@
 //! Conversations with the language server.
 
-use std::collections::HashSet;
-use std::io::{Read, Write};
-use std::process::{Command, Stdio};
-use std::thread;
 use std::time::Duration;
 
-use serde_json::json;
-use testing::binary::{binary, high_water_mark};
-use testing::editor::{frame, framed};
+use testing::editor::Place;
 use testing::random_edits::session;
-use testing::talk::{URI, at};
+use testing::talk::{URI, at, started};
 
 use crate::run::Report;
 
@@ -52,73 +46,33 @@ fn sessions(encoding: &'static str, seed: u64, count: u64) -> Report {
 /// Writes requests, and reads nothing until the server takes no more of them or all are written.
 pub(super) fn unread(_seed: u64, count: u64) -> Report {
     many(count, UNREAD, |number| {
-        let names = 0..DECLARATIONS;
-        let text: String = names.map(|k| format!("define a{k} = 2pi;\n")).collect();
-        let document = json!({ "uri": URI, "languageId": "geotrace", "version": 1, "text": text });
-        let methods = ["hover", "documentSymbol", "completion"];
-        let method = move |k: u64| methods[(k + number) as usize % 3];
-        let mut messages = vec![
-            json!({ "jsonrpc": "2.0", "method": "initialized", "params": {} }),
-            json!({ "jsonrpc": "2.0", "method": "textDocument/didOpen", "params": { "textDocument": document } }),
-        ];
-        messages.extend((1..=UNREAD).map(|k| {
-            let method = format!("textDocument/{}", method(k));
-            json!({ "jsonrpc": "2.0", "id": k, "method": method, "params": at(7, 8) })
-        }));
-
-        let mut server = Command::new(binary())
-            .arg("lsp")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the server starts");
-        let mut input = server.stdin.take().expect("a pipe");
-        let mut output = server.stdout.take().expect("a pipe");
-        let mut bytes = Vec::new();
-        let mut next_answer = || loop {
-            if let Some((message, used)) = frame(&bytes) {
-                bytes.drain(..used);
-                if message.get("method").is_none() {
-                    return message;
-                }
-                continue;
+        wait_for(async {
+            let mut editor = started(Place::Binary, "unread").await;
+            let names = 0..DECLARATIONS;
+            let text: String = names.map(|k| format!("define a{k} = 2pi;\n")).collect();
+            editor.open(URI, &text).await;
+            editor.read_late(LATE).await;
+            let mut asked = Vec::new();
+            for k in 0..UNREAD {
+                let method = ["hover", "documentSymbol", "completion"][(k + number) as usize % 3];
+                let place = at(7, 8);
+                let id = editor.post(&format!("textDocument/{method}"), place).await;
+                asked.push((id, method));
             }
-            let mut more = [0; 1 << 16];
-            let length = output.read(&mut more).expect("a message");
-            assert!(length > 0, "the server ended before it had answered all");
-            bytes.extend_from_slice(&more[..length]);
-        };
-        let first = json!({ "jsonrpc": "2.0", "id": 0, "method": "initialize", "params": { "capabilities": {} } });
-        input.write_all(&framed(&first)).expect("it is read");
-        assert!(next_answer()["result"]["capabilities"].is_object());
-
-        let writer = thread::spawn(move || {
-            for message in messages {
-                input.write_all(&framed(&message)).expect("it is read");
+            for (id, method) in asked {
+                let answer = editor.answer(id).await;
+                let is_whole = answer.as_ref().is_ok_and(|answer| match method {
+                    "hover" => answer["contents"].is_object(),
+                    "documentSymbol" => answer.as_array().map(Vec::len) == Some(DECLARATIONS),
+                    // There is nothing to complete within a name that is declared.
+                    _ => true,
+                });
+                assert!(is_whole, "{method}: {answer:?}");
             }
-            input
-        });
-        thread::sleep(LATE);
-        let mut answered = HashSet::new();
-        while answered.len() < UNREAD as usize {
-            let message = next_answer();
-            let id = message["id"]
-                .as_u64()
-                .expect("a number that was asked with");
-            let answer = &message["result"];
-            let is_whole = match method(id) {
-                "hover" => answer["contents"].is_object(),
-                "documentSymbol" => answer.as_array().map(Vec::len) == Some(DECLARATIONS),
-                // There is nothing to complete within a name that is declared.
-                _ => message.get("error").is_none(),
-            };
-            assert!(is_whole && answered.insert(id), "{message}");
-        }
-        let status = std::fs::read_to_string(format!("/proc/{}/status", server.id()));
-        // The end of its input ends the server.
-        drop(writer.join().expect("all is written"));
-        server.wait().expect("its end");
-        status.map_or(0, |status| high_water_mark(&status))
+            let peak = editor.peak();
+            assert_eq!(editor.quit().await, 0);
+            peak
+        })
     })
 }
 
@@ -136,9 +90,9 @@ fn many(count: u64, each: u64, one: impl Fn(u64) -> u64) -> Report {
     report
 }
 
-fn wait_for(conversation: impl Future<Output = ()>) {
+fn wait_for<T>(conversation: impl Future<Output = T>) -> T {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build();
-    runtime.expect("a runtime").block_on(conversation);
+    runtime.expect("a runtime").block_on(conversation)
 }

@@ -7,6 +7,7 @@ use ide::Languages;
 use protocol::changes::Changes;
 use protocol::line::{ReadError, Reader};
 use protocol::{Command, Event};
+use testing::editor::{frame, framed};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 /// Pieces of messages.
@@ -48,10 +49,6 @@ pub(crate) const WORDS: &[&str] = &[
 
 /// The time that the server has for an input, far more than it needs.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-pub(super) fn framed(content: &str) -> String {
-    format!("Content-Length: {}\r\n\r\n{content}", content.len())
-}
 
 /// Conversations with the language server.
 pub(crate) fn conversations() -> Vec<Vec<u8>> {
@@ -130,22 +127,11 @@ pub(super) fn said(input: &[u8]) -> Vec<serde_json::Value> {
     });
     let mut rest = &output[..];
     let mut messages = Vec::new();
-    while !rest.is_empty() {
-        let end = rest
-            .windows(4)
-            .position(|it| it == b"\r\n\r\n")
-            .expect("a head ends");
-        let head = std::str::from_utf8(&rest[..end]).expect("a head is ASCII");
-        let length = head
-            .lines()
-            .find_map(|line| line.strip_prefix("Content-Length: "));
-        let length: usize = length
-            .and_then(|it| it.trim().parse().ok())
-            .expect("a length");
-        let content = &rest[end + 4..end + 4 + length];
-        messages.push(serde_json::from_slice(content).expect("a message is JSON"));
-        rest = &rest[end + 4 + length..];
+    while let Some((message, length)) = frame(rest) {
+        messages.push(message);
+        rest = &rest[length..];
     }
+    assert!(rest.is_empty(), "the server ended within a message");
     messages
 }
 

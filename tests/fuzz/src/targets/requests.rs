@@ -2,8 +2,9 @@
 
 use arbitrary::Unstructured;
 use serde_json::{Value, json};
+use testing::editor::framed;
 
-use super::messages::{framed, said};
+use super::messages::said;
 
 /// The requests that the server knows, and one that it does not.
 const METHODS: &[&str] = &[
