@@ -131,52 +131,51 @@ impl<'a> SolidPainter<'a> {
         let [across, down] = [right - left + 2 * ring, bottom - top + 2 * ring];
         let mut rays = RayCounter::new(self);
         let mut hits: Vec<Option<SolidHit>> = vec![None; across * down];
-        for y in (0..down).step_by(BUNDLE) {
-            for x in (0..across).step_by(BUNDLE) {
-                let block: Vec<[usize; 2]> = (y..(y + BUNDLE).min(down))
-                    .flat_map(|y| (x..(x + BUNDLE).min(across)).map(move |x| [x, y]))
-                    .collect();
-                let middle = |&[x, y]: &[usize; 2]| {
-                    [(left + x) as f64, (top + y) as f64].map(|at| at + 0.5 - ring as f64)
-                };
-                let places: Vec<[f64; 2]> = block.iter().map(middle).collect();
-                rays.cast(&places, |k, hit| {
-                    let [x, y] = block[k];
-                    hits[y * across + x] = hit;
-                });
-            }
+        for block in blocks([across, down]) {
+            let middle = |&[x, y]: &[usize; 2]| {
+                [(left + x) as f64, (top + y) as f64].map(|at| at + 0.5 - ring as f64)
+            };
+            let places: Vec<[f64; 2]> = block.iter().map(middle).collect();
+            rays.cast(&places, |k, hit| {
+                let [x, y] = block[k];
+                hits[y * across + x] = hit;
+            });
         }
         let mut tile = SolidTile {
             pixels: vec![SolidSample::default(); TILE * TILE],
             splits: Vec::new(),
         };
         let mut any = false;
-        for y in ring..down - ring {
-            for x in ring..across - ring {
-                let at = y * across + x;
-                let [i, j] = [x - ring, y - ring];
+        for block in blocks([right - left, bottom - top]) {
+            // The samples of all pixels of a block that are at edges, read together.
+            let mut places: Vec<[f64; 2]> = Vec::new();
+            let known = tile.splits.len();
+            for [i, j] in block {
+                let at = (j + ring) * across + i + ring;
                 let index = j * TILE + i;
                 let corner = [(left + i) as f64, (top + j) as f64];
-                let is_edge = self.is_smooth
-                    && [at - 1, at + 1, at - across, at + across]
-                        .iter()
-                        .any(|&other| is_edge(hits[at].as_ref(), hits[other].as_ref()));
                 if let Some(hit) = &hits[at] {
                     tile.pixels[index] = self.lit(hit, corner.map(|at| at + 0.5));
                     any = true;
                 }
+                let is_edge = self.is_smooth
+                    && [at - 1, at + 1, at - across, at + across]
+                        .iter()
+                        .any(|&other| is_edge(hits[at].as_ref(), hits[other].as_ref()));
                 if is_edge {
-                    let places = SAMPLES.map(|sample| [0, 1].map(|k| corner[k] + sample[k]));
-                    let mut samples = [SolidSample::default(); 4];
-                    rays.cast(&places, |k, hit| {
-                        samples[k] = hit.map_or_else(SolidSample::default, |hit| {
-                            any = true;
-                            self.lit(&hit, places[k])
-                        });
-                    });
-                    tile.splits.push((index as u16, samples));
+                    let sample = |sample: [f64; 2]| [0, 1].map(|k| corner[k] + sample[k]);
+                    places.extend(SAMPLES.map(sample));
+                    tile.splits
+                        .push((index as u16, [SolidSample::default(); 4]));
                 }
             }
+            let splits = &mut tile.splits[known..];
+            rays.cast(&places, |k, hit| {
+                if let Some(hit) = hit {
+                    splits[k / 4].1[k % 4] = self.lit(&hit, places[k]);
+                    any = true;
+                }
+            });
         }
         any.then_some(tile)
     }
@@ -236,6 +235,9 @@ impl<'p, 'a> RayCounter<'p, 'a> {
 
     /// Casts the rays through some places of the picture, which are read together.
     fn cast(&mut self, places: &[[f64; 2]], mut found: impl FnMut(usize, Option<SolidHit>)) {
+        if places.is_empty() {
+            return;
+        }
         let camera = self.painter.camera;
         self.rays.clear();
         self.rays
@@ -257,6 +259,18 @@ impl Drop for RayCounter<'_, '_> {
     fn drop(&mut self) {
         self.painter.counters.count_rays(self.count);
     }
+}
+
+/// The blocks of a part of the picture, each with its pixels.
+fn blocks([width, height]: [usize; 2]) -> impl Iterator<Item = Vec<[usize; 2]>> {
+    let corners = (0..height)
+        .step_by(BUNDLE)
+        .flat_map(move |y| (0..width).step_by(BUNDLE).map(move |x| [x, y]));
+    corners.map(move |[x, y]| {
+        (y..(y + BUNDLE).min(height))
+            .flat_map(|y| (x..(x + BUNDLE).min(width)).map(move |x| [x, y]))
+            .collect()
+    })
 }
 
 /// The place of a ray through the picture at distance 1 along the view direction: right and up, in drawing units.
