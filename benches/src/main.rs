@@ -9,8 +9,8 @@
 //! processors' time, and which are over 16 ms), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `estimates` (what the geodesic view says of
 //! its errors against the truth, over random scenes), `stiff` (the stiff list: ours, its bounds, the
-//! thesis' method), `povray` (solids beside POV-Ray, where that is installed; with KEEP=1 the pictures stay), `traced`
-//! (traced pictures in f64 and on a GPU), `scripts` (a long CRT script: read, run,
+//! thesis' method), `povray` (solids in f64, on a GPU, and by POV-Ray where that is installed; with KEEP=1 the pictures
+//! stay), `traced` (traced pictures in f64 and on a GPU), `scripts` (a long CRT script: read, run,
 //! edited; beside POV-Ray). Without a part all but `growth` are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.

@@ -1,26 +1,32 @@
-//! The same scenes by POV-Ray: pictures beside pictures, times beside times.
+//! The same scenes by the traced view in f64 and on a GPU, and by POV-Ray: pictures beside pictures, times beside times.
 
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR, StandardLights};
 use glam::DVec3;
 use image::RgbImage;
+use render::gpu::Gpu;
+use render::view::traced::TracedOptions;
+use render::{PictureRequest, Renderer};
 use scene::ParamValues;
 use tracer::camera::LensCamera;
 use tracer::encoded;
 use tracer::picture::LightSums;
 use tracer::shade::Scenery;
 
-use crate::measure::processor_time;
+use crate::measure::{Times, process_clock, processor_time};
 
 const SIZE: [u32; 2] = [640, 480];
 /// Reflections in both programs.
 const BOUNCES: u32 = 5;
 /// A byte may be off by so much.
 const CLOSE: u8 = 2;
+/// Pictures by the GPU.
+const RUNS: usize = 5;
 
 /// A scene in both languages.
 struct Compared {
@@ -31,6 +37,8 @@ struct Compared {
     samples: u32,
     /// True if both pictures should be the same.
     same: bool,
+    /// True if the GPU's pass draws it.
+    has_tables: bool,
 }
 
 /// A light for each place, so that all together are as strong as one.
@@ -99,6 +107,7 @@ plane {{ z, -1 pigment {{ srgb 0.5 }} finish {{ ambient 0 diffuse 0.7 reflection
         description,
         samples,
         same: samples == 1,
+        has_tables: true,
     }
 }
 
@@ -134,6 +143,7 @@ background none = 0;
         description,
         samples: 1,
         same: true,
+        has_tables: true,
     }
 }
 
@@ -157,6 +167,7 @@ background none = 0;
         description,
         samples: 1,
         same: true,
+        has_tables: false,
     }
 }
 
@@ -213,6 +224,40 @@ fn ours(compared: &Compared) -> Result<(Drawn, LensCamera), String> {
     });
     let camera = camera.ok_or("the program declares no camera")?;
     Ok((Drawn { picture, time }, camera))
+}
+
+/// What the GPU's pass takes: the time of a picture, the processor time of all threads in it (a driver that is a program
+/// draws on the processor), and the share of samples that were left to f64.
+fn by_gpu(gpu: &Arc<Gpu>, compared: &Compared) -> Result<String, String> {
+    let scene = testing::draw::scene(&compared.program);
+    let params = ParamValues::initial(&scene);
+    let options = TracedOptions {
+        samples: Some(compared.samples),
+        bounces: Some(BOUNCES),
+        ..TracedOptions::default()
+    };
+    let mut request = PictureRequest::new(scene, params, options, SIZE);
+    let mut renderer = Renderer::on_gpu(gpu.clone());
+    let mut draw = |renderer: &mut Renderer| {
+        // Another size is another picture: nothing is left of the last one's samples.
+        request.size[0] += 1;
+        renderer.set_bounds(None);
+        renderer.draw(&request)
+    };
+    draw(&mut renderer).map_err(|error| error.to_string())?;
+    while renderer.is_building() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let (before, counted) = (process_clock(), renderer.counters());
+    let times = Times::of(RUNS, || draw(&mut renderer));
+    let processor = (process_clock() - before).as_secs_f64() / RUNS as f64;
+    let counters = renderer.counters();
+    let left = (counters.retraced - counted.retraced) as f64;
+    let all = (counters.traced - counted.traced) as f64;
+    Ok(format!(
+        "{times}, {processor:.3} s of the processor, {:.1} % of the samples left to f64",
+        100.0 * left / all
+    ))
 }
 
 /// Draws with POV-Ray and one thread; its time is that of tracing, without reading.
@@ -288,15 +333,20 @@ fn apart(ours: &RgbImage, theirs: &RgbImage) -> usize {
     places.filter(is_apart).count()
 }
 
-/// Draws every scene with both and prints the table.
+/// Draws every scene with each and prints the table.
 pub(crate) fn run() {
     println!(
-        "The same scenes by POV-Ray, one thread each, {} × {}",
+        "The same scenes in f64, by the GPU's pass and by POV-Ray, one thread each but the GPU's driver, {} × {}",
         SIZE[0], SIZE[1]
     );
-    if Command::new("povray").arg("--version").output().is_err() {
+    let gpu = Gpu::shared();
+    match &gpu {
+        Ok(gpu) => println!("  GPU: {}", gpu.name()),
+        Err(error) => println!("  GPU: {error}"),
+    }
+    let has_povray = Command::new("povray").arg("--version").output().is_ok();
+    if !has_povray {
         println!("  there is no `povray` here");
-        return;
     }
     let scenes = [
         carved("", "a carved box, seven mirror balls, a mirror", 1),
@@ -309,30 +359,44 @@ pub(crate) fn run() {
         ),
     ];
     for compared in &scenes {
-        match both(compared) {
-            Ok(row) => println!("  {:44} {row}", compared.title),
-            Err(error) => println!("  {:44} failed: {error}", compared.title),
+        match rows(compared, gpu.as_ref().ok(), has_povray) {
+            Ok(rows) => println!("  {}{rows}", compared.title),
+            Err(error) => println!("  {} failed: {error}", compared.title),
         }
     }
 }
 
-fn both(compared: &Compared) -> Result<String, String> {
+/// What each takes for a scene, a line each.
+fn rows(compared: &Compared, gpu: Option<&Arc<Gpu>>, has_povray: bool) -> Result<String, String> {
+    let (drawn, camera) = ours(compared)?;
+    let mut rows = format!("\n    f64      {:7.3} s", drawn.time.as_secs_f64());
+    if has_povray {
+        let _ = write!(
+            rows,
+            "\n    POV-Ray  {}",
+            beside(compared, &drawn, &camera)?
+        );
+    }
+    if let Some(gpu) = gpu.filter(|_| compared.has_tables) {
+        let _ = write!(rows, "\n    GPU     {}", by_gpu(gpu, compared)?);
+    }
+    Ok(rows)
+}
+
+/// What POV-Ray takes, and how its picture differs from ours.
+fn beside(compared: &Compared, ours: &Drawn, camera: &LensCamera) -> Result<String, String> {
     let folder = std::env::temp_dir().join(format!("geotrace-povray-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let drawn = ours(compared).and_then(|(ours, camera)| {
-        let theirs = theirs(compared, &camera, &folder)?;
+    let theirs = theirs(compared, camera, &folder);
+    if std::env::var_os("KEEP").is_some() {
         let _ = ours.picture.save(folder.join("ours.png"));
-        Ok((ours, theirs))
-    });
-    let kept = std::env::var_os("KEEP").is_some();
-    if kept {
         println!("  kept in {}", folder.display());
     } else {
         let _ = std::fs::remove_dir_all(&folder);
     }
-    let (ours, theirs) = drawn?;
+    let theirs = theirs?;
     let [a, b] = [ours.time, theirs.time].map(|time| time.as_secs_f64());
-    let mut row = format!("{a:7.3} s, POV-Ray {b:7.3} s: {:5.2} of its time", a / b);
+    let mut row = format!("{b:7.3} s, of which f64 takes {:5.2}", a / b);
     if compared.same {
         let count = apart(&ours.picture, &theirs.picture);
         let _ = write!(row, ", {count} pixels differ beyond their neighbours");
