@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use geometry::solids::{RayScene, RaySceneOptions, SOLID_COLOR, StandardLights};
 use glam::DVec3;
