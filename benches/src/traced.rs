@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use render::gpu::Gpu;
 use render::view::traced::TracedOptions;
-use render::{PictureRequest, Renderer};
+use render::{PictureRequest, RenderError, Renderer};
 use scene::ParamValues;
 use testing::examples;
 
@@ -12,7 +12,8 @@ use crate::measure::Times;
 
 const SIZE: [u32; 2] = [320, 240];
 const SAMPLES: u32 = 1;
-const RUNS: usize = 3;
+/// Pictures of a time, after a first one.
+pub(crate) const RUNS: usize = 3;
 
 /// The examples that the GPU's pass draws.
 const NAMES: [&str; 4] = ["circle", "cushion", "dice", "ring"];
@@ -35,12 +36,9 @@ pub(crate) fn run() {
         let request = request(name);
         let by_f64 = times(&mut Renderer::software(), &request);
         let start = Instant::now();
-        if let Err(error) = by_gpu.draw(&request) {
+        if let Err(error) = make_ready(&mut by_gpu, &request) {
             println!("  {error}");
             return;
-        }
-        while by_gpu.is_building() {
-            std::thread::sleep(Duration::from_millis(1));
         }
         if name == NAMES[0] {
             println!("  {}, ready after {:.1?}", gpu.name(), start.elapsed());
@@ -60,15 +58,25 @@ fn request(name: &str) -> PictureRequest {
     PictureRequest::new(scene, params, options, SIZE)
 }
 
-/// The times of pictures of which nothing is known but the scene.
-fn times(renderer: &mut Renderer, request: &PictureRequest) -> Times {
+/// Draws a picture, and waits until all that the GPU needs for it has been built.
+pub(crate) fn make_ready(
+    renderer: &mut Renderer,
+    request: &PictureRequest,
+) -> Result<(), RenderError> {
+    renderer.draw(request)?;
+    while renderer.is_building() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Ok(())
+}
+
+/// The times of [`RUNS`] pictures of which nothing is known but the scene, each a column wider than the last one.
+pub(crate) fn times(renderer: &mut Renderer, request: &PictureRequest) -> Times {
     let mut request = request.clone();
     renderer.set_bounds(None);
-    let mut size = SIZE;
     Times::of(RUNS, || {
         // Another size is another picture: nothing is left of the last one's samples.
-        size[0] += 1;
-        request.size = size;
+        request.size[0] += 1;
         renderer.draw(&request)
     })
 }
