@@ -55,16 +55,16 @@ pub(crate) struct Local {
 }
 
 /// A surface with its charts. It counts its evaluations.
-pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
-    surface: &'s S,
+pub(crate) struct Atlas<'s> {
+    surface: &'s dyn Surface,
     pub(crate) layout: ChartLayout,
     /// True if vectors at different points may be compared.
     pub(crate) embedded: bool,
     evaluations: Cell<usize>,
 }
 
-impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
-    pub(crate) fn new(surface: &'s S) -> Self {
+impl<'s> Atlas<'s> {
+    pub(crate) fn new(surface: &'s dyn Surface) -> Self {
         Self {
             surface,
             layout: ChartLayout::of(surface).for_one_ray(),

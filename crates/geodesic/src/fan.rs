@@ -82,8 +82,8 @@ impl Default for FanOptions {
 const ONE_PIXEL: usize = 20_000;
 
 /// Rays with what lies between them.
-pub struct Fan<'s, S: Surface + ?Sized> {
-    surface: &'s S,
+pub struct Fan<'s> {
+    surface: &'s dyn Surface,
     layout: ChartLayout,
     /// [`ChartLayout::periods`].
     periods: [f64; 2],
@@ -98,10 +98,15 @@ pub struct Fan<'s, S: Surface + ?Sized> {
     evaluations: AtomicU64,
 }
 
-impl<'s, S: Surface + ?Sized> Fan<'s, S> {
+impl<'s> Fan<'s> {
     /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not
     /// depend on their number.
-    pub fn build(surface: &'s S, frame: &Frame, size: [u32; 2], options: &FanOptions) -> Self {
+    pub fn build(
+        surface: &'s dyn Surface,
+        frame: &Frame,
+        size: [u32; 2],
+        options: &FanOptions,
+    ) -> Self {
         let options = &FanOptions {
             max_evaluations: affordable_evaluations(surface, options.max_evaluations),
             ..*options
@@ -264,14 +269,14 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 }
 
 /// The ends of several places, compiled for the processor's vectors.
-struct Several<'a, 's, S: Surface + ?Sized> {
-    fan: &'a Fan<'s, S>,
+struct Several<'a, 's> {
+    fan: &'a Fan<'s>,
     start: &'a FanStart,
     places: &'a [PicturePoint],
     out: &'a mut Vec<End>,
 }
 
-impl<S: Surface + ?Sized> processor::Work for Several<'_, '_, S> {
+impl processor::Work for Several<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -290,7 +295,7 @@ impl<S: Surface + ?Sized> processor::Work for Several<'_, '_, S> {
     }
 }
 
-impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
+impl Ends for Fan<'_> {
     fn end(&self, place: PicturePoint) -> End {
         let Some(start) = &self.start else {
             return self.ended(Status::Undefined);

@@ -35,8 +35,8 @@ impl Frame {
     ///
     /// # Errors
     /// [`TraceError`] where the surface has no tangent plane, or a number is not finite.
-    pub fn new<S: Surface + ?Sized>(
-        surface: &S,
+    pub fn new(
+        surface: &dyn Surface,
         uv: impl Into<Uv>,
         angle: f64,
         zoom: f64,
@@ -53,8 +53,8 @@ impl Frame {
         )
     }
 
-    fn at<S: Surface + ?Sized>(
-        atlas: &Atlas<'_, S>,
+    fn at(
+        atlas: &Atlas<'_>,
         Uv(uv): Uv,
         angle: f64,
         zoom: f64,
@@ -96,14 +96,14 @@ impl Frame {
     }
 
     /// The length of X: the distance on the surface from the picture's centre to its edge.
-    pub fn zoom<S: Surface + ?Sized>(&self, surface: &S) -> f64 {
+    pub fn zoom(&self, surface: &dyn Surface) -> f64 {
         let [t, w] = self.tangents(&Atlas::new(surface));
         norm(combine(self.x[0], t, self.x[1], w))
     }
 
     /// The angle by which [`Frame::new`] at this place turns its X to lie along this X, in radians, from −π to π; NaN where
     /// the surface has no tangent plane.
-    pub fn angle<S: Surface + ?Sized>(&self, surface: &S) -> f64 {
+    pub fn angle(&self, surface: &dyn Surface) -> f64 {
         let Ok(first) = Self::new(surface, self.uv, 0.0, 1.0) else {
             return f64::NAN;
         };
@@ -118,12 +118,12 @@ impl Frame {
     }
 
     /// The first fundamental form at the frame's place, in its coordinates.
-    pub fn metric<S: Surface + ?Sized>(&self, surface: &S) -> Metric {
+    pub fn metric(&self, surface: &dyn Surface) -> Metric {
         self.metric_in(&Atlas::new(surface))
     }
 
     /// Returns whether Y lies to the right of X, as (u,v) has it: after an odd number of flips.
-    pub fn is_mirrored<S: Surface + ?Sized>(&self, surface: &S) -> bool {
+    pub fn is_mirrored(&self, surface: &dyn Surface) -> bool {
         self.orientation(&Atlas::new(surface)) < 0.0
     }
 
@@ -148,7 +148,7 @@ impl Frame {
 
     /// The frame in (u,v), for callers with no other coordinates. At a pole it is moved off by as little as tells the
     /// meridians apart, along X; its vectors are very long there.
-    pub fn plain<S: Surface + ?Sized>(&self, surface: &S) -> Self {
+    pub fn plain(&self, surface: &dyn Surface) -> Self {
         let atlas = Atlas::new(surface);
         let Some(chart) = self.chart(&atlas) else {
             return *self;
@@ -182,9 +182,9 @@ impl Frame {
     ///
     /// # Errors
     /// As [`trace::trace`].
-    pub fn trace<S: Surface + ?Sized>(
+    pub fn trace(
         &self,
-        surface: &S,
+        surface: &dyn Surface,
         direction: impl Into<PicturePoint>,
         length: f64,
         options: &Options,
@@ -201,9 +201,9 @@ impl Frame {
     ///
     /// # Errors
     /// [`TraceError`] where the geodesic cannot be begun, or the surface has no tangent plane at its end.
-    pub fn advance<S: Surface + ?Sized>(
+    pub fn advance(
         &self,
-        surface: &S,
+        surface: &dyn Surface,
         step: impl Into<PicturePoint>,
         options: &Options,
     ) -> Result<(Self, Trace), TraceError> {
@@ -253,9 +253,9 @@ impl Frame {
     }
 
     /// Returns the start at unit speed of the geodesic of a place (x, y) of the picture.
-    pub(crate) fn start<S: Surface + ?Sized>(
+    pub(crate) fn start(
         &self,
-        atlas: &Atlas<'_, S>,
+        atlas: &Atlas<'_>,
         place: PicturePoint,
     ) -> Result<Start, TraceError> {
         let TangentVector(velocity) = self.velocity(place);
@@ -283,12 +283,12 @@ impl Frame {
     }
 
     /// The chart about the pole that the frame is at or near.
-    fn chart<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> Option<ApexChart> {
+    fn chart(&self, atlas: &Atlas<'_>) -> Option<ApexChart> {
         atlas.layout.pole_chart(self.coordinates).copied()
     }
 
     /// The tangent vectors of the frame's coordinates at its place; NaN where the surface is undefined.
-    fn tangents<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> [[f64; 3]; 2] {
+    fn tangents(&self, atlas: &Atlas<'_>) -> [[f64; 3]; 2] {
         let Some(chart) = self.chart(atlas) else {
             let jet = atlas.jet(self.uv.0);
             return [jet.du, jet.dv];
@@ -301,7 +301,7 @@ impl Frame {
         local.map_or([[f64::NAN; 3]; 2], |local| local.tangents)
     }
 
-    fn metric_in<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> Metric {
+    fn metric_in(&self, atlas: &Atlas<'_>) -> Metric {
         let [du, dv] = self.tangents(atlas);
         Metric::of(&Jet {
             du,
@@ -311,12 +311,12 @@ impl Frame {
     }
 
     /// +1 where the frame's coordinates have the handedness of (u,v), else −1.
-    fn handedness<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> f64 {
+    fn handedness(&self, atlas: &Atlas<'_>) -> f64 {
         self.chart(atlas).map_or(1.0, |chart| chart.handedness())
     }
 
     /// Positive where Y lies to the left of X, as (u,v) has it.
-    fn orientation<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> f64 {
+    fn orientation(&self, atlas: &Atlas<'_>) -> f64 {
         let (x, y) = (self.x, self.y);
         self.handedness(atlas) * (x[0] * y[1] - x[1] * y[0])
     }
@@ -327,8 +327,8 @@ impl Frame {
 ///
 /// # Errors
 /// As [`trace::trace`].
-pub fn trace_heading<S: Surface + ?Sized>(
-    surface: &S,
+pub fn trace_heading(
+    surface: &dyn Surface,
     uv: impl Into<Uv>,
     angle: f64,
     length: f64,

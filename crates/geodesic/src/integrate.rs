@@ -14,7 +14,7 @@ use crate::field::FieldKnot;
 use crate::runge_kutta::{StepParameter, Tableau};
 use crate::status::Status;
 use crate::step_control::{ErrorSum, StepControl, step_after, step_to_try};
-use crate::surface::{Side, Surface};
+use crate::surface::Side;
 use ray::{Attempt, Cost, Observers, Ray};
 
 /// A step shorter than this share of the ray's own scale is not worth taking.
@@ -82,7 +82,7 @@ pub(crate) struct RayEnd {
 
 impl RayEnd {
     /// The end of a ray that cannot be begun: its start, and why.
-    fn at_start<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, start: Start, step: f64) -> Self {
+    fn at_start(atlas: &Atlas<'_>, start: Start, step: f64) -> Self {
         let state = match start {
             Start::Plain(state) => state,
             Start::About(chart, state) => chart.leave(state),
@@ -109,8 +109,8 @@ impl RayEnd {
 }
 
 /// Integrates the geodesic from `start`.
-pub(crate) fn integrate<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
+pub(crate) fn integrate(
+    atlas: &Atlas<'_>,
     start: impl Into<Start>,
     length: f64,
     plan: IntegrationPlan,
@@ -130,8 +130,8 @@ pub(crate) struct Observed {
 }
 
 /// Integrates the geodesic from `start` and observes more on the way.
-pub(crate) fn integrate_observed<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
+pub(crate) fn integrate_observed(
+    atlas: &Atlas<'_>,
     start: Start,
     length: f64,
     plan: IntegrationPlan,
@@ -172,7 +172,7 @@ pub(crate) fn integrate_observed<S: Surface + ?Sized>(
 ///
 /// Every turn of the loop either goes on, shortens the step, or ends: the evaluations are limited, and steps that shrink to
 /// nothing end the ray, so that the loop does.
-fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
+fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
     let atlas = ray.atlas;
     let adaptive = ray.plan.tolerance.is_some();
     let before = ray.speed();
@@ -251,11 +251,7 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
 }
 
 /// The chart for a start, the state in it, and its local data.
-fn begin<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    plan: &IntegrationPlan,
-    start: Start,
-) -> Option<(Chart, State, Local)> {
+fn begin(atlas: &Atlas<'_>, plan: &IntegrationPlan, start: Start) -> Option<(Chart, State, Local)> {
     let start = match start {
         Start::Plain(state) => state,
         Start::About(chart, state) => {
@@ -279,7 +275,7 @@ fn begin<S: Surface + ?Sized>(
 }
 
 /// Returns the reason why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
-fn stalled_at<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, at: [f64; 2]) -> Status {
+fn stalled_at(atlas: &Atlas<'_>, at: [f64; 2]) -> Status {
     for (axis, x) in at.into_iter().enumerate() {
         for end in 0..2 {
             let off = (x - atlas.layout.domain[axis][end]).abs() / atlas.layout.width(axis);

@@ -89,8 +89,8 @@ pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, uv: impl Into<Uv>) -> (Uv
 
 /// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` receives
 /// the share that is done.
-pub fn exponential_map<S: Surface + ?Sized>(
-    surface: &S,
+pub fn exponential_map(
+    surface: &dyn Surface,
     frame: &Frame,
     size: [u32; 2],
     options: &MapOptions,
@@ -106,8 +106,8 @@ pub fn exponential_map<S: Surface + ?Sized>(
     by_method(surface, frame, size, options, progress)
 }
 
-fn by_method<S: Surface + ?Sized>(
-    surface: &S,
+fn by_method(
+    surface: &dyn Surface,
     frame: &Frame,
     size: [u32; 2],
     options: &MapOptions,
@@ -143,8 +143,8 @@ fn by_method<S: Surface + ?Sized>(
 /// The share of the tolerance that the polynomials may add to the rays' error.
 const PIECEWISE_SHARE: f64 = 0.5;
 
-fn pixel_by_pixel<S: Surface + ?Sized>(
-    surface: &S,
+fn pixel_by_pixel(
+    surface: &dyn Surface,
     frame: &Frame,
     size: [u32; 2],
     options: &MapOptions,

@@ -11,9 +11,9 @@ use crate::point::Uv;
 use crate::surface::{ChartData, Jet, JetBlock, Lanes, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
-#[derive(Clone, Copy, Debug)]
-pub struct Moved<'s, S: ?Sized> {
-    surface: &'s S,
+#[derive(Clone, Copy)]
+pub struct Moved<'s> {
+    surface: &'s dyn Surface,
     by: [f64; 2],
     /// In the new coordinates, with those apexes that the picture comes near to.
     chart_data: ChartData,
@@ -25,10 +25,14 @@ const NOTICEABLE: f64 = 1e-3;
 /// of the picture's points would have no more digits than u and v have.
 const FAR: f64 = 1e3;
 
-impl<'s, S: Surface + ?Sized> Moved<'s, S> {
+impl<'s> Moved<'s> {
     /// The surface in the camera's coordinates, and the camera in them, at (0, 0), where a picture of this size is so
     /// deep that it needs them; else `None`.
-    pub fn for_camera(surface: &'s S, frame: &Frame, size: [u32; 2]) -> Option<(Self, Frame)> {
+    pub fn for_camera(
+        surface: &'s dyn Surface,
+        frame: &Frame,
+        size: [u32; 2],
+    ) -> Option<(Self, Frame)> {
         let shorter = f64::from(size[0].min(size[1]).max(1));
         let zoom = frame.zoom(surface);
         let pixel = 2.0 * zoom / shorter;
@@ -68,7 +72,7 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
     }
 }
 
-impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
+impl Surface for Moved<'_> {
     fn jet(&self, uv: Uv) -> Jet {
         self.surface.jet(self.there(uv))
     }

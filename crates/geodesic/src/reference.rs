@@ -43,8 +43,8 @@ struct Truth {
 }
 
 /// The truth about a sample of a picture's pixels.
-pub struct Reference<'s, S: Surface + ?Sized> {
-    surface: &'s S,
+pub struct Reference<'s> {
+    surface: &'s dyn Surface,
     frame: Frame,
     size: [u32; 2],
     zoom: f64,
@@ -102,9 +102,9 @@ impl fmt::Display for Errors {
     }
 }
 
-impl<'s, S: Surface + ?Sized> Reference<'s, S> {
+impl<'s> Reference<'s> {
     /// Traces about `pixels` pixels of a picture.
-    pub fn new(surface: &'s S, frame: &Frame, size: [u32; 2], pixels: usize) -> Self {
+    pub fn new(surface: &'s dyn Surface, frame: &Frame, size: [u32; 2], pixels: usize) -> Self {
         let mut reference = Self {
             surface,
             frame: *frame,
@@ -180,7 +180,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     /// From a pixel to its worst neighbour, as long as that is worse.
     fn climb(
         &mut self,
-        atlas: &Atlas<'_, S>,
+        atlas: &Atlas<'_>,
         start: (f64, u32),
         end: &dyn Fn(usize) -> (Uv, Status),
         looks: &mut usize,
@@ -205,7 +205,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
 
     fn verdict(
         &mut self,
-        atlas: &Atlas<'_, S>,
+        atlas: &Atlas<'_>,
         index: u32,
         (uv, status): (Uv, Status),
         looks: &mut usize,
@@ -297,7 +297,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     }
 
     /// The distance on the surface from a true end to another point, exact where they are near.
-    fn distance(&self, atlas: &Atlas<'_, S>, truth: &Truth, uv: Uv) -> f64 {
+    fn distance(&self, atlas: &Atlas<'_>, truth: &Truth, uv: Uv) -> f64 {
         let Uv(mut other) = uv;
         atlas.layout.bring_back(&mut other);
         if self.embedded {
@@ -381,7 +381,7 @@ fn neighbours([width, height]: [u32; 2], index: u32) -> impl Iterator<Item = u32
 }
 
 /// A point of the domain and its nearest repetitions beyond the sides that wrap.
-fn repetitions<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, uv: [f64; 2]) -> Vec<[f64; 2]> {
+fn repetitions(atlas: &Atlas<'_>, uv: [f64; 2]) -> Vec<[f64; 2]> {
     let mut all = vec![uv];
     for axis in 0..2 {
         let side = atlas.layout.sides.of(axis)[0];

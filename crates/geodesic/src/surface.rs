@@ -61,7 +61,7 @@ pub const USUAL_INSTRUCTIONS: usize = 200;
 
 /// The limit on evaluations of a surface: of one whose jets take k times [`USUAL_INSTRUCTIONS`] a k-th of `limit`, so that it
 /// bounds the run time.
-pub fn affordable_evaluations<S: Surface + ?Sized>(surface: &S, limit: u64) -> u64 {
+pub fn affordable_evaluations(surface: &dyn Surface, limit: u64) -> u64 {
     let [cost, usual] = [surface.instruction_count(), USUAL_INSTRUCTIONS].map(|n| n as u64);
     if cost <= usual {
         return limit;

@@ -195,8 +195,8 @@ const PARALLEL: f64 = 1e-12;
 ///
 /// # Errors
 /// [`TraceError`]: bad numbers, or no tangent plane at the start. All that happens later is a [`Status`].
-pub fn trace<S: Surface + ?Sized>(
-    surface: &S,
+pub fn trace(
+    surface: &dyn Surface,
     start: impl Into<Uv>,
     velocity: impl Into<TangentVector>,
     length: f64,
@@ -225,8 +225,8 @@ pub(crate) fn check(length: f64, options: &Options) -> Result<(), TraceError> {
 
 /// Follows the geodesic from a start, whose numbers have been checked; beside the trace, the chart that it ended in,
 /// and the point and velocity there.
-pub(crate) fn trace_from<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
+pub(crate) fn trace_from(
+    atlas: &Atlas<'_>,
     start: Start,
     length: f64,
     options: &Options,
@@ -295,8 +295,8 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
 
 /// The error of a ray's end, by following it once more with a fraction of the tolerance; `None` where that cannot be
 /// afforded, or ends for another reason.
-fn compared<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
+fn compared(
+    atlas: &Atlas<'_>,
     start: Start,
     length: f64,
     plan: &IntegrationPlan,
@@ -340,13 +340,13 @@ fn compared<S: Surface + ?Sized>(
 }
 
 /// A first step that is surely not too long for the tolerance to be judged.
-pub(crate) fn first_step<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, length: f64) -> f64 {
+pub(crate) fn first_step(atlas: &Atlas<'_>, length: f64) -> f64 {
     length.min(0.04 * atlas.layout.scale.size)
 }
 
 /// The start brought back into the domain, at unit speed, and how far it has been moved off a pole.
-pub(crate) fn unit_start<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
+pub(crate) fn unit_start(
+    atlas: &Atlas<'_>,
     start: [f64; 2],
     velocity: [f64; 2],
 ) -> Result<(State, f64), TraceError> {
@@ -395,10 +395,7 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
 }
 
 /// The start, which may lie beyond sides that wrap, but not beyond others (but for rounding).
-fn place<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    start: [f64; 2],
-) -> Result<[f64; 2], TraceError> {
+fn place(atlas: &Atlas<'_>, start: [f64; 2]) -> Result<[f64; 2], TraceError> {
     let mut at = start;
     for (axis, x) in at.iter_mut().enumerate() {
         let [low, high] = atlas.layout.domain[axis];
@@ -417,7 +414,7 @@ fn place<S: Surface + ?Sized>(
     Ok(at)
 }
 
-fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: RayEnd) -> Trace {
+fn finish(atlas: &Atlas<'_>, end: RayEnd) -> Trace {
     let State { at, velocity } = end.state;
     let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {

@@ -8,7 +8,7 @@ use geodesic::surface::{Side, Surface};
 use geodesic::trace::{Method, Options, Status, Trace, TraceError, trace};
 use shapes::*;
 
-fn go<S: Surface>(surface: &S, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
+fn go(surface: &dyn Surface, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
     trace(surface, from, direction, length, &Options::default()).expect("a start")
 }
 

@@ -86,7 +86,7 @@ impl Tally {
     }
 }
 
-fn go<S: Surface>(surface: &S, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
+fn go(surface: &dyn Surface, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
     match trace(surface, from, direction, length, &Options::default()) {
         Ok(end) => end,
         Err(error) => panic!("{from:?} {direction:?}: {error}"),

@@ -140,8 +140,8 @@ pub fn thesis() -> Options {
 }
 
 /// One ray.
-fn go<S: Surface + ?Sized>(
-    surface: &S,
+fn go(
+    surface: &dyn Surface,
     from: [f64; 2],
     direction: [f64; 2],
     length: f64,

@@ -159,19 +159,15 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 }
 
 /// The view that is measured.
-struct Subject<'s, S: Surface + ?Sized> {
+struct Subject<'s> {
     file: String,
     name: String,
-    surface: &'s S,
+    surface: &'s dyn Surface,
     frame: Frame,
     size: [u32; 2],
 }
 
-fn measure<S: Surface + ?Sized>(
-    subject: Subject<'_, S>,
-    threads: &Threads,
-    progress: &dyn Fn(f32),
-) -> Measurements {
+fn measure(subject: Subject<'_>, threads: &Threads, progress: &dyn Fn(f32)) -> Measurements {
     let Subject {
         file,
         name,
@@ -222,10 +218,7 @@ fn measure<S: Surface + ?Sized>(
 
 /// Chooses the settings that are compared as pictures grow: the thesis' method with the fewest steps that are exact
 /// enough, the adaptive method, and the fan.
-fn growth<S: Surface + ?Sized>(
-    view: &mut MeasuredView<'_, S>,
-    threads: &Threads,
-) -> Vec<MethodRow> {
+fn growth(view: &mut MeasuredView<'_>, threads: &Threads) -> Vec<MethodRow> {
     let mut rows = Vec::new();
     for steps in STEPS {
         let setting = Setting::with_steps(steps);

@@ -28,7 +28,7 @@ pub(crate) struct ChartLayout {
 }
 
 impl ChartLayout {
-    pub(crate) fn of<S: Surface + ?Sized>(surface: &S) -> Self {
+    pub(crate) fn of(surface: &dyn Surface) -> Self {
         let (domain, sides) = (surface.domain(), surface.sides());
         let apexes = [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end)));
         let charts = [0, 1].map(|axis| {

@@ -70,8 +70,8 @@ impl Wanted {
     }
 }
 
-pub(super) struct Builder<'a, S: Surface + ?Sized> {
-    pub(super) surface: &'a S,
+pub(super) struct Builder<'a> {
+    pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a ChartLayout,
     pub(super) start: &'a FanStart,
     pub(super) options: &'a FanOptions,
@@ -84,8 +84,8 @@ pub(super) struct Builder<'a, S: Surface + ?Sized> {
 }
 
 /// Makes a fan.
-pub(super) fn build<S: Surface + ?Sized>(
-    surface: &S,
+pub(super) fn build(
+    surface: &dyn Surface,
     layout: &ChartLayout,
     start: &FanStart,
     options: &FanOptions,
@@ -138,7 +138,7 @@ pub(super) fn build<S: Surface + ?Sized>(
     all
 }
 
-impl<S: Surface + ?Sized> Builder<'_, S> {
+impl Builder<'_> {
     /// Integrates rays. `None` where the evaluations do not suffice for all.
     pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let left = self

@@ -36,8 +36,8 @@ pub(super) struct RayPlan {
 }
 
 /// Follows all rays to their ends, on the threads of the current pool; they come back in the order of their ids.
-pub(super) fn drive_all<S: Surface + ?Sized>(
-    surface: &S,
+pub(super) fn drive_all(
+    surface: &dyn Surface,
     layout: &ChartLayout,
     plan: &RayPlan,
     rays: Vec<ActiveRay>,
@@ -82,12 +82,7 @@ fn octave(h: f64) -> i32 {
 }
 
 /// Takes a group as far as it goes together.
-fn drive<S: Surface + ?Sized>(
-    surface: &S,
-    layout: &ChartLayout,
-    plan: &RayPlan,
-    rays: &mut [ActiveRay],
-) {
+fn drive(surface: &dyn Surface, layout: &ChartLayout, plan: &RayPlan, rays: &mut [ActiveRay]) {
     let count = rays.len().min(LANES);
     let rays = &mut rays[..count];
     let Some(mut group) = Group::of(surface, layout, plan, rays) else {

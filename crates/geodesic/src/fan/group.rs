@@ -27,8 +27,8 @@ const STEPS_BEYOND: u32 = 3;
 const TURN: f64 = 2.0;
 
 /// A group of lanes.
-pub(super) struct Group<'a, S: Surface + ?Sized> {
-    field: Field<'a, S>,
+pub(super) struct Group<'a> {
+    field: Field<'a>,
     plan: &'a RayPlan,
     state: States<LANES>,
     local: LaneLocals,
@@ -39,14 +39,14 @@ pub(super) struct Group<'a, S: Surface + ?Sized> {
 }
 
 /// A step of all lanes, compiled for the processor's vectors.
-struct StepWork<'a, 'f, S: Surface + ?Sized> {
-    field: &'a Field<'f, S>,
+struct StepWork<'a, 'f> {
+    field: &'a Field<'f>,
     state: &'a States<LANES>,
     local: &'a LaneLocals,
     h: f64,
 }
 
-impl<S: Surface + ?Sized> Work for StepWork<'_, '_, S> {
+impl Work for StepWork<'_, '_> {
     type Output = LaneStep;
     #[inline(always)]
     fn run(self) -> LaneStep {
@@ -54,10 +54,10 @@ impl<S: Surface + ?Sized> Work for StepWork<'_, '_, S> {
     }
 }
 
-impl<'a, S: Surface + ?Sized> Group<'a, S> {
+impl<'a> Group<'a> {
     /// Up to eight rays in the same coordinates; `None` where there are none.
     pub(super) fn of(
-        surface: &'a S,
+        surface: &'a dyn Surface,
         layout: &'a ChartLayout,
         plan: &'a RayPlan,
         rays: &[ActiveRay],

@@ -18,8 +18,8 @@ use crate::surface::{Jet, JetBlock, LANES, Lanes, Surface};
 const NEAREST: f64 = 1e-6;
 
 /// The geodesic equation of a group of rays in common coordinates.
-pub(super) struct Field<'a, S: Surface + ?Sized> {
-    pub(super) surface: &'a S,
+pub(super) struct Field<'a> {
+    pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a ChartLayout,
     /// `None` in the plain coordinates.
     pub(super) chart: Option<&'a ApexChart>,
@@ -55,7 +55,7 @@ pub(super) type LaneStep = Step<LANES, LaneLocals>;
 /// Evaluations of a lane in a step: the first stage is the last one of the step before.
 pub(super) const STAGES: u64 = 6;
 
-impl<S: Surface + ?Sized> GeodesicEquation<LANES> for Field<'_, S> {
+impl GeodesicEquation<LANES> for Field<'_> {
     type Local = LaneLocals;
     type Undefined = Infallible;
 
@@ -83,7 +83,7 @@ impl RatesOfChange<LANES> for LaneLocals {
     }
 }
 
-impl<S: Surface + ?Sized> Field<'_, S> {
+impl Field<'_> {
     /// One step of the length `h` from `start`, where `local` holds.
     #[inline(always)]
     pub(super) fn step(&self, start: &States<LANES>, local: &LaneLocals, h: f64) -> LaneStep {

@@ -8,7 +8,6 @@ use super::build::{ACROSS, Builder, Wanted};
 use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
 use super::{border, cell};
-use crate::surface::Surface;
 
 /// An edge is to be at its place to this part of a pixel.
 const EDGE: f64 = 0.25;
@@ -22,7 +21,7 @@ const EXCESS: f32 = 2.0;
 /// An error in pixels that stands for no agreement at all.
 const WRONG: f64 = 1e9;
 
-impl<S: Surface + ?Sized> Builder<'_, S> {
+impl Builder<'_> {
     /// The factor to the errors when a sector is halved.
     pub(super) fn order(&self) -> f32 {
         match self.options.interpolation {

@@ -33,8 +33,8 @@ pub(super) struct FanStart {
 
 impl FanStart {
     /// `None` where no geodesic can start.
-    pub(super) fn of<S: Surface + ?Sized>(
-        surface: &S,
+    pub(super) fn of(
+        surface: &dyn Surface,
         layout: &ChartLayout,
         frame: &Frame,
         size: [u32; 2],

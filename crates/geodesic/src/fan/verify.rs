@@ -6,7 +6,6 @@ use super::driver::RayPlan;
 use super::error_indicator;
 use super::sectors::{BINS, Sector, bin, most};
 use crate::ends::Estimate;
-use crate::surface::Surface;
 
 /// The factor to the tolerance of the rays that measure the errors of the others.
 const EXACT: f64 = 0.15;
@@ -22,7 +21,7 @@ const RAISED: f64 = 1.4;
 /// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more than one bulge.
 const SHARES: [f64; 2] = [0.25, 0.75];
 
-impl<S: Surface + ?Sized> Builder<'_, S> {
+impl Builder<'_> {
     /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
     pub(super) fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
         let exact = RayPlan {

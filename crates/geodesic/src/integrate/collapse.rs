@@ -5,7 +5,7 @@ use super::stalled_at;
 use crate::chart::Chart;
 use crate::metric::{cross, dot, norm};
 use crate::status::Status;
-use crate::surface::{Side, Surface};
+use crate::surface::Side;
 
 /// Below this share of its typical value R = |σu×σv| is watched.
 const LOW: f64 = 1e-2;
@@ -14,7 +14,7 @@ const AT_HAND: f64 = 1e-6;
 /// R has vanished at this share of what it was.
 const GONE: f64 = 1e-6;
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     /// R = |σu×σv| here, in (u,v).
     pub(super) fn rank(&self) -> f64 {
         norm(cross(self.local.tangents[0], self.local.tangents[1]))

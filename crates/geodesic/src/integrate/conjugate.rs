@@ -5,9 +5,8 @@ use super::ray::Ray;
 use super::step::RayStep;
 use crate::conjugate_search::{ROUNDS, brackets};
 use crate::runge_kutta::StepParameter;
-use crate::surface::Surface;
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
     /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
     pub(super) fn note_conjugates(&mut self, step: &RayStep, h: f64, pace: StepParameter) {

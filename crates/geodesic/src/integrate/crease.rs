@@ -12,7 +12,6 @@ use crate::chart::{Chart, Local, State};
 use crate::metric::{combine, dot, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
-use crate::surface::Surface;
 
 /// The least change of the speed within a step that is looked into.
 const NOTICED: f64 = 1e-9;
@@ -35,7 +34,7 @@ enum Found {
     Nothing,
 }
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     /// Returns the outcome of a step that has run over a crease; `None` where it may be taken. `allowed` is the error that
     /// the tolerance allows on the way.
     pub(super) fn crease(

@@ -7,7 +7,6 @@ use crate::chart::{Chart, State};
 use crate::interpolate::cubic;
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
-use crate::surface::Surface;
 
 /// An event within a step.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +16,7 @@ pub(super) enum Event {
     NearestToApex,
 }
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     /// Returns the event within a step, and a length of the step by which it has happened.
     pub(super) fn event(&self, step: &RayStep, h: f64) -> Option<(Event, f64)> {
         match &self.chart {

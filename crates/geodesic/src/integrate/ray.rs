@@ -11,7 +11,6 @@ use crate::metric::{combine, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::step_control::{ErrorSum, StepControl, UNDEFINED};
-use crate::surface::Surface;
 
 /// Steps shorter than this share of the ray's scale have something singular near by.
 const SHORT: f64 = 0.01;
@@ -33,8 +32,8 @@ const MOST_RELAXED: f64 = 1e3;
 const AT_END: usize = 16;
 
 /// A ray on its way.
-pub(super) struct Ray<'a, 's, S: Surface + ?Sized> {
-    pub(super) atlas: &'a Atlas<'s, S>,
+pub(super) struct Ray<'a, 's> {
+    pub(super) atlas: &'a Atlas<'s>,
     pub(super) plan: IntegrationPlan,
     pub(super) chart: Chart,
     pub(super) state: State,
@@ -82,7 +81,7 @@ pub(super) enum Attempt {
     Ended(Status),
 }
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     pub(super) fn speed(&self) -> f64 {
         let [x, y] = self.state.velocity;
         norm(combine(

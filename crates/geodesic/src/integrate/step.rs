@@ -4,7 +4,6 @@ use super::ray::Ray;
 use crate::chart::{Atlas, Chart, Local, State};
 use crate::metric::{combine, norm};
 use crate::runge_kutta::{self, GeodesicEquation, RatesOfChange, States, StepParameter};
-use crate::surface::Surface;
 
 /// The largest number of a pair's evaluations in a step, with that at its start.
 const SLOPES: usize = 13;
@@ -13,12 +12,12 @@ const SLOPES: usize = 13;
 struct Undefined;
 
 /// The geodesic equation of one ray.
-struct Equation<'a, 's, S: Surface + ?Sized> {
-    atlas: &'a Atlas<'s, S>,
+struct Equation<'a, 's> {
+    atlas: &'a Atlas<'s>,
     chart: &'a Chart,
 }
 
-impl<S: Surface + ?Sized> GeodesicEquation<1> for Equation<'_, '_, S> {
+impl GeodesicEquation<1> for Equation<'_, '_> {
     type Local = Local;
     type Undefined = Undefined;
 
@@ -66,7 +65,7 @@ pub(super) struct RayStep {
     pub(super) end_local: Option<Local>,
 }
 
-impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+impl Ray<'_, '_> {
     /// Takes a step, leaving the ray as it is. `None` where a stage is undefined, or the end is not finite.
     pub(super) fn step(&self, h: f64, pace: StepParameter) -> Option<RayStep> {
         let equation = Equation {

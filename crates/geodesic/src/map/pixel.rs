@@ -24,9 +24,9 @@ pub(super) struct Row {
 }
 
 /// The data that the pixels of a row share.
-struct Line<'a, 's, S: Surface + ?Sized> {
-    surface: &'s S,
-    atlas: &'a Atlas<'s, S>,
+struct Line<'a, 's> {
+    surface: &'s dyn Surface,
+    atlas: &'a Atlas<'s>,
     frame: &'a Frame,
     zoom: f64,
     /// A pixel's width in the picture, and on the surface at the centre.
@@ -72,8 +72,8 @@ const LOOSEST: f64 = 1e-3;
 const TIGHTEST: f64 = 1e-13;
 
 /// A row, counted from the top. It depends on no other row.
-pub(super) fn row<S: Surface + ?Sized>(
-    surface: &S,
+pub(super) fn row(
+    surface: &dyn Surface,
     frame: &Frame,
     size: [u32; 2],
     row: u32,
@@ -112,7 +112,7 @@ pub(super) fn row<S: Surface + ?Sized>(
     out
 }
 
-impl<S: Surface + ?Sized> Line<'_, '_, S> {
+impl Line<'_, '_> {
     /// The pixel at a place; what needs no geodesic is put down at once.
     fn pixel(&self, place: PicturePoint, by_pixel: bool, out: &mut Row) -> Option<Pixel> {
         let length = self.zoom * place[0].hypot(place[1]);
@@ -322,11 +322,7 @@ impl Row {
 
 /// A point of the domain as an offset from the camera, through the sides that wrap by the shorter way: single
 /// precision keeps what is near. Gives the signs by which the components of a vector at the point change, too.
-fn nearest_repetition<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    origin: [f64; 2],
-    at: [f64; 2],
-) -> ([f64; 2], [f64; 2]) {
+fn nearest_repetition(atlas: &Atlas<'_>, origin: [f64; 2], at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     let domain = atlas.layout.domain;
     let mut lifted = at;
     // First the flip, which changes the other coordinate.

@@ -19,11 +19,7 @@ pub(super) struct PixelEnd {
 }
 
 /// Returns the status of a ray at a point beyond an edge, or at none.
-fn ended<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    before: [f64; 2],
-    at: [f64; 2],
-) -> Option<Status> {
+fn ended(atlas: &Atlas<'_>, before: [f64; 2], at: [f64; 2]) -> Option<Status> {
     for (axis, x) in at.into_iter().enumerate() {
         let [low, high] = atlas.layout.domain[axis];
         for (end, beyond) in [low - x, x - high].into_iter().enumerate() {
@@ -44,9 +40,9 @@ fn ended<S: Surface + ?Sized>(
 }
 
 /// Follows one geodesic.
-pub(super) fn follow<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    surface: &S,
+pub(super) fn follow(
+    atlas: &Atlas<'_>,
+    surface: &dyn Surface,
     start: State,
     steps: u32,
 ) -> PixelEnd {

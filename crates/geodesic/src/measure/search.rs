@@ -194,12 +194,7 @@ fn look(
 }
 
 /// The end of a ray as the fan has it, in (u,v) inside the domain; `None` where it ended before.
-fn end_of(
-    surface: &dyn Surface,
-    fan: &Fan<'_, dyn Surface + '_>,
-    reach: f64,
-    at: PolarVector,
-) -> Option<Arrival> {
+fn end_of(surface: &dyn Surface, fan: &Fan<'_>, reach: f64, at: PolarVector) -> Option<Arrival> {
     let (sin, cos) = at.angle.sin_cos();
     let place = [cos, sin].map(|x| x * at.length / reach);
     let end = fan.end(PicturePoint(place));

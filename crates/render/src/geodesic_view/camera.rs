@@ -225,10 +225,10 @@ impl PlacedCamera {
 
     fn fan<'s>(
         &self,
-        surface: &'s (dyn Surface + 's),
+        surface: &'s dyn Surface,
         frame: &Frame,
         interpolation: Interpolation,
-    ) -> Fan<'s, dyn Surface + 's> {
+    ) -> Fan<'s> {
         let options = FanOptions {
             tolerance: self.tolerance,
             interpolation,

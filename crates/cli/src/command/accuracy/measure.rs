@@ -94,17 +94,17 @@ pub(super) struct Measured {
 }
 
 /// A view to be measured.
-pub(super) struct MeasuredView<'s, S: Surface + ?Sized> {
-    surface: &'s S,
+pub(super) struct MeasuredView<'s> {
+    surface: &'s dyn Surface,
     frame: Frame,
     size: [u32; 2],
-    full: Reference<'s, S>,
-    thin: Reference<'s, S>,
+    full: Reference<'s>,
+    thin: Reference<'s>,
 }
 
-impl<'s, S: Surface + ?Sized> MeasuredView<'s, S> {
+impl<'s> MeasuredView<'s> {
     /// Traces the references.
-    pub(super) fn new(surface: &'s S, frame: Frame, size: [u32; 2]) -> Self {
+    pub(super) fn new(surface: &'s dyn Surface, frame: Frame, size: [u32; 2]) -> Self {
         Self {
             surface,
             frame,
@@ -159,12 +159,7 @@ impl<'s, S: Surface + ?Sized> MeasuredView<'s, S> {
     }
 }
 
-fn make<S: Surface + ?Sized>(
-    surface: &S,
-    frame: &Frame,
-    size: [u32; 2],
-    options: &MapOptions,
-) -> Map {
+fn make(surface: &dyn Surface, frame: &Frame, size: [u32; 2], options: &MapOptions) -> Map {
     exponential_map(surface, frame, size, options, &|_| {})
 }
 
