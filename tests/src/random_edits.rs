@@ -132,9 +132,10 @@ impl Mirror {
     }
 
     fn range(&self, span: Span) -> Value {
+        let starts = self.lines();
         json!({
-            "start": self.position(span.start as usize),
-            "end": self.position(span.end as usize),
+            "start": self.position_among(&starts, span.start as usize),
+            "end": self.position_among(&starts, span.end as usize),
         })
     }
 

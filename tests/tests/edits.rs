@@ -3,8 +3,8 @@
 use testing::random_edits::session;
 
 /// Edits of each session; there is a session for each encoding, and one for an editor that asks for diagnostics.
-/// `geotrace-fuzz` makes more of them.
-const EDITS: usize = 25_000;
+/// `geotrace-fuzz --full` makes 100,000 in each encoding.
+const EDITS: usize = 8_000;
 
 #[tokio::test]
 async fn the_server_says_what_the_text_alone_says_in_bytes() {
