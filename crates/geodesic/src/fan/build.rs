@@ -10,14 +10,14 @@ use super::active_ray::ActiveRay;
 use super::border;
 use super::driver::{self, RayPlan};
 use super::ray::Ray;
-use super::sectors::{self, Sector, Sectors, most};
+use super::sectors::{self, Profile, Sector, Sectors, most};
 use super::start::FanStart;
 use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 use crate::surface::Surface;
 
 /// Rays to begin with.
-const BASE: usize = 16;
+pub(super) const BASE: usize = 16;
 /// The share of the tolerance that interpolation between rays may use, …
 pub(super) const ACROSS: f64 = 0.7;
 /// … and the one that the rays' own errors may.
@@ -47,7 +47,7 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    fn new(angle: f64, around: f64) -> Self {
+    pub(super) fn new(angle: f64, around: f64) -> Self {
         Self {
             angle,
             around,
@@ -205,7 +205,7 @@ impl Builder<'_> {
         }
     }
 
-    fn improve(&mut self, rays: &mut [Ray], wanted: &[Wanted]) {
+    pub(super) fn improve(&mut self, rays: &mut [Ray], wanted: &[Wanted]) {
         let allowed = ALONG * self.options.tolerance;
         let poor: Vec<usize> = (0..rays.len())
             .filter(|&n| self.factor * rays[n].error() > 1.5 * allowed)
@@ -289,14 +289,22 @@ impl Builder<'_> {
         let order = self.order();
         let stretched =
             |a: usize, b: usize| border::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
+        // Each ray is the middle of a sector twice as wide.
+        let wide: Vec<(Profile, f64)> = (0..BASE)
+            .map(|middle| {
+                let beside = [middle + BASE - 1, middle + 1].map(|ray| &self.rays[ray % BASE]);
+                let middle = &self.rays[middle];
+                let edge = border::exit_discrepancy(beside, 2.0 * step, middle);
+                (self.profile(beside, 2.0 * step, middle, 0.5), edge)
+            })
+            .collect();
         (0..BASE)
             .map(|n| {
-                // The odd rays are the middles of sectors twice as wide.
+                let [(first, _), (last, _)] = [&wide[n], &wide[(n + 1) % BASE]];
+                let errors: Profile = std::array::from_fn(|k| first[k].max(last[k]));
                 let pair = n / 2;
-                let [a, middle, b] = [2 * pair, 2 * pair + 1, (2 * pair + 2) % BASE];
-                let rays = [&self.rays[a], &self.rays[b]];
-                let errors = self.profile(rays, 2.0 * step, &self.rays[middle], 0.5);
-                let edge = border::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
+                let [a, b] = [2 * pair, (2 * pair + 2) % BASE];
+                let edge = wide[2 * pair + 1].1;
                 let mut sector = self.sector(
                     [n, (n + 1) % BASE],
                     n as f64 * step,

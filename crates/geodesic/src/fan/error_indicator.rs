@@ -1,29 +1,30 @@
 //! Indicators of the errors between the rays of a fan, from the rays themselves: neighbouring sectors in, errors out.
 //!
-//! Between two rays the end is a cubic in the angle, whose third derivative is a constant. From one sector to the next it
-//! jumps, by the fourth derivative of the true end times the distance of the sectors' middles; and that derivative makes
-//! the cubic's error, w⁴/384 times it in the middle of a sector of the width w: the remainder of Hermite's interpolation,
-//! f⁗/4! (w/2)⁴ (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
+//! Between two rays the end is a cubic in the angle. With the rays beyond them the polynomial is of a degree up to seven,
+//! and what it adds to the cubic between the two is the cubic's error, as far as the rays can tell: Newton's form with
+//! double nodes, from the fourth divided difference on (Stoer, Bulirsch, *Introduction to Numerical Analysis*,
+//! sections 2.1.3 and 2.1.5).
 
 use super::cell;
-use super::ray::Ray;
+use super::ray::{Ray, Sample};
 use super::sectors::{BINS, Sector};
 use crate::chart::ChartLayout;
-use crate::ends::Coordinates;
 
-/// Sectors are compared whose widths differ by no more than this factor: beside a much narrower one lies what made that
-/// one narrow.
+/// A neighbour takes part whose width differs by no more than this factor: beside a much narrower sector lies what made
+/// that one narrow.
 const ALIKE: f64 = 2.5;
 /// In how many ranges of radius each.
 const STRIDE: usize = 2;
+/// Shares of the way between the two rays: of the largest even error, and of the largest odd ones.
+const SHARES: [f64; 3] = [0.276, 0.5, 0.724];
 
-/// The third derivatives by the angle of a sector's cubic.
+/// A ray at an arc length, relative to a sector's first ray: its angle in widths of the sector, its end and the end's
+/// derivative by that.
 #[derive(Clone, Copy, Debug)]
-struct Third {
-    kind: Coordinates,
+struct Node {
+    x: f64,
     value: [f64; 2],
-    /// The unit tangent and normal of its second ray.
-    axes: [[f64; 2]; 2],
+    slope: [f64; 2],
 }
 
 /// The largest errors that the picture shows of each sector, in pixels; 0 where nothing is known. The sectors are
@@ -35,51 +36,132 @@ pub(super) fn between(
     reach: f64,
     pixel: f64,
 ) -> Vec<f64> {
-    let third = |sector: &Sector, s: f64| {
-        let pair = sector.rays.map(|ray| &rays[ray]);
-        let (a, b) = cell::pair(layout, pair, sector.width, s)?;
-        let w = sector.width;
-        let value = [0, 1].map(|k| {
-            let (chord, slopes) = (a.at[k] - b.at[k], a.jacobi[0][k] + b.jacobi[0][k]);
-            (12.0 * chord / w + 6.0 * slopes) / (w * w)
-        });
-        Some(Third {
-            kind: b.chart.kind,
-            value,
-            axes: [b.along, b.normal],
-        })
-    };
     let mut errors = vec![0.0_f64; sectors.len()];
     for range in (STRIDE / 2..BINS).step_by(STRIDE) {
         let s = reach * (range as f64 + 0.5) / BINS as f64;
         let known = |sector: &Sector| s < sector.border.min(sector.unknown_from);
-        let thirds: Vec<Option<Third>> = sectors
+        let ends: Vec<Option<(Sample, Sample)>> = sectors
             .iter()
-            .map(|sector| known(sector).then(|| third(sector, s))?)
+            .map(|sector| {
+                let pair = sector.rays.map(|ray| &rays[ray]);
+                known(sector).then(|| cell::pair(layout, pair, sector.width, s))?
+            })
             .collect();
-        for (n, a) in thirds.iter().enumerate() {
-            let next = (n + 1) % sectors.len();
-            let (Some(a), Some(b)) = (a, &thirds[next]) else {
-                continue;
+        for (n, (a, b)) in ends
+            .iter()
+            .enumerate()
+            .filter_map(|(n, x)| Some((n, (*x)?)))
+        {
+            let width = sectors[n].width;
+            let node = |x: f64, from: [f64; 2], sample: &Sample, origin: &Sample| Node {
+                x,
+                value: [0, 1].map(|k| from[k] + sample.at[k] - origin.at[k]),
+                slope: sample.jacobi[0].map(|slope| slope * width),
             };
-            let [v, w] = [n, next].map(|n| sectors[n].width);
-            if a.kind != b.kind || v > ALIKE * w || w > ALIKE * v {
-                continue;
+            let second = node(1.0, [0.0; 2], &b, &a);
+            let mut nodes = vec![node(0.0, [0.0; 2], &a, &a), second];
+            let beside = |m: usize| {
+                let other = sectors[m].width;
+                let alike = other < ALIKE * width && width < ALIKE * other;
+                let (c, d) = ends[m]?;
+                (alike && m != n && a.chart.is_same(&c.chart) && a.chart.is_same(&b.chart))
+                    .then_some((other / width, c, d))
+            };
+            if let Some((w, c, d)) = beside((n + sectors.len() - 1) % sectors.len()) {
+                nodes.push(node(-w, [0.0; 2], &c, &d));
             }
-            let jump = [0, 1].map(|k| b.value[k] - a.value[k]);
-            let [along, normal] = a.axes;
-            let area = cell::determinant(along, normal);
-            let (x, y) = (
-                cell::determinant(jump, normal),
-                cell::determinant(along, jump),
-            );
-            let fourth = (x * x + y * y).sqrt() / area.abs() / (0.5 * (v + w)) / pixel;
-            for (m, width) in [(n, v), (next, w)] {
-                let share = f64::from(sectors[m].seen[0][range]);
+            if let Some((w, c, d)) = beside((n + 1) % sectors.len()) {
+                nodes.push(node(1.0 + w, second.value, &d, &c));
+            }
+            let area = cell::determinant(b.along, b.normal);
+            let share = f64::from(sectors[n].seen[0][range]);
+            for off in added(&nodes) {
+                let (x, y) = (
+                    cell::determinant(off, b.normal),
+                    cell::determinant(b.along, off),
+                );
+                let length = (x * x + y * y).sqrt() / area.abs();
                 // (A NaN is no larger.)
-                errors[m] = errors[m].max(share * fourth * width.powi(4) / 384.0);
+                errors[n] = errors[n].max(share * length / pixel);
             }
         }
     }
     errors
+}
+
+/// What the nodes after the first two add to the cubic through these, at [`SHARES`] of the way between them.
+fn added(nodes: &[Node]) -> [[f64; 2]; 3] {
+    let count = 2 * nodes.len();
+    let mut table = [[0.0; 2]; 8];
+    let x = |n: usize| nodes[n / 2].x;
+    for (n, row) in table[..count].iter_mut().enumerate() {
+        *row = nodes[n / 2].value;
+    }
+    for order in 1..count {
+        for n in (order..count).rev() {
+            table[n] = if order == 1 && n % 2 == 1 {
+                nodes[n / 2].slope
+            } else {
+                let by = x(n) - x(n - order);
+                [0, 1].map(|k| (table[n][k] - table[n - 1][k]) / by)
+            };
+        }
+    }
+    SHARES.map(|t| {
+        let mut factor = 1.0;
+        let mut sum = [0.0; 2];
+        for (n, difference) in table[..count].iter().enumerate() {
+            if n >= 4 {
+                sum = [0, 1].map(|k| sum[k] + factor * difference[k]);
+            }
+            factor *= t - x(n);
+        }
+        sum
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A polynomial and its derivative, coefficients from the constant on.
+    fn node(x: f64, coefficients: &[f64]) -> Node {
+        let (mut value, mut slope) = (0.0, 0.0);
+        for c in coefficients.iter().rev() {
+            slope = slope * x + value;
+            value = value * x + c;
+        }
+        Node {
+            x,
+            value: [value, -2.0 * value],
+            slope: [slope, -2.0 * slope],
+        }
+    }
+
+    #[test]
+    fn the_rays_beyond_add_the_error_of_the_cubic() {
+        let septic = [0.3, -1.0, 0.5, 2.0, -0.7, 0.9, 0.2, -0.4];
+        let places = [0.0, 1.0, -1.7, 1.6];
+        for (count, degree) in [(2, 3), (3, 5), (4, 7)] {
+            let polynomial = &septic[..=degree];
+            let nodes: Vec<Node> = (places[..count].iter())
+                .map(|x| node(*x, polynomial))
+                .collect();
+            let [a, b] = [nodes[0], nodes[1]];
+            for (t, added) in SHARES.into_iter().zip(added(&nodes)) {
+                let cubic = crate::interpolate::cubic(
+                    t,
+                    1.0,
+                    [a.value[0], a.slope[0]],
+                    [b.value[0], b.slope[0]],
+                );
+                let error = node(t, polynomial).value[0] - cubic;
+                assert!(
+                    (added[0] - error).abs() < 1e-13,
+                    "{count} at {t}: {added:?}"
+                );
+                assert!((added[1] + 2.0 * error).abs() < 1e-13, "{added:?}");
+            }
+        }
+    }
 }

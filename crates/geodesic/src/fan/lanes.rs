@@ -95,12 +95,15 @@ impl Field<'_> {
             h,
             StepParameter::Length,
         );
-        // Geodesics keep their speed, the method does not: what it has lost shows errors that the pair's difference
-        // misses where a step is too long for it.
+        // Geodesics keep their speed, and their Jacobi fields the Wronskian n m' − n' m = 1; the method does not. What it
+        // has lost of both shows errors that the pair's difference misses where a step is too long for it.
         let before = local.speed(start);
         let after = step.local.speed(&step.end);
+        let [.., m, m1, n, n1] = &step.end;
         for lane in 0..LANES {
             let lost = (after[lane] - before[lane]).abs();
+            let wronskian = (n[lane] * m1[lane] - n1[lane] * m[lane] - 1.0).abs();
+            let lost = if wronskian > lost { wronskian } else { lost };
             let error = &mut step.direction_error[lane];
             *error = if lost > *error { lost } else { *error };
         }

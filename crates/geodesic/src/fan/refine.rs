@@ -180,6 +180,8 @@ impl Builder<'_> {
         let wrong = (0..=inside)
             .find(|&n| f64::from(sector.seen_error(n)) > ACROSS * self.options.tolerance);
         if let Some(bin) = wrong {
+            // An error that grows so fast may have been seen too early in the range before.
+            let bin = bin.saturating_sub(1);
             sector.unknown_from = self.start.reach * bin as f64 / BINS as f64;
             sector.errors[bin..].fill(0.0);
         }
