@@ -21,7 +21,7 @@ const SHARES: [f64; 3] = [0.276, 0.5, 0.724];
 /// A ray at an arc length, relative to a sector's first ray: its angle in widths of the sector, its end and the end's
 /// derivative by that.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct SupportPoint {
     x: f64,
     value: [f64; 2],
     slope: [f64; 2],
@@ -47,35 +47,13 @@ pub(super) fn between(
                 known(sector).then(|| cell::pair(layout, pair, sector.width, s))?
             })
             .collect();
-        for (n, (a, b)) in ends
-            .iter()
-            .enumerate()
-            .filter_map(|(n, x)| Some((n, (*x)?)))
-        {
-            let width = sectors[n].width;
-            let node = |x: f64, from: [f64; 2], sample: &Sample, origin: &Sample| Node {
-                x,
-                value: [0, 1].map(|k| from[k] + sample.at[k] - origin.at[k]),
-                slope: sample.jacobi[0].map(|slope| slope * width),
+        for n in 0..sectors.len() {
+            let (Some((_, b)), Some(points)) = (ends[n], support(sectors, &ends, n)) else {
+                continue;
             };
-            let second = node(1.0, [0.0; 2], &b, &a);
-            let mut nodes = vec![node(0.0, [0.0; 2], &a, &a), second];
-            let beside = |m: usize| {
-                let other = sectors[m].width;
-                let alike = other < ALIKE * width && width < ALIKE * other;
-                let (c, d) = ends[m]?;
-                (alike && m != n && a.chart.is_same(&c.chart) && a.chart.is_same(&b.chart))
-                    .then_some((other / width, c, d))
-            };
-            if let Some((w, c, d)) = beside((n + sectors.len() - 1) % sectors.len()) {
-                nodes.push(node(-w, [0.0; 2], &c, &d));
-            }
-            if let Some((w, c, d)) = beside((n + 1) % sectors.len()) {
-                nodes.push(node(1.0 + w, second.value, &d, &c));
-            }
             let area = cell::determinant(b.along, b.normal);
             let share = f64::from(sectors[n].seen[0][range]);
-            for off in added(&nodes) {
+            for off in added(&points) {
                 let (x, y) = (
                     cell::determinant(off, b.normal),
                     cell::determinant(b.along, off),
@@ -89,18 +67,49 @@ pub(super) fn between(
     errors
 }
 
-/// What the nodes after the first two add to the cubic through these, at [`SHARES`] of the way between them.
-fn added(nodes: &[Node]) -> [[f64; 2]; 3] {
-    let count = 2 * nodes.len();
+/// Returns a sector's two rays and those beyond them that are known in the same coordinates; `ends` are both rays of each
+/// sector.
+fn support(
+    sectors: &[&Sector],
+    ends: &[Option<(Sample, Sample)>],
+    n: usize,
+) -> Option<Vec<SupportPoint>> {
+    let (a, b) = ends[n]?;
+    let width = sectors[n].width;
+    let point = |x: f64, from: [f64; 2], sample: &Sample, origin: &Sample| SupportPoint {
+        x,
+        value: [0, 1].map(|k| from[k] + sample.at[k] - origin.at[k]),
+        slope: sample.jacobi[0].map(|slope| slope * width),
+    };
+    let beside = |m: usize| {
+        let other = sectors[m].width;
+        let (c, d) = ends[m]?;
+        let alike = other < ALIKE * width && width < ALIKE * other && c.chart.is_same(&a.chart);
+        alike.then_some((other / width, c, d))
+    };
+    let last = point(1.0, [0.0; 2], &b, &a);
+    let mut points = vec![point(0.0, [0.0; 2], &a, &a), last];
+    if let Some((w, c, d)) = beside((n + sectors.len() - 1) % sectors.len()) {
+        points.push(point(-w, [0.0; 2], &c, &d));
+    }
+    if let Some((w, c, d)) = beside((n + 1) % sectors.len()) {
+        points.push(point(1.0 + w, last.value, &d, &c));
+    }
+    Some(points)
+}
+
+/// Returns what the points after the first two add to the cubic through these, at [`SHARES`] of the way between them.
+fn added(points: &[SupportPoint]) -> [[f64; 2]; 3] {
+    let count = 2 * points.len();
     let mut table = [[0.0; 2]; 8];
-    let x = |n: usize| nodes[n / 2].x;
+    let x = |n: usize| points[n / 2].x;
     for (n, row) in table[..count].iter_mut().enumerate() {
-        *row = nodes[n / 2].value;
+        *row = points[n / 2].value;
     }
     for order in 1..count {
         for n in (order..count).rev() {
             table[n] = if order == 1 && n % 2 == 1 {
-                nodes[n / 2].slope
+                points[n / 2].slope
             } else {
                 let by = x(n) - x(n - order);
                 [0, 1].map(|k| (table[n][k] - table[n - 1][k]) / by)
@@ -125,13 +134,13 @@ mod tests {
     use super::*;
 
     /// A polynomial and its derivative, coefficients from the constant on.
-    fn node(x: f64, coefficients: &[f64]) -> Node {
+    fn point(x: f64, coefficients: &[f64]) -> SupportPoint {
         let (mut value, mut slope) = (0.0, 0.0);
         for c in coefficients.iter().rev() {
             slope = slope * x + value;
             value = value * x + c;
         }
-        Node {
+        SupportPoint {
             x,
             value: [value, -2.0 * value],
             slope: [slope, -2.0 * slope],
@@ -144,18 +153,18 @@ mod tests {
         let places = [0.0, 1.0, -1.7, 1.6];
         for (count, degree) in [(2, 3), (3, 5), (4, 7)] {
             let polynomial = &septic[..=degree];
-            let nodes: Vec<Node> = (places[..count].iter())
-                .map(|x| node(*x, polynomial))
+            let points: Vec<SupportPoint> = (places[..count].iter())
+                .map(|x| point(*x, polynomial))
                 .collect();
-            let [a, b] = [nodes[0], nodes[1]];
-            for (t, added) in SHARES.into_iter().zip(added(&nodes)) {
+            let [a, b] = [points[0], points[1]];
+            for (t, added) in SHARES.into_iter().zip(added(&points)) {
                 let cubic = crate::interpolate::cubic(
                     t,
                     1.0,
                     [a.value[0], a.slope[0]],
                     [b.value[0], b.slope[0]],
                 );
-                let error = node(t, polynomial).value[0] - cubic;
+                let error = point(t, polynomial).value[0] - cubic;
                 assert!(
                     (added[0] - error).abs() < 1e-13,
                     "{count} at {t}: {added:?}"

@@ -1,8 +1,8 @@
 //! The errors of a fan: rays that are integrated more exactly measure its errors, where they should be the largest and
 //! in places spread evenly. What they find wrong they mend.
 //!
-//! A ray in the middle of a sector measures what interpolation and both rays of the sector do there; a ray beside one of
-//! the fan's own, in the same direction, measures that one alone.
+//! A ray in the middle of a sector measures what interpolation and both rays of the sector do there; one in the direction
+//! of a ray of the fan measures that one alone.
 
 use std::f64::consts::TAU;
 
