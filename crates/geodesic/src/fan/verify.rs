@@ -4,6 +4,7 @@
 //! A ray in the middle of a sector measures what interpolation and both rays of the sector do there; one in the direction
 //! of a ray of the fan measures that one alone.
 
+use std::cmp::Reverse;
 use std::f64::consts::TAU;
 
 use super::border;
@@ -274,7 +275,7 @@ impl Builder<'_> {
             .map(|n| known[n * known.len() / SPREAD])
             .collect();
         let told = self.expected(sectors);
-        known.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
+        known.sort_by_key(|&n| Reverse(magnitude(told[n])));
         // In whole groups of eight.
         let worst = (known.len() / 16).min(64).next_multiple_of(8);
         known.truncate(worst.max(8) - if first { SPREAD } else { 0 });
@@ -298,7 +299,7 @@ impl Builder<'_> {
         let mut chosen: Vec<usize> = (0..count)
             .filter(|&n| RAY_DOUBTFUL * told(n) > known && !compared.contains(&sectors[n].rays[0]))
             .collect();
-        chosen.sort_by(|&a, &b| told(b).total_cmp(&told(a)));
+        chosen.sort_by_key(|&n| Reverse(magnitude(told(n))));
         chosen.truncate((beside + RAYS).next_multiple_of(8) - beside);
         chosen
     }
@@ -308,4 +309,10 @@ impl Builder<'_> {
 fn first_ray(sectors: &[Sector], n: usize) -> Wanted {
     let before = &sectors[(n + sectors.len() - 1) % sectors.len()];
     Wanted::new(sectors[n].angle, sectors[n].width.max(before.width))
+}
+
+/// An error to a hundredth of itself, for sorting. Rays that a surface mirrors have the same errors but for rounding, and
+/// of them the first has to be chosen on every machine, whatever its sine rounds to.
+fn magnitude(error: f64) -> u32 {
+    (error as f32).to_bits() >> 16
 }
