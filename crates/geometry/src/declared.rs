@@ -49,12 +49,29 @@ pub struct FollowedGeodesic {
 
 /// Follows all instances of a declared geodesic on all cores. The result is empty for other objects.
 pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> FollowedGeodesic {
+    let domain = scene.get(id).and_then(|object| {
+        let in_space = object.shape.space_geodesic().map(|(_, domain)| domain);
+        in_space.or(object.shape.geodesic().map(|(_, domain)| domain))
+    });
+    domain.map_or_else(FollowedGeodesic::default, |domain| {
+        follow_declared_over(scene, params, id, domain)
+    })
+}
+
+/// Follows all instances of a declared geodesic as [`follow_declared`] does, to other values of its parameter than those
+/// that are declared.
+pub fn follow_declared_over(
+    scene: &Scene,
+    params: &ParamValues,
+    id: ObjectId,
+    domain: &Sampling,
+) -> FollowedGeodesic {
     if let Some(object) = scene.get(id)
-        && let Some((path, domain)) = object.shape.space_geodesic()
+        && let Some((path, _)) = object.shape.space_geodesic()
     {
         return follow_in_space(scene, params, object, path, domain);
     }
-    let Some((object, surface, domain)) = parts(scene, id) else {
+    let Some((object, surface, _)) = parts(scene, id) else {
         return FollowedGeodesic::default();
     };
     let Some(initial_conditions) = InitialConditionsEvaluator::new(scene, id) else {

@@ -19,7 +19,7 @@ pub mod solids;
 
 pub use declared::{
     FollowedGeodesic, MAX_DECLARED_EVALUATIONS, MAX_POINTS, cut_note, evaluations_per_line,
-    follow_declared, lies_in_space,
+    follow_declared, follow_declared_over, lies_in_space,
 };
 pub use manifold::{Manifold, ManifoldError};
 pub use polyline::{GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at, space_knots_at};

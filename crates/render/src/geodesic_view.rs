@@ -14,6 +14,7 @@ pub use resolve::{Paint, resolve};
 pub use solid::PlacedSolidCamera;
 
 use geodesic::ends::{Estimate, GeodesicWork};
+use geodesic::fan::Interpolation;
 use geodesic::trace::Status;
 use rayon::prelude::*;
 
@@ -45,12 +46,18 @@ impl PictureMethod {
         }
     }
 
+    /// The interpolation between rays that all pixels share; `None` where each pixel is followed.
+    fn interpolation(self) -> Option<Interpolation> {
+        match self {
+            Self::Auto | Self::Fan => Some(Interpolation::Hermite),
+            Self::FanLinear => Some(Interpolation::Linear),
+            Self::Rk4Pixel | Self::Adaptive => None,
+        }
+    }
+
     /// Returns true if rays are shared by all pixels, so that the ends are a table of polynomials.
     pub(crate) fn is_fan(self) -> bool {
-        match self {
-            Self::Auto | Self::Fan | Self::FanLinear => true,
-            Self::Rk4Pixel | Self::Adaptive => false,
-        }
+        self.interpolation().is_some()
     }
 }
 

@@ -1,9 +1,10 @@
 //! Overlays: drawn over a picture on request, and computed only then.
 //!
 //! ```text
-//! geodesic view:  rows of ends ──curves.rs: declared geodesics, trails────────────┐
-//! (geodesic.rs)   map of ends ──lines.rs: wavefronts, conjugate points, error────┼──▶ picture ──legend.rs──▶ picture
-//!                             ──cut_locus.rs: the cut locus──────────────────────┘
+//! geodesic view:  rows of ends ──curves.rs: declared geodesics, trails──────────────────────┐
+//! (geodesic.rs;   map of ends ──measured.rs──┬─▶ lines.rs: wavefronts, conjugate points, error ─┼──▶ picture ──legend.rs──▶ picture
+//! on a solid                                 └─▶ cut_locus.rs: the cut locus ───────────────────┤
+//! solid.rs)       knots in space, map of ends ──solid.rs: declared geodesics────────────────┘
 //! 3D view:        a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
 //! ```
 //!
@@ -16,6 +17,8 @@ mod geodesic;
 mod labels;
 mod legend;
 mod lines;
+mod measured;
+mod solid;
 mod space;
 mod text;
 
@@ -23,6 +26,7 @@ pub(crate) use axes::AxesBox;
 pub(crate) use geodesic::GeodesicOverlay;
 pub use labels::PlacedWords;
 pub(crate) use labels::{TextLabel, anchors, placed};
+pub(crate) use solid::over_solid;
 pub(crate) use space::{OverlayObject, camera_objects, trail_objects};
 pub use text::{Contour, outlines};
 

@@ -80,11 +80,15 @@ impl Scene {
         }
     }
 
-    /// The geodesics that lie on a surface or a metric.
+    /// The geodesics that lie on a surface, a metric or a solid.
     pub fn geodesics_on(&self, surface: ObjectId) -> impl Iterator<Item = (ObjectId, &Object)> {
-        let lies_on = move |object: &Object| {
-            let geodesic = object.shape.geodesic();
-            geodesic.is_some_and(|(on, _)| on == surface)
+        let name = self.get(surface).map(|on| &*on.name);
+        let lies_on = move |object: &Object| match object.shape.space_geodesic() {
+            Some((path, _)) => name == Some(path.solid),
+            None => {
+                let geodesic = object.shape.geodesic();
+                geodesic.is_some_and(|(on, _)| on == surface)
+            }
         };
         self.numbered().filter(move |(_, object)| lies_on(object))
     }

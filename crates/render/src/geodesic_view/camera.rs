@@ -73,6 +73,22 @@ pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64;
     [x * per_pixel, y * per_pixel]
 }
 
+/// The estimated errors of ends, in pixels, at every `step`-th pixel of every `step`-th row of a picture; NaN where nothing
+/// is seen.
+pub(super) fn errors<const N: usize>(ends: &dyn Ends<N>, size: [u32; 2], step: u32) -> Vec<f32> {
+    let [columns, rows] = size.map(|side| side.div_ceil(step));
+    let error = |index: u32| {
+        let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
+        let end = ends.end(map::pixel_place(size, x, y));
+        if end.status == Status::Complete {
+            end.error as f32
+        } else {
+            f32::NAN
+        }
+    };
+    (0..columns * rows).into_par_iter().map(error).collect()
+}
+
 impl PlacedCamera {
     /// Puts a camera on its surface; of a surface that depends on grids, the first instance is taken. A place beyond a
     /// side that wraps is brought back into the domain.
@@ -158,12 +174,8 @@ impl PlacedCamera {
 
     /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the share that is done.
     pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> RayEnds {
-        let interpolation = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
-            PictureMethod::FanLinear => Interpolation::Linear,
-            PictureMethod::Adaptive | PictureMethod::Rk4Pixel => {
-                return RayEnds::Map(self.map(progress));
-            }
+        let Some(interpolation) = self.method.interpolation() else {
+            return RayEnds::Map(self.map(progress));
         };
         let surface = self.manifold.surface();
         let deep = Moved::for_camera(surface, &self.frame, self.size);
@@ -203,24 +215,9 @@ impl PlacedCamera {
     /// The estimated errors, in pixels, at every `step`-th pixel of every `step`-th row; `None` where the method does
     /// not know them pixel by pixel. NaN where nothing is seen.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
-        let interpolation = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
-            PictureMethod::FanLinear => Interpolation::Linear,
-            PictureMethod::Adaptive | PictureMethod::Rk4Pixel => return None,
-        };
+        let interpolation = self.method.interpolation()?;
         let fan = self.fan(self.manifold.surface(), &self.frame, interpolation);
-        let [columns, rows] = self.size.map(|side| side.div_ceil(step));
-        let error = |index: u32| {
-            let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
-            let place = map::pixel_place(self.size, x, y);
-            let end = fan.end(place);
-            if end.status == Status::Complete {
-                end.error as f32
-            } else {
-                f32::NAN
-            }
-        };
-        Some((0..columns * rows).into_par_iter().map(error).collect())
+        Some(errors(&fan, self.size, step))
     }
 
     fn fan<'s>(

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::PictureMethod;
-use super::camera::{MOVING_TOLERANCE, TOLERANCE, picture_place};
+use super::camera::{MOVING_TOLERANCE, TOLERANCE, errors, picture_place};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::viewpoint::{GeodesicCamera, Pose};
@@ -155,6 +155,29 @@ impl PlacedSolidCamera {
         })
     }
 
+    /// The estimated errors of a picture by rays, in pixels, at every `step`-th pixel of every `step`-th row, NaN where
+    /// nothing is seen; `None` where the method does not know them, or the solid has no tangent plane.
+    pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
+        let fan = self.fan(self.method.interpolation()?)?;
+        Some(errors(&fan, self.size, step))
+    }
+
+    fn fan(&self, interpolation: Interpolation) -> Option<SpaceFan<'_>> {
+        let options = FanOptions {
+            tolerance: self.tolerance,
+            interpolation,
+            max_evaluations: FanOptions::default()
+                .max_evaluations
+                .min(self.most_evaluations()),
+        };
+        SpaceFan::build(self.solid.surface(), &self.frame, self.size, &options)
+    }
+
+    /// The picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// The solid that it is on.
     pub fn solid(&self) -> &SolidSurface {
         &self.solid
@@ -170,25 +193,16 @@ impl PlacedSolidCamera {
     /// # Errors
     /// [`RenderError::Camera`] for a method that needs parameters.
     pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> Result<Map<3>, RenderError> {
-        let interpolation = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
-            PictureMethod::FanLinear => Interpolation::Linear,
-            PictureMethod::Adaptive => return Ok(self.pixel_by_pixel()),
-            PictureMethod::Rk4Pixel => {
-                return Err(RenderError::Camera(
+        let Some(interpolation) = self.method.interpolation() else {
+            return match self.method {
+                PictureMethod::Rk4Pixel => Err(RenderError::Camera(
                     "the method rk4-pixel takes steps in (u, v), and a solid has no parameters"
                         .into(),
-                ));
-            }
+                )),
+                _ => Ok(self.pixel_by_pixel()),
+            };
         };
-        let defaults = FanOptions::default();
-        let options = FanOptions {
-            tolerance: self.tolerance,
-            interpolation,
-            max_evaluations: defaults.max_evaluations.min(self.most_evaluations()),
-        };
-        let surface = self.solid.surface();
-        let Some(fan) = SpaceFan::build(surface, &self.frame, self.size, &options) else {
+        let Some(fan) = self.fan(interpolation) else {
             return Err(RenderError::Camera(
                 "the solid has no tangent plane where the camera stands".into(),
             ));

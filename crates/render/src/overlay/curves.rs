@@ -8,6 +8,7 @@ mod names;
 mod table;
 
 pub(super) use layer::Lines;
+pub(super) use names::{NamePlace, NamePlaces};
 
 use geodesic::surface::Side;
 use scene::InitialConditionsEvaluator;
@@ -46,8 +47,9 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let Some(mut evaluator) = InitialConditionsEvaluator::new(scene, id) else {
             continue;
         };
+        let straight = straight(camera.size(), camera.zoom);
         let lengths = [domain.range.min, domain.range.max];
-        let pieces = piece_count(lengths[1] - lengths[0], domain.count, camera);
+        let pieces = piece_count(lengths[1] - lengths[0], domain.count, straight);
         let used = camera.uniforms_used(scene, seen);
         let mut curve = SurfaceCurve {
             name: object.name.clone(),
@@ -74,13 +76,13 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
             match evaluator.evaluate(&uniforms) {
                 Ok(initial) => {
                     let whole = lengths.map(|t| t * initial.unit);
-                    let lengths = drawn(whole, camera);
+                    let lengths = drawn_range(whole, straight);
                     is_cut |= lengths != whole;
                     lines.push(GeodesicSegment {
                         start: initial.start,
                         direction: initial.direction,
                         lengths,
-                        pieces: piece_count(lengths[1] - lengths[0], domain.count, camera),
+                        pieces: piece_count(lengths[1] - lengths[0], domain.count, straight),
                         max_evaluations,
                     });
                 }
@@ -107,19 +109,16 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
     all
 }
 
-/// The longest piece that is straight in the picture.
-fn straight(camera: &PlacedCamera) -> f64 {
-    let [width, height] = camera.size().map(f64::from);
-    STRAIGHT * 2.0 * camera.zoom / width.min(height).max(1.0)
+/// The longest piece that is straight in a picture of a size whose camera has a zoom.
+pub(super) fn straight(size: [u32; 2], zoom: f64) -> f64 {
+    let [width, height] = size.map(f64::from);
+    STRAIGHT * 2.0 * zoom / width.min(height).max(1.0)
 }
 
 /// The part of a line, an interval of arc lengths, that [`MOST_PIECES`] straight ones reach: that nearest to its start. It
 /// changes only now and then while a camera zooms.
-fn drawn([low, high]: [f64; 2], camera: &PlacedCamera) -> [f64; 2] {
-    let reach = (f64::from(MOST_PIECES) * straight(camera))
-        .log2()
-        .floor()
-        .exp2();
+pub(super) fn drawn_range([low, high]: [f64; 2], straight: f64) -> [f64; 2] {
+    let reach = (f64::from(MOST_PIECES) * straight).log2().floor().exp2();
     [
         low.max(high.min(0.0) - reach),
         high.min(low.max(0.0) + reach),
@@ -128,8 +127,8 @@ fn drawn([low, high]: [f64; 2], camera: &PlacedCamera) -> [f64; 2] {
 
 /// Returns the number of pieces of a line: more than are needed, so that a camera that zooms needs others only now and
 /// then.
-fn piece_count(length: f64, samples: u32, camera: &PlacedCamera) -> u32 {
-    let needed = (length / straight(camera)).ceil();
+pub(super) fn piece_count(length: f64, samples: u32, straight: f64) -> u32 {
+    let needed = (length / straight).ceil();
     let needed = needed.clamp(1.0, f64::from(2 * MOST_PIECES)) as u32;
     let samples = samples.clamp(1, 2 * MOST_PIECES);
     needed.next_power_of_two().max(samples)

@@ -1,19 +1,23 @@
 //! The cut locus: beyond it, a place of the surface that a pixel shows is nearer by another pixel's way.
 //!
-//! Every pixel is entered into a table over the chart, of which a cell keeps the nearest to the centre. By its
-//! derivative, that pixel's part of the picture gives the distance of a place close by. A pixel that is farther away
-//! than its cell's or a neighbouring cell's entry says lies beyond. The line is their border.
+//! Every pixel is entered into a table over the chart, or over space on a solid, of which a cell keeps the nearest to the
+//! centre. By its derivative, that pixel's part of the picture gives the distance of a place close by. A pixel that is
+//! farther away than its cell's or a neighbouring cell's entry says lies beyond. The line is their border.
 
-use geodesic::map::{Map, bring_back};
+use std::collections::HashMap;
+
+use geodesic::map::bring_back;
+use geodesic::pixels::Map;
 use geodesic::point::Uv;
-use geodesic::surface::Side;
+use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
+use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::lines::{place_of, reach};
+use super::measured::duals;
 use super::{ink, stroke};
-use crate::geodesic_view::PlacedCamera;
 
 /// The most cells along an axis.
 const MOST_CELLS: usize = 1024;
@@ -23,27 +27,64 @@ const THRESHOLD: f64 = 1.0;
 const FARTHEST: f64 = 10.0;
 /// The distance from the centre, in pixels, within which no other geodesic is shorter.
 const NEAR: f64 = 6.0;
+/// The largest sine of the angle between a surface and a step in space from one of its places to another: a longer way out of
+/// the tangent plane leads to another sheet.
+const STEEP: f64 = 0.5;
 
-/// A pixel's end.
+/// A pixel's end, in a chart or in space.
 #[derive(Clone, Copy)]
-struct PixelEnd {
-    uv: [f64; 2],
+struct PixelEnd<const N: usize> {
+    at: [f64; N],
     /// The offset from the picture's centre, in pixels: right, down.
     place: [f64; 2],
     /// Its length.
     distance: f64,
-    /// ∂(place)/∂u and ∂(place)/∂v.
-    by_uv: [[f64; 2]; 2],
+    /// ∂(place) by each coordinate.
+    by_at: [[f64; 2]; N],
 }
 
-/// Draws the line; gives the share of the pixels that lie beyond.
-pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera, scale: f32) -> f64 {
-    let size = map.size;
+impl<const N: usize> PixelEnd<N> {
+    /// Returns `None` if the derivatives are not finite.
+    fn new(size: [u32; 2], index: usize, at: [f64; N], by_at: [[f64; 2]; N]) -> Option<Self> {
+        let [column, row] = place_of(size, index);
+        let place = [
+            f64::from(column) + 0.5 - 0.5 * f64::from(size[0]),
+            f64::from(row) + 0.5 - 0.5 * f64::from(size[1]),
+        ];
+        let known = by_at
+            .as_flattened()
+            .iter()
+            .chain(&at)
+            .all(|x| x.is_finite());
+        known.then_some(Self {
+            at,
+            place,
+            distance: place[0].hypot(place[1]),
+            by_at,
+        })
+    }
+
+    /// Returns true if another pixel's way is surely shorter, of which `kept` shows the end that lies a step before this one.
+    fn lies_beyond(&self, kept: &Self, step: [f64; N]) -> bool {
+        // The kept pixel, moved by this step to first order, is where the other way shows this point.
+        let mut off = [0.0; 2];
+        for (step, by) in step.iter().zip(kept.by_at) {
+            off = [0, 1].map(|k| off[k] + step * by[k]);
+        }
+        let predicted = (kept.place[0] + off[0]).hypot(kept.place[1] + off[1]);
+        // To first order only a short step can be trusted.
+        off[0].hypot(off[1]) < FARTHEST && self.distance > predicted + THRESHOLD
+    }
+}
+
+/// Draws the border of the pixels that lie beyond the cut locus; gives their share.
+pub(super) fn draw(image: &mut RgbaImage, status: &[Status], beyond: &[bool], scale: f32) -> f64 {
+    let size = [image.width(), image.height()];
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
-    let flags: Vec<f32> = beyond(map, camera)
-        .into_iter()
-        .map(|flag| f32::from(u8::from(flag)))
+    let flags: Vec<f32> = beyond
+        .iter()
+        .map(|flag| f32::from(u8::from(*flag)))
         .collect();
     let mut found: Vec<f32> = mean_around(size, &flags)
         .into_iter()
@@ -73,7 +114,7 @@ pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera, scal
     stroke(image, (ink::CUT, scale), |index| {
         // The mean over five pixels grows by a fifth a pixel across a straight border.
         let distance = 5.0 * (smooth[index] - 0.5).abs();
-        let seen = map.status[index] == Status::Complete;
+        let seen = status[index] == Status::Complete;
         (seen && distance < 2.4).then_some(distance)
     });
     let count = found.iter().filter(|&&share| share > 0.0).count();
@@ -99,48 +140,38 @@ fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
         .collect()
 }
 
+/// The cells of a table along its longest axis.
+fn cell_count(size: [u32; 2]) -> usize {
+    MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize)
+}
+
 /// Returns for each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
-/// point of the surface.
+/// point of the surface, given by its chart.
 ///
 /// Two pixels that end at one point are two ways to it, and their distances from the picture's centre are the lengths of
 /// these ways. Comparing all pairs would take the square of the number of pixels. Instead each cell of a grid over the
 /// chart keeps the nearest pixel that ends in it, and a pixel is compared with those of its own and the eight cells
 /// around: no other can be nearer by as much as a picture shows.
-fn beyond(map: &Map, camera: &PlacedCamera) -> Vec<bool> {
-    let (domain, sides) = (camera.domain(), camera.sides());
+pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) -> Vec<bool> {
     let size = map.size;
-    let entry = |index: usize| -> Option<PixelEnd> {
+    let entry = |index: usize| -> Option<PixelEnd<2>> {
         if map.status[index] != Status::Complete || map.by_pixel.is_empty() {
             return None;
         }
-        let [column, row] = place_of(size, index);
         let (Uv(uv), signs) = bring_back(domain, sides, map.uv(index));
         let [[a, b], [c, d]] = map.by_pixel[index].map(|d| d.map(f64::from));
         let determinant = a * d - b * c;
-        let place = [
-            f64::from(column) + 0.5 - 0.5 * f64::from(size[0]),
-            f64::from(row) + 0.5 - 0.5 * f64::from(size[1]),
-        ];
         // (u,v) = x (a,b) + y (c,d), solved for x and y. At conjugate points the determinant is 0: neighbouring
         // geodesics meet there, and (u,v) does not determine places.
         let by_uv = [
             [d, -b].map(|x| signs[0] * x / determinant),
             [-c, a].map(|x| signs[1] * x / determinant),
         ];
-        let known = by_uv
-            .as_flattened()
-            .iter()
-            .chain(&uv)
-            .all(|x| x.is_finite());
-        known.then_some(PixelEnd {
-            uv,
-            place,
-            distance: place[0].hypot(place[1]),
-            by_uv,
-        })
+        PixelEnd::new(size, index, uv, by_uv)
     };
-    let entries: Vec<Option<PixelEnd>> = (0..map.status.len()).into_par_iter().map(entry).collect();
-    let cells = MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize);
+    let entries: Vec<Option<PixelEnd<2>>> =
+        (0..map.status.len()).into_par_iter().map(entry).collect();
+    let cells = cell_count(size);
     let cell = |uv: [f64; 2]| -> [usize; 2] {
         [0, 1].map(|k| {
             let [low, high] = domain[k];
@@ -153,7 +184,7 @@ fn beyond(map: &Map, camera: &PlacedCamera) -> Vec<bool> {
     let at = |index: u32| entries[index as usize].as_ref();
     for (index, entry) in entries.iter().enumerate() {
         let Some(entry) = entry else { continue };
-        let [i, j] = cell(entry.uv);
+        let [i, j] = cell(entry.at);
         let kept = &mut table[j * cells + i];
         let nearer = kept
             .and_then(at)
@@ -180,7 +211,7 @@ fn beyond(map: &Map, camera: &PlacedCamera) -> Vec<bool> {
             if entry.distance < NEAR {
                 return false;
             }
-            let [i, j] = cell(entry.uv);
+            let [i, j] = cell(entry.at);
             let around = (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj)));
             around.into_iter().any(|(di, dj)| {
                 let (Some(i), Some(j)) = (neighbour(0, i, di), neighbour(1, j, dj)) else {
@@ -191,18 +222,78 @@ fn beyond(map: &Map, camera: &PlacedCamera) -> Vec<bool> {
                 };
                 // The two ends share a cell, not a point: the step between them is taken the short way round.
                 let step: [f64; 2] = std::array::from_fn(|k| {
-                    let d = entry.uv[k] - kept.uv[k];
+                    let d = entry.at[k] - kept.at[k];
                     if wraps[k] {
                         d - period[k] * (d / period[k]).round()
                     } else {
                         d
                     }
                 });
-                // The kept pixel, moved by this step to first order, is where the other way shows this point.
-                let off = [0, 1].map(|k| step[0] * kept.by_uv[0][k] + step[1] * kept.by_uv[1][k]);
-                let predicted = (kept.place[0] + off[0]).hypot(kept.place[1] + off[1]);
-                // To first order only a short step can be trusted.
-                off[0].hypot(off[1]) < FARTHEST && entry.distance > predicted + THRESHOLD
+                entry.lies_beyond(kept, step)
+            })
+        })
+        .collect()
+}
+
+/// Returns for each pixel whether it lies beyond the cut locus of a solid's surface, as [`beyond_in_chart`] does of a
+/// surface with parameters. `normals` has the unit normal at each pixel's end: sheets that lie close together have
+/// others, or lie to each other's sides.
+pub(super) fn beyond_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<bool> {
+    let size = map.size;
+    let entry = |index: usize| -> Option<(PixelEnd<3>, DVec3)> {
+        let normal = normals[index]?;
+        let offset = map.offset[index].map(f64::from);
+        let spans = (*map.by_pixel.get(index)?).map(|d| DVec3::from(d.map(f64::from)));
+        let [x, y] = duals(spans);
+        let by_at = [0, 1, 2].map(|k| [x[k], y[k]]);
+        Some((PixelEnd::new(size, index, offset, by_at)?, normal))
+    };
+    let entries: Vec<Option<(PixelEnd<3>, DVec3)>> =
+        (0..map.status.len()).into_par_iter().map(entry).collect();
+    let ends = || entries.iter().flatten().map(|(end, _)| DVec3::from(end.at));
+    let Some(low) = ends().reduce(DVec3::min) else {
+        return vec![false; map.status.len()];
+    };
+    let extent = ends()
+        .reduce(DVec3::max)
+        .map_or(DVec3::ZERO, |high| high - low);
+    let side = extent.max_element() / cell_count(size) as f64;
+    let cell = |at: [f64; 3]| {
+        let cells = (DVec3::from(at) - low) / side;
+        cells.to_array().map(|x| x.floor() as i64)
+    };
+    let mut table: HashMap<[i64; 3], u32> = HashMap::new();
+    for (index, entry) in (0..).zip(&entries) {
+        let Some((end, _)) = entry else { continue };
+        let kept = table.entry(cell(end.at)).or_insert(index);
+        let nearest = entries[*kept as usize].as_ref();
+        if nearest.is_none_or(|(nearest, _)| end.distance < nearest.distance) {
+            *kept = index;
+        }
+    }
+    entries
+        .par_iter()
+        .map(|entry| {
+            let Some((end, normal)) = entry else {
+                return false;
+            };
+            if end.distance < NEAR {
+                return false;
+            }
+            let here = cell(end.at);
+            let around = (0..27).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]);
+            around.into_iter().any(|by: [i64; 3]| {
+                let beside = [0, 1, 2].map(|k| here[k] + by[k]);
+                let kept = table
+                    .get(&beside)
+                    .and_then(|&k| entries[k as usize].as_ref());
+                let Some((kept, other)) = kept else {
+                    return false;
+                };
+                let step = DVec3::from(end.at) - DVec3::from(kept.at);
+                let is_same_sheet =
+                    normal.dot(*other) > 0.0 && step.dot(*other).abs() <= STEEP * step.length();
+                is_same_sheet && end.lies_beyond(kept, step.to_array())
             })
         })
         .collect()

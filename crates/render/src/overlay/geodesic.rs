@@ -3,11 +3,10 @@
 //!
 //! A camera and what it sees flow in, a picture with lines and a key flows out.
 
-use std::borrow::Cow;
-
 use geodesic::trace::Status;
 use image::RgbaImage;
 
+use super::measured::MeasuredEnds;
 use super::{TextLabel, curves, cut_locus, ink, labels, legend, lines, trail_words, wave_words};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
@@ -15,16 +14,21 @@ use crate::point::PixelPoint;
 use crate::request::PictureRequest;
 use crate::trail::Trail;
 
-/// The overlays of a geodesic picture.
+/// What is drawn over a geodesic picture beside its lines: their key and names, and what is measured of the ends.
+pub(super) struct Annotations<'a> {
+    pub(super) request: &'a PictureRequest,
+    /// The colours and names of the geodesics.
+    pub(super) geodesics: Vec<([u8; 3], String)>,
+    pub(super) trails: Vec<&'a Trail>,
+    pub(super) notes: Vec<String>,
+}
+
+/// The overlays of the geodesic picture of a surface or a metric.
 pub(crate) struct GeodesicOverlay<'a> {
-    request: &'a PictureRequest,
+    annotations: Annotations<'a>,
     camera: &'a PlacedCamera,
     counters: &'a PixelCounters,
     lines: Option<curves::Lines<'a>>,
-    /// The colours and names of the geodesics.
-    geodesics: Vec<([u8; 3], String)>,
-    trails: Vec<&'a Trail>,
-    notes: Vec<String>,
 }
 
 impl<'a> GeodesicOverlay<'a> {
@@ -40,7 +44,6 @@ impl<'a> GeodesicOverlay<'a> {
         let trails: Vec<&Trail> = request.trails_on(camera.surface).collect();
         curve.extend(trails.iter().map(|trail| curves::trail(trail, camera)));
         Self {
-            request,
             camera,
             counters,
             lines: curves::Lines::new(
@@ -50,9 +53,12 @@ impl<'a> GeodesicOverlay<'a> {
                 request.overlays.labels || trails.iter().any(|trail| trail.mark.is_some()),
                 counters,
             ),
-            geodesics,
-            trails,
-            notes,
+            annotations: Annotations {
+                request,
+                geodesics,
+                trails,
+                notes,
+            },
         }
     }
 
@@ -67,7 +73,13 @@ impl<'a> GeodesicOverlay<'a> {
         image: &mut RgbaImage,
         seen: &RayEnds,
     ) -> (Vec<String>, Vec<&'static str>) {
-        if !self.request.overlays.any() && self.geodesics.is_empty() && self.trails.is_empty() {
+        let Annotations {
+            request,
+            geodesics,
+            trails,
+            ..
+        } = &self.annotations;
+        if !request.overlays.any() && geodesics.is_empty() && trails.is_empty() {
             return (Vec::new(), Vec::new());
         }
         if let Some(layer) = self.layer() {
@@ -84,6 +96,26 @@ impl<'a> GeodesicOverlay<'a> {
         seen: &RayEnds,
         status: Option<&[Status]>,
     ) -> (Vec<String>, Vec<&'static str>) {
+        let overlays = &self.annotations.request.overlays;
+        let (camera, counters) = (self.camera, self.counters);
+        let measured = overlays
+            .any()
+            .then(|| MeasuredEnds::in_chart(overlays, camera, seen, status, counters));
+        let places = self.lines.as_ref().map(curves::Lines::name_places);
+        let places = places.unwrap_or_default();
+        self.annotations.draw(image, measured.as_ref(), &places)
+    }
+}
+
+impl Annotations<'_> {
+    /// Draws all of it over a picture with its lines, whose names may be at `places`. `measured` is given where any overlay is
+    /// selected. Returns notes for a reader, and the names of what was drawn.
+    pub(super) fn draw(
+        self,
+        image: &mut RgbaImage,
+        measured: Option<&MeasuredEnds>,
+        places: &[Option<PixelPoint>],
+    ) -> (Vec<String>, Vec<&'static str>) {
         let mut drawn = Vec::new();
         let mut key = legend::Legend::default();
         if !self.geodesics.is_empty() {
@@ -93,9 +125,9 @@ impl<'a> GeodesicOverlay<'a> {
             }
         }
         let mut notes = Vec::new();
-        if self.request.overlays.any() {
+        if let Some(measured) = measured {
             let names;
-            (notes, names) = self.measured(image, seen, status, &mut key);
+            (notes, names) = self.measured(image, measured, &mut key);
             drawn.extend(names);
         }
         if !self.request.overlays.legend {
@@ -113,15 +145,13 @@ impl<'a> GeodesicOverlay<'a> {
             drawn.push("labels");
         }
         let place = key.place(self.request.size, self.request.scale);
-        labels::write(image, &self.labels(), self.request, place);
+        labels::write(image, &self.labels(places), self.request, place);
         ([self.notes, notes].concat(), drawn)
     }
 
     /// Returns the words at places of the picture: the letters of figures, and with labels the names of geodesics and that of the
     /// observer.
-    fn labels(&self) -> Vec<TextLabel> {
-        let places = self.lines.as_ref().map(curves::Lines::name_places);
-        let places = places.unwrap_or_default();
+    fn labels(&self, places: &[Option<PixelPoint>]) -> Vec<TextLabel> {
         let (geodesics, trails) = places.split_at(self.geodesics.len().min(places.len()));
         let letters = self.trails.iter().zip(trails).filter_map(|(trail, place)| {
             let letter = trail.mark?.letter;
@@ -129,7 +159,7 @@ impl<'a> GeodesicOverlay<'a> {
         });
         let mut all: Vec<TextLabel> = letters.collect();
         if self.request.overlays.labels {
-            let middle = [0, 1].map(|k| 0.5 * f64::from(self.camera.size()[k]));
+            let middle = self.request.size.map(|side| 0.5 * f64::from(side));
             all.push(TextLabel::beside(PixelPoint(middle), labels::HERE));
             let names = self.geodesics.iter().zip(geodesics);
             all.extend(names.filter_map(|((_, name), place)| {
@@ -144,62 +174,54 @@ impl<'a> GeodesicOverlay<'a> {
     fn measured(
         &self,
         image: &mut RgbaImage,
-        seen: &RayEnds,
-        status: Option<&[Status]>,
+        measured: &MeasuredEnds,
         key: &mut legend::Legend,
     ) -> (Vec<String>, Vec<&'static str>) {
-        let Self {
-            request, camera, ..
-        } = self;
+        let request = self.request;
         let overlays = &request.overlays;
+        let MeasuredEnds {
+            object,
+            zoom,
+            status,
+            errors,
+            beyond,
+            degeneracy,
+        } = measured;
         let (mut notes, mut drawn) = (Vec::new(), Vec::new());
-        let map =
-            (overlays.cut_locus || overlays.conjugate_points).then(|| seen.map(self.counters));
-        let status: Cow<[Status]> = match (status, &map) {
-            (Some(status), _) => Cow::Borrowed(status),
-            (None, Some(map)) => Cow::Borrowed(&map.status),
-            (None, None) if overlays.wavefronts.is_some() || overlays.legend => {
-                seen.statuses(self.counters)
-            }
-            (None, None) => Cow::Borrowed(&[]),
-        };
         if overlays.error {
             drawn.push("error");
-            match lines::error(image, camera) {
-                true => key.error(),
-                false => {
-                    notes.push("the error is painted only for the fan's pictures".to_owned());
+            match errors {
+                Some(errors) => {
+                    lines::error(image, errors);
+                    key.error();
                 }
+                None => notes.push("the error is painted only for the fan's pictures".to_owned()),
             }
         }
         if let Some(spacing) = overlays.wavefronts {
             drawn.push("wavefronts");
-            let distance = spacing.distance(camera.zoom);
-            lines::wavefronts(image, &status, camera.zoom, distance, request.scale);
+            let distance = spacing.distance(*zoom);
+            lines::wavefronts(image, status, *zoom, distance, request.scale);
             key.line(ink::WAVE, &wave_words(distance));
         }
-        if let Some(map) = &map
-            && overlays.cut_locus
-        {
+        if overlays.cut_locus {
             drawn.push("cut locus");
-            let share = cut_locus::draw(image, map, camera, request.scale);
+            let share = cut_locus::draw(image, status, beyond, request.scale);
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
             ));
             key.line(ink::CUT, "cut locus");
         }
-        if let Some(map) = &map
-            && overlays.conjugate_points
-        {
+        if overlays.conjugate_points {
             drawn.push("conjugate points");
-            lines::conjugate_points(image, map, camera, request.scale);
+            lines::conjugate_points(image, degeneracy, request.scale);
             key.line(ink::CONJUGATE, "conjugate points");
         }
         if overlays.legend {
             drawn.push("legend");
-            if let Some(scale) = request.texture(camera.surface).curvature_scale() {
-                let surface = request.scene.objects.get(camera.surface.0 as usize);
+            if let Some(scale) = request.texture(*object).curvature_scale() {
+                let surface = request.scene.get(*object);
                 let name = surface.map_or("", |object| object.name.as_str());
                 key.curvature(name, scale);
             }

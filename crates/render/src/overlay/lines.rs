@@ -1,12 +1,15 @@
 //! Lines that follow from a pixel's place and its derivative: wavefronts, conjugate points; and the painted error.
 
-use geodesic::map::{Map, pixel_place};
+use geodesic::map::{bring_back, pixel_place};
+use geodesic::metric::Metric;
+use geodesic::pixels::Map;
+use geodesic::surface::Surface;
 use geodesic::trace::Status;
+use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::{blend, ink, stroke};
-use crate::geodesic_view::PlacedCamera;
 use crate::style;
 
 /// The column and the row of a pixel.
@@ -46,37 +49,52 @@ pub(super) fn wavefronts(
     });
 }
 
-/// Draws the conjugate points, where the derivative of the exponential map loses its rank.
-pub(super) fn conjugate_points(
-    image: &mut RgbaImage,
-    map: &Map,
-    camera: &PlacedCamera,
-    scale: f32,
-) {
-    let [width, height] = map.size.map(|side| side as usize);
-    let widths = camera.domain().map(|[low, high]| (high - low) as f32);
-    // The determinant over the sum of squares: between −½ and ½, smooth, with the sign of the Jacobi field.
-    let signed: Vec<f32> = map
-        .by_pixel
+/// A smooth function of each pixel that is 0 at conjugate points, where the derivative of the exponential map loses its
+/// rank: the area that a square pixel becomes over the sum of the squares of its sides, between −½ and ½, with the sign of the
+/// Jacobi field. NaN where nothing is seen.
+pub(super) fn degeneracy_in_chart(map: &Map, surface: &dyn Surface) -> Vec<f32> {
+    let (domain, sides) = (surface.domain(), surface.sides());
+    let degeneracy = |(index, d): (usize, &[[f32; 2]; 2])| {
+        if map.status[index] != Status::Complete {
+            return f32::NAN;
+        }
+        let [right, down] = d.map(|d| d.map(f64::from));
+        let (uv, signs) = bring_back(domain, sides, map.uv(index));
+        // Measured on the surface: in the chart the area is infinite at a pole, where nothing is conjugate.
+        let mut metric = Metric::of(&surface.jet(uv));
+        metric.f *= signs[0] * signs[1];
+        let area = metric.r * (right[0] * down[1] - right[1] * down[0]);
+        (area / (metric.inner(right, right) + metric.inner(down, down))) as f32
+    };
+    map.by_pixel
         .par_iter()
-        .zip(&map.status)
-        .map(|(d, status)| {
-            let [a, b, c, d] = [
-                d[0][0] / widths[0],
-                d[0][1] / widths[1],
-                d[1][0] / widths[0],
-                d[1][1] / widths[1],
-            ];
-            if *status == Status::Complete {
-                (a * d - b * c) / (a * a + b * b + c * c + d * d)
-            } else {
-                f32::NAN
-            }
+        .enumerate()
+        .map(degeneracy)
+        .collect()
+}
+
+/// The function of [`degeneracy_in_chart`] on a solid's surface, of which `normals` has the unit normal at each pixel's end.
+pub(super) fn degeneracy_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<f32> {
+    map.by_pixel
+        .par_iter()
+        .zip(normals)
+        .map(|(d, normal)| {
+            let [right, down] = d.map(|d| DVec3::from(d.map(f64::from)));
+            normal.map_or(f32::NAN, |normal| {
+                let squares = right.length_squared() + down.length_squared();
+                (right.cross(down).dot(normal) / squares) as f32
+            })
         })
-        .collect();
+        .collect()
+}
+
+/// Draws the conjugate points, where the function of [`degeneracy_in_chart`] changes its sign; it is empty where it is not
+/// known.
+pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], scale: f32) {
     if signed.is_empty() {
         return;
     }
+    let [width, height] = [image.width(), image.height()].map(|side| side as usize);
     stroke(image, (ink::CONJUGATE, scale), |index| {
         let [x, y] = [index % width, index / width];
         let here = signed[index];
@@ -101,12 +119,9 @@ pub(super) fn conjugate_points(
     });
 }
 
-/// Tints the picture by its estimated error. Gives false where the method has none for a pixel.
-pub(super) fn error(image: &mut RgbaImage, camera: &PlacedCamera) -> bool {
+/// Tints the picture by its estimated errors, in pixels, of every [`STEP`]-th pixel of every [`STEP`]-th row.
+pub(super) fn error(image: &mut RgbaImage, errors: &[f32]) {
     let size = [image.width(), image.height()];
-    let Some(errors) = camera.errors(STEP) else {
-        return false;
-    };
     let columns = size[0].div_ceil(STEP) as usize;
     image
         .par_chunks_mut(4)
@@ -116,11 +131,10 @@ pub(super) fn error(image: &mut RgbaImage, camera: &PlacedCamera) -> bool {
             let (colour, share) = tint(errors[y * columns + x]);
             blend(pixel, colour, share);
         });
-    true
 }
 
 /// Pixels that share one look at the error, along each side.
-const STEP: u32 = 4;
+pub(super) const STEP: u32 = 4;
 
 /// Errors of the scale's marks, in pixels, and their colours.
 pub(super) const SCALE: [(f32, [u8; 3]); 4] = [

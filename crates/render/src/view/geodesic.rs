@@ -259,18 +259,19 @@ impl GeodesicRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let (camera, map) = &*self.solids.get(shared, request, options, progress)?;
-        let image = resolve_solid(request, camera, map, options.mark_centre);
+        let mut image = resolve_solid(request, camera, map, options.mark_centre);
         shared.pixels.count_ends(map.status.len());
         let count = count(&map.status);
         let mut notes = geodesic_view::notes(map.status.len(), count, &map.work, map.estimate);
-        if request.overlays.any() {
-            notes.push(
-                "what is measured around the camera is drawn on surfaces and metrics, not on solids"
-                    .to_owned(),
-            );
-        }
+        let structures = shared.structures.get(request.scene.arc());
+        let mut follow =
+            |id, sampling: &_| self.solids.followed(request, &structures, id, sampling);
+        let (said, overlays) = overlay::over_solid(&mut image, request, camera, map, &mut follow);
+        notes.extend(said);
+        self.solids.next();
         Ok(RenderedImage {
             notes,
+            overlays,
             backend: SOFTWARE.to_owned(),
             geodesics: Some((map.work, map.estimate)),
             ..RenderedImage::new(Pixels::Image(image))

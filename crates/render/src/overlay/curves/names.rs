@@ -15,7 +15,7 @@ const SIDE_WEIGHT: f64 = 0.2;
 
 /// A pixel for a line's name.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct NamePlace {
+pub(in crate::overlay) struct NamePlace {
     /// Less is better.
     cost: f64,
     /// The number of the pixel.
@@ -23,21 +23,21 @@ pub(super) struct NamePlace {
 }
 
 /// The best pixels for the names of some lines.
-pub(super) struct NamePlaces {
+pub(in crate::overlay) struct NamePlaces {
     size: [u32; 2],
     best: Mutex<Vec<NamePlace>>,
 }
 
 impl NamePlace {
     /// No pixel at all.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::overlay) const NONE: Self = Self {
         cost: f64::INFINITY,
         pixel: usize::MAX,
     };
 
     /// Takes another pixel over if that is better; of equal ones the first.
     #[inline]
-    pub(super) fn note(&mut self, other: Self) {
+    pub(in crate::overlay) fn note(&mut self, other: Self) {
         if (other.cost, other.pixel) < (self.cost, self.pixel) {
             *self = other;
         }
@@ -45,7 +45,7 @@ impl NamePlace {
 }
 
 impl NamePlaces {
-    pub(super) fn new(size: [u32; 2], lines: usize) -> Self {
+    pub(in crate::overlay) fn new(size: [u32; 2], lines: usize) -> Self {
         Self {
             size,
             best: Mutex::new(vec![NamePlace::NONE; lines]),
@@ -53,7 +53,7 @@ impl NamePlaces {
     }
 
     /// Returns a pixel with its cost.
-    pub(super) fn place(&self, pixel: usize) -> NamePlace {
+    pub(in crate::overlay) fn place(&self, pixel: usize) -> NamePlace {
         let [width, height] = self.size.map(|side| side as usize);
         let at = [pixel % width.max(1), pixel / width.max(1)];
         let [x, y] = [(0, width), (1, height)].map(|(k, side)| {
@@ -69,7 +69,7 @@ impl NamePlaces {
     }
 
     /// Takes the best places of some rows over.
-    pub(super) fn note(&self, places: &[NamePlace]) {
+    pub(in crate::overlay) fn note(&self, places: &[NamePlace]) {
         let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
         for (best, place) in best.iter_mut().zip(places) {
             best.note(*place);
@@ -77,7 +77,7 @@ impl NamePlaces {
     }
 
     /// Returns the best pixel of each line, of those that are seen.
-    pub(super) fn pixels(&self) -> Vec<Option<PixelPoint>> {
+    pub(in crate::overlay) fn pixels(&self) -> Vec<Option<PixelPoint>> {
         let best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
         let width = self.size[0].max(1) as usize;
         let middle = |place: &NamePlace| {

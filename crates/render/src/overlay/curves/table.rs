@@ -3,13 +3,17 @@
 //! Segments flow in, and then boxes of the chart; the segments that may go through a box flow out. Whether there are
 //! any, as there are not for most of a picture, is known from one sum.
 
+use geodesic::ends::Coordinates;
+use geodesic::frame::Frame;
 use geodesic::surface::{Side, Sides};
 
 use super::SurfaceCurve;
 use crate::geodesic_view::PlacedCamera;
 
-/// Cells of the table along each axis.
-const CELLS: usize = 256;
+/// The fewest and the most cells of the table along an axis.
+const CELLS: [f64; 2] = [8.0, 256.0];
+/// The least side of a cell in pixels about the camera. Smaller cells would be found in greater numbers only.
+const CELL: f64 = 4.0;
 /// A box that is wider than this share of a period may meet a segment in several repetitions.
 const ROUND: f64 = 0.25;
 
@@ -27,6 +31,8 @@ pub(super) struct SegmentTable {
     sides: Sides,
     wraps: [bool; 2],
     period: [f64; 2],
+    /// The number of cells along each axis.
+    cells: [usize; 2],
     segments: Vec<Segment>,
     /// The index in `numbers` of each cell's first segment, row by row; one more entry than there are cells.
     begins: Vec<u32>,
@@ -91,6 +97,7 @@ impl SegmentTable {
             sides,
             wraps: [0, 1].map(|k| sides.of(k)[0] == Side::Wrap),
             period: domain.map(|[low, high]| high - low),
+            cells: cell_counts(camera),
             segments: lines.iter().enumerate().flat_map(segments).collect(),
             begins: Vec::new(),
             numbers: Vec::new(),
@@ -102,7 +109,7 @@ impl SegmentTable {
 
     /// Cells per unit of each coordinate.
     pub(super) fn cells_per_unit(&self) -> [f64; 2] {
-        self.period.map(|period| CELLS as f64 / period)
+        [0, 1].map(|k| self.cells[k] as f64 / self.period[k])
     }
 
     /// The segments that may go through a box (lowest and highest (u,v), which may lie beyond sides that wrap), in its own
@@ -213,7 +220,7 @@ impl SegmentTable {
     /// Returns true if any segment is entered in some columns and rows of cells.
     #[inline(always)]
     fn any(&self, columns: &[[usize; 2]; 2], rows: &[[usize; 2]; 2]) -> bool {
-        let sum = |i: usize, j: usize| self.sums[j * (CELLS + 1) + i];
+        let sum = |i: usize, j: usize| self.sums[j * (self.cells[0] + 1) + i];
         columns.iter().any(|&[i0, i1]| {
             rows.iter()
                 .any(|&[j0, j1]| sum(i1, j1) + sum(i0, j0) != sum(i0, j1) + sum(i1, j0))
@@ -224,7 +231,7 @@ impl SegmentTable {
     /// ends.
     #[inline(always)]
     fn ranges(&self, axis: usize, low: f64, high: f64) -> Option<[[usize; 2]; 2]> {
-        let n = CELLS as i64;
+        let n = self.cells[axis] as i64;
         let [low, high] = [low, high].map(|x| self.cell(axis, x));
         if !(low.is_finite() && high.is_finite()) {
             return None;
@@ -236,7 +243,7 @@ impl SegmentTable {
             return Some([[kept(from), kept(to)], [0, 0]]);
         }
         if to.saturating_sub(from) >= n {
-            return Some([[0, CELLS], [0, 0]]);
+            return Some([[0, self.cells[axis]], [0, 0]]);
         }
         let first = from.rem_euclid(n);
         let end = first + (to - from);
@@ -248,20 +255,21 @@ impl SegmentTable {
 
     #[inline(always)]
     fn cell(&self, axis: usize, x: f64) -> f64 {
-        (x - self.domain[axis][0]) / self.period[axis] * CELLS as f64
+        (x - self.domain[axis][0]) / self.period[axis] * self.cells[axis] as f64
     }
 
     /// Returns the entries of some columns of a row, which are contiguous.
     #[inline(always)]
     fn in_row(&self, row: usize, &[from, to]: &[usize; 2]) -> &[u32] {
-        let begin = |column: usize| self.begins[row * CELLS + column] as usize;
+        let begin = |column: usize| self.begins[row * self.cells[0] + column] as usize;
         &self.numbers[begin(from)..begin(to)]
     }
 
     /// Enters the segments: first how many each cell has, then which.
     fn enter(&mut self) {
-        let n = CELLS as i64;
+        let [columns, rows] = self.cells;
         let bounded = |axis: usize, cell: i64| -> Option<usize> {
+            let n = self.cells[axis] as i64;
             if (0..n).contains(&cell) {
                 Some(cell as usize)
             } else {
@@ -278,25 +286,25 @@ impl SegmentTable {
             for row in range(1) {
                 for column in range(0) {
                     if let (Some(column), Some(row)) = (bounded(0, column), bounded(1, row)) {
-                        entries.push([(row * CELLS + column) as u32, number as u32]);
+                        entries.push([(row * columns + column) as u32, number as u32]);
                     }
                 }
             }
         }
-        let mut begins = vec![0_u32; CELLS * CELLS + 1];
+        let mut begins = vec![0_u32; columns * rows + 1];
         for [cell, _] in &entries {
             begins[*cell as usize + 1] += 1;
         }
-        let corners = CELLS + 1;
-        let mut sums = vec![0_u32; corners * corners];
-        for row in 0..CELLS {
+        let corners = columns + 1;
+        let mut sums = vec![0_u32; corners * (rows + 1)];
+        for row in 0..rows {
             let mut left = 0;
-            for column in 0..CELLS {
-                left += begins[row * CELLS + column + 1];
+            for column in 0..columns {
+                left += begins[row * columns + column + 1];
                 sums[(row + 1) * corners + column + 1] = sums[row * corners + column + 1] + left;
             }
         }
-        for cell in 0..CELLS * CELLS {
+        for cell in 0..columns * rows {
             begins[cell + 1] += begins[cell];
         }
         let mut next = begins.clone();
@@ -308,6 +316,26 @@ impl SegmentTable {
         }
         (self.begins, self.numbers, self.sums) = (begins, numbers, sums);
     }
+}
+
+/// The number of cells along each axis: so many that a pixel near the camera covers few, and a wide one some. At a pole the
+/// picture does not say how large a pixel is in the chart.
+fn cell_counts(camera: &PlacedCamera) -> [usize; 2] {
+    let [fewest, most] = CELLS;
+    let [width, height] = camera.size().map(f64::from);
+    let Frame {
+        coordinates, x, y, ..
+    } = camera.frame;
+    let domain = camera.domain();
+    [0, 1].map(|k| {
+        let [low, high] = domain[k];
+        let pixel = x[k].hypot(y[k]) * 2.0 / width.min(height).max(1.0);
+        let count = (high - low) / (CELL * pixel);
+        match coordinates {
+            Coordinates::Plain => count.max(fewest).min(most) as usize,
+            _ => most as usize,
+        }
+    })
 }
 
 /// A box in the domain: its coordinates are those that it had times `signs`, and then `shift` more.
@@ -370,6 +398,7 @@ mod tests {
             sides,
             wraps: [side == Side::Wrap, false],
             period: domain.map(|[low, high]| high - low),
+            cells: [256, 128],
             segments: segments.collect(),
             begins: Vec::new(),
             numbers: Vec::new(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scene::ObjectId;
+use scene::{ObjectId, Range, Sampling};
 
 use super::GeodesicOptions;
 use crate::cache::Cache;
@@ -12,12 +12,14 @@ use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera, RayEnds};
 use crate::request::PictureRequest;
 use crate::view::SharedState;
 use geodesic::pixels::Map;
-use geometry::{Manifold, ManifoldError, SolidSurface};
+use geometry::{FollowedGeodesic, Manifold, ManifoldError, SolidSurface, follow_declared_over};
 
 /// Surfaces that are kept though no camera is on them.
 const SURFACES: usize = 4;
 /// Maps that are kept though other pictures have been drawn since: those of other panes.
 const MAPS: usize = 6;
+/// The most knots of geodesics on solids that are kept though the last picture has not drawn them.
+const KNOTS: usize = 1 << 18;
 
 /// A camera with the ends of its geodesics.
 #[derive(Debug)]
@@ -148,11 +150,22 @@ fn keep<K, T>(maps: &mut Vec<(K, Arc<T>)>, key: K, map: Arc<T>) {
 type SolidMap = (PlacedSolidCamera, Map<3>);
 
 /// Maps of solids, and the solids that were compiled for them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct SolidMapCache {
     /// The one that was used last is the last one.
     solids: Vec<(SolidKey, Arc<SolidSurface>)>,
     maps: Vec<(SolidMapKey, Arc<SolidMap>)>,
+    geodesics: Cache<(Content, [u64; 3]), Arc<FollowedGeodesic>>,
+}
+
+impl Default for SolidMapCache {
+    fn default() -> Self {
+        Self {
+            solids: Vec::new(),
+            maps: Vec::new(),
+            geodesics: Cache::new(KNOTS),
+        }
+    }
 }
 
 /// A solid with its numbers and the grids that have a value.
@@ -227,6 +240,36 @@ impl SolidMapCache {
         } else {
             camera
         })
+    }
+
+    /// A geodesic that is declared on a solid, at the given values of its parameter; followed where it is not known.
+    pub(super) fn followed(
+        &mut self,
+        request: &PictureRequest,
+        structures: &[Structure],
+        id: ObjectId,
+        sampling: &Sampling,
+    ) -> Arc<FollowedGeodesic> {
+        let (scene, params) = (&request.scene, &request.params);
+        let structure = &structures[id.0 as usize];
+        let content = structure.instances(scene, params, &scene.objects[id.0 as usize]);
+        let Range { min, max } = sampling.range;
+        let key = (
+            content,
+            [min.to_bits(), max.to_bits(), u64::from(sampling.count)],
+        );
+        if let Some(known) = self.geodesics.get(&key) {
+            return known;
+        }
+        let followed = Arc::new(follow_declared_over(scene, params, id, sampling));
+        let knots = followed.lines.iter().map(Vec::len).sum();
+        self.geodesics.put(key, followed.clone(), knots);
+        followed
+    }
+
+    /// Ends a picture.
+    pub(super) fn next(&mut self) {
+        self.geodesics.next();
     }
 }
 
