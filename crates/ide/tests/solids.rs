@@ -225,6 +225,15 @@ fn hover_tells_what_a_solid_is() {
     let value = told(&text);
     assert!(value.contains("`cube(1,0.1,0.2)` = 0.5"), "{value}");
     assert!(value.contains("there the gradient is (1, 0, 0)"), "{value}");
+    assert!(
+        value.contains("the level surface through it has K = 0"),
+        "{value}"
+    );
+    let ball = told("solid ball(x,y,z) = x^2 + y^2 + z^2 - 1; define a = ball¦(1, 1, 1);");
+    assert!(
+        ball.contains("the level surface through it has K = 0.33"),
+        "{ball}"
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! Values in a text: that of `s(1, 2)` where it stands, for a surface or a metric with the curvature there, for a solid with
-//! the gradient; that of an attribute.
+//! the gradient and the curvature; that of an attribute.
 //!
 //! In: the token of a function's name, or the range of an expression. Out: sentences; none where an argument is a parameter of the body around it, or where
 //! a declaration that it needs has an error.
@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use geodesic::metric::{Metric, gaussian_curvature};
-use geometry::Manifold;
+use geometry::{Manifold, SolidSurface};
 use scene::geotrace::Compilation;
 use scene::{Outcome, ParamValues, Value};
 use syntax::geotrace::declarations::DeclarationKeyword;
@@ -24,6 +24,8 @@ use super::start;
 const LONGEST: usize = 200;
 /// The most declarations that are compiled for one value.
 const MOST_DECLARATIONS: usize = 500;
+/// The most leaves of a solid whose curvature is computed.
+const MOST_LEAVES: usize = 64;
 
 /// Describes the value of the application whose function is this token.
 pub(crate) fn describe(analysis: &GeotraceAnalysis, token: usize) -> Vec<String> {
@@ -108,6 +110,7 @@ impl Application {
         if !self.is_derived {
             sentences.extend(self.gradient(analysis, &needed));
             sentences.extend(self.curvature(&needed));
+            sentences.extend(self.level_curvature(&needed));
         }
         Some(sentences)
     }
@@ -143,6 +146,25 @@ impl Application {
         Some(format!(
             "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
         ))
+    }
+
+    /// The curvature of the surface on which a solid's function has the value that it has at the arguments: where it is 0, of the
+    /// solid's own.
+    fn level_curvature(&self, needed: &Needed) -> Option<String> {
+        let Value::Vector(arguments) = needed.value(&self.arguments)? else {
+            return None;
+        };
+        let [Some(x), Some(y), Some(z)] = arguments[..] else {
+            return None;
+        };
+        let scene = needed.compilation.scene.as_ref()?;
+        let (id, object) = scene.object(&self.name)?;
+        if !object.grids.is_empty() || object.shape.solid()?.leaves.len() > MOST_LEAVES {
+            return None;
+        }
+        let solid = SolidSurface::new(scene, &needed.params, id).ok()?;
+        let k = solid.surface().curvature([x, y, z])?;
+        Some(format!("the level surface through it has K = {}", short(k)))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::point::PixelPoint;
 use crate::request::PictureRequest;
 use crate::trail::Trail;
 
-/// What is drawn over a geodesic picture beside its lines: their key and names, and what is measured of the ends.
+/// The annotations of a geodesic picture: the key and the names of its lines, and what is measured of the ends.
 pub(super) struct Annotations<'a> {
     pub(super) request: &'a PictureRequest,
     /// The colours and names of the geodesics.

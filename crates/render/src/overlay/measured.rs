@@ -1,5 +1,5 @@
-//! What overlays show of a picture's geodesics: the ends of all pixels flow in, numbers for each pixel flow out, as far as a
-//! request selects what needs them.
+//! Measures of a picture's geodesics for overlays: the ends of all pixels flow in, numbers for each pixel flow out, as far as
+//! a request selects what needs them.
 
 use std::borrow::Cow;
 
@@ -14,9 +14,9 @@ use crate::counters::PixelCounters;
 use crate::geodesic_view::{PlacedCamera, PlacedSolidCamera, RayEnds};
 use crate::request::Overlays;
 
-/// What is measured of the geodesics of a picture, on any surface.
+/// The measures of the geodesics of a picture, on any surface.
 pub(super) struct MeasuredEnds<'a> {
-    /// What the camera stands on.
+    /// The object that the camera stands on.
     pub(super) object: ObjectId,
     /// The camera's zoom.
     pub(super) zoom: f64,
@@ -24,7 +24,7 @@ pub(super) struct MeasuredEnds<'a> {
     pub(super) status: Cow<'a, [Status]>,
     /// The estimated errors, for [`lines::error`].
     pub(super) errors: Option<Vec<f32>>,
-    /// Whether each pixel lies beyond the cut locus; empty where that is not selected.
+    /// True for each pixel that lies beyond the cut locus; empty where that is not selected.
     pub(super) beyond: Vec<bool>,
     /// The function that is 0 at conjugate points; empty where they are not selected.
     pub(super) degeneracy: Vec<f32>,

@@ -28,7 +28,7 @@ use crate::request::PictureRequest;
 const CELL: f64 = 1.5;
 /// The most cells that the neighbourhood of a pixel may cover: beyond it, lines are thinner than can be seen.
 const MOST_CELLS: f64 = 1024.0;
-/// How far beside the tangent plane of a pixel's end a line may be, in pixels: what is farther lies on another sheet.
+/// The farthest that a line may be beside the tangent plane of a pixel's end, in pixels: what is farther lies on another sheet.
 const BESIDE: f64 = 1.0;
 
 /// The lines of one declared geodesic.
