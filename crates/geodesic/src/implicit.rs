@@ -30,7 +30,7 @@ use crate::metric::{combine, dot, norm};
 
 pub use fan::SpaceFan;
 pub use frame::SpaceFrame;
-pub use trace::{SpaceTrace, SpaceTraceError};
+pub use trace::{SpacePoints, SpaceTrace, SpaceTraceError};
 
 /// The surface where a field in `Variable(0)`, `Variable(1)` and `Variable(2)` is 0, with the uniforms' values fixed.
 #[derive(Debug)]

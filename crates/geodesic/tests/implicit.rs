@@ -319,6 +319,39 @@ fn a_face_ends_at_its_edges() {
     }
 }
 
+#[test]
+fn points_on_the_way_are_the_ends_of_shorter_geodesics() {
+    let lengths = [0.0, 0.013, 0.4, 1.0, 1.7, 4.0, 9.5];
+    let options = Options::default();
+    for surface in [ellipsoid([2.0, 1.0, 0.6], 1.0), ring(0.4)] {
+        let (at, direction) = ([1.0, 0.7, 0.2], [0.1, 0.4, 1.0]);
+        let found = surface.trace_points(at, direction, &lengths, &options);
+        let found = found.expect("a geodesic");
+        assert_eq!(
+            (found.points.len(), found.status),
+            (lengths.len(), Status::Complete)
+        );
+        for (length, point) in lengths.into_iter().zip(found.points) {
+            let end = surface
+                .trace(at, direction, length, &tight())
+                .expect("a geodesic");
+            let off = apart(point, end.position);
+            assert!(off < 2e-9 * (1.0 + length), "{off} after {length}");
+        }
+    }
+    // Where it ends early its end is the last one.
+    let face = cube(1.0);
+    let place = [1.0, 0.2, 0.1];
+    let found = face.trace_points(place, [0.0, 1.0, 0.0], &[0.3, 0.6, 0.9, 1.2], &options);
+    let found = found.expect("a geodesic");
+    assert_eq!((found.points.len(), found.status), (3, Status::LeftDomain));
+    assert!(
+        apart(found.points[2], [1.0, 1.0, 0.1]) < 1e-9,
+        "{:?}",
+        found.points
+    );
+}
+
 /// Both fans of a picture, and the largest distance of their pixels' ends in pixels.
 fn pictures(chart: &ParametricSurface, space: &ImplicitSurface, uv: [f64; 2], zoom: f64) -> f64 {
     let size = [160, 120];

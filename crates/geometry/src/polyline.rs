@@ -100,39 +100,34 @@ pub fn space_knots_at(
     lengths: &[f64],
     max_evaluations: u64,
 ) -> Result<KnotLine, SpaceTraceError> {
-    let (start, direction) = surface.start(start, direction)?;
     let mut left = max_evaluations as usize;
     let mut is_cut = false;
-    let mut one_way = |lengths: &mut dyn Iterator<Item = f64>, sign: f64, count: usize| {
-        let mut knots = Vec::with_capacity(count);
-        let (mut at, mut towards, mut before) = (start, direction.map(|x| sign * x), 0.0);
-        for length in lengths {
-            let step = (length - before).abs();
-            let Ok(trace) = surface.trace(at, towards, step, &options(left)) else {
-                break;
-            };
-            left = left.saturating_sub(trace.evaluations);
-            is_cut |= trace.status == Status::WorkLimit;
-            knots.push(Some(Knot {
-                uv: [f64::NAN; 2],
-                position: Some(trace.position),
-            }));
-            // A geodesic that ends early keeps the knot at its end.
-            if trace.status != Status::Complete {
-                break;
-            }
-            (at, towards, before) = (trace.position, trace.direction, length);
-        }
-        knots.resize(count, None);
-        knots
+    let mut one_way = |lengths: &[f64], sign: f64| {
+        let options = Options {
+            max_evaluations: left,
+            ..Options::default()
+        };
+        let found = surface.trace_points(start, direction.map(|x| sign * x), lengths, &options)?;
+        left = left.saturating_sub(found.evaluations);
+        is_cut |= found.status == Status::WorkLimit;
+        let mut knots: Vec<Option<Knot>> = found.points.into_iter().map(knot_in_space).collect();
+        // A geodesic that ends early keeps the knot at its end.
+        knots.resize(lengths.len(), None);
+        Ok(knots)
     };
     let ahead = lengths.partition_point(|&t| t < 0.0);
-    let behind = &lengths[..ahead];
-    let mut knots = one_way(&mut behind.iter().rev().copied(), -1.0, behind.len());
+    let behind: Vec<f64> = lengths[..ahead].iter().rev().map(|t| -t).collect();
+    let mut knots = one_way(&behind, -1.0)?;
     knots.reverse();
-    let rest = &lengths[ahead..];
-    knots.extend(one_way(&mut rest.iter().copied(), 1.0, rest.len()));
+    knots.extend(one_way(&lengths[ahead..], 1.0)?);
     Ok(KnotLine { knots, is_cut })
+}
+
+fn knot_in_space(at: [f64; 3]) -> Option<Knot> {
+    Some(Knot {
+        uv: [f64::NAN; 2],
+        position: Some(at),
+    })
 }
 
 /// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before. The evaluations that it

@@ -1,9 +1,11 @@
 //! One geodesic on a surface in space, followed adaptively in f64.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::ray::{self, SpacePlan, SpaceRayEnd, SpaceState};
-use super::{ImplicitSurface, PlaceError};
+use super::{FieldPiece, ImplicitSurface, PlaceError};
+use crate::fan::ray::Ray;
 use crate::field::FieldKnot;
 use crate::metric::{combine, norm};
 use crate::runge_kutta::{DOP853, DOPRI5};
@@ -39,6 +41,17 @@ pub struct SpaceTrace {
     pub conjugates: Vec<f64>,
     /// The Jacobi field after each step, the start first, if it was asked for; else empty.
     pub fields: Vec<FieldKnot>,
+}
+
+/// A geodesic on a surface in space at several arc lengths.
+#[derive(Clone, Debug)]
+pub struct SpacePoints {
+    /// Its places; of one that ends early those that it reached, then its end.
+    pub points: Vec<[f64; 3]>,
+    /// Evaluations of the field and its derivatives.
+    pub evaluations: usize,
+    /// The reason why it ended.
+    pub status: Status,
 }
 
 /// The reason why a geodesic in space cannot be begun.
@@ -152,21 +165,13 @@ impl ImplicitSurface {
         length: f64,
         options: &Options,
     ) -> Result<SpaceTrace, SpaceTraceError> {
-        if !(length >= 0.0 && length.is_finite()) {
-            return Err(SpaceTraceError::BadLength { length });
-        }
         let tolerance = options.tolerance;
-        if tolerance.is_nan() || tolerance <= 0.0 {
-            return Err(SpaceTraceError::BadTolerance { tolerance });
-        }
-        let (at, velocity) = self.start(near, direction)?;
-        let piece = self.piece_at(at).map_err(|_| SpaceTraceError::TooLarge)?;
-        let start = SpaceState { at, velocity };
+        let (piece, start) = self.begin(near, direction, length, tolerance)?;
         let fields = options.conjugates || options.keep_fields;
         let plan = SpacePlan {
             tableau: if tolerance >= LOOSE { &DOPRI5 } else { &DOP853 },
             tolerance: tolerance.max(TIGHTEST),
-            step: self.first_step(at, length),
+            step: self.first_step(start.at, length),
             limit: options.max_evaluations,
             fields,
             conjugates: options.conjugates,
@@ -182,7 +187,7 @@ impl ImplicitSurface {
             end.evaluations += evaluations;
         }
         Ok(SpaceTrace {
-            start: at,
+            start: start.at,
             position: end.state.at,
             direction: end.state.velocity,
             length: end.length,
@@ -198,6 +203,71 @@ impl ImplicitSurface {
         })
     }
 
+    /// The start of a geodesic of a length, and the piece of the field that it begins on.
+    fn begin(
+        &self,
+        near: [f64; 3],
+        direction: [f64; 3],
+        length: f64,
+        tolerance: f64,
+    ) -> Result<(Arc<FieldPiece>, SpaceState), SpaceTraceError> {
+        if !(length >= 0.0 && length.is_finite()) {
+            return Err(SpaceTraceError::BadLength { length });
+        }
+        if tolerance.is_nan() || tolerance <= 0.0 {
+            return Err(SpaceTraceError::BadTolerance { tolerance });
+        }
+        let (at, velocity) = self.start(near, direction)?;
+        let piece = self.piece_at(at).map_err(|_| SpaceTraceError::TooLarge)?;
+        Ok((piece, SpaceState { at, velocity }))
+    }
+
+    /// Follows the geodesic once, as [`Self::trace`] does, past ascending arc lengths of at least 0. Between two steps it is the
+    /// polynomial of degree five through their ends, velocities and accelerations. The method of order five takes steps so short
+    /// that this is as exact as they are.
+    ///
+    /// # Errors
+    /// [`SpaceTraceError`].
+    pub fn trace_points(
+        &self,
+        near: [f64; 3],
+        direction: [f64; 3],
+        lengths: &[f64],
+        options: &Options,
+    ) -> Result<SpacePoints, SpaceTraceError> {
+        let length = lengths.last().copied().unwrap_or(0.0);
+        let tolerance = options.tolerance;
+        let (piece, start) = self.begin(near, direction, length, tolerance)?;
+        let plan = SpacePlan {
+            tableau: &DOPRI5,
+            tolerance: tolerance.max(TIGHTEST),
+            step: self.first_step(start.at, length),
+            limit: options.max_evaluations,
+            fields: false,
+            conjugates: false,
+            field_knots: false,
+            knots: true,
+            beyond: false,
+        };
+        let end = ray::integrate(self, &piece, start, length, plan);
+        let ray = Ray::new(0.0, &[end.segment], None);
+        let is_complete = end.status == Status::Complete;
+        let reached = lengths
+            .iter()
+            .take_while(|s| is_complete || **s < end.length);
+        let mut points: Vec<[f64; 3]> = reached
+            .map(|s| ray.at(*s).map_or(start.at, |sample| sample.at))
+            .collect();
+        if !is_complete {
+            points.push(end.state.at);
+        }
+        Ok(SpacePoints {
+            points,
+            evaluations: end.evaluations,
+            status: end.status,
+        })
+    }
+
     /// A first step that is surely not too long for the tolerance to be judged.
     pub(super) fn first_step(&self, at: [f64; 3], length: f64) -> f64 {
         let shape = self.piece_at(at).ok().and_then(|piece| piece.shape(at));
@@ -209,7 +279,7 @@ impl ImplicitSurface {
     /// took; `None` where that cannot be afforded, or ends for another reason.
     fn compared(
         &self,
-        piece: &super::FieldPiece,
+        piece: &FieldPiece,
         start: SpaceState,
         length: f64,
         plan: &SpacePlan,
