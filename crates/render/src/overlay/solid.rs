@@ -105,6 +105,27 @@ struct Piece {
     curve: u32,
     from: DVec3,
     step: DVec3,
+    middle: DVec3,
+    /// Half its length.
+    half: f64,
+}
+
+impl Piece {
+    fn new(curve: u32, from: DVec3, to: DVec3) -> Self {
+        Self {
+            curve,
+            from,
+            step: to - from,
+            middle: 0.5 * (from + to),
+            half: 0.5 * from.distance(to),
+        }
+    }
+
+    /// The corners of the box that holds it.
+    fn bounds(&self) -> [DVec3; 2] {
+        let to = self.from + self.step;
+        [self.from.min(to), self.from.max(to)]
+    }
 }
 
 /// Pieces of lines by the cells of space that they go through.
@@ -129,11 +150,7 @@ impl PieceTable {
                 let places: Vec<Option<DVec3>> = places.collect();
                 for ends in places.windows(2) {
                     if let [Some(from), Some(to)] = *ends {
-                        table.enter(Piece {
-                            curve: number,
-                            from: from - origin,
-                            step: to - from,
-                        });
+                        table.enter(Piece::new(number, from - origin, to - origin));
                     }
                 }
             }
@@ -142,9 +159,9 @@ impl PieceTable {
     }
 
     fn enter(&mut self, piece: Piece) {
-        let to = piece.from + piece.step;
         let number = self.pieces.len() as u32;
-        for cell in cells(self.cell(piece.from.min(to)), self.cell(piece.from.max(to))) {
+        let [low, high] = piece.bounds().map(|corner| self.cell(corner));
+        for cell in cells(low, high) {
             self.cells.entry(cell).or_default().push(number);
         }
         self.pieces.push(piece);
@@ -154,7 +171,7 @@ impl PieceTable {
         (at / self.side).to_array().map(|x| x.floor() as i64)
     }
 
-    /// Finds the pieces in the cells of a box, each once and in order; returns false if it has too many cells.
+    /// Finds the pieces that may go through a box, each once and in order; returns false if it has too many cells.
     fn find(&self, low: DVec3, high: DVec3, found: &mut Vec<u32>) -> bool {
         found.clear();
         let count = (high - low) / self.side + 1.0;
@@ -162,7 +179,11 @@ impl PieceTable {
             return false;
         }
         for cell in cells(self.cell(low), self.cell(high)) {
-            found.extend(self.cells.get(&cell).into_iter().flatten());
+            let here = self.cells.get(&cell).into_iter().flatten();
+            found.extend(here.filter(|piece| {
+                let [from, to] = self.pieces[**piece as usize].bounds();
+                from.cmple(high).all() && to.cmpge(low).all()
+            }));
         }
         found.sort_unstable();
         found.dedup();
@@ -188,30 +209,44 @@ struct PixelPlane {
     duals: [DVec3; 2],
     /// The longer of both steps.
     pixel: f64,
+    /// The extent along each axis of the places where a line is seen, and the radius of a ball that holds them.
+    about: DVec3,
+    near: f64,
 }
 
 impl PixelPlane {
-    fn new(map: &Map<3>, index: usize) -> Option<Self> {
+    /// `reach` is half the width of a line in pixels.
+    fn new(map: &Map<3>, index: usize, reach: f64) -> Option<Self> {
         if map.status[index] != Status::Complete {
             return None;
         }
         let spans = (*map.by_pixel.get(index)?).map(|d| DVec3::from(d.map(f64::from)));
+        let pixel = spans[0].length().max(spans[1].length());
+        let [right, down] = spans;
+        // Of an ellipse in space, and what lies beside it.
+        let about = DVec3::from([0, 1, 2].map(|k| reach * right[k].hypot(down[k])));
         Some(Self {
             at: DVec3::from(map.offset[index].map(f64::from)),
             spans,
             duals: duals(spans),
-            pixel: spans[0].length().max(spans[1].length()),
+            pixel,
+            about: about + BESIDE * pixel,
+            near: reach * right.length().hypot(down.length()) + BESIDE * pixel,
         })
     }
 
-    /// The box within which a line is seen that is `reach` pixels wide.
-    fn bounds(&self, reach: f64) -> [DVec3; 2] {
-        let about = reach * (self.spans[0].abs() + self.spans[1].abs());
-        [self.at - about, self.at + about]
+    /// The box within which a line is seen.
+    fn bounds(&self) -> [DVec3; 2] {
+        [self.at - self.about, self.at + self.about]
     }
 
-    /// The square of the distance to a piece in pixels; NaN where pixels have no place, infinite for a piece on another sheet.
+    /// The square of the distance to a piece in pixels; NaN where pixels have no place, infinite for a piece that is too far away
+    /// or on another sheet.
     fn distance_squared(&self, piece: &Piece) -> f64 {
+        let near = self.near + piece.half;
+        if self.at.distance_squared(piece.middle) > near * near {
+            return f64::INFINITY;
+        }
         let flat = |step: DVec3| self.duals.map(|dual| dual.dot(step));
         let from = piece.from - self.at;
         let ([px, py], [qx, qy]) = (flat(from), flat(piece.step));
@@ -247,7 +282,9 @@ fn draw_lines(
         .iter()
         .map(|curve| StrokeColour::new(curve.colour))
         .collect();
-    let block = BLOCK as usize;
+    let (block, reach) = (BLOCK as usize, f64::from(pen.reach()));
+    // Nearer to a line than this a pixel has its colour.
+    let inked = f64::from(pen.half - 0.5).powi(2);
     let bands = image.par_chunks_mut(4 * block * width).enumerate();
     bands.for_each(|(band, pixels)| {
         let mut named = vec![NamePlace::NONE; curves.len()];
@@ -259,10 +296,9 @@ fn draw_lines(
             let right = (left + block).min(width);
             let planes: Vec<(usize, PixelPlane)> = (0..rows)
                 .flat_map(|row| (left..right).map(move |column| row * width + column))
-                .filter_map(|index| Some((index, PixelPlane::new(map, first + index)?)))
+                .filter_map(|index| Some((index, PixelPlane::new(map, first + index, reach)?)))
                 .collect();
-            let reach = f64::from(pen.reach());
-            let bounds = planes.iter().map(|(_, plane)| plane.bounds(reach));
+            let bounds = planes.iter().map(|(_, plane)| plane.bounds());
             let Some([low, high]) = bounds.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
                 continue;
             };
@@ -274,7 +310,7 @@ fn draw_lines(
                 let pieces = if is_whole {
                     &found
                 } else {
-                    let [low, high] = plane.bounds(reach);
+                    let [low, high] = plane.bounds();
                     if !table.find(low, high, &mut near) {
                         continue;
                     }
@@ -283,8 +319,10 @@ fn draw_lines(
                 for &piece in pieces {
                     let piece = &table.pieces[piece as usize];
                     let square = &mut squares[piece.curve as usize];
-                    // (A NaN is no smaller.)
-                    *square = square.min(plane.distance_squared(piece));
+                    if *square > inked {
+                        // (A NaN is no smaller.)
+                        *square = square.min(plane.distance_squared(piece));
+                    }
                 }
                 for ((square, ink), named) in squares.iter_mut().zip(&inks).zip(&mut named) {
                     let distance = square.sqrt() as f32;
