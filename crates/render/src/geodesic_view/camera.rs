@@ -73,6 +73,29 @@ pub(super) fn picture_place(size: [u32; 2], PixelPoint(at): PixelPoint) -> [f64;
     [x * per_pixel, y * per_pixel]
 }
 
+/// The options of a picture's fan.
+pub(super) fn fan_options(
+    tolerance: f64,
+    interpolation: Interpolation,
+    size: [u32; 2],
+) -> FanOptions {
+    FanOptions {
+        tolerance,
+        interpolation,
+        max_evaluations: FanOptions::default()
+            .max_evaluations
+            .min(most_evaluations(size)),
+    }
+}
+
+/// The most evaluations for a picture: however its pixels are followed, they take no more than if each were by itself.
+fn most_evaluations(size: [u32; 2]) -> u64 {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    MapOptions::default()
+        .max_evaluations
+        .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
+}
+
 /// The estimated errors of ends, in pixels, at every `step`-th pixel of every `step`-th row of a picture; NaN where nothing
 /// is seen.
 pub(super) fn errors<const N: usize>(ends: &dyn Ends<N>, size: [u32; 2], step: u32) -> Vec<f32> {
@@ -205,7 +228,7 @@ impl PlacedCamera {
         let options = MapOptions {
             method,
             tolerance,
-            max_evaluations: self.most_evaluations(),
+            max_evaluations: most_evaluations(self.size),
             ..MapOptions::default()
         };
         let surface = self.manifold.surface();
@@ -226,13 +249,7 @@ impl PlacedCamera {
         frame: &Frame,
         interpolation: Interpolation,
     ) -> Fan<'s> {
-        let options = FanOptions {
-            tolerance: self.tolerance,
-            interpolation,
-            max_evaluations: FanOptions::default()
-                .max_evaluations
-                .min(self.most_evaluations()),
-        };
+        let options = fan_options(self.tolerance, interpolation, self.size);
         Fan::build(surface, frame, self.size, &options)
     }
 
@@ -249,14 +266,6 @@ impl PlacedCamera {
                 Input::Variable(_) => None,
             })
             .collect()
-    }
-
-    /// However the pixels are followed, they take no more than if each were by itself.
-    fn most_evaluations(&self) -> u64 {
-        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        MapOptions::default()
-            .max_evaluations
-            .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
     }
 
     /// Returns the camera with another method for its geodesics.

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use geodesic::fan::{FanOptions, Interpolation};
+use geodesic::fan::Interpolation;
 use geodesic::implicit::{SpaceFan, SpaceFrame};
-use geodesic::map::{self, MapOptions, pixel_place};
+use geodesic::map::{MapOptions, pixel_place};
 use geodesic::piecewise::PiecewiseMap;
 use geodesic::pixels::Map;
 use geodesic::trace::{Options, Status};
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::PictureMethod;
-use super::camera::{MOVING_TOLERANCE, TOLERANCE, errors, picture_place};
+use super::camera::{MOVING_TOLERANCE, TOLERANCE, errors, fan_options, picture_place};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::viewpoint::{GeodesicCamera, Pose};
@@ -163,13 +163,7 @@ impl PlacedSolidCamera {
     }
 
     fn fan(&self, interpolation: Interpolation) -> Option<SpaceFan<'_>> {
-        let options = FanOptions {
-            tolerance: self.tolerance,
-            interpolation,
-            max_evaluations: FanOptions::default()
-                .max_evaluations
-                .min(self.most_evaluations()),
-        };
+        let options = fan_options(self.tolerance, interpolation, self.size);
         SpaceFan::build(self.solid.surface(), &self.frame, self.size, &options)
     }
 
@@ -255,13 +249,5 @@ impl PlacedSolidCamera {
             map.work.evaluations += evaluations;
         }
         map
-    }
-
-    /// However the pixels are followed, they take no more than if each were by itself.
-    fn most_evaluations(&self) -> u64 {
-        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        MapOptions::default()
-            .max_evaluations
-            .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
     }
 }
