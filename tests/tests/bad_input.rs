@@ -278,6 +278,17 @@ fn a_word_as_long_as_a_text_is_formatted_in_memory_that_grows_with_it() {
 }
 
 #[test]
+fn a_text_of_tokens_alone_is_formatted_with_one_analysis_in_memory() {
+    let run = geotrace(["format", "-"])
+        .input(";".repeat(1_000_000))
+        .memory(MEMORY)
+        .run();
+    let run = run.expect_status(0);
+    assert!(run.stdout == ";\n".repeat(1_000_000));
+    assert!(run.peak < 2 * RESIDENT, "{} MB", run.peak >> 20);
+}
+
+#[test]
 fn numbers_out_of_range_are_named() {
     error_at("define a = 1e999;", "number-out-of-range", 1, 12);
     error_at(

@@ -133,6 +133,10 @@ impl Language for Geotrace {
         Arc::new(GeotraceAnalysis::new(text))
     }
 
+    fn laid_out(&self, text: &str) -> String {
+        format::laid_out(text)
+    }
+
     fn highlight(&self, text: &str) -> Vec<Highlight> {
         let parts = highlight(text, &scene::geotrace::vocabulary()).into_iter();
         let parts = parts.map(|part| Highlight {

@@ -26,7 +26,7 @@ use crate::color::{EditColorError, StatedColor};
 use crate::completion::Completions;
 use crate::conversion::ConvertError;
 use crate::description::Description;
-use crate::edit::Edit;
+use crate::edit::{self, Edit};
 use crate::edit_camera::EditCameraError;
 use crate::edit_param::EditParamError;
 use crate::fix::{self, Fix};
@@ -92,6 +92,12 @@ pub trait Language: Debug + Send + Sync {
             Ok(program) => program.snapshot(),
             Err(_) => Arc::new(Unread(PlainText::default())),
         }
+    }
+
+    /// Returns a text in the canonical layout, for a command that does not edit it. A language may do that with less
+    /// memory than [`Analysis::format`], whose text is open.
+    fn laid_out(&self, text: &str) -> String {
+        edit::apply(text, &self.read(text).format(None))
     }
 
     /// Returns the coloured parts of a text, in the order of the text and without overlap, for an editor without

@@ -72,8 +72,7 @@ fn one(file: &Path, check: bool, context: &Context) -> Result<bool, Failure> {
             reason: "it is not UTF-8".to_owned(),
         });
     }
-    let edits = context.language(file)?.read(&source.text).format(None);
-    let text = ide::edit::apply(&source.text, &edits);
+    let text = context.language(file)?.laid_out(&source.text);
     let same = text == source.text;
     if check {
         if !same {

@@ -8,8 +8,8 @@ use syntax::span::Span;
 
 use super::CrtAnalysis;
 use crate::conversion::ConvertError;
-use crate::edit;
 use crate::geotrace::GeotraceAnalysis;
+use crate::geotrace::format;
 use crate::geotrace::rename::is_free;
 use crate::language::Analysis;
 
@@ -46,6 +46,5 @@ pub fn convert(analysis: &CrtAnalysis, t: f64, file: &str) -> Result<String, Con
         }
     }
     let text = format!("{command}\n\n{declarations}");
-    let edits = GeotraceAnalysis::new(&text).format(None);
-    Ok(edit::apply(&text, &edits))
+    Ok(format::laid_out(&text))
 }

@@ -5,13 +5,13 @@
 //! declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
 //! otherwise, the text stays as it is.
 
-use std::ops::Range;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
 use super::analysis::{GeotraceAnalysis, Lexeme};
-use super::meaning::{Meaning, Meanings};
+use super::meaning::Meanings;
 use crate::edit::{self, Edit};
 
 /// The indentation of lines that go on.
@@ -21,10 +21,30 @@ const INDENT: &str = "    ";
 /// nothing is to be done.
 pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let edits = gaps(analysis, range);
-    if edits.is_empty() || reads_alike(analysis, &edit::apply(analysis.text(), &edits)) {
-        edits
-    } else {
-        Vec::new()
+    if edits.is_empty() {
+        return edits;
+    }
+    let after = GeotraceAnalysis::new(&edit::apply(analysis.text(), &edits));
+    match Reading::of(analysis) == Reading::of(&after) {
+        true => edits,
+        false => Vec::new(),
+    }
+}
+
+/// Returns a text in the canonical layout. One analysis is in memory at a time: that of a text of tokens alone takes
+/// hundreds of times the text.
+pub fn laid_out(text: &str) -> String {
+    let (before, result) = {
+        let analysis = GeotraceAnalysis::new(text);
+        let edits = gaps(&analysis, None);
+        if edits.is_empty() {
+            return text.to_owned();
+        }
+        (Reading::of(&analysis), edit::apply(text, &edits))
+    };
+    match Reading::of(&GeotraceAnalysis::new(&result)) == before {
+        true => result,
+        false => text.to_owned(),
     }
 }
 
@@ -95,27 +115,31 @@ fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
         .unwrap_or(Span::new(range.start, range.start))
 }
 
-/// Returns true if a text has the same tokens, written alike.
-fn reads_alike(analysis: &GeotraceAnalysis, text: &str) -> bool {
-    let again = GeotraceAnalysis::new(text);
-    let all = |analysis: &GeotraceAnalysis| 0..analysis.token_count();
-    let tokens = |analysis| reading_tokens(analysis, all(analysis));
-    analysis.token_count() == again.token_count()
-        && tokens(analysis).eq(tokens(&again))
-        && analysis
-            .items()
-            .map(|item| item.faulty)
-            .eq(again.items().map(|item| item.faulty))
+/// How a text is read: two texts with the same reading have the same tokens, written alike.
+#[derive(PartialEq)]
+struct Reading {
+    tokens: usize,
+    /// A hash of what each token means and how it is written, and of which declarations are faulty.
+    digest: u64,
 }
 
-/// The tokens, each with what it means and how it is written.
-fn reading_tokens(
-    analysis: &GeotraceAnalysis,
-    range: Range<usize>,
-) -> impl Iterator<Item = (Meaning, &str)> {
-    let meanings = Meanings::of(analysis);
-    let tokens = analysis.tokens(range);
-    tokens.map(move |token| (meanings.get(token.kind), token.text.trim_end()))
+impl Reading {
+    fn of(analysis: &GeotraceAnalysis) -> Self {
+        let meanings = Meanings::of(analysis);
+        let tokens = analysis.token_count();
+        let mut digest = DefaultHasher::new();
+        for token in analysis.tokens(0..tokens) {
+            meanings.get(token.kind).hash(&mut digest);
+            token.text.trim_end().hash(&mut digest);
+        }
+        for item in analysis.items() {
+            item.faulty.hash(&mut digest);
+        }
+        Self {
+            tokens,
+            digest: digest.finish(),
+        }
+    }
 }
 
 /// The state of the way through the tokens.

@@ -1,6 +1,8 @@
 //! The meaning of tokens, for comparing two texts: identifiers of symbols belong to one text alone.
 
 use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
+use std::mem::discriminant;
 
 use syntax::geotrace::document::Snapshot;
 use syntax::geotrace::token::TokenKind;
@@ -17,6 +19,17 @@ pub(crate) enum Meaning {
     Builtin(TokenKind),
     /// A name of the declaration of this number, as a value or a function.
     Declared(usize, bool),
+}
+
+// Of what is not a name, the text tells the value: a token is hashed beside it.
+impl Hash for Meaning {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        discriminant(self).hash(state);
+        match self {
+            Self::Plain(kind) | Self::Builtin(kind) => discriminant(kind).hash(state),
+            Self::Declared(item, is_function) => (item, is_function).hash(state),
+        }
+    }
 }
 
 impl Meaning {
