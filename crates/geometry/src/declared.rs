@@ -49,10 +49,7 @@ pub struct FollowedGeodesic {
 
 /// Follows all instances of a declared geodesic on all cores. The result is empty for other objects.
 pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> FollowedGeodesic {
-    let domain = scene.get(id).and_then(|object| {
-        let in_space = object.shape.space_geodesic().map(|(_, domain)| domain);
-        in_space.or(object.shape.geodesic().map(|(_, domain)| domain))
-    });
+    let domain = scene.get(id).and_then(|object| object.shape.arc_lengths());
     domain.map_or_else(FollowedGeodesic::default, |domain| {
         follow_declared_over(scene, params, id, domain)
     })

@@ -137,7 +137,7 @@ fn assert_alike(
 }
 
 #[test]
-fn wavefronts_conjugate_points_and_errors_are_those_of_the_surface() {
+fn wavefronts_and_conjugate_points_are_those_of_the_surface() {
     for twin in [BALL, RING] {
         let wavefronts = Overlays {
             wavefronts: Some(Spacing::Every(1.0)),
@@ -150,6 +150,10 @@ fn wavefronts_conjugate_points_and_errors_are_those_of_the_surface() {
         };
         assert_alike(&twin, ["", ""], conjugate_points, 2);
     }
+}
+
+#[test]
+fn the_error_is_painted_without_a_note_that_it_is_not() {
     let error = Overlays {
         error: true,
         ..Overlays::default()
@@ -162,6 +166,20 @@ fn wavefronts_conjugate_points_and_errors_are_those_of_the_surface() {
         ),
         (vec!["error"], false)
     );
+}
+
+#[test]
+fn a_line_longer_than_what_is_drawn_is_noted_as_on_the_surface() {
+    let on_solid = "geodesic g(t) : s = (0, 1, 0.3) @ (3, 0, 0), t : [0, 10^6];";
+    let on_surface = "geodesic g(t) : s = (1/3, 0.3) @ (0, 0), t : [0, 10^6];";
+    let pictures = both(&RING, [on_solid, on_surface], Overlays::default());
+    let cut = pictures.map(|picture| {
+        let notes = picture.notes.into_iter();
+        let cut = notes.filter(|note| note.starts_with("`g` is not drawn to its end"));
+        cut.collect::<Vec<_>>()
+    });
+    assert_eq!(cut[0].len(), 1);
+    assert_eq!(cut[0], cut[1]);
 }
 
 #[test]

@@ -441,6 +441,14 @@ impl Shape {
         }
     }
 
+    /// The arc lengths of a geodesic that are drawn, wherever it lies.
+    pub fn arc_lengths(&self) -> Option<&Sampling> {
+        match self {
+            Self::Geodesic { domain, .. } => Some(domain),
+            _ => None,
+        }
+    }
+
     /// The way of a geodesic on a solid, and the arc lengths that are drawn.
     pub fn space_geodesic(&self) -> Option<(SpacePath<'_>, &Sampling)> {
         match self {

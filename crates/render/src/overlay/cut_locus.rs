@@ -16,7 +16,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::lines::{place_of, reach};
-use super::measured::duals;
+use super::measured::{duals, steps};
 use super::{ink, stroke};
 
 /// The most cells along an axis.
@@ -243,8 +243,7 @@ pub(super) fn beyond_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Vec<bo
     let entry = |index: usize| -> Option<(PixelEnd<3>, DVec3)> {
         let normal = normals[index]?;
         let offset = map.offset[index].map(f64::from);
-        let spans = (*map.by_pixel.get(index)?).map(|d| DVec3::from(d.map(f64::from)));
-        let [x, y] = duals(spans);
+        let [x, y] = duals(steps(*map.by_pixel.get(index)?));
         let by_at = [0, 1, 2].map(|k| [x[k], y[k]]);
         Some((PixelEnd::new(size, index, offset, by_at)?, normal))
     };

@@ -9,6 +9,7 @@ use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
 
+use super::measured::steps;
 use super::{blend, ink, stroke};
 use crate::style;
 
@@ -79,7 +80,7 @@ pub(super) fn degeneracy_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Ve
         .par_iter()
         .zip(normals)
         .map(|(d, normal)| {
-            let [right, down] = d.map(|d| DVec3::from(d.map(f64::from)));
+            let [right, down] = steps(*d);
             normal.map_or(f32::NAN, |normal| {
                 let squares = right.length_squared() + down.length_squared();
                 (right.cross(down).dot(normal) / squares) as f32

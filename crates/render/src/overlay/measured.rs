@@ -94,6 +94,11 @@ impl<'a> MeasuredEnds<'a> {
     }
 }
 
+/// The steps in space of one pixel to the right and down, in which the derivatives of a pixel's end are stored.
+pub(super) fn steps(by_pixel: [[f32; 3]; 2]) -> [DVec3; 2] {
+    by_pixel.map(|step| DVec3::from(step.map(f64::from)))
+}
+
 /// Vectors whose products with a step in the tangent plane say how many pixels it goes to the right and down, from the steps in
 /// space of one pixel to the right and down. Not finite at conjugate points.
 pub(super) fn duals([right, down]: [DVec3; 2]) -> [DVec3; 2] {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use geodesic::piecewise::BLOCK;
 use geodesic::pixels::Map;
 use geodesic::trace::Status;
-use geometry::FollowedGeodesic;
+use geometry::{FollowedGeodesic, cut_note};
 use glam::DVec3;
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use scene::{ObjectId, Range, Sampling};
 
 use super::curves::{NamePlace, NamePlaces, drawn_range, piece_count, straight};
 use super::geodesic::Annotations;
-use super::measured::{MeasuredEnds, duals};
+use super::measured::{MeasuredEnds, duals, steps};
 use super::{StrokeColour, StrokeStyle};
 use crate::geodesic_view::PlacedSolidCamera;
 use crate::request::PictureRequest;
@@ -37,6 +37,18 @@ struct SolidCurve {
     /// sRGB.
     colour: [u8; 3],
     followed: Arc<FollowedGeodesic>,
+    /// It is longer than what is drawn.
+    is_cut: bool,
+}
+
+impl SolidCurve {
+    /// Sentences for the user about what is left out.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = self.followed.notes.clone();
+        let cut = self.is_cut.then(|| cut_note(&self.name));
+        notes.extend(cut.filter(|note| !self.followed.notes.contains(note)));
+        notes
+    }
 }
 
 /// Draws what lies over the picture of a solid: declared geodesics, and what the request selects. `follow` follows a declared
@@ -61,7 +73,7 @@ pub(crate) fn over_solid(
         .any()
         .then(|| MeasuredEnds::in_space(overlays, camera, map));
     let places = places.map_or(Vec::new(), |places| places.pixels());
-    let notes = curves.iter().flat_map(|curve| curve.followed.notes.clone());
+    let notes = curves.iter().flat_map(SolidCurve::notes);
     let annotations = Annotations {
         request,
         notes: notes.collect(),
@@ -85,7 +97,9 @@ fn curves(
     geodesics
         .filter_map(|(id, object)| {
             let (_, domain) = object.shape.space_geodesic()?;
-            let [min, max] = drawn_range([domain.range.min, domain.range.max], straight);
+            let whole = [domain.range.min, domain.range.max];
+            let drawn = drawn_range(whole, straight);
+            let [min, max] = drawn;
             let sampling = Sampling {
                 range: Range { min, max },
                 count: 1 + piece_count(max - min, domain.count, straight),
@@ -94,6 +108,7 @@ fn curves(
                 name: object.name.clone(),
                 colour: request.srgb(id),
                 followed: follow(id, &sampling),
+                is_cut: drawn != whole,
             })
         })
         .collect()
@@ -220,7 +235,7 @@ impl PixelPlane {
         if map.status[index] != Status::Complete {
             return None;
         }
-        let spans = (*map.by_pixel.get(index)?).map(|d| DVec3::from(d.map(f64::from)));
+        let spans = steps(*map.by_pixel.get(index)?);
         let pixel = spans[0].length().max(spans[1].length());
         let [right, down] = spans;
         // Of an ellipse in space, and what lies beside it.
