@@ -50,7 +50,7 @@ struct Instance {
 
 /// An object that a camera stands on, ready for geodesics.
 #[derive(Debug)]
-enum Ground {
+pub(crate) enum Ground {
     Manifold(Arc<Manifold>),
     Solid(Arc<SolidSurface>),
 }
@@ -173,7 +173,7 @@ impl Subject {
     }
 
     /// Makes the surface, metric or solid, ready for geodesics.
-    fn ground(&self) -> Result<Ground, ManifoldError> {
+    pub(crate) fn ground(&self) -> Result<Ground, ManifoldError> {
         if self.scene.is_solid(self.surface) {
             let solid = SolidSurface::new(&self.scene, &self.settings, self.surface)?;
             return Ok(Ground::Solid(Arc::new(solid)));

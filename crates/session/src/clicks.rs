@@ -130,17 +130,32 @@ impl<'a> ClickedObject<'a> {
         })
     }
 
+    /// Returns the name of the object, and of the part of a set that was hit.
+    pub fn title(&self) -> String {
+        let name = &self.object.name;
+        match self.leaf {
+            Some(leaf) if leaf.name != *name => format!("{name}: {}", leaf.name),
+            _ => name.clone(),
+        }
+    }
+
     /// Returns the place in words.
     pub fn words(&self) -> String {
-        let name = &self.object.name;
+        let title = self.title();
         let [u, v] = self.hit.parameters;
         match self.object.shape.domain() {
-            [_, _] => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
-            [_] => format!("{name} at t = {u:.4}"),
-            _ => match self.leaf {
-                Some(leaf) if leaf.name != *name => format!("{name}: {}", leaf.name),
-                _ => name.clone(),
-            },
+            [_, _] => format!("{title} at (u, v) = ({u:.4}, {v:.4})"),
+            [_] => format!("{title} at t = {u:.4}"),
+            _ => title,
+        }
+    }
+
+    /// Returns the object with the params of the picture in which it was hit.
+    pub fn subject(&self) -> Subject {
+        Subject {
+            scene: Arc::clone(self.request.scene.arc()),
+            settings: Arc::clone(&self.request.params),
+            surface: self.hit.object,
         }
     }
 
@@ -162,12 +177,7 @@ impl<'a> ClickedObject<'a> {
         if !has_camera {
             return Ok(None);
         }
-        let subject = Subject {
-            scene: Arc::clone(self.request.scene.arc()),
-            settings: Arc::clone(&self.request.params),
-            surface: self.hit.object,
-        };
         let zoom = model.view.inside.get(name).map(InsideCamera::zoom);
-        subject.camera_at(self.hit, zoom).map(Some)
+        self.subject().camera_at(self.hit, zoom).map(Some)
     }
 }

@@ -6,26 +6,21 @@
 use geodesic::frame::Frame;
 use geodesic::measure;
 use geodesic::surface::Surface;
-use geometry::{Manifold, ManifoldError};
+use geometry::{ManifoldError, SolidSurface};
+use scene::Scene;
 
-use crate::camera_controller::Subject;
+use crate::camera_controller::{Ground, Subject};
+use crate::clicks::ClickedObject;
 use crate::figures;
 use crate::measuring::{Measured, PlacedFigure, Quantity, angle, number, place};
 use crate::motion::Motion;
-use crate::{CameraPath, ChartCamera};
+use crate::{CameraPath, ChartCamera, InsideCamera};
 
 /// A question about a surface.
 #[derive(Clone, Debug)]
 pub enum MeasureQuestion {
-    /// The place under the pointer, beside a camera.
-    Pointer {
-        /// The place.
-        uv: [f64; 2],
-        /// Its distance and direction (radians) from the camera, where that is known.
-        polar: Option<[f64; 2]>,
-        /// The camera of the surface.
-        camera: Option<Frame>,
-    },
+    /// The place under the pointer, with its distance and direction (radians) from the camera, where that is known.
+    Pointer(PointedPlace, Option<[f64; 2]>),
     /// A figure.
     Figure(PlacedFigure),
     /// A walk from one frame to another.
@@ -48,7 +43,29 @@ pub enum MeasureQuestion {
     },
 }
 
+/// The place under the pointer.
+#[derive(Clone, Copy, Debug)]
+pub enum PointedPlace {
+    /// On a surface or metric: (u, v), and the camera of the surface.
+    InChart([f64; 2], Option<Frame>),
+    /// On a solid: a place in space.
+    InSpace([f64; 3]),
+}
+
 impl MeasureQuestion {
+    /// The place of an object under the pointer; `None` if it is no surface, metric or solid. `camera` is the object's own.
+    pub fn pointer(clicked: &ClickedObject<'_>, camera: Option<&InsideCamera>) -> Option<Self> {
+        let shape = &clicked.object.shape;
+        let place = if shape.manifold().is_some() {
+            let camera = camera.and_then(InsideCamera::chart);
+            PointedPlace::InChart(clicked.hit.parameters, camera.map(ChartCamera::frame))
+        } else {
+            shape.solid()?;
+            PointedPlace::InSpace(clicked.hit.position?.0)
+        };
+        Some(Self::Pointer(place, clicked.hit.polar))
+    }
+
     /// A walk along a path, to where the camera is now.
     pub fn walk(path: &CameraPath, camera: &ChartCamera) -> Self {
         let turns = path.motions().iter().map(|motion| match motion {
@@ -92,11 +109,11 @@ pub enum MeasureAnswer {
 /// Answers questions, and keeps the surface of the last one.
 #[derive(Debug, Default)]
 pub struct Measurer {
-    known: Option<(Subject, Result<Manifold, ManifoldError>)>,
+    known: Option<(Subject, Result<Ground, ManifoldError>)>,
 }
 
 impl Measurer {
-    /// Answers a question; `None` if its subject is no surface.
+    /// Answers a question; `None` if it cannot be asked of its subject.
     pub fn answer(
         &mut self,
         subject: &Subject,
@@ -104,19 +121,32 @@ impl Measurer {
     ) -> Option<MeasureAnswer> {
         let known = self.known.take();
         let known = known.filter(|(before, _)| before.is_same(subject));
-        let (_, manifold) = self
+        let (_, ground) = self
             .known
-            .insert(known.unwrap_or_else(|| (subject.clone(), subject.manifold())));
-        Some(answer(subject, manifold.as_ref().ok()?, question))
+            .insert(known.unwrap_or_else(|| (subject.clone(), subject.ground())));
+        match ground.as_ref().ok()? {
+            Ground::Manifold(manifold) => answer(subject, manifold.surface(), question),
+            Ground::Solid(solid) => answer_on_solid(&subject.scene, solid, question),
+        }
     }
 }
 
-fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) -> MeasureAnswer {
-    let surface = manifold.surface();
-    match question {
-        MeasureQuestion::Pointer { uv, polar, camera } => {
-            let (rows, distance) = pointer(surface, *uv, *polar, camera.as_ref());
-            MeasureAnswer::Pointer(rows, in_short(surface, *uv, distance))
+fn answer(
+    subject: &Subject,
+    surface: &dyn Surface,
+    question: &MeasureQuestion,
+) -> Option<MeasureAnswer> {
+    Some(match question {
+        MeasureQuestion::Pointer(place, polar) => {
+            let PointedPlace::InChart(uv, camera) = place else {
+                return None;
+            };
+            let [u, v] = uv.map(short);
+            let curvature = measure::place(surface, *uv).ok();
+            let curvature = curvature.and_then(|found| found.gaussian);
+            let (rows, distance) = pointer(surface, *uv, *polar, curvature, camera.as_ref());
+            let place = format!("(u, v) = ({u}, {v})");
+            MeasureAnswer::Pointer(rows, in_short(place, curvature, distance))
         }
         MeasureQuestion::Figure(figure) => {
             let measured = figures::measured(surface, subject.surface, &figure.figure);
@@ -133,17 +163,45 @@ fn answer(subject: &Subject, manifold: &Manifold, question: &MeasureQuestion) ->
             let name = name.map_or_else(String::new, |object| object.name.clone());
             MeasureAnswer::WayBack(name, way_back(surface, from, *to))
         }
-    }
+    })
 }
 
+/// Figures and walks are measured in charts: of a solid, there is an answer for the place under the pointer.
+fn answer_on_solid(
+    scene: &Scene,
+    solid: &SolidSurface,
+    question: &MeasureQuestion,
+) -> Option<MeasureAnswer> {
+    let MeasureQuestion::Pointer(PointedPlace::InSpace(at), polar) = question else {
+        return None;
+    };
+    let stated = scene.stated(*at);
+    let curvature = solid.surface().curvature(*at);
+    let [x, y, z] = stated.map(number);
+    let mut rows = vec![Quantity::new("(x, y, z)", format!("({x}, {y}, {z})"))];
+    rows.extend(curvature.map(|k| Quantity::new("K", number(k))));
+    if let Some([distance, direction]) = polar {
+        rows.push(Quantity::new(SEEN, number(*distance)));
+        rows.push(Quantity::new("direction", angle(*direction)));
+    }
+    let [x, y, z] = stated.map(short);
+    let place = format!("(x, y, z) = ({x}, {y}, {z})");
+    let distance = polar.map(|[distance, _]| distance);
+    Some(MeasureAnswer::Pointer(
+        rows,
+        in_short(place, curvature, distance),
+    ))
+}
+
+/// The name of the distance of what is seen in a geodesic view, which shows each place at the end of a geodesic: it need not be
+/// the shortest.
+const SEEN: &str = "length of the geodesic seen";
+
 /// Returns a place with its curvature and its distance from the camera, for the status line.
-fn in_short(surface: &dyn Surface, [u, v]: [f64; 2], distance: Option<f64>) -> String {
-    let curvature = measure::place(surface, [u, v]).ok();
-    let curvature = curvature.and_then(|found| found.gaussian);
+fn in_short(place: String, curvature: Option<f64>, distance: Option<f64>) -> String {
     let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
     let distance = distance.map(|length| format!(", {} from the camera", short(length)));
-    let distance = distance.unwrap_or_default();
-    format!("(u, v) = ({}, {}){curvature}{distance}", short(u), short(v))
+    format!("{place}{curvature}{}", distance.unwrap_or_default())
 }
 
 /// Formats a number with at most four significant digits.
@@ -157,17 +215,13 @@ fn pointer(
     surface: &dyn Surface,
     uv: [f64; 2],
     polar: Option<[f64; 2]>,
+    curvature: Option<f64>,
     camera: Option<&Frame>,
 ) -> (Vec<Quantity>, Option<f64>) {
     let mut rows = vec![Quantity::new("(u, v)", place(uv))];
-    if let Ok(found) = measure::place(surface, uv)
-        && let Some(curvature) = found.gaussian
-    {
-        rows.push(Quantity::new("K", number(curvature)));
-    }
-    // A geodesic view shows each place at the end of a geodesic, which need not be the shortest.
+    rows.extend(curvature.map(|k| Quantity::new("K", number(k))));
     let name = match polar {
-        Some(_) => "length of the geodesic seen",
+        Some(_) => SEEN,
         None => "distance from the camera",
     };
     if polar.is_none() && camera.is_some_and(|camera| is_here(surface, camera, uv)) {

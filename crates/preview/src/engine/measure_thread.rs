@@ -37,7 +37,7 @@ impl MeasureThread {
     /// Asks a question, in the place of one of its kind that has not been begun.
     pub(crate) fn ask(&self, subject: Subject, question: MeasureQuestion) {
         let key = match question {
-            MeasureQuestion::Pointer { .. } => QuestionKind::Pointer,
+            MeasureQuestion::Pointer(..) => QuestionKind::Pointer,
             MeasureQuestion::Figure(_) => QuestionKind::Figure,
             MeasureQuestion::Walk { .. } => QuestionKind::Walk,
             MeasureQuestion::WayBack { .. } => QuestionKind::WayBack,

@@ -17,7 +17,7 @@ use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{Measured, PlacedFigure, Quantity, hint, title};
 use session::motion::Motion;
-use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK};
+use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK, PointedPlace};
 use session::snapping::Snapping;
 use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
@@ -60,8 +60,10 @@ struct Pointer {
     /// The place of that picture on the screen.
     picture: Rect,
     /// The place that was found there, with its surface.
-    found: Option<(Subject, [f64; 2])>,
+    found: Option<(Subject, PointedPlace)>,
     surface: String,
+    /// The surface with the part of a solid's set that was hit.
+    title: String,
     rows: Vec<Quantity>,
     /// The object with the place in short.
     words: String,
@@ -75,6 +77,7 @@ impl Default for Pointer {
             picture: Rect::NOTHING,
             found: None,
             surface: String::new(),
+            title: String::new(),
             rows: Vec::new(),
             words: String::new(),
         }
@@ -151,27 +154,25 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     measuring.found = None;
 }
 
-/// Asks for the measures of the place that was found under the pointer; of what is no surface, shows the name.
+/// Asks for the measures of the place that was found under the pointer; of what has none, shows the name.
 pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
-    let (surface, hit) = (clicked.object.name.as_str(), clicked.hit);
-    if clicked.object.shape.manifold().is_none() {
-        let pointer = &mut window.dialogs.measuring.pointer;
-        (pointer.found, pointer.words) = (None, clicked.words());
-        pointer.rows.clear();
-        return;
-    }
+    let surface = clicked.object.name.as_str();
     let camera = window.model.view.inside.get(surface);
-    let camera = camera.and_then(InsideCamera::chart).copied();
-    if let Some(subject) = window.model.subject(surface) {
-        let pointer = &mut window.dialogs.measuring.pointer;
-        surface.clone_into(&mut pointer.surface);
-        pointer.found = Some((subject.clone(), hit.parameters));
-        let question = MeasureQuestion::Pointer {
-            uv: hit.parameters,
-            polar: hit.polar,
-            camera: camera.map(|camera| camera.frame()),
-        };
-        ask(window, subject, question);
+    let question = MeasureQuestion::pointer(clicked, camera);
+    let pointer = &mut window.dialogs.measuring.pointer;
+    let title = clicked.title();
+    if question.is_none() || pointer.found.is_none() || pointer.title != title {
+        pointer.words = clicked.words();
+        pointer.rows.clear();
+    }
+    surface.clone_into(&mut pointer.surface);
+    pointer.title = title;
+    pointer.found = None;
+    if let Some(MeasureQuestion::Pointer(place, _)) = question {
+        pointer.found = Some((clicked.subject(), place));
+    }
+    if let Some(question) = question {
+        ask(window, clicked.subject(), question);
     }
 }
 
@@ -264,28 +265,33 @@ pub(crate) fn paint_snap(window: &Window, ui: &Ui, response: &Response) {
     painter.circle_stroke(at, RING, Stroke::new(2.0, Color32::WHITE));
 }
 
-/// Measures the last place of the pointer anew where its surface has changed.
+/// Measures the last place of the pointer anew where its surface has changed. One on a solid is forgotten: the solid may not go
+/// through it any more.
 fn ask_pointer(window: &mut Window) {
     let pointer = &window.dialogs.measuring.pointer;
-    let Some((before, uv)) = pointer.found.clone() else {
+    let Some((before, place)) = &pointer.found else {
         return;
     };
-    let surface = pointer.surface.clone();
-    let Some(subject) = window.model.subject(&surface) else {
+    let Some(subject) = window.model.subject(&pointer.surface) else {
         return;
     };
     if before.is_same(&subject) {
         return;
     }
-    let camera = window.model.view.inside.get(&surface);
+    let camera = window.model.view.inside.get(&pointer.surface);
     let camera = camera.and_then(InsideCamera::chart);
-    let question = MeasureQuestion::Pointer {
-        uv,
-        polar: None,
-        camera: camera.map(|camera| camera.frame()),
+    let place = match *place {
+        PointedPlace::InChart(uv, _) => PointedPlace::InChart(uv, camera.map(ChartCamera::frame)),
+        PointedPlace::InSpace(_) => {
+            let pointer = &mut window.dialogs.measuring.pointer;
+            pointer.found = None;
+            pointer.words.clear();
+            pointer.rows.clear();
+            return;
+        }
     };
-    window.dialogs.measuring.pointer.found = Some((subject.clone(), uv));
-    ask(window, subject, question);
+    window.dialogs.measuring.pointer.found = Some((subject.clone(), place));
+    ask(window, subject, MeasureQuestion::Pointer(place, None));
 }
 
 /// Takes an answer over. One for a figure that has changed since is not shown.
@@ -294,7 +300,7 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
     if let MeasureAnswer::Pointer(rows, words) = answer {
         // What is under the pointer by now may be no surface.
         if measuring.pointer.found.is_some() {
-            measuring.pointer.words = format!("{}: {words}", measuring.pointer.surface);
+            measuring.pointer.words = format!("{} at {words}", measuring.pointer.title);
             measuring.pointer.rows = rows;
         }
         return;

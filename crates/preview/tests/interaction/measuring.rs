@@ -121,7 +121,7 @@ fn a_resting_pointer_has_its_place_in_the_status_line_and_its_curvature_follows_
     let place = at(&hand, "s", [-0.3, 0.4]);
     hand.harness.hover_at(place);
     hand.until("the place is in the status line", |hand| {
-        hand.shows("s: (u, v) = (") && hand.shows("), K = 1, ") && hand.shows(" from the camera")
+        hand.shows("s at (u, v) = (") && hand.shows("), K = 1, ") && hand.shows(" from the camera")
     });
     let space = hand.space();
     hand.harness

@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers};
 
 use crate::hand::Hand;
+use crate::measuring;
 
 const EGG: &str = "param r = 2 : [1.5, 3];
 solid egg(x,y,z) = x^2/4 + y^2 + z^2/r^2 - 1, color : (0.6, 0.6, 0.6) + 0.4(sin(6x), sin(6y), sin(6z));
@@ -136,4 +137,43 @@ point q = (0, 0, 3);
         hand.window().model().view.look("q").colour,
         Some([0, 114, 178])
     );
+}
+
+#[test]
+fn a_resting_pointer_has_its_place_on_a_solid_with_its_curvature() {
+    let mut hand = Hand::on("solid ball(x,y,z) = x^2 + y^2 + z^2 - 4;\n");
+    let middle = hand.space().center();
+    hand.harness.hover_at(middle);
+    hand.until("the place is in the status line", |hand| {
+        hand.shows("ball at (x, y, z) = (") && hand.shows("), K = 0.25")
+    });
+    look_from_inside(&mut hand, "ball");
+    measuring::open(&mut hand);
+    let zoom = hand.solid_camera("ball").zoom();
+    let place = measuring::at(&hand, "ball", [-0.3, 0.4]);
+    hand.harness.hover_at(place);
+    let length = measuring::number(&mut hand, "length of the geodesic seen");
+    measuring::near(length, 0.5 * zoom);
+    measuring::equal(measuring::number(&mut hand, "K"), 0.25);
+    let direction = measuring::number(&mut hand, "direction");
+    measuring::near(direction, f64::atan2(0.4, -0.3));
+}
+
+#[test]
+fn the_pointer_on_a_set_names_the_part_and_forgets_its_place_where_a_param_moves() {
+    let mut hand = Hand::on(
+        "param r = 1 : [1, 3];\nsolid ball(x,y,z) = x^2 + y^2 + z^2 - r^2;\nsolid cap(x,y,z) = -z;\nsolid half = ball \\ cap;\n",
+    );
+    let middle = hand.space().center();
+    hand.harness.hover_at(middle);
+    hand.until("the part is named", |hand| {
+        hand.shows("half: ") && hand.shows(" at (x, y, z) = (")
+    });
+    measuring::open(&mut hand);
+    hand.harness.hover_at(middle);
+    hand.until("it is measured", |hand| hand.shows("Pointer on half"));
+    hand.slide("r", 60.0);
+    hand.until("the place is not on it any more", |hand| {
+        !hand.shows("Pointer on half")
+    });
 }

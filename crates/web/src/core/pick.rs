@@ -69,9 +69,9 @@ impl Core {
         let range = leaf.and_then(|leaf| self.declaration(leaf));
         let range = range.or_else(|| self.declaration(&name));
         let dimensions = object.shape.domain().len();
-        let (rows, in_short) = self.readout(&request, &hit);
+        let (rows, in_short) = self.readout(&clicked);
         let text = match in_short {
-            Some(in_short) => format!("{name} at {in_short}"),
+            Some(in_short) => format!("{} at {in_short}", clicked.title()),
             None => clicked.words(),
         };
         let pick = Pick {
@@ -88,26 +88,13 @@ impl Core {
         Ok(Some(PickedObject { pick, request, hit }))
     }
 
-    /// The quantities at a place on a surface, and the place in short.
-    fn readout(&mut self, request: &PictureRequest, hit: &Hit) -> (Vec<Quantity>, Option<String>) {
-        let scene = request.scene.arc();
-        let is_manifold = |object: &scene::Object| object.shape.manifold().is_some();
-        if !scene.get(hit.object).is_some_and(is_manifold) {
-            return (Vec::new(), None);
-        }
-        let subject = Subject {
-            scene: scene.clone(),
-            settings: request.params.clone(),
-            surface: hit.object,
-        };
-        let name = &scene.objects[hit.object.0 as usize].name;
-        let camera = self.model.view.inside.get(name);
-        let question = MeasureQuestion::Pointer {
-            uv: hit.parameters,
-            polar: hit.polar,
-            camera: camera.and_then(|camera| Some(camera.chart()?.frame())),
-        };
-        match self.measurer.answer(&subject, &question) {
+    /// The quantities at a place on a surface or solid, and the place in short.
+    fn readout(&mut self, clicked: &ClickedObject<'_>) -> (Vec<Quantity>, Option<String>) {
+        let camera = self.model.view.inside.get(&clicked.object.name);
+        let question = MeasureQuestion::pointer(clicked, camera);
+        let answer =
+            question.and_then(|question| self.measurer.answer(&clicked.subject(), &question));
+        match answer {
             Some(MeasureAnswer::Pointer(rows, in_short)) => (rows, Some(in_short)),
             _ => (Vec::new(), None),
         }
