@@ -17,7 +17,7 @@ struct Arguments {
     /// The number of inputs of each; ten times that of the tests if it is not given
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// The numbers of inputs of a whole attack, which takes hours
+    /// The numbers of inputs of a whole attack, which takes about half an hour
     #[arg(long, conflicts_with = "count")]
     full: bool,
     /// The beginning of the sequence of inputs
