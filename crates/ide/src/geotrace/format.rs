@@ -24,7 +24,7 @@ pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     if edits.is_empty() {
         return edits;
     }
-    let after = GeotraceAnalysis::new(&edit::apply(analysis.text(), &edits));
+    let after = GeotraceAnalysis::new(edit::apply(analysis.text(), &edits));
     match Reading::of(analysis) == Reading::of(&after) {
         true => edits,
         false => Vec::new(),
