@@ -814,7 +814,13 @@ fn interrupted(signal: &str) -> (Vec<String>, Option<i32>) {
         "param o : [0, 1]; point p = (o, 0, 0);",
     )
     .expect("writable");
-    let mut render = std::process::Command::new(testing::binary::binary());
+    let binary = testing::binary::binary();
+    let mut render = std::process::Command::new(binary);
+    if signal == "-HUP" {
+        // Also where the tests themselves run under `nohup`.
+        render = std::process::Command::new("env");
+        render.arg("--default-signal=HUP").arg(binary);
+    }
     render.args(["render", "s.gtr", "-o", "q.png", "--animate", "o=0:1"]);
     render.args([
         "--size",
@@ -910,10 +916,80 @@ fn a_part_of_a_picture_is_kept_where_that_is_asked_for() {
     );
 }
 
+/// A closed terminal ends what runs in it, unless it was begun by `nohup`.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_terminal_leaves_nothing_behind() {
+    assert_eq!(interrupted("-HUP"), (vec!["s.gtr".to_owned()], Some(1)));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_grow_is_told_and_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(
+        folder.path().join("s.gtr"),
+        "surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];",
+    )
+    .expect("written");
+    let export = format!(
+        "ulimit -f 1; exec '{}' export s.gtr -o s.obj",
+        testing::binary::binary().display()
+    );
+    let run = std::process::Command::new("sh")
+        .args(["-c", &export])
+        .current_dir(folder.path())
+        .output()
+        .expect("it runs");
+    let told = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.code().is_some_and(|code| code > 0), "{run:?}");
+    assert!(told.contains("s.obj"), "{told}");
+    let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 1, "{told}");
+}
+
+#[test]
+fn no_picture_takes_the_place_of_its_own_program() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("own.png");
+    std::fs::write(&file, "point p = (1, 2, 3);").expect("written");
+    let run = geotrace(["render", "own.png", "-o", "./own.png"])
+        .folder(folder.path())
+        .run();
+    assert_eq!(run.status, Some(2), "{run:?}");
+    run.expect_text("it is the program itself");
+    let text = std::fs::read_to_string(&file).expect("it is there");
+    assert_eq!(text, "point p = (1, 2, 3);");
+}
+
+#[test]
+fn rays_are_read_line_by_line_and_a_line_without_end_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(
+        folder.path().join("b.gtr"),
+        "solid b(x, y, z) = x^2 + y^2 + z^2 - 1;",
+    )
+    .expect("written");
+    let cast = |rays: String| {
+        geotrace(["cast", "b.gtr", "--rays", "-"])
+            .folder(folder.path())
+            .input(rays)
+            .run()
+    };
+    let run = cast(" ".repeat(20 << 20));
+    assert_eq!(run.status, Some(2), "{:?}", run.stderr);
+    run.expect_text("line 1 is longer than 4096 bytes");
+    assert!(run.peak < 100 << 20, "{} MB", run.peak >> 20);
+    // A mark at the beginning is none of the number.
+    cast("\u{FEFF}3 0 0 -1 0 0\n".to_owned())
+        .expect_status(0)
+        .expect_text("enters");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interruption_leaves_nothing_behind() {
-    for (name, number) in [("-INT", 2), ("-TERM", 15)] {
+    for (name, number) in [("-INT", 2), ("-TERM", 15), ("-QUIT", 3)] {
         assert_eq!(
             interrupted(name),
             (vec!["s.gtr".to_owned()], Some(number)),

@@ -205,6 +205,20 @@ fn pictures() -> Vec<Limit> {
             "`--samples`, up to this",
         ),
         limit(
+            "rays of a file for `cast`",
+            grouped(cli::MOST_RAYS as u64),
+            "memory",
+            "it has more than {MOST_RAYS} rays",
+            "a part of the rays at a time",
+        ),
+        limit(
+            "a line of such a file, in bytes",
+            grouped(cli::LONGEST_LINE),
+            "memory",
+            "is longer than {LONGEST_LINE} bytes",
+            "",
+        ),
+        limit(
             "reflections and refractions in the traced view",
             traced::MAX_BOUNCES,
             "run time",

@@ -51,6 +51,17 @@ fn show_makes_both_pictures_instead() {
 }
 
 #[test]
+fn show_takes_a_program_whose_name_begins_with_a_dash() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("-y.gtr"), "point p = (1, 2, 3);").expect("written");
+    let run = without_display(&["show", "./-y.gtr"])
+        .folder(folder.path())
+        .run();
+    run.expect_status(0).expect_text("no display");
+    assert!(folder.path().join("-y.png").is_file(), "{run:?}");
+}
+
+#[test]
 fn show_draws_the_view_that_a_language_has_first() {
     let folder = tempfile::tempdir().expect("a folder");
     let script = folder.path().join("ball.crt");

@@ -16,6 +16,8 @@ mod render;
 mod show;
 mod trace;
 
+pub use cast::{LONGEST_LINE, MOST_RAYS};
+
 use std::ffi::OsString;
 use std::path::Path;
 

@@ -2,6 +2,8 @@
 //! A command may ask to be told of the first signal instead, to keep what it has done; so does the window, whose text would be
 //! lost.
 
+#[cfg(unix)]
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -52,14 +54,20 @@ fn take(end: impl FnOnce()) {
 }
 
 /// Handles the signals on a thread of its own, which sleeps until one comes. Where no thread can be started, temporary
-/// files stay behind.
+/// files stay behind. A file that grows beyond what the user may write is from now on an error of the write, which says so.
 #[cfg(unix)]
 pub(crate) fn remove_what_is_half_written() {
-    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
 
-    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+    // A handler that does nothing but note it: without one, the signal ends the program.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    let mut ends = vec![SIGINT, SIGQUIT, SIGTERM];
+    if !is_ignored(SIGHUP) {
+        ends.push(SIGHUP);
+    }
+    let Ok(mut signals) = Signals::new(ends) else {
         return;
     };
     let thread = std::thread::Builder::new().name("signals".to_owned());
@@ -71,6 +79,17 @@ pub(crate) fn remove_what_is_half_written() {
             });
         }
     });
+}
+
+/// Returns true if a signal is ignored, as `nohup` leaves it; also where the system does not say it in `/proc`.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status
+        .lines()
+        .find_map(|line| line.strip_prefix("SigIgn:"))
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Handles Ctrl+C and Ctrl+Break on a thread of its own, which sleeps until one is pressed. Where no thread can be started,

@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {
-        Some(path) => Some(OutputTarget::new(path)?),
+        Some(path) => Some(OutputTarget::apart_from(path, &arguments.file)?),
         None => None,
     };
     if arguments.size.0.iter().any(|side| *side > LONGEST) {

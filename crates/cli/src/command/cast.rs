@@ -1,7 +1,8 @@
 //! `geotrace cast`: where rays meet solids, in f64.
 
 use std::fmt::Write as _;
-use std::io::{BufWriter, Read, Write};
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
@@ -20,6 +21,11 @@ use crate::number::{show, show_all};
 use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
+
+/// The most rays of a file.
+pub const MOST_RAYS: usize = 4_000_000;
+/// The longest line of a file of rays, in bytes.
+pub const LONGEST_LINE: u64 = 4096;
 
 /// Cast a ray into a program's solids: where it enters and leaves each, and what it meets first.
 ///
@@ -252,18 +258,38 @@ fn rays(
     } else {
         path.display().to_string()
     };
-    let text = read(path).map_err(|error| Failure::Unreadable {
+    let unreadable = |reason: String| Failure::Unreadable {
         file: name.clone(),
-        reason: output::reason(&error),
-    })?;
+        reason,
+    };
+    let mut input = open(path).map_err(|error| unreadable(output::reason(&error)))?;
     let mut rays = Vec::new();
-    for (line, words) in text.lines().enumerate() {
+    let mut bytes = Vec::new();
+    for line in 1.. {
+        bytes.clear();
+        let mut rest = (&mut input).take(LONGEST_LINE + 1);
+        let read = rest.read_until(b'\n', &mut bytes);
+        if read.map_err(|error| unreadable(output::reason(&error)))? == 0 {
+            break;
+        }
+        if bytes.len() as u64 > LONGEST_LINE {
+            return Err(unreadable(format!(
+                "line {line} is longer than {LONGEST_LINE} bytes"
+            )));
+        }
+        let words = String::from_utf8_lossy(&bytes);
+        let words = words.trim_start_matches('\u{FEFF}');
         if words.trim().is_empty() {
             continue;
         }
+        if rays.len() == MOST_RAYS {
+            return Err(unreadable(format!(
+                "it has more than {MOST_RAYS} rays: cast it in parts"
+            )));
+        }
         let ray = six_numbers(words).and_then(ray);
         let ray = ray.map_err(|reason| Failure::Input {
-            message: format!("{name}:{}: {reason}", line + 1),
+            message: format!("{name}:{line}: {reason}"),
             hint: Some("a line is `x y z a b c`: the start and the direction of a ray".into()),
         });
         rays.push(ray?);
@@ -271,13 +297,11 @@ fn rays(
     Ok(rays)
 }
 
-fn read(path: &Path) -> std::io::Result<String> {
-    if path.as_os_str() == "-" {
-        let mut text = String::new();
-        std::io::stdin().lock().read_to_string(&mut text)?;
-        return Ok(text);
-    }
-    std::fs::read_to_string(path)
+fn open(path: &Path) -> std::io::Result<Box<dyn BufRead>> {
+    Ok(match path.as_os_str() == "-" {
+        true => Box::new(std::io::stdin().lock()),
+        false => Box::new(BufReader::new(File::open(path)?)),
+    })
 }
 
 fn six_numbers(line: &str) -> Result<[[f64; 3]; 2], String> {

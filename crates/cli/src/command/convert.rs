@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             arguments.output.display()
         )));
     }
-    let target = OutputTarget::new(&arguments.output)?;
+    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
     let named = match arguments.output == standard {
         false => arguments.output.clone(),
         true if arguments.file == standard => Path::new("program").with_extension(extension),

@@ -369,12 +369,12 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
             "`--hidden-lines` is for pictures whose lines are vectors: write to an .svg or a .pdf",
         ));
     }
+    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
     if let Some(animation) = animation {
         return animation.write(request.size, &draw, |picture, what| {
             summary(picture, what, &request, views)
         });
     }
-    let target = OutputTarget::new(&arguments.output)?;
     if let Some(format) = print {
         let request = frame(1.0)?;
         let notes = images.notes(program, &request);

@@ -48,9 +48,12 @@ fn draw(
 ) -> Result<(), Failure> {
     let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
     output.push(ending);
-    let words = [&["geotrace", "render"], options, &["-o"]].concat();
+    // A name may begin with a dash.
+    let mut target = OsString::from("--output=");
+    target.push(output);
+    let words = [&["geotrace", "render"], options].concat();
     let words = words.into_iter().map(OsString::from);
-    let words = words.chain([output, "--".into(), arguments.file.clone().into_os_string()]);
+    let words = words.chain([target, "--".into(), arguments.file.clone().into_os_string()]);
     let parsed = super::Arguments::parse_with(&context.registry, words);
     let mut render = parsed.map_err(|error| Failure::Internal {
         message: format!("a picture cannot be asked for: {error}"),
