@@ -963,6 +963,36 @@ fn no_picture_takes_the_place_of_its_own_program() {
 }
 
 #[test]
+fn thousands_of_solids_are_framed_within_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "Scene { i = 0\nwhile (i < 5000) { Sphere { center -> vec3(i, 0, 0) radius -> 0.4 } i = i + 1 } }\n";
+    std::fs::write(folder.path().join("many.crt"), script).expect("written");
+    let run = geotrace(["render", "many.crt", "-o", "many.png", "--size", "20x20"])
+        .folder(folder.path())
+        .run();
+    run.expect_status(0);
+    assert!(run.peak < RESIDENT, "{} MB", run.peak >> 20);
+}
+
+#[test]
+fn a_ray_through_a_thousand_leaves_is_cast_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = "grid k : [0, 1, 1000];\nfunction f(x, y, z) = x^2 + y^2 + z^2 - 1;\nsolid b = f @ (0.1k, 0, 0);\n";
+    std::fs::write(folder.path().join("deep.gtr"), program).expect("written");
+    let run = geotrace([
+        "cast",
+        "deep.gtr",
+        "--from",
+        "0,0,5",
+        "--direction",
+        "0,0,-1",
+    ])
+    .folder(folder.path())
+    .run();
+    run.expect_status(0).expect_text("enters");
+}
+
+#[test]
 fn rays_are_read_line_by_line_and_a_line_without_end_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(

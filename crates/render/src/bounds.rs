@@ -17,8 +17,16 @@ use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
 
-/// The rays along each axis that look for a solid, in a row.
-const RAYS: usize = 20;
+/// The rays along each axis that look for a solid, in a row: 20, and fewer where a scene has thousands of solids, whose points
+/// would take gigabytes.
+fn rays_in_a_row(solids: usize) -> usize {
+    match solids {
+        0..=1_000 => 20,
+        1_001..=4_000 => 10,
+        4_001..=16_000 => 5,
+        _ => 3,
+    }
+}
 
 /// Coarse samples of one object.
 const SAMPLES: usize = 40_000;
@@ -146,6 +154,8 @@ impl ObjectCloud {
             thickness: None,
             picture_look: Default::default(),
         };
+        let is_solid = |object: &&Object| object.shape.solid().is_some();
+        let in_a_row = rays_in_a_row(scene.objects.iter().filter(is_solid).count());
         // In the order of the scene: what the work is enough for does not depend on threads.
         let mut work = MAX_SHAPE_WORK;
         let mut prepared = |object: &Object| {
@@ -157,7 +167,7 @@ impl ObjectCloud {
             .map(|(object, &wanted)| (object, wanted, wanted.then(|| prepared(object)).flatten()))
             .collect();
         let cloud = |(object, wanted, rays): &(&Object, bool, Option<RayScene>)| match rays {
-            Some(rays) => Some(Self::of_solid(rays)),
+            Some(rays) => Some(Self::of_solid(rays, in_a_row)),
             None => wanted.then(|| Self::new(scene, params, object)),
         };
         objects.par_iter().map(cloud).collect()
@@ -209,10 +219,10 @@ impl ObjectCloud {
         }
     }
 
-    /// Casts rays along the axes into a solid.
-    fn of_solid(rays: &RayScene) -> Self {
+    /// Casts rays along the axes into a solid, so many in a row.
+    fn of_solid(rays: &RayScene, in_a_row: usize) -> Self {
         Self {
-            points: solid_points(rays),
+            points: solid_points(rays, in_a_row),
             is_omitted: rays.is_out_of_work(),
             ..Self::default()
         }
@@ -220,7 +230,7 @@ impl ObjectCloud {
 }
 
 /// Places on a solid that rays along the axes find; none on an endless one.
-fn solid_points(rays: &RayScene) -> Vec<[f64; 3]> {
+fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
     let world = rays.world();
     let Some(bounds) = (world.solid_count() > 0).then(|| world.bounds(0)).flatten() else {
         return Vec::new();
@@ -229,15 +239,15 @@ fn solid_points(rays: &RayScene) -> Vec<[f64; 3]> {
         return Vec::new();
     }
     let size = bounds.upper - bounds.lower;
-    let cells = (0..3).flat_map(|axis| (0..RAYS * RAYS).map(move |cell| (axis, cell)));
+    let cells = (0..3).flat_map(|axis| (0..in_a_row * in_a_row).map(move |cell| (axis, cell)));
     let mut points = Vec::new();
     let mut caster = world.caster();
     for (axis, cell) in cells {
-        let share = |k: usize| (k as f64 + 0.5) / RAYS as f64;
+        let share = |k: usize| (k as f64 + 0.5) / in_a_row as f64;
         let mut origin = bounds.lower;
         origin[axis] -= 0.5 * size[axis].max(f64::MIN_POSITIVE);
-        origin[(axis + 1) % 3] += size[(axis + 1) % 3] * share(cell % RAYS);
-        origin[(axis + 2) % 3] += size[(axis + 2) % 3] * share(cell / RAYS);
+        origin[(axis + 1) % 3] += size[(axis + 1) % 3] * share(cell % in_a_row);
+        origin[(axis + 2) % 3] += size[(axis + 2) % 3] * share(cell / in_a_row);
         let ray = Ray {
             origin,
             direction: DVec3::AXES[axis],

@@ -472,9 +472,7 @@ impl Caster<'_> {
             };
             let before = self.events.len();
             self.seek(ray, id, rest, inside, bundled);
-            if self.events.len() > before {
-                self.sort_events();
-            }
+            self.sort_in(before);
         }
     }
 

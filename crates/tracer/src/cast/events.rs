@@ -3,6 +3,8 @@
 //! Input: a leaf that a ray comes to. Output: the membership there, and the places where the ray passes the surfaces of its
 //! pieces. A convex leaf has two events at most; the others have those of each piece. Fields give their next event alone.
 
+use std::cmp::Ordering;
+
 use super::{Candidate, Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
@@ -64,9 +66,7 @@ impl Caster<'_> {
                 self.state.set(&self.world.forest, leaf.pieces[k], true);
             }
         }
-        if self.events.len() > before && self.events.len() > 1 {
-            self.sort_events();
-        }
+        self.sort_in(before);
     }
 
     /// The sign changes of a piece; `None` where its frame is none for the ray.
@@ -132,9 +132,7 @@ impl Caster<'_> {
             };
             self.add_events(surface, &[t], [from, candidate.exit]);
         }
-        if self.events.len() > before && self.events.len() > 1 {
-            self.sort_events();
-        }
+        self.sort_in(before);
     }
 
     fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
@@ -165,12 +163,19 @@ impl Caster<'_> {
         known.line
     }
 
-    /// The next one last.
-    pub(super) fn sort_events(&mut self) {
-        self.events.sort_unstable_by(|a, b| {
-            let by_t = b.t.total_cmp(&a.t);
-            by_t.then((b.leaf, b.piece).cmp(&(a.leaf, a.piece)))
-        });
+    /// Puts the events from the index `sorted` on where they belong among those before it, the next one last: they are few,
+    /// while a ray through many leaves has many.
+    pub(super) fn sort_in(&mut self, sorted: usize) {
+        for k in sorted..self.events.len() {
+            let new = self.events[k];
+            let is_later = |other: &SurfaceEvent| {
+                let by_t = other.t.total_cmp(&new.t);
+                by_t.then((other.leaf, other.piece).cmp(&(new.leaf, new.piece)))
+                    == Ordering::Greater
+            };
+            let place = self.events[..k].partition_point(is_later);
+            self.events[place..=k].rotate_right(1);
+        }
     }
 
     /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.
