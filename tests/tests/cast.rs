@@ -114,6 +114,27 @@ fn a_part_is_cast_alone() {
 }
 
 #[test]
+fn a_ball_is_entered_and_left_from_however_far_it_is_seen() {
+    const BALL: &str = "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;";
+    const SMALL: &str = "function f(x, y, z) = x^2 + y^2 + z^2 - 1; solid ball = f @ scale 1e-6;";
+    for (program, radius) in [(BALL, 1.0), (SMALL, 1e-6)] {
+        for away in [30.0, 1.6e7, 2e7, 1e8, 3e9, 1e12] {
+            let away: f64 = radius * away;
+            for [x, y, z] in [[away, 0.0, 0.0], [0.0, 0.0, away], [0.0, -away, 0.0]] {
+                let ray = cast(program, [x, y, z], [-x / away, -y / away, -z / away], &[]);
+                let entering = list(&ray).iter().map(|one| one["entering"].as_bool());
+                let entering: Vec<_> = entering.collect();
+                assert_eq!(entering, [Some(true), Some(false)], "{ray}");
+                for (t, side) in times(&ray).into_iter().zip([-1.0, 1.0]) {
+                    let off = (t - (away + side * radius)).abs();
+                    assert!(off <= 4.0 * f64::EPSILON * away, "{ray}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn instances_say_which_they_are() {
     let program = "
 grid k : [0, 11pi/6, 12];

@@ -120,6 +120,19 @@ struct Candidate {
     leaf: u32,
 }
 
+impl Candidate {
+    /// A leaf whose box the ray meets from `entry` to `exit`. Far from the start of the ray a box is thinner than the numbers
+    /// are dense, and its surface may lie a step of rounding outside: the part of the ray is larger by some.
+    fn new(leaf: u32, [entry, exit]: [f64; 2]) -> Self {
+        const ROUNDING: f64 = 8.0 * f64::EPSILON;
+        Self {
+            entry: entry - ROUNDING * entry.abs(),
+            exit: exit + ROUNDING * exit.abs(),
+            leaf,
+        }
+    }
+}
+
 /// A surface that the ray passes.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceEvent {
@@ -381,9 +394,8 @@ impl Caster<'_> {
                 candidates.extend(world.endless.iter().copied().map(endless));
                 world
                     .hierarchy
-                    .met(ray.origin, reciprocal, stack, &mut |k, [entry, exit]| {
-                        let leaf = world.boxed[k];
-                        candidates.push(Candidate { entry, exit, leaf });
+                    .met(ray.origin, reciprocal, stack, &mut |k, part| {
+                        candidates.push(Candidate::new(world.boxed[k], part));
                     });
                 &[]
             }
@@ -395,7 +407,7 @@ impl Caster<'_> {
             };
             let [entry, exit] = bounds.part(ray.origin, reciprocal);
             if entry <= exit && exit >= 0.0 {
-                candidates.push(Candidate { entry, exit, leaf });
+                candidates.push(Candidate::new(leaf, [entry, exit]));
             }
         }
         // A start on a leaf is in its box, whatever rounding says.
