@@ -963,6 +963,31 @@ fn no_picture_takes_the_place_of_its_own_program() {
 }
 
 #[test]
+fn a_walk_ends_on_an_edge_or_says_that_it_is_too_long() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let draw = |program: &str, angle: &str, length: &str| {
+        std::fs::write(folder.path().join("s.gtr"), program).expect("written");
+        let options = "render s.gtr -o s.png --size 32x32 --view geodesic --angle";
+        geotrace(options.split(' ').chain([angle, "--walk", length]))
+            .folder(folder.path())
+            .run()
+    };
+    let plane = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
+    for length in ["0.999", "1", "5"] {
+        draw(plane, "0", length).expect_status(0);
+    }
+    let sphere =
+        "surface s(u, v) = (cosu cosv, sinu cosv, sinv), u : [-pi, pi], v : [-pi/2, pi/2];";
+    let ball = "solid s(x, y, z) = x^2 + y^2 + z^2 - 1;";
+    for program in [sphere, ball] {
+        draw(program, "20", "30").expect_status(0);
+        let run = draw(program, "20", "1e6");
+        assert_eq!(run.status, Some(2), "{run:?}");
+        run.expect_text("the camera cannot walk there: it takes too many steps, and comes to");
+    }
+}
+
+#[test]
 fn thousands_of_solids_are_framed_within_memory() {
     let folder = tempfile::tempdir().expect("a folder");
     let script = "Scene { i = 0\nwhile (i < 5000) { Sphere { center -> vec3(i, 0, 0) radius -> 0.4 } i = i + 1 } }\n";

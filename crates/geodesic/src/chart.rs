@@ -78,6 +78,17 @@ impl<'s> Atlas<'s> {
         self.evaluations.get()
     }
 
+    /// A point, brought onto the sides that do not wrap where it lies beyond them.
+    pub(crate) fn within_edges(&self, at: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let [low, high] = self.layout.domain[axis];
+            match self.layout.sides.of(axis)[0] {
+                Side::Wrap | Side::WrapFlip => at[axis],
+                _ => at[axis].clamp(low, high),
+            }
+        })
+    }
+
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
     pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
         self.evaluations.set(self.evaluations.get() + 1);

@@ -430,6 +430,26 @@ fn pictures_of_any_size_are_alike() {
 }
 
 #[test]
+fn the_work_of_a_picture_stays_within_its_limit() {
+    let ring = ring(0.4);
+    let frame = SpaceFrame::new(&ring, [1.4, 0.0, 0.1], 0.7, 40.0).expect("a frame");
+    let size = [48, 48];
+    let max_evaluations = 1_000_000;
+    let options = FanOptions {
+        max_evaluations,
+        ..FanOptions::default()
+    };
+    let fan = SpaceFan::build(&ring, &frame, size, &options).expect("a fan");
+    PiecewiseMap::cut(&fan, size, 0.05).map(false);
+    let used = fan.work().evaluations;
+    // Each thread may follow one pixel more.
+    assert!(
+        (max_evaluations..max_evaluations + 200_000).contains(&used),
+        "{used}"
+    );
+}
+
+#[test]
 fn a_picture_of_a_cube_shows_one_face() {
     let cube = cube(1.0);
     let frame = SpaceFrame::new(&cube, [0.3, 0.2, 1.1], 0.3, 2.0).expect("a frame");

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use geodesic::trace::Status;
+
 use geometry::ManifoldError;
 
 /// The longest side of a picture in pixels.
@@ -56,6 +58,26 @@ pub enum RenderError {
         /// The text, kept for a report.
         source: String,
     },
+}
+
+impl RenderError {
+    /// Says why a camera cannot walk somewhere.
+    pub fn cannot_walk(reason: impl fmt::Display) -> Self {
+        Self::Camera(format!("the camera cannot walk there: {reason}"))
+    }
+
+    /// Checks that a walk, of which the status and the length are given, did not end because it took too many steps.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if it did.
+    pub fn check_walk(status: Status, length: f64) -> Result<(), Self> {
+        match status {
+            Status::WorkLimit => Err(Self::cannot_walk(format_args!(
+                "it takes too many steps, and comes to {length:.6}"
+            ))),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl fmt::Display for RenderError {

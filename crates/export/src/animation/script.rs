@@ -205,11 +205,10 @@ impl Script {
         let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
         let start = placed.frame;
         let mut trail = Trail::new(camera.surface, start.uv.0);
-        let (moved, _) = trail
+        let (moved, trace) = trail
             .walk(placed.manifold(), &start, [length / placed.zoom, 0.0])
-            .map_err(|error| {
-                RenderError::Camera(format!("the camera cannot walk there: {error}"))
-            })?;
+            .map_err(RenderError::cannot_walk)?;
+        RenderError::check_walk(trace.status, trace.length)?;
         request.view.show_camera(camera.with_frame(moved));
         if self.trail {
             request.trails.push(trail.into());

@@ -203,7 +203,9 @@ impl<'s> SpaceFan<'s> {
                 .collect();
             let average = self.work.evaluations / self.work.rays.max(1);
             let needed = 2 * average * open.len() as u64;
-            if open.is_empty() || self.work.evaluations + needed > self.options.max_evaluations {
+            // The other half is for pixels that have to be followed by themselves.
+            let most = self.options.max_evaluations / 2;
+            if open.is_empty() || self.work.evaluations + needed > most {
                 break;
             }
             let ends = |n: usize| (rays[n].angle, end_angle(&rays, n));
@@ -440,7 +442,7 @@ impl<'s> SpaceFan<'s> {
     #[cold]
     fn follow(&self, angle: f64, s: f64) -> End<3> {
         let before = self.evaluations.load(Ordering::Relaxed) + self.work.evaluations;
-        if before > 2 * self.options.max_evaluations {
+        if before > self.options.max_evaluations {
             return self.ended(Status::WorkLimit);
         }
         let plan = SpacePlan {

@@ -145,9 +145,8 @@ impl PlacedSolidCamera {
     pub fn walked(&self, step: [f64; 2]) -> Result<GeodesicCamera, RenderError> {
         let surface = self.solid.surface();
         let walked = self.frame.advance(surface, step, &Options::default());
-        let (frame, _) = walked.map_err(|error| {
-            RenderError::Camera(format!("the camera cannot walk there: {error}"))
-        })?;
+        let (frame, trace) = walked.map_err(RenderError::cannot_walk)?;
+        RenderError::check_walk(trace.status, trace.length)?;
         Ok(GeodesicCamera {
             surface: self.object,
             pose: Pose::SpaceFrame(frame),
