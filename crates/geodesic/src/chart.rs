@@ -78,13 +78,16 @@ impl<'s> Atlas<'s> {
         self.evaluations.get()
     }
 
-    /// A point, brought onto the sides that do not wrap where it lies beyond them.
-    pub(crate) fn within_edges(&self, at: [f64; 2]) -> [f64; 2] {
+    /// A point, brought onto a side that does not wrap where rounding has left it beyond: it would be no place for a start.
+    pub(crate) fn on_edges(&self, at: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| {
             let [low, high] = self.layout.domain[axis];
+            let inside = at[axis].clamp(low, high);
+            let rounding = 4.0 * f64::EPSILON * low.abs().max(high.abs());
             match self.layout.sides.of(axis)[0] {
                 Side::Wrap | Side::WrapFlip => at[axis],
-                _ => at[axis].clamp(low, high),
+                _ if (at[axis] - inside).abs() <= rounding => inside,
+                _ => at[axis],
             }
         })
     }

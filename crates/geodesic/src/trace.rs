@@ -396,24 +396,27 @@ pub(crate) fn unit_start(
 
 /// The start, which may lie beyond sides that wrap, but not beyond others (but for rounding).
 fn place(atlas: &Atlas<'_>, start: [f64; 2]) -> Result<[f64; 2], TraceError> {
-    for (axis, x) in start.iter().enumerate() {
+    let mut at = start;
+    for (axis, x) in at.iter_mut().enumerate() {
         let [low, high] = atlas.layout.domain[axis];
         let slack = 1e-12 * (high - low);
         let wraps = matches!(atlas.layout.sides.of(axis)[0], Side::Wrap | Side::WrapFlip);
-        if !wraps && (*x < low - slack || *x > high + slack) {
-            return Err(TraceError::OutsideDomain {
-                at: start,
-                domain: atlas.layout.domain,
-            });
+        if !wraps {
+            if *x < low - slack || *x > high + slack {
+                return Err(TraceError::OutsideDomain {
+                    at: start,
+                    domain: atlas.layout.domain,
+                });
+            }
+            *x = x.clamp(low, high);
         }
     }
-    Ok(atlas.within_edges(start))
+    Ok(at)
 }
 
 fn finish(atlas: &Atlas<'_>, end: RayEnd) -> Trace {
     let State { at, velocity } = end.state;
-    // What rounding has left beyond an edge would be no place for a start.
-    let at = atlas.within_edges(at);
+    let at = atlas.on_edges(at);
     let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {
         uv: Uv(at),

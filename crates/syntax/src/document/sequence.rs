@@ -438,7 +438,7 @@ impl AddAssign for Measure {
 
 #[cfg(test)]
 mod tests {
-    use super::{ChunkId, MAX_ITEMS, Measure, Sequence};
+    use super::{ChunkId, MAX_ITEMS, MIN_ITEMS, Measure, Sequence};
 
     fn measure(bytes: u32) -> Measure {
         Measure {
@@ -509,5 +509,27 @@ mod tests {
             }
         }
         assert!(fresh as usize > 20 * MAX_ITEMS);
+    }
+
+    #[test]
+    fn what_is_left_after_removals_lies_in_few_nodes() {
+        let mut sequence = Sequence::default();
+        let count = 4_000_u32;
+        for k in 0..count {
+            let after = k.checked_sub(1).map(ChunkId);
+            sequence.insert(after, ChunkId(k), measure(1));
+        }
+        let used = |sequence: &Sequence| sequence.nodes.len() - sequence.free.len();
+        let before = used(&sequence);
+        assert!(before > 4_000 / MAX_ITEMS, "{before}");
+        let kept: Vec<ChunkId> = (0..count).step_by(50).map(ChunkId).collect();
+        for k in (0..count).filter(|k| k % 50 != 0) {
+            sequence.remove(ChunkId(k));
+        }
+        let all: Vec<ChunkId> = sequence.from(sequence.first()).collect();
+        assert_eq!(all, kept);
+        // Of two leaves beside each other that could be one, one is as full as it may be while it is left alone.
+        let most = kept.len() / MIN_ITEMS;
+        assert!(used(&sequence) <= most, "{} of {before}", used(&sequence));
     }
 }
