@@ -78,20 +78,6 @@ impl<'s> Atlas<'s> {
         self.evaluations.get()
     }
 
-    /// A point, brought onto a side that does not wrap where rounding has left it beyond: it would be no place for a start.
-    pub(crate) fn on_edges(&self, at: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let [low, high] = self.layout.domain[axis];
-            let inside = at[axis].clamp(low, high);
-            let rounding = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-            match self.layout.sides.of(axis)[0] {
-                Side::Wrap | Side::WrapFlip => at[axis],
-                _ if (at[axis] - inside).abs() <= rounding => inside,
-                _ => at[axis],
-            }
-        })
-    }
-
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
     pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
         self.evaluations.set(self.evaluations.get() + 1);

@@ -416,7 +416,6 @@ fn place(atlas: &Atlas<'_>, start: [f64; 2]) -> Result<[f64; 2], TraceError> {
 
 fn finish(atlas: &Atlas<'_>, end: RayEnd) -> Trace {
     let State { at, velocity } = end.state;
-    let at = atlas.on_edges(at);
     let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {
         uv: Uv(at),
