@@ -163,6 +163,34 @@ async fn every_feature_answers() {
 }
 
 #[tokio::test]
+async fn a_selection_within_thousands_of_operators_grows_in_few_steps() {
+    for place in PLACES {
+        let mut editor = Editor::start(place, "selection");
+        editor.initialize(capabilities(&["utf-16"])).await;
+        let text = format!("define a = 1{};", "+1".repeat(20_000));
+        editor.open(URI, &text).await;
+        let params =
+            json!({ "textDocument": document(), "positions": [{ "line": 0, "character": 13 }] });
+        let selection = editor.ask("textDocument/selectionRange", params).await;
+        let mut ranges = vec![&selection[0]];
+        while let Some(parent) = ranges.last().and_then(|it| it.get("parent")) {
+            ranges.push(parent);
+        }
+        let known = ranges.len();
+        assert!((64..100).contains(&known), "{known}");
+        assert_eq!(
+            ranges[known - 1]["range"],
+            range([0, 0], [0, text.len() as u32])
+        );
+        let ends = ranges
+            .iter()
+            .map(|it| it["range"]["end"]["character"].as_u64());
+        assert!(ends.is_sorted());
+        assert_eq!(editor.quit().await, 0, "{place:?}");
+    }
+}
+
+#[tokio::test]
 async fn colours_of_a_program_are_picked() {
     for place in PLACES {
         let mut editor = Editor::start(place, "colours");

@@ -469,10 +469,15 @@ pub(crate) fn color_presentation(
     }
 }
 
-/// The chain of ranges, from the smallest to the largest.
+/// The chain of ranges, from the smallest to the largest. Each holds the next one, in memory and in the message, and what is that
+/// deep overflows stacks: of a long chain, the smallest are there, and some of the others up to the largest.
 pub(crate) fn selection(snapshot: &Snapshot, chain: &[Span]) -> lsp::SelectionRange {
+    const SMALL: usize = 64;
+    const LARGE: usize = 32;
+    let (small, large) = chain.split_at(chain.len().min(SMALL));
+    let step = large.len().div_ceil(LARGE).max(1);
     let mut parent = None;
-    for span in chain.iter().rev() {
+    for span in large.iter().rev().step_by(step).chain(small.iter().rev()) {
         parent = Some(Box::new(lsp::SelectionRange {
             range: range(snapshot, *span),
             parent,

@@ -25,7 +25,7 @@ pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
         return edits;
     }
     let after = GeotraceAnalysis::new(edit::apply(analysis.text(), &edits));
-    match Reading::of(analysis) == Reading::of(&after) {
+    match TextReading::of(analysis) == TextReading::of(&after) {
         true => edits,
         false => Vec::new(),
     }
@@ -40,9 +40,9 @@ pub fn laid_out(text: &str) -> String {
         if edits.is_empty() {
             return text.to_owned();
         }
-        (Reading::of(&analysis), edit::apply(text, &edits))
+        (TextReading::of(&analysis), edit::apply(text, &edits))
     };
-    match Reading::of(&GeotraceAnalysis::new(&result)) == before {
+    match TextReading::of(&GeotraceAnalysis::new(&result)) == before {
         true => result,
         false => text.to_owned(),
     }
@@ -115,15 +115,15 @@ fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
         .unwrap_or(Span::new(range.start, range.start))
 }
 
-/// How a text is read: two texts with the same reading have the same tokens, written alike.
+/// The way a text is read: two texts with the same reading have the same tokens, written alike.
 #[derive(PartialEq)]
-struct Reading {
+struct TextReading {
     tokens: usize,
     /// A hash of what each token means and how it is written, and of which declarations are faulty.
     digest: u64,
 }
 
-impl Reading {
+impl TextReading {
     fn of(analysis: &GeotraceAnalysis) -> Self {
         let meanings = Meanings::of(analysis);
         let tokens = analysis.token_count();
