@@ -205,6 +205,13 @@ fn pictures() -> Vec<Limit> {
             "`--samples`, up to this",
         ),
         limit(
+            "reflections and refractions in the traced view",
+            traced::MAX_BOUNCES,
+            "run time",
+            "is not in",
+            "`--bounces`, up to this",
+        ),
+        limit(
             "rays of a file for `cast`",
             grouped(cli::MOST_RAYS as u64),
             "memory",
@@ -217,13 +224,6 @@ fn pictures() -> Vec<Limit> {
             "memory",
             "is longer than {LONGEST_LINE} bytes",
             "",
-        ),
-        limit(
-            "reflections and refractions in the traced view",
-            traced::MAX_BOUNCES,
-            "run time",
-            "is not in",
-            "`--bounces`, up to this",
         ),
     ]
 }

@@ -146,6 +146,15 @@ impl Frame {
         }
     }
 
+    /// The frame at the nearest place of the surface's domain: rounding, or another surface, may have left it outside.
+    pub fn within_domain(&self, surface: &dyn Surface) -> Self {
+        let mut frame = *self;
+        for (at, [low, high]) in frame.uv.0.iter_mut().zip(surface.domain()) {
+            *at = at.clamp(low, high);
+        }
+        frame
+    }
+
     /// The frame in (u,v), for callers with no other coordinates. At a pole it is moved off by as little as tells the
     /// meridians apart, along X; its vectors are very long there.
     pub fn plain(&self, surface: &dyn Surface) -> Self {

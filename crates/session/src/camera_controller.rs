@@ -280,10 +280,7 @@ const FITS: f64 = 1e-9;
 /// Returns the camera with X and Y orthogonal and as long as before, on a surface that has changed. A camera that fits
 /// already is returned as it is; where the surface is degenerate, nothing is returned.
 fn settled(surface: &dyn Surface, camera: &ChartCamera) -> Option<ChartCamera> {
-    let mut frame = camera.frame();
-    for (at, [low, high]) in frame.uv.0.iter_mut().zip(surface.domain()) {
-        *at = at.clamp(low, high);
-    }
+    let mut frame = camera.frame().within_domain(surface);
     let metric = frame.metric(surface);
     let length = metric.inner(frame.x, frame.x).sqrt();
     if !(length > 0.0 && length.is_finite()) {

@@ -205,19 +205,12 @@ impl Script {
         let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
         let start = placed.frame;
         let mut trail = Trail::new(camera.surface, start.uv.0);
-        let (mut moved, trace) = trail
+        let (moved, trace) = trail
             .walk(placed.manifold(), &start, [length / placed.zoom, 0.0])
             .map_err(RenderError::cannot_walk)?;
         RenderError::check_walk(trace.status, trace.length)?;
         // What rounding leaves beyond an edge is no place for a camera.
-        for (at, [low, high]) in moved
-            .uv
-            .0
-            .iter_mut()
-            .zip(placed.manifold().surface().domain())
-        {
-            *at = at.clamp(low, high);
-        }
+        let moved = moved.within_domain(placed.manifold().surface());
         request.view.show_camera(camera.with_frame(moved));
         if self.trail {
             request.trails.push(trail.into());
