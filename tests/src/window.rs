@@ -32,7 +32,7 @@ pub struct Window {
 }
 
 impl Windows {
-    /// Windows are processes of this program, `fake-window`; deaf ones read nothing until they are told to.
+    /// Windows are processes of this program, `fake-window`; deaf ones read nothing of the text until they are told to.
     pub async fn new(fake: &str, deaf: bool) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
         let address = listener.local_addr().expect("an address").to_string();

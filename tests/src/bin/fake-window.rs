@@ -1,10 +1,11 @@
 //! A preview window without a display or a will of its own: a test tells it what to say, and hears what it is told.
 //!
 //! `fake-window ADDRESS [deaf]` connects to the test. To there go `pid N`, `in LINE` for each line of its standard input
-//! and `end` at that's end; from there come `out LINE` and `err LINE` for its standard output and error, `listen`, which
-//! a deaf one waits for before it reads anything, and `exit N`. It ends with status 0 when the test has gone.
+//! and `end` at that's end; from there come `out LINE` and `err LINE` for its standard output and error, `listen`, and
+//! `exit N`. A deaf one reads until the second message, the text, has begun to come, and says its `pid` then; it reads
+//! nothing more before `listen`. It ends with status 0 when the test has gone.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 
 fn main() {
@@ -13,6 +14,13 @@ fn main() {
     let deaf = arguments.next().is_some_and(|word| word == "deaf");
     let stream = TcpStream::connect(address).expect("the test listens");
     let mut to_test = stream.try_clone().expect("a second handle");
+    let mut input = BufReader::new(std::io::stdin());
+    let mut read = Vec::new();
+    if deaf {
+        // The server's thread is within the text from here on: it does not overtake it by another message.
+        input.read_until(b'\n', &mut read).expect("a message");
+        input.fill_buf().expect("the text");
+    }
     writeln!(to_test, "pid {}", std::process::id()).expect("the test hears");
     let (listen, may_listen) = std::sync::mpsc::channel();
     if !deaf {
@@ -22,7 +30,8 @@ fn main() {
         if may_listen.recv().is_err() {
             return;
         }
-        for line in std::io::stdin().lock().split(b'\n').map_while(Result::ok) {
+        let lines = std::io::Cursor::new(read).chain(input).split(b'\n');
+        for line in lines.map_while(Result::ok) {
             let whole = [b"in ", &line[..], b"\n"].concat();
             if to_test.write_all(&whole).is_err() {
                 return;
