@@ -35,6 +35,7 @@ pub mod semantic;
 pub mod signature;
 mod solid;
 mod start;
+mod targets;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -45,8 +46,9 @@ use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::highlight::highlight;
 use syntax::span::Span;
 
-pub use analysis::{GeotraceAnalysis, Lexeme, Target};
+pub use analysis::{GeotraceAnalysis, Lexeme};
 pub use item::Item;
+pub use targets::Target;
 
 use crate::color::EditColorError;
 use crate::edit::Edit;

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use ide::language::EditError;
 use ide::text::Text;
@@ -17,6 +17,9 @@ use syntax::span::Span;
 
 use crate::encoding::{Encoding, LineStarts, Place};
 
+/// The distance in bytes over which a place is counted from another.
+const NEAR: u32 = 4096;
+
 /// The positions of a text's spans, in its editor's units.
 pub(crate) trait Places {
     /// Both ends of a span.
@@ -24,7 +27,10 @@ pub(crate) trait Places {
 }
 
 /// A document as it was at a version: for workers, whatever happens to the document meanwhile.
-#[derive(Debug)]
+///
+/// Positions are cheap in any order of the spans, and cheapest in that of the text: each is counted from the last one. Each
+/// request therefore has a copy of its own.
+#[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     /// The document's name: its URI as the editor writes it.
     pub(crate) uri: String,
@@ -34,6 +40,7 @@ pub(crate) struct Snapshot {
     pub(crate) encoding: Encoding,
     analysis: Arc<dyn Analysis>,
     lines: Option<Arc<LineStarts>>,
+    last: LastPlace,
 }
 
 impl Snapshot {
@@ -45,6 +52,7 @@ impl Snapshot {
             encoding,
             lines: own_lines(text),
             analysis: language.read(text),
+            last: LastPlace::default(),
         }
     }
 
@@ -68,6 +76,7 @@ impl Snapshot {
             text: self.text(),
             lines: self.lines.as_deref(),
             encoding: self.encoding,
+            last: &self.last,
         }
     }
 }
@@ -83,12 +92,30 @@ fn own_lines(text: &str) -> Option<Arc<LineStarts>> {
     text.contains('\r').then(|| Arc::new(LineStarts::new(text)))
 }
 
+/// The offset whose place was counted last, and the place. A line may be as long as the text: its places are not all counted
+/// from its start.
+#[derive(Debug, Default)]
+struct LastPlace(Mutex<(u32, Place)>);
+
+impl LastPlace {
+    fn lock(&self) -> MutexGuard<'_, (u32, Place)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Clone for LastPlace {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 /// A text, and how its editor counts places in it.
 #[derive(Clone, Copy)]
 struct Counted<'t> {
     text: &'t dyn Text,
     lines: Option<&'t LineStarts>,
     encoding: Encoding,
+    last: &'t LastPlace,
 }
 
 impl Counted<'_> {
@@ -110,8 +137,47 @@ impl Counted<'_> {
     }
 
     fn place(self, offset: u32) -> Place {
+        let offset = offset.min(self.text.len());
+        let mut last = self.last.lock();
+        let place = self.place_near(*last, offset);
+        let place = place.unwrap_or_else(|| self.place_anew(offset));
+        *last = (offset, place);
+        place
+    }
+
+    /// The place of an offset, counted from that of another; `None` if they are far from each other, or if lines end between
+    /// them in a way that has to be looked up.
+    fn place_near(self, (from, place): (u32, Place), offset: u32) -> Option<Place> {
+        if from.abs_diff(offset) > NEAR {
+            return None;
+        }
+        let between = Span::new(from.min(offset), from.max(offset));
+        let between = self.text.slice(between)?;
+        let end = match self.lines {
+            Some(_) if between.contains(['\n', '\r']) => return None,
+            _ => between.rfind('\n'),
+        };
+        let length = |text: &str| self.encoding.length(text);
+        match end {
+            Some(_) if offset < from => None,
+            Some(end) => Some(Place {
+                line: place.line + between.matches('\n').count() as u32,
+                column: length(&between[end + 1..]),
+            }),
+            None if offset < from => Some(Place {
+                column: place.column - length(&between),
+                ..place
+            }),
+            None => Some(Place {
+                column: place.column + length(&between),
+                ..place
+            }),
+        }
+    }
+
+    /// The place of an offset, counted from the start of its line.
+    fn place_anew(self, offset: u32) -> Place {
         let text = self.text;
-        let offset = offset.min(text.len());
         let (line, start) = match self.lines {
             Some(lines) => lines.line_of(offset),
             None => {
@@ -162,6 +228,7 @@ pub(crate) struct Open {
     encoding: Encoding,
     program: Box<dyn Program>,
     lines: Option<Arc<LineStarts>>,
+    last: LastPlace,
     snapshot: OnceLock<Arc<Snapshot>>,
     /// The changes that led to this version, if they are recorded.
     changes: Changes,
@@ -207,6 +274,7 @@ impl Documents {
             encoding: self.encoding,
             program,
             lines: own_lines(text),
+            last: LastPlace::default(),
             snapshot: OnceLock::new(),
             changes: Changes::default(),
         };
@@ -230,6 +298,7 @@ impl Documents {
         open.version = version;
         open.revision = self.revision;
         open.snapshot = OnceLock::new();
+        open.last = LastPlace::default();
         open.changes = Changes::default();
         let made = changes
             .into_iter()
@@ -272,6 +341,7 @@ impl Open {
                 encoding: self.encoding,
                 analysis: self.program.snapshot(),
                 lines: self.lines.clone(),
+                last: LastPlace::default(),
             })
         });
         made.clone()
@@ -326,6 +396,7 @@ impl Open {
             text: self.program.text(),
             lines: self.lines.as_deref(),
             encoding: self.encoding,
+            last: &self.last,
         }
     }
 }

@@ -16,13 +16,14 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use scene::geotrace::{Compilation, Excerpt};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::declarations::Category;
-use syntax::geotrace::document::{Document, PlacedChunk, Snapshot, Tokens};
+use syntax::geotrace::document::{Document, PlacedChunk, Snapshot};
 use syntax::geotrace::symbols::Symbol;
 use syntax::geotrace::token::{Token, TokenKind};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use super::item::Item;
+use super::targets::{ChunkTargets, Target};
 
 /// A text, read. Offsets are bytes of the text.
 #[derive(Debug)]
@@ -44,20 +45,6 @@ pub struct Lexeme<'r> {
     pub span: Span,
     /// Its text.
     pub text: &'r str,
-}
-
-/// The meaning of a token.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Target {
-    /// A name that is declared or builtin.
-    Symbol(SymbolId),
-    /// A parameter of the declaration of this number, by its position in the list.
-    Parameter {
-        /// The declaration.
-        item: usize,
-        /// The parameter.
-        position: usize,
-    },
 }
 
 impl GeotraceAnalysis {
@@ -277,48 +264,17 @@ impl GeotraceAnalysis {
         let (placed, index) = self
             .document
             .placed_chunk_of_token(u32::try_from(token).ok()?)?;
-        self.target_in(placed, index)
+        ChunkTargets::new(placed).target(self, index)
     }
 
-    /// Returns the meaning of a token of a chunk.
-    pub(crate) fn target_in(&self, placed: PlacedChunk<'_>, index: usize) -> Option<Target> {
-        let Token { kind, span } = placed.tokens().get(index)?;
-        match kind {
-            TokenKind::Constant(id) | TokenKind::Function(id) => {
-                // Where a name that is taken is declared again, the word is no use of it.
-                let taken = item_in(placed, span.start).is_some_and(|item| {
-                    item.symbol.is_none() && item.name_span == span || item.has_parameter(span)
-                });
-                (!taken).then_some(Target::Symbol(id))
+    /// Returns the place where a name is introduced; `None` for a builtin.
+    pub fn introduction(&self, target: Target) -> Option<Span> {
+        match target {
+            Target::Symbol(id) => self.place(id),
+            Target::Parameter { item, position } => {
+                Some(self.item(item)?.parameters().nth(position)?.1)
             }
-            TokenKind::Variable(position) => {
-                let position = position as usize;
-                let item = match derived_function(placed.tokens(), index) {
-                    Some(function) => self.item_of(function)?,
-                    None => item_in(placed, span.start)?.index,
-                };
-                Some(Target::Parameter { item, position })
-            }
-            TokenKind::Undefined => {
-                let item = item_in(placed, span.start)?;
-                if item.name_span == span {
-                    return item.symbol.map(Target::Symbol);
-                }
-                let position = item.parameters().position(|(_, place)| place == span)?;
-                Some(Target::Parameter {
-                    item: item.index,
-                    position,
-                })
-            }
-            _ => None,
         }
-    }
-
-    /// Returns true if a token introduces a name.
-    pub fn introduces(&self, token: usize) -> bool {
-        let found = u32::try_from(token).ok();
-        let found = found.and_then(|token| self.document.placed_chunk_of_token(token));
-        found.is_some_and(|(placed, index)| introduces_in(placed, index))
     }
 
     /// The name of what a token stands for.
@@ -361,18 +317,19 @@ impl GeotraceAnalysis {
                 .placed_chunks_from(document.placed_chunk_at(0))
                 .collect(),
         };
-        let all = placed_chunks.into_iter().flat_map(|placed| {
-            let tokens = 0..placed.tokens().len();
-            tokens
-                // The text is compared before the meaning is looked for.
-                .filter(move |&k| {
-                    let span = placed.tokens().span(k);
-                    span.is_some_and(|span| span.text(placed.text) == name)
-                })
-                .filter(move |&k| self.target_in(placed, k) == Some(target))
-                .map(move |k| placed.first_token as usize + k)
-        });
-        all.collect()
+        let mut found = Vec::new();
+        for placed in placed_chunks {
+            let targets = ChunkTargets::new(placed);
+            // The text is compared before the meaning is looked for.
+            let is_named = |k: &usize| {
+                let span = placed.tokens().span(*k);
+                span.is_some_and(|span| span.text(placed.text) == name)
+            };
+            let named = (0..placed.tokens().len()).filter(is_named);
+            let same = named.filter(|&k| targets.target(self, k) == Some(target));
+            found.extend(same.map(|k| placed.first_token as usize + k));
+        }
+        found
     }
 
     /// Returns true if a symbol reads a param or a grid, directly or not.
@@ -407,41 +364,6 @@ impl GeotraceAnalysis {
         }
         found
     }
-}
-
-/// The declaration in a piece that holds a place of it, or ends there.
-fn item_in(placed: PlacedChunk<'_>, offset: u32) -> Option<Item<'_>> {
-    let begun = placed.declarations().enumerate();
-    let begun = begun.take_while(|(_, (read, _))| read.span.start <= offset);
-    let (index, (read, events)) = begun.last()?;
-    let index = placed.first_declaration as usize + index;
-    (offset <= read.span.end).then(|| Item::new(index, 0, read, events))
-}
-
-/// Returns true if a token of a piece introduces a name.
-pub(crate) fn introduces_in(placed: PlacedChunk<'_>, index: usize) -> bool {
-    let span = placed.tokens().span(index);
-    span.is_some_and(|span| {
-        item_in(placed, span.start).is_some_and(|item| {
-            item.name_span == span && item.symbol.is_some() || item.has_parameter(span)
-        })
-    })
-}
-
-/// The function whose parameter a token names: `f_u`, `f_u_v`, `f'_u`.
-fn derived_function(tokens: Tokens<'_>, index: usize) -> Option<SymbolId> {
-    let mut before = (0..index).rev().filter_map(|k| tokens.get(k));
-    if before.next()?.kind != TokenKind::Underscore {
-        return None;
-    }
-    for token in before {
-        match token.kind {
-            TokenKind::Function(id) => return Some(id),
-            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
-            _ => return None,
-        }
-    }
-    None
 }
 
 /// A token of a piece, in its place in the text.

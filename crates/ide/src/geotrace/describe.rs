@@ -12,7 +12,7 @@ use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use super::NAME;
-use super::analysis::{GeotraceAnalysis, Target};
+use super::analysis::GeotraceAnalysis;
 use super::application;
 use super::edit_param;
 use super::geometry;
@@ -21,6 +21,7 @@ use super::item::Item;
 use super::outline::parameters;
 use super::solid;
 use super::start;
+use super::targets::Target;
 use crate::description::Description;
 
 /// A description in this language.

@@ -3,16 +3,14 @@
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use super::analysis::{GeotraceAnalysis, Target};
+use super::analysis::GeotraceAnalysis;
+use super::targets::Target;
 use crate::occurrence::Occurrence;
 
 /// The name at a place, and where it is introduced; none for builtins and for what is no name.
 pub fn definition(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Span)> {
     let token = analysis.token_at(offset)?;
-    let place = match analysis.target(token)? {
-        Target::Symbol(id) => analysis.place(id)?,
-        Target::Parameter { item, position } => analysis.item(item)?.parameters().nth(position)?.1,
-    };
+    let place = analysis.introduction(analysis.target(token)?)?;
     Some((analysis.token(token)?.span, place))
 }
 
@@ -22,12 +20,14 @@ pub fn occurrences(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Occurrence> 
     let Some(target) = target else {
         return Vec::new();
     };
+    let introduction = analysis.introduction(target);
     let tokens = analysis.occurrences(target).into_iter();
     tokens
         .filter_map(|k| {
+            let span = analysis.token(k)?.span;
             Some(Occurrence {
-                span: analysis.token(k)?.span,
-                introduces: analysis.introduces(k),
+                span,
+                introduces: introduction == Some(span),
             })
         })
         .collect()

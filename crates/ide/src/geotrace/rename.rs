@@ -13,8 +13,9 @@ use syntax::geotrace::document::{Document, Snapshot};
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
-use super::analysis::{GeotraceAnalysis, Lexeme, Target, introduces_in};
+use super::analysis::{GeotraceAnalysis, Lexeme};
 use super::meaning::Meaning;
+use super::targets::{ChunkTargets, Target};
 use crate::edit::Edit;
 use crate::rename::RenameError;
 
@@ -144,6 +145,21 @@ fn edits(analysis: &GeotraceAnalysis, renamed: &[usize], blanks: &[u32], name: &
     edits
 }
 
+/// Returns one edit that makes these, which are in the order of the text.
+fn joined(document: &Snapshot, edits: &[Edit]) -> (Span, String) {
+    let spans = edits.iter().map(|edit| edit.span);
+    let span = spans.reduce(Span::to).unwrap_or_default();
+    let old = document.slice(span).unwrap_or_default();
+    let mut text = String::with_capacity(old.len());
+    let mut copied = span.start;
+    for edit in edits {
+        text += &old[(copied - span.start) as usize..(edit.span.start - span.start) as usize];
+        text += &edit.text;
+        copied = edit.span.end;
+    }
+    (span, text)
+}
+
 /// A copy of a document with the edits of a renaming.
 struct Renamed {
     document: Document,
@@ -156,12 +172,16 @@ impl Renamed {
         let before = analysis.document();
         let mut document = Document::from_snapshot(before.clone());
         let mut read = HashSet::new();
-        // From the last to the first, so that the places of the others stay.
-        for edit in edits.iter().rev() {
-            match document.edit(edit.span, &edit.text) {
+        let chunk_of = |edit: &Edit| Some(before.placed_chunk_at(edit.span.start)?.chunk);
+        // A chunk is read again once, however many edits it has. From the last to the first, so that the places of the
+        // others stay.
+        let chunks = edits.chunk_by(|one, other| chunk_of(one) == chunk_of(other));
+        for edits in chunks.rev() {
+            let (span, text) = joined(before, edits);
+            match document.edit(span, &text) {
                 Ok(change) => read.extend(change.read),
                 // The text would be too large: the name stays what it was, which is found below.
-                Err(_) => read.extend(before.placed_chunk_at(edit.span.start).map(|it| it.chunk)),
+                Err(_) => read.extend(before.placed_chunk_at(span.start).map(|it| it.chunk)),
             }
         }
         let mut read: Vec<ChunkId> = read.into_iter().collect();
@@ -179,6 +199,7 @@ impl Renamed {
         let (before, after): (&Snapshot, &Snapshot) = (old.document(), &self.document);
         self.read.iter().find_map(|chunk| {
             let (placed, other) = (before.placed_chunk(*chunk), after.placed_chunk(*chunk));
+            let [targets, others] = [placed, other].map(ChunkTargets::new);
             let first = placed.first_token as usize;
             let is_same = |k: usize| {
                 let (Some(token), Some(read)) = (placed.tokens().get(k), other.tokens().get(k))
@@ -191,7 +212,7 @@ impl Renamed {
                 };
                 Meaning::of(before, token.kind) == Meaning::of(after, read.kind)
                     && text == read.span.text(other.text)
-                    && introduces_in(placed, k) == introduces_in(other, k)
+                    && targets.introduces(k) == others.introduces(k)
             };
             let count = placed.tokens().len();
             let differs = (0..count).find(|k| !is_same(*k));
@@ -281,7 +302,8 @@ fn line(analysis: &GeotraceAnalysis, offset: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::{Renamed, edits};
-    use crate::geotrace::analysis::{GeotraceAnalysis, Target};
+    use crate::geotrace::analysis::GeotraceAnalysis;
+    use crate::geotrace::targets::Target;
 
     #[test]
     fn what_is_read_again_is_what_uses_the_name_however_long_the_program_is() {

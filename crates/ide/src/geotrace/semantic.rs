@@ -6,7 +6,8 @@ use syntax::geotrace::symbols::SymbolKind;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
-use super::analysis::{GeotraceAnalysis, Target, introduces_in, lexeme};
+use super::analysis::{GeotraceAnalysis, lexeme};
+use super::targets::{ChunkTargets, Target};
 use crate::semantic::{Modifiers, SemanticToken, TokenType};
 
 /// The coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words without a
@@ -17,19 +18,27 @@ pub fn semantic_tokens(analysis: &GeotraceAnalysis, range: Span) -> Vec<Semantic
     let first = u32::try_from(wanted.start).ok();
     let first = first.and_then(|token| document.placed_chunk_of_token(token));
     let placed_chunks = document.placed_chunks_from(first.map(|(placed, _)| placed));
-    let all = placed_chunks.flat_map(|placed| {
-        let tokens = 0..placed.tokens().len();
-        tokens.map(move |index| (placed, index))
-    });
-    let skipped = first.map_or(0, |(_, index)| index);
-    let all = all.skip(skipped).take(wanted.len());
-    all.filter_map(|(placed, index)| token(analysis, placed, index))
-        .collect()
+    let mut skipped = first.map_or(0, |(_, index)| index);
+    let mut left = wanted.len();
+    let mut found = Vec::new();
+    for placed in placed_chunks {
+        if left == 0 {
+            break;
+        }
+        let end = placed.tokens().len().min(skipped + left);
+        let targets = ChunkTargets::new(placed);
+        let tokens = skipped..end;
+        left -= tokens.len();
+        skipped = 0;
+        found.extend(tokens.filter_map(|index| token(analysis, placed, &targets, index)));
+    }
+    found
 }
 
 fn token(
     analysis: &GeotraceAnalysis,
     placed: PlacedChunk<'_>,
+    targets: &ChunkTargets<'_>,
     index: usize,
 ) -> Option<SemanticToken> {
     let token = lexeme(placed, placed.tokens().get(index)?);
@@ -56,7 +65,7 @@ fn token(
         | TokenKind::Function(_)
         | TokenKind::Variable(_)
         | TokenKind::Undefined => {
-            let (token_type, modifiers) = match analysis.target_in(placed, index)? {
+            let (token_type, modifiers) = match targets.target(analysis, index)? {
                 Target::Parameter { .. } => plain(TokenType::Parameter),
                 Target::Symbol(id) => {
                     let symbol = analysis.symbol(id)?;
@@ -70,7 +79,7 @@ fn token(
                     )
                 }
             };
-            if introduces_in(placed, index) {
+            if targets.introduces(index) {
                 (token_type, modifiers.with(Modifiers::DECLARATION))
             } else {
                 (token_type, modifiers)

@@ -8,11 +8,12 @@ use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::{ParamValues, Scene};
 
-use super::analysis::{GeotraceAnalysis, Target};
+use super::analysis::GeotraceAnalysis;
 use super::completion_place::{Expected, in_set};
 use super::hints::short;
 use super::item::Item;
 use super::start;
+use super::targets::Target;
 
 /// The most work that a description may take, in operations on intervals: a share of what a picture may.
 const MOST_WORK: u64 = MAX_SHAPE_WORK / 16;
@@ -52,16 +53,19 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
 /// The solids whose sets name this one, which is not drawn itself then.
 pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let mut names: Vec<&str> = Vec::new();
+    // The end of the last set that names it: a set may name it very often.
+    let mut counted = 0;
     for token in analysis.occurrences(Target::Symbol(item.symbol?)) {
         let Some(before) = token.checked_sub(1) else {
             continue;
         };
         let place = analysis.token(token)?.span.start;
-        if let Some(set) = analysis.item_at(place)
+        if place >= counted
+            && let Some(set) = analysis.item_at(place)
             && in_set(analysis, &set, before) == Some(Expected::Atom)
-            && !names.contains(&set.name)
         {
             names.push(set.name);
+            counted = set.span.end;
         }
     }
     match names[..] {

@@ -25,7 +25,7 @@ impl Backend {
         uri: &lsp::Uri,
         feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
     ) -> Result<T> {
-        let snapshot = self.snapshot(uri)?;
+        let snapshot = Snapshot::clone(&*self.snapshot(uri)?);
         self.work(move || feature(&snapshot)).await
     }
 
