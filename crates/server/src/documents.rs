@@ -40,7 +40,7 @@ pub(crate) struct Snapshot {
     pub(crate) encoding: Encoding,
     analysis: Arc<dyn Analysis>,
     lines: Option<Arc<LineStarts>>,
-    last: LastPlace,
+    last: LastPlaces,
 }
 
 impl Snapshot {
@@ -52,7 +52,7 @@ impl Snapshot {
             encoding,
             lines: own_lines(text),
             analysis: language.read(text),
-            last: LastPlace::default(),
+            last: LastPlaces::default(),
         }
     }
 
@@ -92,18 +92,18 @@ fn own_lines(text: &str) -> Option<Arc<LineStarts>> {
     text.contains('\r').then(|| Arc::new(LineStarts::new(text)))
 }
 
-/// The offset whose place was counted last, and the place. A line may be as long as the text: its places are not all counted
-/// from its start.
+/// Two offsets with their places, the last that were counted: what is found somewhere may refer to something far above. A
+/// line may be as long as the text, so that not all of its places are counted from its start.
 #[derive(Debug, Default)]
-struct LastPlace(Mutex<(u32, Place)>);
+struct LastPlaces(Mutex<[(u32, Place); 2]>);
 
-impl LastPlace {
-    fn lock(&self) -> MutexGuard<'_, (u32, Place)> {
+impl LastPlaces {
+    fn lock(&self) -> MutexGuard<'_, [(u32, Place); 2]> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Clone for LastPlace {
+impl Clone for LastPlaces {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -115,7 +115,7 @@ struct Counted<'t> {
     text: &'t dyn Text,
     lines: Option<&'t LineStarts>,
     encoding: Encoding,
-    last: &'t LastPlace,
+    last: &'t LastPlaces,
 }
 
 impl Counted<'_> {
@@ -139,9 +139,16 @@ impl Counted<'_> {
     fn place(self, offset: u32) -> Place {
         let offset = offset.min(self.text.len());
         let mut last = self.last.lock();
-        let place = self.place_near(*last, offset);
-        let place = place.unwrap_or_else(|| self.place_anew(offset));
-        *last = (offset, place);
+        // The older one is the second, and goes if neither is near.
+        let near = |last: (u32, Place)| self.place_near(last, offset);
+        let place = match near(last[0]) {
+            Some(place) => place,
+            None => {
+                last.swap(0, 1);
+                near(last[0]).unwrap_or_else(|| self.place_anew(offset))
+            }
+        };
+        last[0] = (offset, place);
         place
     }
 
@@ -228,7 +235,7 @@ pub(crate) struct Open {
     encoding: Encoding,
     program: Box<dyn Program>,
     lines: Option<Arc<LineStarts>>,
-    last: LastPlace,
+    last: LastPlaces,
     snapshot: OnceLock<Arc<Snapshot>>,
     /// The changes that led to this version, if they are recorded.
     changes: Changes,
@@ -274,7 +281,7 @@ impl Documents {
             encoding: self.encoding,
             program,
             lines: own_lines(text),
-            last: LastPlace::default(),
+            last: LastPlaces::default(),
             snapshot: OnceLock::new(),
             changes: Changes::default(),
         };
@@ -298,7 +305,7 @@ impl Documents {
         open.version = version;
         open.revision = self.revision;
         open.snapshot = OnceLock::new();
-        open.last = LastPlace::default();
+        open.last = LastPlaces::default();
         open.changes = Changes::default();
         let made = changes
             .into_iter()
@@ -341,7 +348,7 @@ impl Open {
                 encoding: self.encoding,
                 analysis: self.program.snapshot(),
                 lines: self.lines.clone(),
-                last: LastPlace::default(),
+                last: LastPlaces::default(),
             })
         });
         made.clone()

@@ -13,6 +13,7 @@
 //! A language is a module beside it: [`geotrace`], [`crt`].
 
 pub mod attribute_range;
+mod checkpoints;
 pub mod codes;
 pub mod crt;
 pub mod diagnostic;

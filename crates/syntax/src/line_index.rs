@@ -1,7 +1,9 @@
 //! From byte offsets to lines and columns, and back.
 //!
-//! Built once for a text in linear time. A query costs a binary search over the lines and the count of at
-//! most one block of the text, wherever in a long line it lies.
+//! Built once for a text in linear time. A query costs a binary search over checkpoints and counts within one block of the
+//! text, wherever in a long line it lies.
+
+use crate::checkpoints::Checkpoints;
 
 /// A place as people count: the first character of a text is at line 1, column 1.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -16,49 +18,30 @@ pub struct Position {
 #[derive(Clone, Debug)]
 pub struct LineIndex<'t> {
     text: &'t str,
-    /// The offset of each line's first byte; never empty.
-    starts: Vec<u32>,
-    /// The number of characters that start before byte `k · BLOCK`.
-    characters: Vec<u32>,
+    checkpoints: Checkpoints,
 }
-
-/// Bytes between two checkpoints.
-const BLOCK: usize = 1024;
 
 impl<'t> LineIndex<'t> {
     /// Indexes a text of at most `u32::MAX` bytes.
     pub fn new(text: &'t str) -> Self {
-        let mut starts = vec![0];
-        let mut characters = Vec::with_capacity(text.len() / BLOCK + 1);
-        let mut count = 0;
-        for (block, bytes) in text.as_bytes().chunks(BLOCK).enumerate() {
-            characters.push(count);
-            count += count_characters(bytes);
-            let offset = (block * BLOCK) as u32;
-            let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
-            starts.extend(ends.map(|(k, _)| offset + k as u32 + 1));
-        }
-        if text.len().is_multiple_of(BLOCK) {
-            characters.push(count);
-        }
         Self {
             text,
-            starts,
-            characters,
+            checkpoints: Checkpoints::new(text),
         }
     }
 
     /// The number of lines, at least 1: a text that ends in `\n` has an empty last line.
     pub fn line_count(&self) -> u32 {
-        self.starts.len() as u32
+        self.line_of(self.text.len() as u32)
     }
 
     /// The line and column of the character that starts at `offset`; an offset past the end counts as the end.
     pub fn position(&self, offset: u32) -> Position {
-        let line = self.starts.partition_point(|start| *start <= offset) - 1;
-        let column = self.characters_before(offset) - self.characters_before(self.starts[line]);
+        let line = self.line_of(offset);
+        let start = self.start(line).unwrap_or_default();
+        let column = self.characters_before(offset) - self.characters_before(start);
         Position {
-            line: line as u32 + 1,
+            line,
             column: column + 1,
         }
     }
@@ -67,58 +50,47 @@ impl<'t> LineIndex<'t> {
     /// where there is no such line, or for a 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let content = self.line(position.line)?;
-        let (start, end) = (content.start, content.end);
-        let wanted = self.characters_before(start as u32) + position.column.checked_sub(1)?;
-        if wanted >= self.characters_before(end as u32) {
-            return Some(end as u32);
+        let (start, end) = (content.start as u32, content.end as u32);
+        let wanted = self.characters_before(start) + position.column.checked_sub(1)?;
+        if wanted >= self.characters_before(end) {
+            return Some(end);
         }
-        let block = self.characters.partition_point(|count| *count <= wanted) - 1;
-        let mut left = wanted - self.characters[block];
-        let bytes = &self.text.as_bytes()[block * BLOCK..];
-        for (k, byte) in bytes.iter().enumerate() {
-            if starts_character(*byte) {
-                if left == 0 {
-                    return Some((block * BLOCK + k) as u32);
-                }
-                left -= 1;
-            }
-        }
-        Some(end as u32)
+        self.checkpoints.character(self.text, wanted)
     }
 
     /// The bytes of a line (from 1) without its end, or `None` where there is no such line.
     pub fn line(&self, line: u32) -> Option<std::ops::Range<usize>> {
-        let index = line.checked_sub(1)? as usize;
-        let start = *self.starts.get(index)? as usize;
-        let Some(next) = self.starts.get(index + 1) else {
+        let start = self.start(line)? as usize;
+        let Some(end) = self.checkpoints.line_end(self.text, line - 1) else {
             return Some(start..self.text.len());
         };
-        let bytes = &self.text.as_bytes()[start..*next as usize - 1];
+        let bytes = &self.text.as_bytes()[start..end as usize];
         let content = bytes.strip_suffix(b"\r").unwrap_or(bytes);
         Some(start..start + content.len())
     }
 
-    /// The number of characters that start before `offset`.
-    fn characters_before(&self, offset: u32) -> u32 {
-        let offset = (offset as usize).min(self.text.len());
-        let block = offset / BLOCK;
-        let bytes = &self.text.as_bytes()[block * BLOCK..offset];
-        self.characters[block] + count_characters(bytes)
+    /// The line, from 1, of an offset.
+    fn line_of(&self, offset: u32) -> u32 {
+        self.checkpoints.line_ends_before(self.text, offset) + 1
     }
-}
 
-fn count_characters(bytes: &[u8]) -> u32 {
-    bytes.iter().filter(|byte| starts_character(**byte)).count() as u32
-}
+    /// The offset at which a line, from 1, starts.
+    fn start(&self, line: u32) -> Option<u32> {
+        match line.checked_sub(1)?.checked_sub(1) {
+            None => Some(0),
+            Some(end) => Some(self.checkpoints.line_end(self.text, end)? + 1),
+        }
+    }
 
-/// True unless the byte continues a character in UTF-8.
-fn starts_character(byte: u8) -> bool {
-    byte & 0xC0 != 0x80
+    fn characters_before(&self, offset: u32) -> u32 {
+        self.checkpoints.characters_before(self.text, offset)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCK, LineIndex, Position};
+    use super::{LineIndex, Position};
+    use crate::checkpoints::BLOCK;
 
     fn slow_position(text: &str, offset: usize) -> Position {
         let before = &text[..offset];

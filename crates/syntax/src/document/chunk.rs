@@ -2,6 +2,7 @@
 //!
 //! All places in a chunk count from its own start, so that an edit above it changes nothing of it.
 
+use crate::checkpoints::Checkpoints;
 use crate::diagnostic::Diagnostic;
 use crate::symbol::SymbolId;
 
@@ -28,6 +29,7 @@ pub(super) struct Declared {
 #[derive(Clone, Debug)]
 pub(super) struct Chunk<G: Grammar> {
     pub(super) text: Box<str>,
+    checkpoints: Checkpoints,
     pub(super) analysis: G::Analysis,
     pub(super) findings: Box<[Finding<G>]>,
     /// The look-ups that reading it has made in the names above.
@@ -41,14 +43,15 @@ impl<G: Grammar> Chunk<G> {
     /// A chunk that has not been read yet.
     pub(super) fn unread(text: &str, version: u64) -> Self {
         let mut chunk = Self {
-            text: text.into(),
+            text: Box::default(),
+            checkpoints: Checkpoints::default(),
             analysis: G::Analysis::default(),
             findings: Box::default(),
             lookups: Box::default(),
             declared: Box::default(),
             version,
         };
-        chunk.find_declared();
+        chunk.set_text(text);
         chunk
     }
 
@@ -56,6 +59,7 @@ impl<G: Grammar> Chunk<G> {
     pub(super) fn without_reading(&self) -> Self {
         Self {
             text: self.text.clone(),
+            checkpoints: self.checkpoints.clone(),
             analysis: G::Analysis::default(),
             findings: Box::default(),
             lookups: Box::default(),
@@ -71,8 +75,8 @@ impl<G: Grammar> Chunk<G> {
         Measure {
             chunks: 1,
             bytes: self.text.len() as u32,
-            lines: count_lines(&self.text),
-            characters: self.text.chars().count() as u32,
+            lines: self.line_ends_before(self.text.len() as u32),
+            characters: self.characters_before(self.text.len() as u32),
             findings: self.findings.len() as u32,
             searches: searches.count() as u32,
             tokens: self.analysis.token_count() as u32,
@@ -91,8 +95,30 @@ impl<G: Grammar> Chunk<G> {
         declared.map(|it| (&self.text[it.start as usize..it.end as usize], it.start))
     }
 
-    /// Finds the names that its text seems to declare.
-    pub(super) fn find_declared(&mut self) {
+    /// The number of line ends before an offset.
+    pub(super) fn line_ends_before(&self, offset: u32) -> u32 {
+        self.checkpoints.line_ends_before(&self.text, offset)
+    }
+
+    /// The offset of a line end by its number, from 0.
+    pub(super) fn line_end(&self, number: u32) -> Option<u32> {
+        self.checkpoints.line_end(&self.text, number)
+    }
+
+    /// The number of characters that start before an offset.
+    pub(super) fn characters_before(&self, offset: u32) -> u32 {
+        self.checkpoints.characters_before(&self.text, offset)
+    }
+
+    /// The offset of a character by its number, from 0.
+    pub(super) fn character(&self, number: u32) -> Option<u32> {
+        self.checkpoints.character(&self.text, number)
+    }
+
+    /// Sets the text, and finds the names that it seems to declare. What reading it has given is not changed.
+    pub(super) fn set_text(&mut self, text: &str) {
+        self.text = text.into();
+        self.checkpoints = Checkpoints::new(text);
         let mut declared: Vec<(&str, u32)> = Vec::new();
         G::each_declared(&self.text, |name, start| declared.push((name, start)));
         // Keeps the last place of each name.
@@ -104,8 +130,4 @@ impl<G: Grammar> Chunk<G> {
         });
         self.declared = places.collect();
     }
-}
-
-pub(super) fn count_lines(text: &str) -> u32 {
-    text.bytes().filter(|byte| *byte == b'\n').count() as u32
 }

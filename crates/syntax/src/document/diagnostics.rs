@@ -4,7 +4,6 @@
 use std::ops::ControlFlow;
 
 use super::Document;
-use super::chunk::count_lines;
 use super::grammar::{Definition, Grammar, ShadowedSplit};
 use super::lookups::Lookup;
 use super::names::NameId;
@@ -143,9 +142,9 @@ impl<G: Grammar> Document<G> {
         let defined = self.names.get(id)?;
         let place = self.place(id)?;
         let before = self.sequence.before(split.chunk);
-        let text = &self.chunk(split.chunk).text;
-        let token = &text[split.start as usize..split.end as usize];
-        let line = before.lines + count_lines(&text[..split.start as usize]) + 1;
+        let chunk = self.chunk(split.chunk);
+        let token = &chunk.text[split.start as usize..split.end as usize];
+        let line = before.lines + chunk.line_ends_before(split.start) + 1;
         let name = defined.symbol.name();
         let start = before.bytes + split.start;
         G::shadowed_split(ShadowedSplit {

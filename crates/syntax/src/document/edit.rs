@@ -204,8 +204,7 @@ impl<G: Grammar> Document<G> {
                 Some(index) => {
                     let chunk = old[surplus + index];
                     let read = self.chunk_mut(chunk);
-                    read.text = text.as_str().into();
-                    read.find_declared();
+                    read.set_text(text);
                     self.insert_declared(chunk);
                     let measure = self.chunk(chunk).measure();
                     self.snapshot.sequence.measure(chunk, measure);

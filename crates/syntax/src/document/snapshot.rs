@@ -78,10 +78,7 @@ impl<G: Grammar> Snapshot<G> {
         let Some((chunk, before)) = self.sequence.at_byte(offset) else {
             return 1;
         };
-        let text = self.chunk(chunk).text.as_bytes();
-        let inside = ((offset - before.bytes) as usize).min(text.len());
-        let ends = text[..inside].iter().filter(|byte| **byte == b'\n');
-        before.lines + ends.count() as u32 + 1
+        before.lines + self.chunk(chunk).line_ends_before(offset - before.bytes) + 1
     }
 
     /// The offset at which a line, from 1, starts. Returns `None` if the text has fewer lines.
@@ -94,10 +91,8 @@ impl<G: Grammar> Snapshot<G> {
             return None;
         }
         let (chunk, before) = self.sequence.at_line_end(ends)?;
-        let text = self.chunk(chunk).text.bytes();
-        let mut places = text.enumerate().filter(|(_, byte)| *byte == b'\n');
-        let (at, _) = places.nth((ends - before.lines) as usize - 1)?;
-        Some(before.bytes + at as u32 + 1)
+        let end = self.chunk(chunk).line_end(ends - before.lines - 1)?;
+        Some(before.bytes + end + 1)
     }
 
     /// The offset of the character at a position. A column past the line's end gives the line's end. Returns `None` if the
@@ -117,10 +112,8 @@ impl<G: Grammar> Snapshot<G> {
             return Some(end);
         }
         let (chunk, before) = self.sequence.at_character(wanted)?;
-        let text = &self.chunk(chunk).text;
-        let inside = (wanted - before.characters) as usize;
-        let (at, _) = text.char_indices().nth(inside)?;
-        Some(before.bytes + at as u32)
+        let at = self.chunk(chunk).character(wanted - before.characters)?;
+        Some(before.bytes + at)
     }
 
     /// All chunks, from top to bottom.
@@ -259,8 +252,6 @@ impl<G: Grammar> Snapshot<G> {
         let Some((chunk, before)) = self.sequence.at_byte(offset) else {
             return 0;
         };
-        let text = &self.chunk(chunk).text;
-        let inside = &text[..(offset - before.bytes) as usize];
-        before.characters + inside.chars().count() as u32
+        before.characters + self.chunk(chunk).characters_before(offset - before.bytes)
     }
 }

@@ -6,7 +6,6 @@ use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::Document;
-use super::chunk::count_lines;
 use super::grammar::Grammar;
 use super::sequence::{ChunkId, Measure};
 
@@ -34,8 +33,8 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
 
     /// The line, from 1, of an offset of the chunk.
     pub fn line(&self, offset: u32) -> u32 {
-        let text = &self.document.chunk(self.chunk).text;
-        self.before.lines + count_lines(&text[..offset as usize]) + 1
+        let chunk = self.document.chunk(self.chunk);
+        self.before.lines + chunk.line_ends_before(offset) + 1
     }
 
     /// A symbol that the text declares, the place of its name in the text, and the line of that place. Returns `None` for a
@@ -60,7 +59,7 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         if start <= self.before.bytes + offset {
             return None;
         }
-        let line = before.lines + count_lines(&read.text[..last as usize]) + 1;
+        let line = before.lines + read.line_ends_before(last) + 1;
         Some((Span::new(start, start + name.len() as u32), line))
     }
 
