@@ -949,6 +949,38 @@ fn a_file_that_may_not_grow_is_told_and_leaves_nothing_behind() {
 }
 
 #[test]
+fn no_picture_takes_the_place_of_an_image_that_it_shows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let program = format!("{SPHERE} surface t(u, v) = s(u, v), image : map;");
+    std::fs::write(path("a.gtr"), program).expect("written");
+    for name in ["map.png", "q-0001.png"] {
+        image::RgbaImage::new(2, 2)
+            .save(path(name))
+            .expect("written");
+    }
+    let images = ["map.png", "q-0001.png"].map(|name| std::fs::read(path(name)).expect("read"));
+    for arguments in [
+        "render a.gtr -o map.png",
+        "render a.gtr -o ./map.png --frames 3 --turntable",
+        "render a.gtr -o q-0001.png --texture s=q-0001.png",
+        "render a.gtr -o q.png --frames 3 --turntable --texture s=q-0001.png",
+        "export a.gtr --format obj -o map.png",
+    ] {
+        let run = geotrace(arguments.split(' ')).folder(folder.path()).run();
+        if arguments.starts_with("render a.gtr -o ./map.png") {
+            // The pictures of a series have numbers.
+            run.expect_status(0);
+        } else {
+            run.expect_status(2)
+                .expect_text("it is an image that the picture shows");
+        }
+        let left = ["map.png", "q-0001.png"].map(|name| std::fs::read(path(name)).expect("read"));
+        assert!(left == images, "{arguments}");
+    }
+}
+
+#[test]
 fn no_picture_takes_the_place_of_its_own_program() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("own.png");

@@ -96,6 +96,11 @@ fn an_image_lies_beside_the_program_or_in_the_folder_that_is_given() {
     );
     // A folder is no image, and a file that is none is named.
     std::fs::create_dir(folder.path().join("ground.png")).expect("made");
+    let (_, said) = draw(folder.path(), SURFACE, &[]);
+    assert!(
+        said.contains("ground.png is not a regular file\n"),
+        "{said}"
+    );
     std::fs::write(folder.path().join("ground.jpg"), "no image").expect("written");
     let (_, said) = draw(folder.path(), SURFACE, &["--images", &given]);
     assert!(

@@ -72,6 +72,35 @@ pub(crate) fn reason(error: &io::Error) -> String {
     phrase(&error.to_string())
 }
 
+/// The files that a command reads, none of which it may write over.
+#[derive(Debug)]
+pub(crate) struct Inputs {
+    program: Option<PathBuf>,
+    images: Vec<PathBuf>,
+}
+
+impl Inputs {
+    /// A program, and the images that are shown.
+    pub(crate) fn new<'i>(program: &Path, images: impl IntoIterator<Item = &'i Path>) -> Self {
+        // What does not exist, or is no file, is not written over.
+        let images = images.into_iter().filter_map(|it| it.canonicalize().ok());
+        Self {
+            program: program.canonicalize().ok(),
+            images: images.collect(),
+        }
+    }
+
+    /// Returns the reason for which a file may not be written, if it is one of these.
+    fn reason(&self, path: &Path) -> Option<&'static str> {
+        let path = path.canonicalize().ok()?;
+        if self.program.as_ref() == Some(&path) {
+            return Some("it is the program itself");
+        }
+        let is_image = self.images.contains(&path);
+        is_image.then_some("it is an image that the picture shows")
+    }
+}
+
 /// A file, or standard output, that will be written: it is checked before the work starts, and a file appears only when
 /// it is whole.
 #[derive(Debug)]
@@ -113,16 +142,15 @@ impl OutputTarget {
         })
     }
 
-    /// Checks a target as [`Self::new`] does, and that it is not the program itself, which would be lost.
+    /// Checks a target as [`Self::new`] does, and that it is none of the files that are read, which would be lost.
     ///
     /// # Errors
     /// [`Failure::Unwritable`].
-    pub(crate) fn apart_from(path: &Path, program: &Path) -> Result<Self, Failure> {
-        let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
-        if same(path, program) == Some(true) {
+    pub(crate) fn apart_from(path: &Path, inputs: &Inputs) -> Result<Self, Failure> {
+        if let Some(reason) = inputs.reason(path) {
             return Err(Failure::Unwritable {
                 file: path.display().to_string(),
-                reason: "it is the program itself".to_owned(),
+                reason: reason.to_owned(),
             });
         }
         Self::new(path)

@@ -3,11 +3,13 @@
 //! An image's left is u min, its top row v min; one width of the image is one width of the domain, and it repeats
 //! beyond. Texels are opaque sRGB; filtering happens in linear light, so a fine checkerboard keeps its brightness.
 
+mod budget;
 mod curvature;
 mod filter;
 mod named;
 mod orientation;
 
+pub use budget::{MAX_TOTAL_TEXELS, TexelBudget};
 pub use curvature::CurvatureScale;
 pub use filter::Sampler;
 pub use named::{missing_file, named_file, named_files};
@@ -17,7 +19,7 @@ use std::io::{BufRead, Cursor, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits, RgbaImage};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbaImage};
 use rayon::prelude::*;
 
 use crate::style::{decode, encode};
@@ -46,6 +48,8 @@ pub struct Texture {
     flipped: OnceLock<Arc<Texture>>,
     /// The file that it was read from.
     file: Option<PathBuf>,
+    /// Its part of the texels of all images.
+    _share: Option<Arc<budget::Share>>,
     /// The meaning of the colours, of a texture that shows the curvature.
     scale: Option<CurvatureScale>,
 }
@@ -90,11 +94,12 @@ pub enum TextureError {
 }
 
 impl Texture {
-    /// Reads a PNG or JPEG file, which must be a regular file: a pipe might never end. What is transparent shows white.
+    /// Reads a PNG or JPEG file, which must be a regular file: a pipe might never end. What is transparent shows white. An
+    /// image with more texels than the budget has for it is reduced.
     ///
     /// # Errors
     /// See [`TextureError`].
-    pub fn load(path: &Path) -> Result<Self, TextureError> {
+    pub fn load(path: &Path, budget: &TexelBudget) -> Result<Self, TextureError> {
         let unreadable = |error: std::io::Error| TextureError::Unreadable {
             path: path.to_owned(),
             message: error.to_string(),
@@ -103,18 +108,22 @@ impl Texture {
             let sentence = "it is not a regular file";
             return Err(unreadable(std::io::Error::other(sentence)));
         }
-        Self::read(ImageReader::open(path).map_err(unreadable)?, path)
+        Self::read(ImageReader::open(path).map_err(unreadable)?, path, budget)
     }
 
     /// Reads the bytes of a PNG or JPEG file, as [`Texture::load`] does; `path` is its name.
     ///
     /// # Errors
     /// See [`TextureError`].
-    pub fn decode(bytes: &[u8], path: &Path) -> Result<Self, TextureError> {
-        Self::read(ImageReader::new(Cursor::new(bytes)), path)
+    pub fn decode(bytes: &[u8], path: &Path, budget: &TexelBudget) -> Result<Self, TextureError> {
+        Self::read(ImageReader::new(Cursor::new(bytes)), path, budget)
     }
 
-    fn read<R: BufRead + Seek>(reader: ImageReader<R>, path: &Path) -> Result<Self, TextureError> {
+    fn read<R: BufRead + Seek>(
+        reader: ImageReader<R>,
+        path: &Path,
+        budget: &TexelBudget,
+    ) -> Result<Self, TextureError> {
         let too_large = || TextureError::TooLarge {
             path: path.to_owned(),
         };
@@ -127,6 +136,16 @@ impl Texture {
         limits.max_image_height = Some(MAX_FILE_SIDE);
         limits.max_alloc = Some(MAX_BYTES);
         let mut reader = reader.with_guessed_format().map_err(unreadable)?;
+        // Others are decoded for animations alone.
+        if let Some(format) = reader.format()
+            && !matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
+        {
+            let name = format.extensions_str().first().unwrap_or(&"strange");
+            return Err(TextureError::NotAnImage {
+                path: path.to_owned(),
+                message: format!("it is a {} file", name.to_uppercase()),
+            });
+        }
         reader.limits(limits);
         let refused = |error| match error {
             image::ImageError::Limits(_) => too_large(),
@@ -146,16 +165,25 @@ impl Texture {
         if u64::from(width) * u64::from(height) > MAX_FILE_PIXELS {
             return Err(too_large());
         }
+        let turn = budget.turn();
         let image = DynamicImage::from_decoder(decoder).map_err(refused)?;
+        let texture = Self::within(image.into_rgba8(), turn.most());
+        let texels = texture.levels[0].texels.len() as u32;
         Ok(Self {
             file: Some(path.to_owned()),
-            ..Self::from_image(image.into_rgba8())
+            _share: Some(Arc::new(turn.take(texels))),
+            ..texture
         })
     }
 
     /// A texture of an image with at least one pixel (an empty one gives a white texel). What is transparent shows
     /// white; an image with a longer side than [`MAX_SIDE`], or more texels than [`MAX_TEXELS`], is reduced.
     pub fn from_image(image: RgbaImage) -> Self {
+        Self::within(image, MAX_TEXELS)
+    }
+
+    /// A texture with no more than so many texels, but for rounding.
+    fn within(image: RgbaImage, most_texels: u32) -> Self {
         let size = [image.width(), image.height()];
         let texels: Vec<[u8; 4]> = image.pixels().map(|pixel| over_white(pixel.0)).collect();
         drop(image);
@@ -164,7 +192,7 @@ impl Texture {
             return Self::chain(Level { size, texels });
         }
         let image = Level { size, texels };
-        let scale = scale_to_fit(size);
+        let scale = scale_to_fit(size, most_texels);
         if scale == 1.0 {
             return Self::chain(image);
         }
@@ -189,6 +217,7 @@ impl Texture {
             covers: Default::default(),
             flipped: OnceLock::new(),
             file: None,
+            _share: None,
             scale: None,
         }
     }
@@ -336,10 +365,10 @@ impl Level {
 }
 
 /// By how much each side of an image must be multiplied for it to fit into a texture; 1 where it fits.
-fn scale_to_fit(size: [u32; 2]) -> f64 {
+fn scale_to_fit(size: [u32; 2], most_texels: u32) -> f64 {
     let [width, height] = size.map(f64::from);
     let side = f64::from(MAX_SIDE) / width.max(height);
-    side.min((f64::from(MAX_TEXELS) / (width * height)).sqrt())
+    side.min((f64::from(most_texels) / (width * height)).sqrt())
         .min(1.0)
 }
 

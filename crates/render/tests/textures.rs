@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use image::{Rgba, RgbaImage};
 use render::style;
-use render::texture::{Texture, TextureError};
+use render::texture::{TexelBudget, Texture, TextureError};
 
 #[test]
 fn a_fine_checkerboard_keeps_its_brightness_in_every_level() {
@@ -164,15 +164,27 @@ fn colours_survive_the_way_to_light_and_back() {
 
 #[test]
 fn files_that_give_no_image_are_refused_by_name() {
-    let missing = Texture::load("no/such/file.png".as_ref());
+    let missing = Texture::load("no/such/file.png".as_ref(), &TexelBudget::default());
     assert!(
         matches!(&missing, Err(TextureError::Unreadable { .. })),
         "{missing:?}"
     );
     assert!(missing.is_err_and(|error| error.to_string().contains("no/such/file.png")));
-    let text = Texture::load(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml").as_ref());
+    let text = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml").as_ref();
+    let text = Texture::load(text, &TexelBudget::default());
     assert!(
         matches!(text, Err(TextureError::NotAnImage { .. })),
         "{text:?}"
+    );
+    // Pictures that are written may be GIFs, those that are read may not.
+    let mut gif = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::new(2, 2);
+    let written = image.write_to(&mut gif, image::ImageFormat::Gif);
+    written.expect("a GIF");
+    let read = Texture::decode(gif.get_ref(), "a.gif".as_ref(), &TexelBudget::default());
+    let told = read.map(drop).expect_err("refused").to_string();
+    assert!(
+        told.ends_with("is not a PNG or JPEG image that can be read: it is a GIF file"),
+        "{told}"
     );
 }

@@ -224,7 +224,8 @@ impl Core {
     /// The sentence about an image that cannot be read.
     pub fn texture(&mut self, name: &str, bytes: &[u8]) -> Result<Value, String> {
         let path = PathBuf::from(name);
-        let texture = Texture::decode(bytes, &path).map_err(|error| error.to_string())?;
+        let texture = Texture::decode(bytes, &path, &self.library.source.budget)
+            .map_err(|error| error.to_string())?;
         let size = texture.levels().first().map_or([0; 2], |level| level.size);
         let texture = Arc::new(texture);
         self.library.source.give(path.clone(), Arc::clone(&texture));

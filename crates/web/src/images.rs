@@ -4,17 +4,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use render::texture::{Texture, named_files};
+use render::texture::{TexelBudget, Texture, named_files};
 use session::textures::{ImageSource, ImageState};
 
 /// Images that were dropped on the page.
 #[derive(Debug, Default)]
-pub(crate) struct GivenImages(BTreeMap<PathBuf, Arc<Texture>>);
+pub(crate) struct GivenImages {
+    given: BTreeMap<PathBuf, Arc<Texture>>,
+    /// The texels that they have together.
+    pub(crate) budget: TexelBudget,
+}
 
 impl GivenImages {
     /// Takes an image under a name, in the place of another one.
     pub(crate) fn give(&mut self, name: PathBuf, image: Arc<Texture>) {
-        self.0.insert(name, image);
+        self.given.insert(name, image);
     }
 
     /// The name of an image that a program's word stands for.
@@ -22,7 +26,7 @@ impl GivenImages {
         // What is dropped has no folder, whatever path a script writes.
         let files = named_files(word, Path::new("")).into_iter();
         let names = files.filter_map(|file| Some(PathBuf::from(file.file_name()?)));
-        names.into_iter().find(|name| self.0.contains_key(name))
+        names.into_iter().find(|name| self.given.contains_key(name))
     }
 }
 
@@ -37,7 +41,7 @@ impl ImageSource for GivenImages {
     }
 
     fn read(&mut self, path: &Path) -> ImageState {
-        match self.0.get(path) {
+        match self.given.get(path) {
             Some(image) => ImageState::Ready(Arc::clone(image)),
             None => {
                 let name = path.display();

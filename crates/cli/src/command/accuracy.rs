@@ -24,7 +24,7 @@ use self::measure::{Measured, MeasuredView, STATUSES, Threads};
 use self::method::{NAMES, STEPS, Setting};
 use crate::argument::{self, Assignment, Format, Size};
 use crate::failure::Failure;
-use crate::output::{self, OutputTarget};
+use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
 use crate::registry::Context;
@@ -121,7 +121,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {
-        Some(path) => Some(OutputTarget::apart_from(path, &arguments.file)?),
+        Some(path) => Some(OutputTarget::apart_from(
+            path,
+            &Inputs::new(&arguments.file, []),
+        )?),
         None => None,
     };
     if arguments.size.0.iter().any(|side| *side > LONGEST) {

@@ -16,7 +16,7 @@ use super::render::{Picture, failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
 use crate::interruption;
-use crate::output::{self, OutputTarget, WriteError};
+use crate::output::{self, Inputs, OutputTarget, WriteError};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
 
@@ -224,13 +224,14 @@ impl Animation {
         }
     }
 
-    /// Draws all pictures, one after the other, and writes them; then prints `summary` of the first picture and the
-    /// file's name.
+    /// Draws all pictures, one after the other, and writes them, over none of the `inputs`; then prints `summary` of the
+    /// first picture and the file's name.
     ///
     /// # Errors
     /// Those of drawing and writing; no file is left then.
     pub(super) fn write(
         &self,
+        inputs: &Inputs,
         size: [u32; 2],
         draw: &Draw<'_>,
         summary: impl Fn(&Picture, &str) -> String,
@@ -262,7 +263,7 @@ impl Animation {
         };
         match self.format {
             Format::Video(format) => {
-                OutputTarget::new(&self.output)?.write_at(|path| {
+                OutputTarget::apart_from(&self.output, inputs)?.write_at(|path| {
                     let mut video = Video::start(format, clip, path).map_err(video_fault)?;
                     for number in 0..self.frames {
                         let Some(image) = frame(number).map_err(WriteError::Content)? else {
@@ -274,7 +275,7 @@ impl Animation {
                 })?;
             }
             Format::Film(format) => {
-                OutputTarget::new(&self.output)?.write_with(|out| {
+                OutputTarget::apart_from(&self.output, inputs)?.write_with(|out| {
                     let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
                     for number in 0..self.frames {
                         let Some(image) = frame(number).map_err(WriteError::Content)? else {
@@ -287,7 +288,10 @@ impl Animation {
             }
             Format::Series => {
                 // Checked before anything is drawn.
-                OutputTarget::new(&animation::numbered(&self.output, 0, self.frames))?;
+                for number in 0..self.frames {
+                    let path = animation::numbered(&self.output, number, self.frames);
+                    OutputTarget::apart_from(&path, inputs)?;
+                }
                 let mut series = FileSeries::default();
                 for number in 0..self.frames {
                     let path = animation::numbered(&self.output, number, self.frames);

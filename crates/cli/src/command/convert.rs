@@ -7,7 +7,7 @@ use ide::conversion::ConvertError;
 
 use crate::argument::{Assignment, Format, assignment};
 use crate::failure::Failure;
-use crate::output::OutputTarget;
+use crate::output::{Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             arguments.output.display()
         )));
     }
-    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
+    let target = OutputTarget::apart_from(&arguments.output, &Inputs::new(&arguments.file, []))?;
     let named = match arguments.output == standard {
         false => arguments.output.clone(),
         true if arguments.file == standard => Path::new("program").with_extension(extension),

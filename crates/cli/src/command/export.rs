@@ -11,7 +11,7 @@ use super::render::textures;
 use crate::argument::{self, Assignment, Choice, Format, TextureFile};
 use crate::failure::Failure;
 use crate::number;
-use crate::output::{self, OutputTarget};
+use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
@@ -88,7 +88,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             [1, 1],
         )
     };
-    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
+    let inputs = Inputs::new(&arguments.file, images.files());
+    let target = OutputTarget::apart_from(&arguments.output, &inputs)?;
     let model = mesh::model(&request, objects.as_deref());
     let mut notes = images.notes(&program, &request);
     notes.extend(model.notes.clone());

@@ -27,7 +27,7 @@ use crate::argument::{
 };
 use crate::failure::Failure;
 use crate::interruption;
-use crate::output::{self, OutputTarget};
+use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
 use crate::registry::Context;
@@ -369,12 +369,12 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
             "`--hidden-lines` is for pictures whose lines are vectors: write to an .svg or a .pdf",
         ));
     }
-    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
+    let inputs = Inputs::new(&arguments.file, images.files());
     if let Some(animation) = animation {
-        return animation.write(request.size, &draw, |picture, what| {
-            summary(picture, what, &request, views)
-        });
+        let summary = |picture: &Picture, what: &str| summary(picture, what, &request, views);
+        return animation.write(&inputs, request.size, &draw, summary);
     }
+    let target = OutputTarget::apart_from(&arguments.output, &inputs)?;
     if let Some(format) = print {
         let request = frame(1.0)?;
         let notes = images.notes(program, &request);

@@ -40,7 +40,8 @@ pub fn remembered(
     let mut library = Library::default();
     for name in model.surfaces() {
         if let Choice::Image(path) = model.view.texture(&name) {
-            let texture = Texture::load(path).map_err(|error| error.to_string())?;
+            let texture =
+                Texture::load(path, &library.source.budget).map_err(|error| error.to_string())?;
             library.put(path.clone(), ImageState::Ready(Arc::new(texture)));
         }
     }

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use render::texture::{Texture, named_file, named_files};
+use render::texture::{TexelBudget, Texture, named_file, named_files};
 use session::textures::{ImageSource, ImageState, TextureRead};
 
 use crate::channel::EventSender;
@@ -22,6 +22,8 @@ pub(crate) struct ImageFiles {
     pub(crate) folder: Option<PathBuf>,
     /// The images that the user has opened, in this window or before.
     pub(crate) opened: PathList,
+    /// The texels that they have together.
+    pub(crate) budget: TexelBudget,
     events: Option<EventSender<TextureRead>>,
 }
 
@@ -43,8 +45,9 @@ impl ImageFiles {
     /// Begins to read an image.
     fn begin(&self, path: PathBuf) -> ImageState {
         if let Some(events) = self.events.clone() {
+            let budget = self.budget.clone();
             std::thread::spawn(move || {
-                let texture = Texture::load(&path).map(Arc::new);
+                let texture = Texture::load(&path, &budget).map(Arc::new);
                 let texture = texture.map_err(|error| error.to_string());
                 events.send(TextureRead { path, texture });
             });

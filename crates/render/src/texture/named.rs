@@ -29,16 +29,28 @@ pub fn named_files(name: &str, folder: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// A sentence about an image that a program names and that no folder has.
-pub fn missing_file(name: &str) -> String {
+/// A sentence about an image that a program names and that none of these folders, that of the program and perhaps another
+/// one, has as a regular file.
+pub fn missing_file(name: &str, folders: &[PathBuf]) -> String {
     let hidden = format!("the image `{name}` is not shown");
+    let mut files = folders.iter().flat_map(|it| named_files(name, it));
+    // A directory, a pipe, a link that leads nowhere.
+    if let Some(other) = files.find(|it| it.symlink_metadata().is_ok()) {
+        return format!("{hidden}: {} is not a regular file", other.display());
+    }
+    let place = match folders {
+        [_, other] => format!("beside the program or in {}", other.display()),
+        _ => "beside the program".to_owned(),
+    };
     let [a, b, c] = ENDINGS;
     match path_below(name) {
         None => format!(
             "{hidden}: its path leads out of the folder of the program; name it without `..`"
         ),
-        Some(path) if has_ending(path) => format!("{hidden}: there is no {}", path.display()),
-        Some(_) => format!("{hidden}: there is no {name}.{a}, {name}.{b} or {name}.{c}"),
+        Some(path) if has_ending(path) => {
+            format!("{hidden}: there is no {} {place}", path.display())
+        }
+        Some(_) => format!("{hidden}: there is no {name}.{a}, {name}.{b} or {name}.{c} {place}"),
     }
 }
 

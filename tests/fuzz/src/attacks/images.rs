@@ -3,7 +3,7 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use render::texture::Texture;
+use render::texture::{TexelBudget, Texture};
 
 use crate::mutation::Random;
 use crate::run::Report;
@@ -29,7 +29,7 @@ pub(super) fn bombs(seed: u64, count: u64) -> Report {
                 let file = std::fs::File::options().write(true).open(&path);
                 file.and_then(|it| it.set_len(length / 2)).expect("cut");
             }
-            match Texture::load(&path) {
+            match Texture::load(&path, &TexelBudget::default()) {
                 Ok(texture) => assert!(!texture.levels().is_empty(), "a texture has levels"),
                 Err(error) => assert!(!error.to_string().is_empty(), "a sentence"),
             }

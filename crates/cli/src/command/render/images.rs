@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use export::whole_file::phrase;
 use render::PictureRequest;
 use render::shared::Shared;
-use render::texture::{Texture, TextureError, missing_file, named_file};
+use render::texture::{TexelBudget, Texture, TextureError, missing_file, named_file};
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::failure;
@@ -40,6 +40,14 @@ impl Images {
         };
         let curved: Result<Vec<_>, Failure> = self.curved.iter().map(curvature).collect();
         Ok([self.loaded.clone(), curved?].concat())
+    }
+
+    /// The files that the images were read from.
+    pub(in crate::command) fn files(&self) -> impl Iterator<Item = &Path> {
+        let loaded = self.loaded.iter().map(|(_, texture)| texture);
+        let named = self.named.iter().map(|(_, texture)| texture);
+        let all = loaded.chain(named).chain(&self.background);
+        all.filter_map(|texture| texture.file())
     }
 
     /// Notes on the colours of curvature, and on images that are not shown.
@@ -80,6 +88,7 @@ pub(in crate::command) fn textures(
     program: &LoadedProgram,
 ) -> Result<Images, Failure> {
     let scene = program.scene();
+    let budget = TexelBudget::default();
     let mut images = Images {
         loaded: Vec::new(),
         named: Vec::new(),
@@ -91,18 +100,16 @@ pub(in crate::command) fn textures(
     let folders = beside.into_iter().chain(folder).map(Path::to_owned);
     let folders: Vec<PathBuf> = folders.collect();
     for word in scene.image_words() {
-        let read = named_file(word, &folders).ok_or_else(|| {
-            let elsewhere =
-                folder.map_or_else(String::new, |it| format!(" or in {}", it.display()));
-            format!("{} beside the program{elsewhere}", missing_file(word))
-        });
-        match read.and_then(|file| Texture::load(&file).map_err(|error| error.to_string())) {
+        let read = named_file(word, &folders).ok_or_else(|| missing_file(word, &folders));
+        let load = |file: PathBuf| Texture::load(&file, &budget).map_err(|error| error.to_string());
+        match read.and_then(load) {
             Ok(image) => images.named.push((word.to_owned(), image.into())),
             Err(sentence) => images.missing.push(sentence),
         }
     }
     for file in files {
-        let load = || Texture::load(&file.path).map_err(|error| texture_failure(file, error));
+        let load =
+            || Texture::load(&file.path, &budget).map_err(|error| texture_failure(file, error));
         let background = scene.background();
         if background.is_some_and(|object| object.name == file.object) {
             images.background = Some(load()?.into());

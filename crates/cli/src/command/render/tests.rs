@@ -15,7 +15,7 @@ use render::request::part::SpaceOptions;
 use render::request::{Overlays, Spacing, Theme};
 use render::shared::Shared;
 use render::style;
-use render::texture::Texture;
+use render::texture::{TexelBudget, Texture};
 use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
@@ -242,7 +242,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
                 1 => request.textures.push((id, Texture::plain().into())),
                 2 => {
                     let file = bench.folder.path().join("map one.png");
-                    let texture = Texture::load(&file).expect("an image");
+                    let texture = Texture::load(&file, &TexelBudget::default()).expect("an image");
                     request.textures.push((id, texture.into()));
                 }
                 _ => {}
