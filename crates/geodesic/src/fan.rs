@@ -24,6 +24,7 @@ pub(crate) mod ray;
 mod refine;
 mod sectors;
 mod start;
+mod unknown;
 mod verify;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -77,9 +78,6 @@ impl Default for FanOptions {
         }
     }
 }
-
-/// The most evaluations for a pixel that is followed by itself.
-const ONE_PIXEL: usize = 20_000;
 
 /// Rays with what lies between them.
 pub struct Fan<'s> {
@@ -234,7 +232,7 @@ impl<'s> Fan<'s> {
             tableau: &DOPRI5,
             tolerance: Some(self.tolerance),
             step: trace::first_step(&atlas, s),
-            limit: ONE_PIXEL,
+            limit: self.sectors.pixel_limit,
             charts: true,
             keep_path: false,
         };
@@ -244,7 +242,7 @@ impl<'s> Fan<'s> {
             // Errors have grown on the way, as they do in chaos: once more, so much more exactly.
             plan.tableau = &DOP853;
             plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
-            plan.limit = atlas.evaluations() + ONE_PIXEL;
+            plan.limit = atlas.evaluations() + self.sectors.pixel_limit;
             end = integrate::integrate(&atlas, from, s, plan);
         }
         let evaluations = atlas.evaluations() as u64;

@@ -2,7 +2,11 @@
 
 mod shapes;
 
+use std::f64::consts::PI;
+
+use expr::ops::Unary;
 use geodesic::frame::Frame;
+use geodesic::intrinsic::MetricSurface;
 use geodesic::map::{MapOptions, Method, exponential_map, pixel_place};
 use geodesic::metric::Metric;
 use geodesic::point::Uv;
@@ -266,6 +270,44 @@ fn a_picture_s_work_is_bounded_whatever_an_evaluation_takes() {
             assert!(unknown.count() > 24 * 20, "{method:?}");
         }
     }
+}
+
+/// E = 10⁻²⁰⁰ + v⁴, F = 0, G = |1/(u − ½) + u/π|: geodesics that take thousands of evaluations, and end in many ways.
+fn hostile() -> MetricSurface {
+    metric([[0.0, 1.0], [-1.0, 1.0]], |m| {
+        let square = m.mul(m.v, m.v);
+        let fourth = m.mul(square, square);
+        let (least, middle, one, zero) = (m.c(1e-200), m.c(-0.5), m.c(1.0), m.c(0.0));
+        let e = m.add(least, fourth);
+        let from = m.add(m.u, middle);
+        let pole = m.g.div(one, from);
+        let slope = m.c(1.0 / PI);
+        let slope = m.mul(slope, m.u);
+        let sum = m.add(pole, slope);
+        [e, zero, m.f(Unary::Abs, sum)]
+    })
+}
+
+#[test]
+fn pixels_that_rays_say_nothing_about_have_work_in_common() {
+    let s = hostile();
+    let mut followed = 0;
+    for at in [[0.25, 0.0], [0.25, 0.3], [0.6, 0.1]] {
+        let Ok(frame) = Frame::new(&s, at, 0.0, 1.0) else {
+            continue;
+        };
+        for size in [[64; 2], [200; 2]] {
+            let options = MapOptions {
+                max_evaluations: 2_000_000,
+                ..MapOptions::default()
+            };
+            let map = exponential_map(&s, &frame, size, &options, &|_| {});
+            let work = map.work;
+            followed += work.followed;
+            assert!(work.evaluations < 2_000_000, "{at:?} {size:?}: {work:?}");
+        }
+    }
+    assert!(followed > 1000, "{followed}");
 }
 
 #[test]

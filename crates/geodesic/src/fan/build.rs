@@ -10,8 +10,9 @@ use super::active_ray::ActiveRay;
 use super::border;
 use super::driver::{self, RayPlan};
 use super::ray::Ray;
-use super::sectors::{self, Profile, Sector, Sectors, most};
+use super::sectors::{Profile, Sector, Sectors, most};
 use super::start::FanStart;
+use super::unknown::UnknownAreas;
 use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 use crate::surface::Surface;
@@ -32,6 +33,8 @@ const LEAST_TOLERANCE_SHARE: f64 = 2e-2;
 /// The most evaluations for one ray, and the least that one is begun with.
 const ONE_RAY: u64 = 20_000;
 const LEAST: u64 = 50;
+/// The most evaluations for all rays, whatever a fan may have: each step of each ray is kept, in about 300 bytes.
+const ALL_RAYS: u64 = 20_000_000;
 
 /// The number of pixels that rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
 /// polynomial.
@@ -128,23 +131,23 @@ pub(super) fn build(
         work: builder.work,
         estimate,
         follow_within: 0.0,
+        pixel_limit: 0,
     };
+    all.index();
     if !builder.exhausted {
         let left = options.max_evaluations.saturating_sub(all.work.evaluations);
-        all.follow_within = sectors::affordable(&all, start, left);
+        let unknown = UnknownAreas::of(&all, layout, options.interpolation, start);
+        (all.follow_within, all.pixel_limit) = unknown.affordable(&all.work, start, left);
     }
     all.work.rays = all.rays.len() as u64;
-    all.index();
     all
 }
 
 impl Builder<'_> {
     /// Integrates rays. `None` where the evaluations do not suffice for all.
     pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
-        let left = self
-            .options
-            .max_evaluations
-            .saturating_sub(self.work.evaluations);
+        let most = self.options.max_evaluations.min(ALL_RAYS);
+        let left = most.saturating_sub(self.work.evaluations);
         // What each may take for sure; no more than a few do more than twice the average.
         let each = left / wanted.len().max(1) as u64;
         let average = self.work.evaluations / self.work.rays.max(1);

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use super::border;
 use super::ray::Ray;
-use super::start::FanStart;
 use crate::ends::{Estimate, GeodesicWork};
 
 /// An error is known for each of so many ranges of radius.
@@ -70,6 +69,8 @@ pub(super) struct Sectors {
     pub(super) estimate: Estimate,
     /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
     pub(super) follow_within: f64,
+    /// The most evaluations for such a pixel; where its error is found too large, once more as many.
+    pub(super) pixel_limit: usize,
 }
 
 impl Sectors {
@@ -126,32 +127,6 @@ impl Sectors {
 /// The range that an arc length lies in, of those that `reach` is divided into.
 pub(super) fn bin(s: f64, reach: f64) -> usize {
     ((s / reach * BINS as f64) as usize).min(BINS - 1)
-}
-
-/// The radius within which all pixels that the rays say nothing about can be followed by themselves.
-pub(super) fn affordable(all: &Sectors, start: &FanStart, left: u64) -> f64 {
-    let each = 2 * all.work.evaluations / all.work.rays.max(1) + 100;
-    let cost = |radius: f64| {
-        let area = |sector: &Sector| {
-            let (from, to) = (sector.unknown_from, radius.min(sector.border));
-            0.5 * sector.width * (to * to - from * from).max(0.0)
-        };
-        // Each pixel may be looked at twice.
-        2.0 * all.sectors.iter().map(area).sum::<f64>() / (start.pixel * start.pixel) * each as f64
-    };
-    let (mut low, mut high) = (0.0, start.reach);
-    if cost(high) <= left as f64 {
-        return f64::INFINITY;
-    }
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if cost(middle) <= left as f64 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
 }
 
 /// The largest of some errors.
