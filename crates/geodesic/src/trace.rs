@@ -185,6 +185,9 @@ pub(crate) const LOOSE: f64 = 1e-6;
 const TIGHTEST: f64 = 50.0 * f64::EPSILON;
 /// By what a run that another is compared with is more exact.
 const FINER: f64 = 1000.0;
+/// The factor to the estimate of a single run that is to be compared and cannot be: such estimates may be too low by almost
+/// as much (`an_estimate_that_cannot_be_checked_is_a_bound`).
+const UNCHECKED: f64 = 4.0;
 /// A ray of fewer steps is compared with one in two halves.
 const FEW: usize = 15;
 /// σu and σv whose angle has a smaller sine than this are parallel.
@@ -231,6 +234,12 @@ pub(crate) fn trace_from(
     length: f64,
     options: &Options,
 ) -> (Trace, (Chart, State)) {
+    // Between places that are nearer than this, numbers have no digits left.
+    let length = if length < f64::MIN_POSITIVE {
+        0.0
+    } else {
+        length
+    };
     let tolerance = options.tolerance;
     let noting = Observed {
         fields: options.conjugates || options.keep_fields,
@@ -293,8 +302,8 @@ pub(crate) fn trace_from(
     (finish(atlas, end), inside)
 }
 
-/// The error of a ray's end, by following it once more with a fraction of the tolerance; `None` where that cannot be
-/// afforded, or ends for another reason.
+/// The error of a ray's end, by following it once more with a fraction of the tolerance; a bound where that cannot be
+/// afforded; `None` where it ends for another reason.
 fn compared(
     atlas: &Atlas<'_>,
     start: Start,
@@ -304,9 +313,12 @@ fn compared(
     used: usize,
 ) -> Option<f64> {
     let tolerance = plan.tolerance? / FINER;
-    let left = plan.limit.saturating_sub(atlas.evaluations());
-    if tolerance < TIGHTEST || left < 2 * used || end.status == Status::WorkLimit {
+    if tolerance < TIGHTEST || end.status == Status::WorkLimit {
         return None;
+    }
+    let left = plan.limit.saturating_sub(atlas.evaluations());
+    if left < 2 * used {
+        return Some(UNCHECKED * end.error);
     }
     let whole = IntegrationPlan {
         tableau: &DOP853,
@@ -329,6 +341,9 @@ fn compared(
             };
             finer = integrate::integrate(atlas, start, 0.5 * length, half);
         }
+    }
+    if finer.status == Status::WorkLimit {
+        return Some(UNCHECKED * end.error);
     }
     if finer.status != end.status {
         return None;

@@ -129,6 +129,68 @@ fn the_truth_is_within_twice_the_estimate_and_half_of_it() {
 }
 
 #[test]
+fn an_estimate_that_cannot_be_checked_is_a_bound() {
+    let mut random = Random(7);
+    let (mut worst, mut known) = (0.0_f64, 0);
+    for n in 0..320 {
+        let (surface, from, length) = scene(&mut random, n);
+        let angle = random.between(0.0, TAU);
+        let run = |options: &Options| {
+            trace(
+                surface.as_ref(),
+                from,
+                [angle.cos(), angle.sin()],
+                length,
+                options,
+            )
+            .expect("a start")
+        };
+        let single = Options {
+            tolerance: random.size(1e-10, 1e-5),
+            max_evaluations: 400_000,
+            ..Options::default()
+        };
+        // The comparison is begun, or not even that.
+        let used = run(&single).evaluations;
+        let end = run(&Options {
+            max_evaluations: used * [2, 4][n % 2],
+            compare: true,
+            ..single
+        });
+        let truth = run(&Options {
+            tolerance: 1e-13,
+            ..single
+        });
+        let error = gap(surface.as_ref(), truth.uv.0, end.uv.0);
+        let is_known = end.status == Status::Complete
+            && truth.status == Status::Complete
+            && error > 1e-12 * length
+            && truth.error_estimate < 0.3 * error;
+        if is_known {
+            known += 1;
+            worst = worst.max(error / end.error_estimate);
+        }
+    }
+    println!("{known}, worst {worst}");
+    assert!(known >= 200, "{known}");
+    assert!(worst <= 2.0, "{worst}");
+}
+
+#[test]
+fn a_length_without_digits_takes_no_work() {
+    let end = trace(
+        &torus(0.4),
+        [0.3, 0.2],
+        [1.0, 0.5],
+        1e-320,
+        &Options::default(),
+    );
+    let end = end.expect("a start");
+    assert_eq!((end.status, end.length), (Status::Complete, 0.0));
+    assert!(end.evaluations < 100, "{}", end.evaluations);
+}
+
+#[test]
 fn without_comparison_the_estimate_is_a_bound() {
     let mut random = Random(6);
     for n in 0..160 {

@@ -507,3 +507,45 @@ fn the_other_way_round_lengths_are_the_same() {
         arrives(&surface, &there, q, 1e-7);
     }
 }
+
+#[test]
+fn places_that_are_near_each_other_are_joined_as_others_are() {
+    let surfaces: [(&str, Box<dyn Surface>, [f64; 2]); 3] = [
+        ("a sphere", Box::new(spheroid(1.0, 1.0)), [1.0, 0.3]),
+        ("a torus", Box::new(torus(0.4)), [0.5, 1.0]),
+        ("a half-plane", Box::new(half_plane()), [0.5, 1.0]),
+    ];
+    for (name, s, from) in &surfaces {
+        for apart in [1e-3, 1e-6, 1e-8, 1e-10, 1e-12] {
+            // What the numbers are apart after rounding.
+            let to = [from[0], from[1] + apart];
+            let apart = to[1] - from[1];
+            let jet = s.jet((*from).into());
+            let speed = jet.dv.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let all = measure::between(s.as_ref(), *from, to, Some(2.0 * speed * apart));
+            let all = all.expect("places");
+            let [one] = all.found[..] else {
+                panic!("{name}, {apart}: {all:?}");
+            };
+            let expected = speed * apart;
+            let off = (one.length - expected).abs() / expected;
+            assert!(
+                off < 1e-3 + 1e-15 / apart,
+                "{name}, {apart}: {}",
+                one.length
+            );
+            assert!(!one.conjugate, "{name}, {apart}");
+            let m = (one.m / one.length - 1.0).abs();
+            assert!(m < 1e-3 + 1e-15 / apart, "{name}, {apart}: {}", one.m);
+        }
+    }
+}
+
+#[test]
+fn a_triangle_with_two_equal_corners_lacks_a_side() {
+    let s = spheroid(1.0, 1.0);
+    let triangle = measure::triangle(&s, [[1.0, 0.3], [1.0, 0.3], [1.5, 0.5]]);
+    let triangle = triangle.expect("places");
+    let known = triangle.sides.iter().filter(|side| side.is_some()).count();
+    assert_eq!(known, 2, "{:?}", triangle.sides);
+}

@@ -109,10 +109,12 @@ impl fmt::Display for RenderError {
                     "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
                 )
             }
-            Self::Scale(scale) => write!(
-                f,
-                "lines and words cannot be {scale} times as large: the factor is from 0.1 to 20"
-            ),
+            Self::Scale(_) => {
+                write!(
+                    f,
+                    "the factor by which lines and words are larger is from 0.1 to 20"
+                )
+            }
             Self::Internal { message, .. } => {
                 write!(f, "internal error in a generated shader: {message}")
             }

@@ -1,7 +1,8 @@
 //! The faults of a program as they are shown. While somebody types, most faults are of what is not written yet: a
 //! fault is shown only after a pause, and one that is gone is gone at once.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
+use std::sync::Arc;
 
 use syntax::diagnostic::Severity;
 
@@ -10,8 +11,8 @@ use super::program::Finding;
 /// The faults of a text, and the objects that are therefore not shown as the text has them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Diagnosis {
-    /// The diagnostics, sorted by place.
-    pub(crate) findings: Vec<Finding>,
+    /// The diagnostics, sorted by place; shared, since there may be a million of them.
+    pub(crate) findings: Arc<[Finding]>,
     /// The objects that are shown as they last were, and those that read something that is.
     pub(crate) stale: BTreeSet<String>,
 }
@@ -27,13 +28,15 @@ impl ProgramFaults {
     /// Takes over the diagnosis of a newer text. What it no longer has is not shown any more.
     pub(crate) fn take(&mut self, latest: Diagnosis) {
         let before = std::mem::take(&mut self.shown);
-        let was_shown = |it: &&Finding| {
-            let same =
-                |known: &Finding| (known.severity, &known.message) == (it.severity, &it.message);
-            before.findings.iter().any(same)
-        };
+        let shown = before.findings.iter();
+        let known: HashSet<_> = shown.map(|it| (it.severity, it.message.as_str())).collect();
+        let was_shown = |it: &&Finding| known.contains(&(it.severity, it.message.as_str()));
+        let kept = latest.findings.iter().filter(was_shown);
         self.shown = Diagnosis {
-            findings: latest.findings.iter().filter(was_shown).cloned().collect(),
+            findings: match kept.clone().count() == latest.findings.len() {
+                true => latest.findings.clone(),
+                false => kept.cloned().collect(),
+            },
             stale: before.stale.intersection(&latest.stale).cloned().collect(),
         };
         self.latest = latest;

@@ -19,7 +19,7 @@ pub struct Compiled {
     /// Set if the text has no errors.
     pub ok: bool,
     /// The diagnostics, sorted by place.
-    pub findings: Vec<Finding>,
+    pub findings: Arc<[Finding]>,
     /// The scene. The scene of a text with errors has the declarations without errors as they are now, and the others
     /// as they last were. A text of which nothing can be shown has no scene.
     pub scene: Option<Arc<Scene>>,

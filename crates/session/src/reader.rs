@@ -80,15 +80,15 @@ pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
     };
     Compiled {
         ok: false,
-        findings: vec![fault],
+        findings: [fault].into(),
         ..Read::default().compiled(version, text)
     }
 }
 
 /// Adds lines and columns to diagnostics.
-fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+fn findings(text: &str, diagnostics: &[Diagnostic]) -> Arc<[Finding]> {
     if diagnostics.is_empty() {
-        return Vec::new();
+        return Arc::default();
     }
     let index = LineIndex::new(text);
     let finding = |diagnostic: &Diagnostic| {

@@ -13,7 +13,7 @@ use crate::surface::Surface;
 /// A geodesic from one place to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Connection {
-    /// Its length, within some 10⁻¹⁰ of itself or of the surface's size.
+    /// Its length, within some 10⁻¹⁰ of itself, but no better than numbers of the surface's size are rounded.
     pub length: f64,
     /// Its start; at a pole on the meridian that it runs along.
     pub from: Uv,
@@ -51,6 +51,8 @@ const SAME_LENGTH: f64 = 1e-7;
 const SAME_ANGLE: f64 = 1e-6;
 /// … and those whose rays end no farther apart, in units of the size.
 const SAME_PLACE: f64 = 1e-9;
+/// A loop is longer than this, in units of the size.
+const NO_LENGTH: f64 = 1e-9;
 /// The search for the shortest begins at this share of a way that is known to be long enough, …
 const BEGIN: f64 = 0.02;
 /// … and grows by this factor: where geodesics diverge, the work grows with the exponential of the length.
@@ -77,6 +79,7 @@ pub fn between(
     }
     let source = RaySource::at(surface, from.into())?;
     let target = AimedPlace::new(surface, to.into())?;
+    let size = surface.scale().size;
     let nearest = shortest(&source, &target);
     let wanted = within.or_else(|| Some(2.0 * nearest.found.first()?.length));
     let Some(wanted) = wanted else {
@@ -89,7 +92,7 @@ pub fn between(
         // Where geodesics diverge, so wide a search may be too much, and find less.
         let mut all = all_within(&source, &target, within);
         for it in nearest.found {
-            if !all.found.iter().any(|other| other.is_same(&it)) {
+            if !all.found.iter().any(|other| other.is_same(&it, size)) {
                 all.found.push(it);
             }
         }
@@ -118,11 +121,14 @@ pub fn distance(
 }
 
 impl Connection {
-    fn is_same(&self, other: &Self) -> bool {
+    fn is_same(&self, other: &Self, size: f64) -> bool {
+        let rounding = 64.0 * f64::EPSILON * size;
         let turn = (self.angle - other.angle) / TAU;
-        let one_angle = (turn - turn.round()).abs() * TAU < SAME_ANGLE;
+        let turn = (turn - turn.round()).abs() * TAU;
+        let apart = turn * self.m.abs().min(other.m.abs());
+        let one_angle = turn < SAME_ANGLE || apart < rounding;
         let longer = self.length.max(other.length);
-        (self.length - other.length).abs() < SAME_LENGTH * longer
+        (self.length - other.length).abs() < SAME_LENGTH * longer + rounding
             && (one_angle || self.conjugate && other.conjugate)
     }
 }
@@ -155,6 +161,11 @@ pub(super) fn all_within(
     reach: f64,
 ) -> Connections {
     let size = source.surface.scale().size;
+    // Between a place and itself, none has no length.
+    let least = match 0.5 * target.near_distance(source) {
+        0.0 => NO_LENGTH * size,
+        half => half.min(NO_LENGTH * size),
+    };
     let Guesses { found, complete } = search::guesses(source, target, MORE * reach);
     let mut hits: Vec<Hit> = Vec::new();
     let mut all = Connections {
@@ -174,7 +185,7 @@ pub(super) fn all_within(
             continue;
         };
         let known = hits.iter().any(|other| is_same(other, &hit, size));
-        if !known && hit.at.length <= reach && hit.at.length > 1e-9 * size {
+        if !known && hit.at.length <= reach && hit.at.length > least {
             hits.push(hit);
         }
     }
@@ -186,7 +197,7 @@ pub(super) fn all_within(
         to: hit.end.at,
         arrival: hit.end.along,
         m: hit.end.m,
-        conjugate: shoot::is_conjugate(hit, size),
+        conjugate: shoot::is_conjugate(hit),
         angle: hit.at.angle,
     };
     all.found = hits.iter().map(connection).collect();
@@ -204,7 +215,7 @@ fn in_known_family(
     const NEAR: f64 = 1e-2;
     hits.iter().any(|hit| {
         let near = (hit.at.length - guess.length).abs() < NEAR * hit.at.length.max(size);
-        near && shoot::is_conjugate(hit, size) && {
+        near && shoot::is_conjugate(hit) && {
             let end = source.follow(guess.angle, hit.at.length, false);
             end.is_ok_and(|(end, _)| {
                 let way = target.way_from(&end);
@@ -220,6 +231,6 @@ fn is_same(a: &Hit, b: &Hit, size: f64) -> bool {
     let turn = (turn - turn.round()).abs() * TAU;
     let apart = turn * a.end.m.abs().min(b.end.m.abs());
     let one_angle = turn < SAME_ANGLE || apart < SAME_PLACE * longer;
-    let conjugate = shoot::is_conjugate(a, size) && shoot::is_conjugate(b, size);
+    let conjugate = shoot::is_conjugate(a) && shoot::is_conjugate(b);
     (a.at.length - b.at.length).abs() < SAME_LENGTH * longer && (one_angle || conjugate)
 }

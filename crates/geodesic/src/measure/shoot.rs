@@ -91,9 +91,9 @@ pub(super) fn newton(
     best.filter(|best| best.off <= bounds.tolerance)
 }
 
-/// The distance to its target within which a ray has to come, relative to its length or the surface's size.
+/// The distance to its target within which a ray has to come, relative to its length.
 const EXACT: f64 = 1e-10;
-/// Beside this share of the size m is nothing.
+/// Beside this share of the length m is nothing.
 const NO_FIELD: f64 = 1e-8;
 
 /// Improves a guess by rays that are followed by themselves.
@@ -102,10 +102,11 @@ pub(super) fn hit(
     target: &AimedPlace<'_>,
     guess: PolarVector,
 ) -> Option<Hit> {
-    let size = source.surface.scale().size.max(guess.length);
+    let size = guess.length.max(target.near_distance(source));
+    let rounding = 8.0 * f64::EPSILON * source.surface.scale().size;
     let bounds = NewtonBounds {
         aim: 1e-3 * EXACT * size,
-        tolerance: EXACT * size,
+        tolerance: (EXACT * size).max(rounding),
         damping: 0.1 * NO_FIELD * size,
         stride: 0.2 * size,
         iterations: 24,
@@ -122,6 +123,6 @@ pub(super) fn hit(
 }
 
 /// True if the end is conjugate to the start: m = 0 as far as can be known.
-pub(super) fn is_conjugate(hit: &Hit, size: f64) -> bool {
-    hit.end.m.abs() <= 10.0 * NO_FIELD * size.max(hit.at.length)
+pub(super) fn is_conjugate(hit: &Hit) -> bool {
+    hit.end.m.abs() <= 10.0 * NO_FIELD * hit.at.length
 }

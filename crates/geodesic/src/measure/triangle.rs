@@ -106,6 +106,10 @@ pub fn triangle<P: Into<Uv>>(
         targets.push(AimedPlace::new(surface, corner)?);
     }
     let side = |from: usize, to: usize| {
+        // Loops are no sides.
+        if targets[to].near_distance(&sources[from]) == 0.0 {
+            return None;
+        }
         let all = shortest(&sources[from], &targets[to]);
         all.found.into_iter().next()
     };

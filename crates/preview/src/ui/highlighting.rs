@@ -11,6 +11,11 @@ use session::Finding;
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
+/// The most pieces of a text that are coloured: egui lays each out by itself. A text with more is plain, …
+const MOST_COLOURED: usize = 50_000;
+/// … and no more diagnostics than these are underlined in any.
+const MOST_MARKED: usize = 1_000;
+
 /// The last layout.
 #[derive(Debug, Default)]
 pub(crate) struct Painter {
@@ -25,7 +30,8 @@ pub(crate) struct Painter {
 impl Painter {
     /// Takes over what is wrong with a text; it is underlined where the text is still the same.
     pub(crate) fn mark(&mut self, findings: &[Finding]) {
-        let marks = findings.iter().map(|it| (it.span, it.severity)).collect();
+        let marked = findings.iter().take(MOST_MARKED);
+        let marks = marked.map(|it| (it.span, it.severity)).collect();
         if self.marks != marks {
             self.marks = marks;
             self.job = None;
@@ -43,6 +49,9 @@ impl Painter {
         if self.text != text || self.readings == 0 {
             text.clone_into(&mut self.text);
             self.highlights = language.highlight(text);
+            if self.highlights.len() > MOST_COLOURED {
+                self.highlights = Vec::new();
+            }
             self.readings += 1;
             self.job = None;
         }

@@ -199,10 +199,16 @@ impl Annotations<'_> {
             }
         }
         if let Some(spacing) = overlays.wavefronts {
-            drawn.push("wavefronts");
             let distance = spacing.distance(*zoom);
-            lines::wavefronts(image, status, *zoom, distance, request.scale);
-            key.line(ink::WAVE, &wave_words(distance));
+            if lines::wavefronts(image, status, *zoom, distance, request.scale) {
+                drawn.push("wavefronts");
+                key.line(ink::WAVE, &wave_words(distance));
+            } else {
+                notes.push(format!(
+                    "{} are less than 3 pixels apart here: none is drawn",
+                    wave_words(distance)
+                ));
+            }
         }
         if overlays.cut_locus {
             drawn.push("cut locus");

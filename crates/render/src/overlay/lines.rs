@@ -26,19 +26,21 @@ pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
     x.hypot(y)
 }
 
-/// Circles of equal distance, where something is seen.
+/// The least distance between wavefronts in pixels: closer ones would fill the picture.
+const CLOSEST_WAVES: f64 = 3.0;
+
+/// Circles of equal distance, where something is seen; false if they would be too close.
 pub(super) fn wavefronts(
     image: &mut RgbaImage,
     status: &[Status],
     zoom: f64,
     spacing: f64,
     scale: f32,
-) {
+) -> bool {
     let size = [image.width(), image.height()];
     let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
-    // Closer than a few pixels, circles would fill the picture.
-    if !(spacing > 3.0 * pixel && spacing.is_finite()) {
-        return;
+    if !(spacing > CLOSEST_WAVES * pixel && spacing.is_finite()) {
+        return false;
     }
     stroke(image, (ink::WAVE, scale), |index| {
         if status[index] != Status::Complete {
@@ -48,6 +50,7 @@ pub(super) fn wavefronts(
         let nearest = (s / spacing).round().max(1.0) * spacing;
         Some(((s - nearest).abs() / pixel) as f32)
     });
+    true
 }
 
 /// A smooth function of each pixel that is 0 at conjugate points, where the derivative of the exponential map loses its
