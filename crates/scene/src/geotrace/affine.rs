@@ -160,6 +160,22 @@ impl AffineNodes {
         Ok(Some(map))
     }
 
+    /// Returns true if a map with these entries, row by row, is singular whatever the lengths of its columns: it may else be
+    /// that their product is beyond the range of numbers.
+    pub(crate) fn is_flat(numbers: &[f64]) -> bool {
+        let mut scaled = numbers.to_vec();
+        for column in 0..3 {
+            let entries = (column..numbers.len()).step_by(4);
+            let most = entries
+                .clone()
+                .fold(0.0, |most, k| numbers[k].abs().max(most));
+            if most > 0.0 {
+                entries.for_each(|k| scaled[k] /= most);
+            }
+        }
+        Self::is_singular(&scaled)
+    }
+
     /// Returns true if the numbers of a map's entries, row by row, are those of a map that is singular or undefined.
     pub(crate) fn is_singular(numbers: &[f64]) -> bool {
         let [a, b, c, _, d, e, f, _, g, h, i, _] = numbers else {
@@ -267,6 +283,14 @@ mod tests {
             small[5 * k] = 1e-60;
         }
         assert!(!AffineNodes::is_singular(&small));
+        for extreme in [1e-110, 1e103] {
+            let mut map = [0.0; 12];
+            for k in 0..3 {
+                map[5 * k] = extreme;
+            }
+            assert!(AffineNodes::is_singular(&map) && !AffineNodes::is_flat(&map));
+        }
+        assert!(AffineNodes::is_flat(&flat));
         small[3] = f64::NAN;
         assert!(AffineNodes::is_singular(&small));
     }

@@ -440,9 +440,12 @@ impl Lowerer {
         if self.graph.inputs(entries).is_empty() && AffineNodes::is_singular(&self.numbers(entries))
         {
             let numbers = self.numbers(entries);
-            let message = match numbers.iter().all(|number| number.is_finite()) {
-                true => "this map is singular: it flattens the solid",
-                false => "this map is undefined",
+            let message = if numbers.iter().any(|number| !number.is_finite()) {
+                "this map is undefined"
+            } else if AffineNodes::is_flat(&numbers) {
+                "this map is singular: it flattens the solid"
+            } else {
+                "this map makes the solid too large or too small: its determinant is beyond the range of numbers"
             };
             return Err((SemanticError::new(error::SINGULAR_MAP, message), span));
         }
