@@ -952,7 +952,9 @@ fn a_file_that_may_not_grow_is_told_and_leaves_nothing_behind() {
 fn wavefronts_that_are_too_close_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     for (spacing, drawn) in [("0.5", true), ("0.001", false)] {
-        let arguments = ["render", "-", "-o", "p.png", "--size", "64x64", "--view", "geodesic"];
+        let arguments = [
+            "render", "-", "-o", "p.png", "--size", "64x64", "--view", "geodesic",
+        ];
         let run = geotrace(arguments)
             .argument("--wavefronts")
             .argument(spacing)
@@ -960,7 +962,9 @@ fn wavefronts_that_are_too_close_are_named() {
             .input(SPHERE)
             .run();
         run.expect_status(0);
-        let told = run.stderr.contains("are less than 3 pixels apart here: none is drawn");
+        let told = run
+            .stderr
+            .contains("are less than 3 pixels apart here: none is drawn");
         assert_eq!(told, !drawn, "{run:?}");
     }
 }

@@ -6,10 +6,14 @@
 //! to the resolution of t: what jumps or ends there is a change if membership differs at the ends. The work on a ray is
 //! bounded; where it is used up, the rest of the segment is sampled.
 
+use std::cell::RefCell;
+use std::sync::Arc;
+
 use expr::interval::{Interval, Slope};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use shell::Shell;
 
 mod bundle;
@@ -23,11 +27,58 @@ const SAMPLES: usize = 64;
 /// Parts shorter than this share of 1 + t are not halved.
 const RESOLUTION: f64 = 1e-13;
 
-/// An expression with its gradient.
-#[derive(Clone, Debug)]
-pub(crate) struct Field {
+/// An expression with its gradient, compiled: the same for all instances of an object.
+#[derive(Debug)]
+struct FieldCode {
     value: Tape,
     gradient: Tape,
+    inputs: Vec<Input>,
+    /// The expression by itself.
+    graph: Graph,
+    root: NodeId,
+}
+
+/// The expressions of a graph, each compiled once.
+#[derive(Debug)]
+pub(crate) struct FieldCompiler<'g> {
+    pub(crate) graph: &'g Graph,
+    known: RefCell<FxHashMap<NodeId, Arc<FieldCode>>>,
+}
+
+impl<'g> FieldCompiler<'g> {
+    /// Compiles expressions of a graph.
+    pub(crate) fn new(graph: &'g Graph) -> Self {
+        Self {
+            graph,
+            known: RefCell::default(),
+        }
+    }
+
+    fn code(&self, root: NodeId) -> Result<Arc<FieldCode>, TooLarge> {
+        if let Some(known) = self.known.borrow().get(&root) {
+            return Ok(known.clone());
+        }
+        let (mut graph, roots) = self.graph.extract(&[root]);
+        let mut gradient = Vec::new();
+        for k in 0..3 {
+            gradient.extend(graph.derivatives(&roots, Input::Variable(k))?);
+        }
+        let code = Arc::new(FieldCode {
+            value: Tape::new(&graph, &roots),
+            gradient: Tape::new(&graph, &gradient),
+            inputs: graph.inputs(&roots),
+            root: roots[0],
+            graph,
+        });
+        self.known.borrow_mut().insert(root, code.clone());
+        Ok(code)
+    }
+}
+
+/// An expression with its gradient and the values of its uniforms.
+#[derive(Clone, Debug)]
+pub(crate) struct Field {
+    code: Arc<FieldCode>,
     uniforms: Vec<(Input, f64)>,
     /// True where the set is that on which the negative is not positive.
     negated: bool,
@@ -72,32 +123,27 @@ impl Line {
 
 impl Field {
     pub(crate) fn new(
-        graph: &Graph,
+        compiler: &FieldCompiler<'_>,
         root: NodeId,
         negated: bool,
         uniform: &dyn Fn(Input) -> f64,
     ) -> Result<Self, TooLarge> {
-        let (mut graph, roots) = graph.extract(&[root]);
-        let mut gradient = Vec::new();
-        for k in 0..3 {
-            gradient.extend(graph.derivatives(&roots, Input::Variable(k))?);
-        }
-        let inputs = graph.inputs(&roots).into_iter();
+        let code = compiler.code(root)?;
+        let inputs = code.inputs.iter();
         Ok(Self {
-            shell: roots
-                .first()
-                .filter(|_| !negated)
-                .and_then(|&root| Shell::new(&graph, root, uniform)),
-            value: Tape::new(&graph, &roots),
-            gradient: Tape::new(&graph, &gradient),
-            uniforms: inputs.map(|input| (input, uniform(input))).collect(),
+            shell: match negated {
+                true => None,
+                false => Shell::new(&code.graph, code.root, uniform),
+            },
+            uniforms: inputs.map(|&input| (input, uniform(input))).collect(),
             negated,
+            code,
         })
     }
 
     /// The number of operations of its value.
     pub(crate) fn operation_count(&self) -> usize {
-        self.value.operation_count()
+        self.code.value.operation_count()
     }
 
     /// True if the set is that where the expression's negative is not positive.
@@ -115,8 +161,9 @@ impl Field {
     /// The value at a point; NaN where it is undefined.
     pub(crate) fn value(&self, scratch: &mut FieldScratch, at: DVec3) -> f64 {
         let mut out = [f64::NAN];
-        self.inputs(&self.value, at, &mut scratch.numbers);
-        self.value
+        self.inputs(&self.code.value, at, &mut scratch.numbers);
+        self.code
+            .value
             .eval(&mut scratch.registers, &scratch.numbers, &mut out);
         if self.negated { -out[0] } else { out[0] }
     }
@@ -124,8 +171,9 @@ impl Field {
     /// The gradient at a point.
     pub(crate) fn gradient(&self, scratch: &mut FieldScratch, at: DVec3) -> DVec3 {
         let mut out = [f64::NAN; 3];
-        self.inputs(&self.gradient, at, &mut scratch.numbers);
-        self.gradient
+        self.inputs(&self.code.gradient, at, &mut scratch.numbers);
+        self.code
+            .gradient
             .eval(&mut scratch.registers, &scratch.numbers, &mut out);
         let gradient = DVec3::from_array(out);
         if self.negated { -gradient } else { gradient }
@@ -299,6 +347,7 @@ impl Field {
     /// An interval that contains the values on a box.
     pub(crate) fn on_box(&self, scratch: &mut FieldScratch, sides: [Interval; 3]) -> Interval {
         let inputs: Vec<Interval> = self
+            .code
             .value
             .inputs()
             .iter()
@@ -308,7 +357,8 @@ impl Field {
             })
             .collect();
         let mut out = [Interval::WHOLE];
-        self.value
+        self.code
+            .value
             .eval_intervals(&mut scratch.registers, &inputs, &mut out);
         if self.negated {
             Interval::unary(expr::ops::Unary::Neg, out[0])
@@ -346,7 +396,7 @@ impl Field {
         let tape = self
             .shell
             .as_ref()
-            .map_or(&self.value, |shell| &shell.inner);
+            .map_or(&self.code.value, |shell| &shell.inner);
         scratch.evaluations += 1;
         scratch.slopes.clear();
         for input in tape.inputs() {

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use expr::interval::Interval;
 use expr::polynomial::{Polynomial, Region, region};
-use expr::{Graph, Input, NodeId, TooLarge};
+use expr::{Input, NodeId, TooLarge};
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, WorkBudget, enclose};
-use crate::field::{Field, FieldScratch};
+use crate::field::{Field, FieldCompiler, FieldScratch};
 use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
 use crate::surface::PolynomialSurface;
@@ -54,13 +54,14 @@ const FLATTEST: f64 = 1e-3;
 impl Shape {
     /// Makes a shape. Where `work` is used up, its box is endless or larger than it need be.
     pub(crate) fn new(
-        graph: &Graph,
+        compiler: &FieldCompiler<'_>,
         node: NodeId,
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
         work: &WorkBudget,
     ) -> Result<Self, TooLarge> {
-        let field = Field::new(graph, node, false, uniform)?;
+        let graph = compiler.graph;
+        let field = Field::new(compiler, node, false, uniform)?;
         // One operation more: what is none has a value, too.
         let operations = field.operation_count() as u64 + 1;
         work.take(READING * operations);
@@ -114,9 +115,10 @@ impl Shape {
     /// Reads the shape in coordinates that take `frame` to [−1, 1]³.
     pub(crate) fn compile(
         &self,
-        graph: &Graph,
+        compiler: &FieldCompiler<'_>,
         frame: &BoundingBox,
     ) -> Result<FramedShape, TooLarge> {
+        let graph = compiler.graph;
         let uniform: &dyn Fn(Input) -> f64 = &|input| self.field.uniform(input);
         let center = frame.center();
         let half = 0.5 * (frame.upper - frame.lower);
@@ -140,7 +142,7 @@ impl Shape {
             };
         }
         let mut pieces = Vec::new();
-        collect(&region, graph, uniform, &mut pieces)?;
+        collect(&region, compiler, uniform, &mut pieces)?;
         if whole
             && let Some(LeafSurface::Polynomial(surface)) = pieces.first_mut()
             && let Some(program) = PolynomialProgram::new(graph, self.node, uniform, &frame)
@@ -186,7 +188,7 @@ impl FramedShape {
 /// Regions are nested no deeper than they have pieces, which are few.
 fn collect(
     region: &Region,
-    graph: &Graph,
+    compiler: &FieldCompiler<'_>,
     uniform: &dyn Fn(Input) -> f64,
     pieces: &mut Vec<LeafSurface>,
 ) -> Result<(), TooLarge> {
@@ -195,12 +197,12 @@ fn collect(
             pieces.push(LeafSurface::Polynomial(PolynomialSurface::new(p.clone())));
         }
         Region::Field(node, negated) => {
-            let field = Field::new(graph, *node, *negated, uniform)?;
+            let field = Field::new(compiler, *node, *negated, uniform)?;
             pieces.push(LeafSurface::Field(Arc::new(field), *node));
         }
         Region::All(parts) | Region::Any(parts) => {
             for part in parts {
-                collect(part, graph, uniform, pieces)?;
+                collect(part, compiler, uniform, pieces)?;
             }
         }
     }

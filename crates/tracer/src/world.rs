@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 
 use crate::bounds::{BoundingBox, WorkBudget};
 use crate::bvh::Hierarchy;
-use crate::field::FieldScratch;
+use crate::field::{FieldCompiler, FieldScratch};
 use crate::leaf::Leaf;
 use crate::line::SurfaceId;
 use crate::low::{LowPiece, is_convex, is_quadric, low_pieces};
@@ -51,7 +51,7 @@ pub enum BuildError {
 
 /// Collects what a world consists of.
 pub struct WorldBuilder<'a> {
-    graph: &'a Graph,
+    compiler: FieldCompiler<'a>,
     uniform: &'a dyn Fn(Input) -> f64,
     work: WorkBudget,
     shapes: Vec<Shape>,
@@ -94,7 +94,7 @@ impl<'a> WorldBuilder<'a> {
     /// Begins a world of expressions of this graph; `uniform` gives the numbers of its uniforms.
     pub fn new(graph: &'a Graph, uniform: &'a dyn Fn(Input) -> f64) -> Self {
         Self {
-            graph,
+            compiler: FieldCompiler::new(graph),
             uniform,
             work: WorkBudget::new(u64::MAX),
             shapes: Vec::new(),
@@ -136,7 +136,7 @@ impl<'a> WorldBuilder<'a> {
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
     ) -> Result<ShapeId, BuildError> {
-        let shape = Shape::new(self.graph, field, cuts, uniform, &self.work)?;
+        let shape = Shape::new(&self.compiler, field, cuts, uniform, &self.work)?;
         if self.work.is_used_up() {
             return Err(BuildError::TooMuchWork);
         }
@@ -341,7 +341,7 @@ impl FrameCache<'_> {
         let compiled = if frame.is_empty() {
             FramedShape::empty()
         } else {
-            source.compile(self.builder.graph, &frame)?
+            source.compile(&self.builder.compiler, &frame)?
         };
         let compiled = Arc::new(compiled);
         self.known.insert((shape, key), compiled.clone());
