@@ -96,10 +96,14 @@ impl LoadedProgram {
         let object = scene.get(id);
         let uniforms = object.map(|object| params.first_instance(scene, object));
         let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
-        manifold.map_err(|error| match error {
+        manifold.map_err(|error| match &error {
             ManifoldError::NoSurface { .. } => Failure::usage(error.to_string()),
             ManifoldError::TooLarge { name } => Failure::Input {
                 message: format!("the derivatives of `{name}` are too large to be written out"),
+                hint: None,
+            },
+            ManifoldError::Flat { .. } => Failure::Input {
+                message: error.to_string(),
                 hint: None,
             },
         })

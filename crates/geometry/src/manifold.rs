@@ -41,6 +41,13 @@ pub enum ManifoldError {
         /// The object's name.
         name: String,
     },
+    /// A map of the solid takes volumes to 0 with these values of the params, so that it bounds nothing.
+    Flat {
+        /// The solid's name.
+        name: String,
+        /// The leaf whose map it is.
+        leaf: String,
+    },
 }
 
 impl Manifold {
@@ -121,6 +128,12 @@ impl fmt::Display for ManifoldError {
                 f,
                 "the derivatives of `{name}` are too large, and its geodesics need them"
             ),
+            Self::Flat { name, leaf } => {
+                write!(
+                    f,
+                    "`{name}` has no surface: the map of `{leaf}` takes volumes to 0"
+                )
+            }
         }
     }
 }

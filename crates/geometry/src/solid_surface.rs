@@ -9,7 +9,7 @@ use scene::{BoundGrid, ObjectId, ParamValues, Range, Sampling, Scene};
 use tracer::{BoundingBox, Ray};
 
 use crate::manifold::ManifoldError;
-use crate::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
+use crate::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
 
 /// The surface of the first instance of a solid.
 #[derive(Debug)]
@@ -51,6 +51,13 @@ impl SolidSurface {
         };
         let rays = RayScene::of_solid(scene, params, &options, object, &mut { MAX_SHAPE_WORK });
         let world = rays.world();
+        let flat = rays.notes().into_iter().find_map(|note| match note.fault {
+            RayFault::SingularMap(few, all, leaf) if few == all => Some(leaf),
+            _ => None,
+        });
+        if let Some(leaf) = flat {
+            return Err(ManifoldError::Flat { name: name(), leaf });
+        }
         let bounds = (world.solid_count() > 0).then(|| world.bounds(0)).flatten();
         let bounds = bounds.filter(|bounds| !bounds.is_empty());
         let size = bounds.map(|bounds| (bounds.upper - bounds.lower).max_element());

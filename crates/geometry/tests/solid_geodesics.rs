@@ -119,6 +119,21 @@ fn a_camera_stands_where_the_ray_along_x_leaves() {
 }
 
 #[test]
+fn a_solid_that_a_param_flattens_has_no_surface() {
+    let text = "param c : [0, 1]; solid ball(x, y, z) = x^2 + y^2 + z^2 - 1; solid s = ball | ball @ scale (1, 1, c);";
+    let scene = scene::geotrace::compile(text).scene.expect("a scene");
+    let refused = solid(&scene, "s").expect_err("flat").to_string();
+    assert_eq!(
+        refused,
+        "`s` has no surface: the map of `ball` takes volumes to 0"
+    );
+    let (id, _) = scene.object("s").expect("a solid");
+    let mut params = ParamValues::initial(&scene);
+    params.set(&scene, "c", &[0.5]).expect("in range");
+    SolidSurface::new(&scene, &params, id).expect("a solid");
+}
+
+#[test]
 fn a_solid_is_the_union_over_its_grids_unless_they_have_a_value() {
     let scene = scene();
     let (id, _) = scene.object("row").expect("a solid");

@@ -487,6 +487,10 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("the 3D view does without them".into()),
         },
+        RenderError::Manifold(ManifoldError::Flat { .. }) => Failure::Input {
+            message,
+            hint: None,
+        },
         RenderError::UndefinedCamera { .. } => Failure::Input {
             message,
             hint: Some("`--at U,V` puts it elsewhere".into()),
