@@ -487,3 +487,19 @@ fn a_frame_walks_and_returns() {
     assert!(apart(back.y, frame.y) < 1e-9);
     assert!((frame.angle(&torus) - 0.7).abs() < 1e-12);
 }
+
+#[test]
+fn a_length_beyond_all_measure_ends_for_the_work_and_not_for_the_surface() {
+    // A sphere whose size is not known, as of a geodesic that a program declares.
+    let mut f = Field::new();
+    let squares = [0, 1, 2].map(|k| f.square(k, 0.0));
+    let sum = f.sum(&squares);
+    let field = f.plus(sum, -1.0);
+    let sphere = f.done(field, f64::INFINITY);
+    let options = Options::default();
+    for length in [1e3, 1e12] {
+        let end = sphere.trace_points([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], &[length], &options);
+        let end = end.expect("a start");
+        assert_eq!(end.status, Status::WorkLimit, "of {length}");
+    }
+}

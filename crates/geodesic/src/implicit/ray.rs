@@ -263,6 +263,9 @@ impl SpaceRay<'_> {
     fn run(&mut self, length: f64) -> Status {
         self.note();
         let scale = self.surface.size().min(length);
+        // A length that is asked for says nothing of how short a step may be.
+        let own = self.size_here().min(length);
+        let own = if own > 0.0 { own } else { length };
         let mut h = self.plan.step;
         loop {
             let remaining = length - self.s;
@@ -288,7 +291,7 @@ impl SpaceRay<'_> {
                     h = shorter;
                 }
             }
-            let shortest = SHORTEST * scale.max(self.s);
+            let shortest = SHORTEST * own.max(self.s);
             if h < shortest && length - self.s > shortest {
                 return self.stalled(shortest);
             }
@@ -308,26 +311,28 @@ impl SpaceRay<'_> {
         }
     }
 
+    /// The surface's size; where that is not known, the place itself and how the surface bends there tell of it.
+    fn size_here(&self) -> f64 {
+        let size = self.surface.size();
+        if size.is_finite() {
+            return size;
+        }
+        let radius = self.shape.radius();
+        let reach = norm(self.state.at);
+        if radius.is_finite() {
+            radius.max(reach)
+        } else {
+            reach
+        }
+    }
+
     fn longest(&self) -> f64 {
         let mut longest = f64::INFINITY;
         if self.plan.field_knots {
             longest = field::longest_step(self.shape.curvature);
         }
         if self.surface.has_edges() {
-            let size = self.surface.size();
-            let size = if size.is_finite() {
-                size
-            } else {
-                // The place itself, and how the surface bends there, tell of its size.
-                let radius = self.shape.radius();
-                let reach = norm(self.state.at).max(1e-300);
-                if radius.is_finite() {
-                    radius.max(reach)
-                } else {
-                    reach
-                }
-            };
-            longest = longest.min(BESIDE_EDGES * size);
+            longest = longest.min(BESIDE_EDGES * self.size_here().max(1e-300));
         }
         longest
     }
