@@ -60,6 +60,13 @@ pub const ATTACKS: &[Attack] = &[
         full: 20_000,
     },
     Attack {
+        name: "long",
+        about: "requests about programs that are one expression, or one line: each is answered; the time is that of ten of them",
+        run: sessions::long,
+        tested: 0,
+        full: 60,
+    },
+    Attack {
         name: "metric",
         about: "random metrics are checked and drawn from inside",
         run: hostile::metrics,

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use serde_json::json;
 use testing::editor::Place;
 use testing::random_edits::session;
 use testing::talk::{URI, at, started};
@@ -68,6 +69,69 @@ pub(super) fn unread(_seed: u64, count: u64) -> Report {
                     _ => true,
                 });
                 assert!(is_whole, "{method}: {answer:?}");
+            }
+            let peak = editor.peak();
+            assert_eq!(editor.quit().await, 0);
+            peak
+        })
+    })
+}
+
+/// Programs without line ends, or with all of their text in one declaration: a beginning, what is repeated, an end.
+const LONG: [[&str; 3]; 6] = [
+    ["define a = 1", " + 2pi", ";"],
+    ["define a = 1", "pi", ";"],
+    ["define b = 1;\ndefine a = 1", "\n+b", ";"],
+    ["function f(u) = u;\nfunction g(u) = u", "+f_u(u)", ";"],
+    ["function f(u) = u;\nfunction g(u) = f", "_u", "(u);"],
+    [
+        "solid s(x, y, z) = x^2 + y^2 + z^2 - 1;\nsolid t = s",
+        " | s",
+        ";",
+    ],
+];
+/// How often it is repeated.
+const LENGTH: usize = 40_000;
+
+/// Requests about programs that are one expression, or one line: the work of each grows with the text, and not with its square.
+pub(super) fn long(_seed: u64, count: u64) -> Report {
+    let whole = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 1 << 20, "character": 0 } });
+    let document = json!({ "uri": URI });
+    let name = json!({ "line": 0, "character": 8 });
+    let requests = [
+        ("hover", json!({ "position": name })),
+        ("documentHighlight", json!({ "position": name })),
+        (
+            "references",
+            json!({ "position": name, "context": { "includeDeclaration": true } }),
+        ),
+        ("rename", json!({ "position": name, "newName": "zz" })),
+        ("selectionRange", json!({ "positions": [name] })),
+        ("semanticTokens/full", json!({})),
+        ("inlayHint", json!({ "range": whole })),
+        ("documentSymbol", json!({})),
+        ("foldingRange", json!({})),
+        (
+            "formatting",
+            json!({ "options": { "tabSize": 2, "insertSpaces": true } }),
+        ),
+    ];
+    many(count, requests.len() as u64, |number| {
+        let [first, middle, last] = LONG[number as usize % LONG.len()];
+        wait_for(async {
+            let mut editor = started(Place::Binary, "long").await;
+            let text = format!("{first}{}{last}\n", middle.repeat(LENGTH));
+            editor.open(URI, &text).await;
+            for (method, params) in &requests {
+                let mut params = params.clone();
+                params["textDocument"] = document.clone();
+                // A builtin has no new name; what else is refused is a fault.
+                let id = editor.post(&format!("textDocument/{method}"), params).await;
+                let answer = editor.answer(id).await;
+                assert!(
+                    answer.is_ok() || *method == "rename",
+                    "{method}: {answer:?}"
+                );
             }
             let peak = editor.peak();
             assert_eq!(editor.quit().await, 0);
