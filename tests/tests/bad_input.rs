@@ -973,7 +973,8 @@ fn wavefronts_that_are_too_close_are_named() {
 fn no_picture_takes_the_place_of_an_image_that_it_shows() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
-    let program = format!("{SPHERE} surface t(u, v) = s(u, v), image : map;");
+    let program =
+        format!("{SPHERE} surface t(u, v) = 2s(u, v), u : [0, 1], v : [0, 1], image : map;");
     std::fs::write(path("a.gtr"), program).expect("written");
     for name in ["map.png", "q-0001.png"] {
         image::RgbaImage::new(2, 2)

@@ -184,6 +184,13 @@ fn pictures() -> Vec<Limit> {
             "",
         ),
         limit(
+            "texels of all images that a program shows; each has half of those that are left",
+            grouped(texture::MAX_TOTAL_TEXELS),
+            "memory: about a gigabyte; an image that has more is reduced",
+            "",
+            "",
+        ),
+        limit(
             "operations on intervals to find where the solids of a scene lie; a sixteenth of that for what is told at a name",
             grouped(MAX_SHAPE_WORK),
             "run time: a few seconds",
