@@ -1,6 +1,7 @@
 //! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
 
 use export::mesh::MOST_CELLS;
+use geodesic::fan::MOST_FOR_RAYS;
 use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
 use geodesic::measure::MOST_CONNECTIONS;
 use geodesic::trace::MOST_OF_ONE;
@@ -242,6 +243,13 @@ fn geodesics() -> Vec<Limit> {
             "evaluations of the surface in a geodesic view; fewer where one evaluation is dear",
             grouped(picture),
             "run time: a few seconds",
+            "could not be followed within the limit of work",
+            "a smaller `--zoom`: shorter geodesics",
+        ),
+        limit(
+            "evaluations of the surface for the rays of a geodesic view; pixels that they say nothing about are followed one by one",
+            grouped(MOST_FOR_RAYS),
+            "memory: their steps are kept",
             "could not be followed within the limit of work",
             "a smaller `--zoom`: shorter geodesics",
         ),

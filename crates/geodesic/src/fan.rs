@@ -41,6 +41,7 @@ use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::surface::{Surface, affordable_evaluations};
 use crate::trace;
+pub use build::MOST_FOR_RAYS;
 use cell::Found;
 use polar::{PLACES, polar};
 use sectors::{Sector, Sectors};

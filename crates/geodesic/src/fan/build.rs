@@ -33,8 +33,9 @@ const LEAST_TOLERANCE_SHARE: f64 = 2e-2;
 /// The most evaluations for one ray, and the least that one is begun with.
 const ONE_RAY: u64 = 20_000;
 const LEAST: u64 = 50;
-/// The most evaluations for all rays, whatever a fan may have: each step of each ray is kept, in about 300 bytes.
-const ALL_RAYS: u64 = 20_000_000;
+/// The most evaluations of the surface for all rays of a fan, whatever its options allow: each step of each ray is kept, in about
+/// 300 bytes.
+pub const MOST_FOR_RAYS: u64 = 20_000_000;
 
 /// The number of pixels that rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
 /// polynomial.
@@ -146,7 +147,7 @@ pub(super) fn build(
 impl Builder<'_> {
     /// Integrates rays. `None` where the evaluations do not suffice for all.
     pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
-        let most = self.options.max_evaluations.min(ALL_RAYS);
+        let most = self.options.max_evaluations.min(MOST_FOR_RAYS);
         let left = most.saturating_sub(self.work.evaluations);
         // What each may take for sure; no more than a few do more than twice the average.
         let each = left / wanted.len().max(1) as u64;
