@@ -51,6 +51,24 @@ fn the_table_agrees_with_true_values_for_every_operation() {
 }
 
 #[test]
+fn an_operation_is_built_of_as_many_operands_as_it_takes() {
+    let mut graph = Graph::default();
+    let (a, b) = variables(&mut graph);
+    for operation in Operation::all() {
+        let arity = operation.arity();
+        let node = operation.node(&mut graph, a, b);
+        for operands in [&[][..], &[a], &[a, b], &[a, b, b]] {
+            let expected = (operands.len() == arity).then_some(node);
+            assert_eq!(
+                operation.build(&mut graph, operands),
+                expected,
+                "{operation:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn tape_and_lanes_give_the_value_of_every_case() {
     let mut registers = Registers::default();
     for case in cases().iter().chain(&anchors()) {

@@ -112,6 +112,57 @@ fn every_case_of_the_conformance_list_has_its_value_and_true_values_are_containe
 }
 
 #[test]
+fn the_first_power_is_what_it_is_taken_of() {
+    let third = Interval::new(1.0 / 3.0, 2.0 / 3.0);
+    assert_eq!(third.integer_power(1), third);
+}
+
+#[test]
+fn sines_between_crests_reach_from_one_end_to_the_other() {
+    for turn in [-3.0, 0.0, 1.0, 1000.0] {
+        let turn = turn * std::f64::consts::TAU;
+        // The interval, and between which values the sine and the cosine lie.
+        let cases = [
+            (
+                [0.25, 0.5],
+                [0.25f64.sin(), 0.5f64.sin()],
+                [0.5f64.cos(), 0.25f64.cos()],
+            ),
+            ([1.0, 2.0], [1f64.sin(), 1.0], [2f64.cos(), 1f64.cos()]),
+            ([2.0, 4.0], [4f64.sin(), 2f64.sin()], [-1.0, 2f64.cos()]),
+            ([4.0, 5.0], [-1.0, 4f64.sin()], [4f64.cos(), 5f64.cos()]),
+            ([5.0, 7.0], [5f64.sin(), 7f64.sin()], [5f64.cos(), 1.0]),
+        ];
+        for ([from, to], sines, cosines) in cases {
+            let range = Interval::new(from + turn, to + turn);
+            for (op, [least, most]) in [(Unary::Sin, sines), (Unary::Cos, cosines)] {
+                let values = Interval::unary(op, range);
+                let rounding = 1e-15 + f64::EPSILON * turn.abs();
+                let is_near = |x: f64, expected: f64| (x - expected).abs() <= rounding;
+                let is_tight = is_near(values.lower(), least) && is_near(values.upper(), most);
+                assert!(is_tight, "{op:?} of {range:?}: {values:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn crests_between_large_numbers_are_seen() {
+    // Neighbouring numbers of this size are about a ten-thousandth of a turn apart.
+    for turn in 0..2_000 {
+        let crest = (1e11 + f64::from(turn)) * std::f64::consts::TAU + std::f64::consts::FRAC_PI_2;
+        let mut numbers = [crest; 7];
+        for k in 1..7 {
+            numbers[k] = numbers[k - 1].next_up();
+        }
+        let range = Interval::unary(Unary::Sin, Interval::new(numbers[0], numbers[6]));
+        for x in numbers {
+            assert!(range.contains(x.sin()), "sin {x}: {} in {range:?}", x.sin());
+        }
+    }
+}
+
+#[test]
 fn undefined_values_empty_results_and_poles_are_seen() {
     let sqrt = |a, b| Interval::unary(Unary::Sqrt, Interval::new(a, b));
     assert!(sqrt(-2.0, -1.0).is_empty() && sqrt(-2.0, -1.0).is_partial());

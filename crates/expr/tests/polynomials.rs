@@ -138,6 +138,11 @@ fn regions_are_where_the_expression_is_not_positive() {
         (x.sqrt().sin().min(&(rr - 1.0)), vec![], 1),
         (x.number(-1.0), vec![], 0),
         (x.number(f64::NAN), vec![], 0),
+        // What holds nowhere, or everywhere, decides whatever is beside it.
+        (x.max(&x.number(1.0)), vec![], 0),
+        (x.max(&x.number(-1.0)), vec![1], 0),
+        (x.min(&x.number(-1.0)), vec![], 0),
+        (x.min(&x.number(1.0)), vec![1], 0),
         ((x - 1000.0).squared() - 999_000.0, vec![2], 0),
     ];
     let mut state = 1u64;
@@ -193,6 +198,18 @@ fn a_shape_far_away_is_read_about_its_place_without_loss() {
         ([4, 0, 0], q),
     ];
     assert_eq!(p, Polynomial::from_terms(expected));
+}
+
+#[test]
+fn products_are_expanded_as_far_as_the_work_is_bounded() {
+    let [x, y, z] = &variables();
+    let products = |count: u32| {
+        (0..count).map(f64::from).fold(x - 0.5, |sum, k| {
+            sum + (x + k * y + z + 1.0).powi(6) * (x - k * z + y + 2.0).powi(6)
+        })
+    };
+    assert!(matches!(read(&products(10)), Region::Polynomial(p) if p.degree() == 12));
+    assert!(matches!(read(&products(400)), Region::Field(..)));
 }
 
 #[test]

@@ -149,6 +149,8 @@ fn equal_expressions_are_one_node() {
     let two = graph.constant(2.0);
     assert_eq!(graph.power(x, two), graph.mul(x, x));
     assert_eq!(graph.add(x, x), graph.mul(two, x));
+    let zero = graph.constant(0.0);
+    assert_eq!([graph.add(x, zero), graph.add(zero, x)], [x; 2]);
     let half = graph.constant(0.5);
     assert_eq!(graph.div(x, two), graph.mul(half, x));
     assert_ne!(graph.power(x, half), graph.unary(Unary::Sqrt, x));
