@@ -72,6 +72,14 @@ impl Fix {
         }
     }
 
+    /// The fix that removes a sign.
+    pub(crate) fn remove(span: Span, sign: &str) -> Self {
+        Self {
+            title: format!("Remove `{sign}`"),
+            ..Self::change(span, "", true)
+        }
+    }
+
     /// Returns the fix as one that may be applied together with others.
     #[must_use]
     pub(crate) fn with_all(self) -> Self {

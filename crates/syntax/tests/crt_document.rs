@@ -202,6 +202,19 @@ fn a_certificate_is_left_alone() {
 }
 
 #[test]
+fn a_word_starts_behind_the_last_character_that_is_none_of_its() {
+    let text = "ab = 1\ncd = ef2gh + é";
+    let document = open(text);
+    assert_eq!(document.chunks().count(), 2);
+    let snapshot = document.snapshot();
+    let start = |before: &str| snapshot.word_start(text.find(before).expect("a place") as u32);
+    assert_eq!([start("b ="), start(" = 1"), start("= 1")], [0, 0, 3]);
+    assert_eq!([start("f2"), start("h +"), start(" + é")], [12, 12, 12]);
+    let length = text.len() as u32;
+    assert_eq!(snapshot.word_start(length), length);
+}
+
+#[test]
 fn a_line_that_is_indented_deeper_goes_on_without_a_warning() {
     let codes = |text: &str| -> Vec<&str> {
         let found = open(text).diagnostics();

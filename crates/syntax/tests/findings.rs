@@ -1,5 +1,5 @@
-//! Every message of the front-end, as `findings.txt` holds them: a program between `===` and `---`, then one
-//! line for each finding, `line:column severity[code] text | message | hint`.
+//! Every message of the front-end, as `findings.txt` and `crt_findings.txt` hold them: a program between `===` and `---`,
+//! then one line for each finding, `line:column severity[code] text | message | hint`, and one for each fix.
 //!
 //! After a change of wording: `UPDATE=1 cargo test -p geotrace-syntax --test findings`, and read the diff.
 
@@ -8,32 +8,74 @@ mod support;
 
 use std::fmt::Write as _;
 
-use support::{parse, program_findings};
+use support::{findings, parse};
+use syntax::diagnostic::{Diagnostic, Fix};
+use syntax::line_index::LineIndex;
 use syntax::{codes, geotrace};
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/findings.txt");
+const CRT_PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/crt_findings.txt");
 
-#[test]
-fn every_finding_reads_as_it_was_agreed() {
-    let agreed = std::fs::read_to_string(PATH).expect("findings.txt");
+/// The fixes of the diagnostics, in order of place: `title: old → new`, and when an editor may apply it.
+fn fixes(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
+    let mut diagnostics: Vec<&Diagnostic> = diagnostics.iter().collect();
+    diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+    let fixes = diagnostics.iter().flat_map(|diagnostic| &diagnostic.fixes);
+    let show = |fix: &Fix| {
+        let start = LineIndex::new(source).position(fix.span.start);
+        format!(
+            "  {}:{} {}: ‹{}› → ‹{}›{}{}",
+            start.line,
+            start.column,
+            fix.title,
+            fix.span.text(source),
+            fix.replacement,
+            if fix.preferred { ", preferred" } else { "" },
+            if fix.all { ", with all" } else { "" },
+        )
+        .replace('\n', "⏎")
+    };
+    fixes.map(show).collect()
+}
+
+/// Compares the findings of the programs in a file with those that stand there.
+fn check(path: &str, diagnostics: impl Fn(&str) -> Vec<Diagnostic>) {
+    let agreed = std::fs::read_to_string(path).expect("a file of findings");
     let mut actual = String::new();
     for case in agreed.split("===\n").skip(1) {
         let (program, _) = case
             .split_once("\n---\n")
             .expect("a program and its findings");
         let _ = write!(actual, "===\n{program}\n---\n");
-        for finding in program_findings(program) {
-            let _ = writeln!(actual, "{finding}");
+        let found = diagnostics(program);
+        let lines = findings(program, &found)
+            .into_iter()
+            .chain(fixes(program, &found));
+        for line in lines {
+            let _ = writeln!(actual, "{line}");
         }
     }
     if std::env::var_os("UPDATE").is_some() {
-        std::fs::write(PATH, &actual).expect("findings.txt is writable");
+        std::fs::write(path, &actual).expect("a file of findings is writable");
         return;
     }
     for (line, (actual, agreed)) in actual.lines().zip(agreed.lines()).enumerate() {
-        assert_eq!(actual, agreed, "line {} of findings.txt", line + 1);
+        assert_eq!(actual, agreed, "line {} of {path}", line + 1);
     }
     assert_eq!(actual.lines().count(), agreed.lines().count());
+}
+
+#[test]
+fn every_finding_reads_as_it_was_agreed() {
+    check(PATH, |program| parse(program).0.diagnostics);
+}
+
+#[test]
+fn every_finding_of_a_script_reads_as_it_was_agreed() {
+    check(CRT_PATH, |script| {
+        let script = syntax::crt::document::Document::new(script, &());
+        script.expect("a small text").diagnostics()
+    });
 }
 
 #[test]

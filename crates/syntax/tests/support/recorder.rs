@@ -94,10 +94,10 @@ pub fn parse(source: &str) -> (Recorder, Parsed) {
     (recorder, parsed)
 }
 
-/// `line:column-end_column severity[code] text | message | hint` for each diagnostic, in order of place.
-pub fn findings(source: &str, recorder: &Recorder) -> Vec<String> {
+/// `line:column severity[code] text | message | hint` for each diagnostic, in order of place.
+pub fn findings(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
     let index = LineIndex::new(source);
-    let mut diagnostics: Vec<&Diagnostic> = recorder.diagnostics.iter().collect();
+    let mut diagnostics: Vec<&Diagnostic> = diagnostics.iter().collect();
     diagnostics.sort_by_key(|diagnostic| diagnostic.span);
     let show = |diagnostic: &&Diagnostic| {
         let start = index.position(diagnostic.span.start);
@@ -121,7 +121,7 @@ pub fn findings(source: &str, recorder: &Recorder) -> Vec<String> {
 }
 
 pub fn program_findings(source: &str) -> Vec<String> {
-    findings(source, &parse(source).0)
+    findings(source, &parse(source).0.diagnostics)
 }
 
 /// The steps of expressions in postfix order: names and numbers as they are written, `·` for juxtaposition,
@@ -168,7 +168,7 @@ pub fn read(prelude: &str, expression: &str) -> String {
     assert!(
         recorder.diagnostics.is_empty(),
         "{:?}",
-        findings(prelude, &recorder)
+        findings(prelude, &recorder.diagnostics)
     );
     let mut recorder = Recorder::default();
     let complete = parse_expression(expression, &parsed, &mut recorder);

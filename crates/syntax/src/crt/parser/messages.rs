@@ -129,7 +129,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
         }
         ';' => diagnostic
             .with_hint("a statement ends without a sign")
-            .with_fix(change("").with_all()),
+            .with_fix(Fix::remove(span, ";").with_all()),
         '#' => diagnostic
             .with_hint("a comment begins with `--`")
             .with_fix(change("--")),

@@ -85,14 +85,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
             TokenKind::Comma => {
                 let message = "attributes stand one after the other, without `,`";
                 if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
-                    let fix = Fix {
-                        title: "Remove `,`".to_owned(),
-                        span,
-                        replacement: String::new(),
-                        preferred: true,
-                        all: true,
-                    };
-                    self.report(found.with_fix(fix));
+                    self.report(found.with_fix(Fix::remove(span, ",").with_all()));
                 }
                 self.advance();
                 self.reported = None;
