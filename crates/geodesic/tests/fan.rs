@@ -158,6 +158,16 @@ fn a_torus_seen_far_takes_a_few_rays() {
 }
 
 #[test]
+fn ends_behind_a_pole_may_be_a_turn_off_their_neighbours() {
+    let periods = |surface: &ParametricSurface| {
+        let frame = Frame::new(surface, [0.5, 0.3], 0.3, 1.0).expect("a frame");
+        Fan::build(surface, &frame, SIZE, &FanOptions::default()).periods()
+    };
+    assert_eq!(periods(&shapes::spheroid(1.0, 1.0)), [TAU, 0.0]);
+    assert_eq!(periods(&shapes::torus(0.4)), [0.0; 2]);
+}
+
+#[test]
 fn a_thin_torus_is_right_after_eleven_windings() {
     let surface = shapes::torus(0.02);
     let frame = Frame::new(&surface, [0.3, 0.4], 0.3, 1.0).expect("a frame");

@@ -242,6 +242,26 @@ fn a_start_is_brought_onto_the_surface_along_the_gradient() {
 }
 
 #[test]
+fn a_frame_that_misses_its_surface_is_brought_onto_it_whatever_its_zoom() {
+    let sphere = ellipsoid([1.0; 3], 1.0);
+    for zoom in [1e-4, 1.0, 1e4] {
+        let frame = SpaceFrame::new(&sphere, [0.6, 0.0, 0.8], 0.3, zoom).expect("a frame");
+        assert_eq!(frame.brought_onto(&sphere), Ok(frame));
+        let beside = SpaceFrame {
+            at: [0.6, 0.0, 0.8 + 1e-7 * zoom.min(1.0)],
+            ..frame
+        };
+        let brought = beside.brought_onto(&sphere).expect("a frame");
+        if zoom <= 1.0 {
+            assert_ne!(brought, beside);
+            let radius = brought.at.iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!((radius - 1.0).abs() < 1e-15, "{brought:?}");
+        }
+        assert!((brought.zoom() / zoom - 1.0).abs() < 1e-12, "{brought:?}");
+    }
+}
+
+#[test]
 fn what_has_no_surface_is_refused() {
     // x² + 1 is positive everywhere.
     let mut f = Field::new();
