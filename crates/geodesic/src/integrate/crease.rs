@@ -271,3 +271,30 @@ fn common_lengths(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[Option<[
     };
     Some([Some(pair(1.0)), (root > 0.0).then(|| pair(-1.0))])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{common_lengths, length};
+
+    #[test]
+    fn both_sides_give_the_same_length_to_the_common_directions() {
+        let here = [[1.0, 0.0, 0.0], [0.2, 1.0, 0.0]];
+        for there in [
+            [[0.7, 0.0, 0.1], [0.4, 1.3, 0.0]],
+            [[1.3, 0.0, 0.1], [0.4, 0.8, 0.0]],
+            [[0.9, 0.0, 0.1], [0.4, 1.8, 0.0]],
+        ] {
+            let found = common_lengths(here, there).expect("lengths that agree somewhere");
+            let directions: Vec<[f64; 2]> = found.into_iter().flatten().collect();
+            assert_eq!(directions.len(), 2);
+            for direction in directions {
+                let lengths = [here, there].map(|tangents| length(tangents, direction));
+                assert!(lengths[0] > 0.1, "{direction:?}");
+                assert!((lengths[1] / lengths[0] - 1.0).abs() < 1e-12, "{lengths:?}");
+            }
+        }
+        // Longer in every direction.
+        let there = here.map(|tangent| tangent.map(|x| 2.0 * x));
+        assert_eq!(common_lengths(here, there), None);
+    }
+}
