@@ -148,7 +148,7 @@ fn sines_between_crests_reach_from_one_end_to_the_other() {
 
 #[test]
 fn crests_between_large_numbers_are_seen() {
-    // Neighbouring numbers of this size are about a ten-thousandth of a turn apart.
+    // Neighbouring numbers of this size are 0.0001 apart.
     for turn in 0..2_000 {
         let crest = (1e11 + f64::from(turn)) * std::f64::consts::TAU + std::f64::consts::FRAC_PI_2;
         let mut numbers = [crest; 7];

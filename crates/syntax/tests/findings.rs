@@ -16,13 +16,12 @@ use syntax::{codes, geotrace};
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/findings.txt");
 const CRT_PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/crt_findings.txt");
 
-/// The fixes of the diagnostics, in order of place: `title: old → new`, and when an editor may apply it.
+/// The fixes of the diagnostics, `title: old → new`, and when an editor may apply each.
 fn fixes(source: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
-    let mut diagnostics: Vec<&Diagnostic> = diagnostics.iter().collect();
-    diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+    let index = LineIndex::new(source);
     let fixes = diagnostics.iter().flat_map(|diagnostic| &diagnostic.fixes);
     let show = |fix: &Fix| {
-        let start = LineIndex::new(source).position(fix.span.start);
+        let start = index.position(fix.span.start);
         format!(
             "  {}:{} {}: ‹{}› → ‹{}›{}{}",
             start.line,
@@ -47,7 +46,8 @@ fn check(path: &str, diagnostics: impl Fn(&str) -> Vec<Diagnostic>) {
             .split_once("\n---\n")
             .expect("a program and its findings");
         let _ = write!(actual, "===\n{program}\n---\n");
-        let found = diagnostics(program);
+        let mut found = diagnostics(program);
+        found.sort_by_key(|diagnostic| diagnostic.span);
         let lines = findings(program, &found)
             .into_iter()
             .chain(fixes(program, &found));
