@@ -44,5 +44,6 @@ mod simplify;
 pub mod statistics;
 pub mod tape;
 pub mod value;
+pub mod vectors;
 pub use graph::{Graph, Input, Node, NodeId, TooLarge};
 pub use value::{DimensionError, Value};

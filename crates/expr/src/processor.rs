@@ -4,6 +4,8 @@
 //! compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with AVX-512). Nothing
 //! is contracted or reordered, so that every copy gives the same bits.
 
+use crate::vectors::VectorWork;
+
 /// Something to compute. Mark [`Work::run`] and all that it calls in its inner loops `#[inline(always)]`: only what is
 /// inlined is compiled anew for each kind of processor.
 pub trait Work {
@@ -33,6 +35,12 @@ impl Processor {
     pub fn run<W: Work>(self, work: W) -> W::Output {
         self.0.dispatch(Inlined(work))
     }
+
+    /// Runs work on vectors with this processor's instructions.
+    #[inline]
+    pub fn run_vectors<W: VectorWork>(self, work: W) -> W::Output {
+        self.0.dispatch(OnVectors(work))
+    }
 }
 
 impl Default for Processor {
@@ -42,6 +50,17 @@ impl Default for Processor {
 }
 
 struct Inlined<W>(W);
+
+struct OnVectors<W>(W);
+
+impl<W: VectorWork> pulp::WithSimd for OnVectors<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, instructions: S) -> W::Output {
+        self.0.run(instructions)
+    }
+}
 
 impl<W: Work> pulp::WithSimd for Inlined<W> {
     type Output = W::Output;

@@ -74,6 +74,7 @@ pub struct RayScene {
 #[derive(Debug, Default)]
 struct RayContent {
     glass: Vec<Option<Glass>>,
+    opaque: Vec<bool>,
     objects: Vec<RayObject>,
     /// The object of each solid of the world.
     solids: Vec<usize>,
@@ -260,6 +261,11 @@ impl RayScene {
         &self.content.glass
     }
 
+    /// True for each solid of the world that lets no light through, wherever light meets it.
+    pub fn opaque(&self) -> &[bool] {
+        &self.content.opaque
+    }
+
     /// The objects that rays may meet.
     pub fn objects(&self) -> &[RayObject] {
         &self.content.objects
@@ -315,7 +321,7 @@ impl RayScene {
         &self,
         direction: DVec3,
         above: DVec3,
-        image: &dyn Fn([f64; 2]) -> Option<DVec3>,
+        image: Option<&dyn Fn([f64; 2]) -> DVec3>,
     ) -> DVec3 {
         match &self.content.background {
             Some(background) => background.light(direction, image),
@@ -632,6 +638,9 @@ impl<'a> Draft<'a> {
         }
         self.content.glass.push(glass);
         let looks = &self.content.looks[first_look as usize..];
+        self.content
+            .opaque
+            .push(looks.iter().all(LookProgram::is_opaque));
         let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
         uneven.sort_unstable();
         uneven.dedup();
@@ -674,6 +683,7 @@ impl<'a> Draft<'a> {
             color,
             attributes,
         );
+        self.content.opaque.push(look.is_opaque());
         self.content.looks.push(look);
         let look = self.content.looks.len() as u32 - 1;
         let mut uniforms: (u64, Arc<[f64]>) = (u64::MAX, Arc::default());

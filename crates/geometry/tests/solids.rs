@@ -203,6 +203,7 @@ fn first(scene: &RayScene, ray: &Ray) -> Option<Face> {
         background: &|_| DVec3::ZERO,
         bounces: 0,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     LightTracer::new(&scenery).first(ray)

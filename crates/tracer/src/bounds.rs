@@ -48,6 +48,14 @@ impl BoundingBox {
         }
     }
 
+    /// The box between the least and the greatest coordinates.
+    pub(crate) fn of_ranges(ranges: [[f64; 2]; 3]) -> Self {
+        Self {
+            lower: DVec3::from_array(ranges.map(|[lower, _]| lower)),
+            upper: DVec3::from_array(ranges.map(|[_, upper]| upper)),
+        }
+    }
+
     /// Makes it contain a point.
     #[inline]
     pub(crate) fn include(&mut self, point: DVec3) {

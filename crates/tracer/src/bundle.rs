@@ -3,10 +3,110 @@
 //! Input: rays, and how far they reach. Output: for a box, false only if none of them meets it. All starts and all directions
 //! lie between bounds; along each axis they say from which parameter on a ray may be in the box, and up to which one.
 
+use expr::processor::Processor;
+use expr::vectors::{Instructions, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
 use crate::bounds::BoundingBox;
-use crate::line::Ray;
+use crate::line::{Ray, SurfaceId};
+
+/// Rays that are read together, coordinate by coordinate.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RayBlocks {
+    /// Coordinates of the starts, then of the directions. What is behind the last ray repeats the first of its
+    /// block.
+    blocks: Vec<RayBlock>,
+    count: usize,
+    /// The surface that all of them leave.
+    pub(crate) leaving: Option<SurfaceId>,
+}
+
+/// The coordinates of as many rays as the widest vectors have lanes.
+pub(crate) type RayBlock = [[f64; MOST_LANES]; 6];
+
+impl RayBlocks {
+    /// Begins with no rays.
+    pub(crate) fn begin(&mut self, leaving: Option<SurfaceId>) {
+        self.blocks.clear();
+        self.count = 0;
+        self.leaving = leaving;
+    }
+
+    /// Adds a ray.
+    #[inline]
+    pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
+        let lane = self.count % MOST_LANES;
+        self.count += 1;
+        let (o, d) = (origin, direction);
+        if lane == 0 {
+            self.blocks.push([
+                [o.x; MOST_LANES],
+                [o.y; MOST_LANES],
+                [o.z; MOST_LANES],
+                [d.x; MOST_LANES],
+                [d.y; MOST_LANES],
+                [d.z; MOST_LANES],
+            ]);
+        } else if let Some([x, y, z, dx, dy, dz]) = self.blocks.last_mut() {
+            (x[lane], y[lane], z[lane]) = (o.x, o.y, o.z);
+            (dx[lane], dy[lane], dz[lane]) = (d.x, d.y, d.z);
+        }
+    }
+
+    /// The number of rays.
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// All blocks.
+    pub(crate) fn blocks(&self) -> &[RayBlock] {
+        &self.blocks
+    }
+
+    /// The ray with this index.
+    #[inline]
+    pub(crate) fn ray(&self, index: usize) -> Ray {
+        let (block, lane) = (&self.blocks[index / MOST_LANES], index % MOST_LANES);
+        let at = |k: usize| block[k][lane];
+        Ray {
+            origin: DVec3::new(at(0), at(1), at(2)),
+            direction: DVec3::new(at(3), at(4), at(5)),
+            leaving: self.leaving,
+        }
+    }
+
+    /// The rays.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Ray> + Clone {
+        (0..self.count).map(|index| self.ray(index))
+    }
+}
+
+/// The least and the greatest of each coordinate, and false where one of them is not finite.
+struct Ranges<'a>(&'a [RayBlock]);
+
+impl VectorWork for Ranges<'_> {
+    type Output = ([[f64; 2]; 6], bool);
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) -> Self::Output {
+        let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 6];
+        let mut are_finite = Mask::splat(s, true);
+        for (k, range) in ranges.iter_mut().enumerate() {
+            let mut least = Vector::splat(s, range[0]);
+            let mut greatest = Vector::splat(s, range[1]);
+            for block in self.0 {
+                for part in 0..Vector::<S>::PARTS {
+                    let x = Vector::load(s, &block[k], part);
+                    least = x.least(least);
+                    greatest = x.greatest(greatest);
+                    are_finite = are_finite & x.is_finite();
+                }
+            }
+            *range = [least.least_lane(), greatest.greatest_lane()];
+        }
+        (ranges, !(!are_finite).any())
+    }
+}
 
 /// Bounds of rays.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +121,20 @@ const SLACK: f64 = 1e-12;
 
 impl RayBundle {
     /// The rays, up to the parameter `reach`; those that are not finite meet nothing.
-    pub(crate) fn new(rays: impl Iterator<Item = Ray>, reach: f64) -> Self {
-        let (mut origins, mut directions) = (BoundingBox::EMPTY, BoundingBox::EMPTY);
-        for ray in rays {
-            if ray.origin.is_finite() && ray.direction.is_finite() {
-                origins.include(ray.origin);
-                directions.include(ray.direction);
+    pub(crate) fn new(processor: Processor, rays: &RayBlocks, reach: f64) -> Self {
+        let (ranges, are_finite) = processor.run_vectors(Ranges(rays.blocks()));
+        let [x, y, z, dx, dy, dz] = ranges;
+        let (mut origins, mut directions) = (
+            BoundingBox::of_ranges([x, y, z]),
+            BoundingBox::of_ranges([dx, dy, dz]),
+        );
+        if !are_finite {
+            (origins, directions) = (BoundingBox::EMPTY, BoundingBox::EMPTY);
+            for ray in rays.iter() {
+                if ray.origin.is_finite() && ray.direction.is_finite() {
+                    origins.include(ray.origin);
+                    directions.include(ray.direction);
+                }
             }
         }
         Self {

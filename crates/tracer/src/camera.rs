@@ -39,8 +39,10 @@ pub(crate) struct CameraFrame {
     axes: [DVec3; 3],
     /// The tangent of half the vertical opening.
     tangent: f64,
-    /// The picture's width and height.
-    size: [f64; 2],
+    /// The picture's middle, in pixels.
+    center: [f64; 2],
+    /// The side of a pixel, the picture's height being 2.
+    pixel: f64,
 }
 
 /// The places that a lens shows sharp, at the distance `focus`.
@@ -186,7 +188,8 @@ impl LensCamera {
             camera: *self,
             axes: self.axes(),
             tangent: (0.5 * self.fov).tan(),
-            size: size.map(f64::from),
+            center: size.map(|side| 0.5 * f64::from(side)),
+            pixel: 2.0 / f64::from(size[1]),
         }
     }
 
@@ -210,10 +213,9 @@ impl CameraFrame {
     pub(crate) fn ray(&self, [x, y]: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
         let camera = &self.camera;
         let [right, up, forward] = self.axes;
-        let [width, height] = self.size;
         // From −1 to 1 over the picture's height.
-        let across = 2.0 * (x - 0.5 * width) / height;
-        let upward = 2.0 * (0.5 * height - y) / height;
+        let across = (x - self.center[0]) * self.pixel;
+        let upward = (self.center[1] - y) * self.pixel;
         let (half, tangent) = (0.5 * camera.fov, self.tangent);
         let across = match camera.projection {
             LensProjection::Pinhole => tangent * across,

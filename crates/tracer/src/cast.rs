@@ -11,14 +11,15 @@
 
 mod events;
 
+use expr::processor::Processor;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use crate::bundle::RayBundle;
+use crate::bundle::{RayBlocks, RayBundle};
 use crate::field::{BundlePart, FieldScratch};
 use crate::line::{Ray, SurfaceId, UnitLine};
-use crate::lone::FirstPlace;
 use crate::near::{NearLeaf, NearLeaves};
+use crate::product::FirstPlace;
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::tree::ForestState;
@@ -58,14 +59,16 @@ pub struct Caster<'w> {
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
     shared_fields: FxHashMap<u32, Vec<f64>>,
-    /// The rays that are read together, if something is near them.
-    bundle: Vec<Ray>,
+    processor: Processor,
+    /// The rays that are read together.
+    bundle: RayBlocks,
     /// True where fields are read for all rays of the bundle at once, and what is then known of each.
     divides_fields: bool,
     bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
     near: NearLeaves,
     /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
     ray_number: u64,
+    sweeps: u64,
     lines: [KnownLine; KNOWN_LINES],
     group: Vec<SurfaceEvent>,
     stack: Vec<u32>,
@@ -79,7 +82,7 @@ enum Among {
     World,
     /// Those near the bundle, of which the ray is one.
     Bundle,
-    /// Those of them that are no solids by themselves.
+    /// Those of them that are not of products.
     JoinedOfBundle,
 }
 
@@ -150,16 +153,18 @@ impl World {
             world: self,
             state: ForestState::default(),
             field: FieldScratch::default(),
-            inside: vec![false; self.piece_count],
+            inside: vec![false; self.surface_of_piece.len()],
             candidates: Vec::new(),
             events: Vec::new(),
             shared: FxHashMap::default(),
             shared_fields: FxHashMap::default(),
-            bundle: Vec::new(),
+            processor: Processor::here(),
+            bundle: RayBlocks::default(),
             divides_fields: false,
             bundle_parts: FxHashMap::default(),
             near: NearLeaves::default(),
             ray_number: 0,
+            sweeps: 0,
             lines: [KnownLine::default(); KNOWN_LINES],
             group: Vec::new(),
             stack: Vec::new(),
@@ -193,32 +198,32 @@ impl Caster<'_> {
             self.start.clone_from(&self.world.endless_solids);
             return &self.crossings;
         }
-        let ray = &{ self.bundle[index] };
+        let ray = &self.bundle.ray(index);
         let mut sought = Sought {
             first: true,
             among: Among::Bundle,
             ..Sought::ALL
         };
-        let lone = match self.near.first(index) {
+        let entered = match self.near.first(self.world, index) {
             FirstPlace::Unknown => {
                 self.sweep(ray, sought, &mut |_| true);
                 return &self.crossings;
             }
             FirstPlace::Nothing => None,
-            FirstPlace::Enters(t, leaf) => Some((t, leaf)),
+            FirstPlace::Enters(t, surface) => Some((t, surface)),
         };
         if self.near.joined().is_empty() {
             self.start.clear();
             self.crossings.clear();
         } else {
             sought.among = Among::JoinedOfBundle;
-            sought.before = lone.map_or(f64::INFINITY, |(t, _)| t.next_up());
+            sought.before = entered.map_or(f64::INFINITY, |(t, _)| t.next_up());
             self.sweep(ray, sought, &mut |_| true);
         }
-        if let Some((t, leaf)) = lone {
+        if let Some((t, surface)) = entered {
             match self.crossings.first() {
                 None => {
-                    let crossing = self.entered(ray, t, leaf);
+                    let crossing = self.entered(ray, t, surface);
                     self.crossings.push(crossing);
                 }
                 Some(other) if other.t == t => {
@@ -232,12 +237,13 @@ impl Caster<'_> {
         &self.crossings
     }
 
-    /// The crossing of the ray with this index in the bundle, if it is known without a sweep that one lies before `before`.
-    pub(crate) fn known_before(&mut self, index: usize, before: f64) -> Option<Crossing> {
-        match self.near.first(index) {
-            FirstPlace::Enters(t, leaf) if t < before => {
-                let ray = self.bundle[index];
-                Some(self.entered(&ray, t, leaf))
+    /// The solid that the ray with this index in the bundle enters, and the leaf through which it does, if it is known without
+    /// a sweep that it does before `before`.
+    pub(crate) fn entered_before(&self, index: usize, before: f64) -> Option<[usize; 2]> {
+        match self.near.first(self.world, index) {
+            FirstPlace::Enters(t, surface) if t < before => {
+                let leaf = surface.leaf as usize;
+                Some([self.world.leaves[leaf].solid, leaf])
             }
             _ => None,
         }
@@ -254,7 +260,7 @@ impl Caster<'_> {
         if self.near.is_empty() {
             return;
         }
-        let among = match self.near.first(index) {
+        let among = match self.near.first(self.world, index) {
             FirstPlace::Enters(t, _) if t < before => Among::Bundle,
             FirstPlace::Unknown => Among::Bundle,
             _ if self.near.joined().is_empty() => return,
@@ -265,15 +271,26 @@ impl Caster<'_> {
             among,
             ..Sought::ALL
         };
-        let ray = self.bundle[index];
+        let ray = self.bundle.ray(index);
         self.sweep(&ray, sought, found);
     }
 
-    /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
-    /// nearer they are to each other. The rays of a few pixels by a few make a good bundle.
+    /// Reads these rays, which all start on one surface or on none, together, until the next bundle:
+    /// [`Caster::first_of_bundle`] then takes less time, the less the nearer they are to each other. The rays of a few pixels
+    /// by a few make a good bundle.
     pub fn begin_bundle(&mut self, rays: &[Ray]) {
-        self.begin_near(rays.iter().copied(), f64::INFINITY, None);
+        let bundle = self.begin(rays.first().and_then(|ray| ray.leaving));
+        for ray in rays {
+            bundle.push(ray.origin, ray.direction);
+        }
+        self.find_near(f64::INFINITY);
         self.divide_fields();
+    }
+
+    /// Begins a bundle of rays that leave a surface. It is to receive them, before [`Caster::find_near`].
+    pub(crate) fn begin(&mut self, leaving: Option<SurfaceId>) -> &mut RayBlocks {
+        self.bundle.begin(leaving);
+        &mut self.bundle
     }
 
     /// Reads fields for all rays of the bundle at once: that pays where they stay near each other.
@@ -281,24 +298,21 @@ impl Caster<'_> {
         self.divides_fields = true;
     }
 
-    /// Finds the leaves that these rays, all of which leave the surface `leaving`, may meet before `reach`, until the next
-    /// bundle.
-    pub(crate) fn begin_near(
-        &mut self,
-        rays: impl Iterator<Item = Ray> + Clone,
-        reach: f64,
-        leaving: Option<SurfaceId>,
-    ) {
-        self.bundle.clear();
+    /// Finds the leaves that the rays of the bundle may meet before `reach`, until the next bundle.
+    pub(crate) fn find_near(&mut self, reach: f64) {
         self.bundle_parts.clear();
         self.divides_fields = false;
-        let bundle = RayBundle::new(rays.clone(), reach);
-        self.near.find(self.world, &bundle, leaving);
+        let bundle = RayBundle::new(self.processor, &self.bundle, reach);
+        self.near.find(self.world, &bundle, self.bundle.leaving);
         if !self.near.is_empty() {
-            self.bundle.extend(rays);
-            let rays = &self.bundle;
-            self.near.find_first_places(self.world, rays, leaving);
+            self.near
+                .find_first_places(self.processor, self.world, &self.bundle);
         }
+    }
+
+    /// The crossings that the last call has found.
+    pub(crate) fn crossings(&self) -> &[Crossing] {
+        &self.crossings
     }
 
     /// True if no ray of the bundle meets anything.
@@ -314,6 +328,11 @@ impl Caster<'_> {
     /// The solids that the last ray was inside of right after its start, ascending.
     pub fn solids_at_start(&self) -> &[usize] {
         &self.start
+    }
+
+    /// The number of rays that took a sweep so far.
+    pub fn sweeps(&self) -> u64 {
+        self.sweeps
     }
 
     /// The number of evaluations on intervals so far.
@@ -332,6 +351,7 @@ impl Caster<'_> {
         self.start.clear();
         self.field.begin();
         self.ray_number += 1;
+        self.sweeps += 1;
         if !ray.is_usable() {
             return;
         }
@@ -533,14 +553,15 @@ impl Caster<'_> {
         found.unwrap_or(own[0])
     }
 
-    /// The crossing where a ray enters a leaf that is a solid by itself.
-    fn entered(&mut self, ray: &Ray, t: f64, leaf: u32) -> Crossing {
+    /// The crossing where a ray enters a solid through a surface.
+    fn entered(&mut self, ray: &Ray, t: f64, surface: SurfaceId) -> Crossing {
         self.ray_number += 1;
+        let SurfaceId { leaf, piece } = surface;
         let solid = self.world.leaves[leaf as usize].solid;
         let event = SurfaceEvent {
             t,
             leaf,
-            piece: 0,
+            piece,
             rest: None,
         };
         self.crossing(ray, event, solid, true)
@@ -579,14 +600,20 @@ impl Caster<'_> {
     fn gradient(&mut self, ray: &Ray, event: SurfaceEvent) -> DVec3 {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
+        let position = ray.origin + event.t * ray.direction;
         match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
-                let line = self.line(ray, event.leaf);
-                let at = line.point + line.place(event.t) * line.direction;
+                let at = match surface.quadratic() {
+                    // What its frame takes a line for is known by the place.
+                    Some(_) => leaf.unit_from_world.transform_point3(position),
+                    None => {
+                        let line = self.line(ray, event.leaf);
+                        line.point + line.place(event.t) * line.direction
+                    }
+                };
                 leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
             }
             LeafSurface::Field(field, _) => {
-                let position = ray.origin + event.t * ray.direction;
                 let at = leaf.shape_from_world.transform_point3(position);
                 let gradient = field.gradient(&mut self.field, at);
                 leaf.shape_from_world.matrix3.transpose() * gradient

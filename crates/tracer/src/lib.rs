@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Rays that go nearly the same way are read together (`bundle.rs`, `near.rs`): what none of them meets is left out once for
-//! all of them, and solids of one quadric (`lone.rs`) need no sweep.
+//! all of them, and solids that are products of simple leaves (`product.rs`) need no sweep.
 //!
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
@@ -59,12 +59,12 @@ mod field;
 mod leaf;
 pub mod light;
 mod line;
-mod lone;
 mod look;
 mod low;
 mod near;
 pub mod optics;
 pub mod picture;
+mod product;
 mod program;
 mod reach;
 mod roots;

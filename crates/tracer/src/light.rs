@@ -3,6 +3,8 @@
 //! Input: a light and a place. Output: the direction towards it, its distance, and the share of it that comes there, shadows
 //! apart.
 
+use expr::processor::Processor;
+use expr::vectors::{Instructions, MOST_LANES, Vector, VectorWork};
 use glam::DVec3;
 
 /// A light: all its numbers are linear.
@@ -66,7 +68,144 @@ pub struct SeenLight {
     pub share: f64,
 }
 
+/// Places on faces that see a light, as many as the widest vectors have lanes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FaceBlock {
+    position: [[f64; MOST_LANES]; 3],
+    normal: [[f64; MOST_LANES]; 3],
+    /// The length of the way from there on.
+    path: [f64; MOST_LANES],
+    /// The place on a ball that shines.
+    sample: [[f64; 2]; MOST_LANES],
+}
+
+/// A light as these places see it, by the numbers of [`SeenLight`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SeenBlock {
+    towards: [[f64; MOST_LANES]; 3],
+    distance: [f64; MOST_LANES],
+    share: [f64; MOST_LANES],
+    /// The cosines between the light and the normals.
+    pub(crate) height: [f64; MOST_LANES],
+}
+
+impl FaceBlock {
+    #[inline]
+    pub(crate) fn set(
+        &mut self,
+        lane: usize,
+        position: DVec3,
+        normal: DVec3,
+        path: f64,
+        sample: [f64; 2],
+    ) {
+        for axis in 0..3 {
+            self.position[axis][lane] = position[axis];
+            self.normal[axis][lane] = normal[axis];
+        }
+        self.path[lane] = path;
+        self.sample[lane] = sample;
+    }
+}
+
+impl SeenBlock {
+    /// True if some of the light comes there, shadows apart.
+    #[inline]
+    pub(crate) fn is_lit(&self, lane: usize) -> bool {
+        self.height[lane] > 0.0 && self.share[lane] > 0.0
+    }
+
+    #[inline]
+    pub(crate) fn light(&self, lane: usize) -> SeenLight {
+        let [x, y, z] = &self.towards;
+        SeenLight {
+            towards: DVec3::new(x[lane], y[lane], z[lane]),
+            distance: self.distance[lane],
+            share: self.share[lane],
+        }
+    }
+}
+
+/// [`Light::from`] for a light that has a place and no size.
+struct PointSeenFrom<'a> {
+    position: DVec3,
+    falloff: Option<f64>,
+    faces: &'a [FaceBlock],
+    seen: &'a mut [SeenBlock],
+}
+
+impl VectorWork for PointSeenFrom<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) {
+        let (zero, one) = (Vector::splat(s, 0.0), Vector::splat(s, 1.0));
+        let endless = Vector::splat(s, f64::INFINITY);
+        for (face, seen) in self.faces.iter().zip(self.seen) {
+            for part in 0..Vector::<S>::PARTS {
+                let [x, y, z] = &face.position;
+                let x = Vector::splat(s, self.position.x) - Vector::load(s, x, part);
+                let y = Vector::splat(s, self.position.y) - Vector::load(s, y, part);
+                let z = Vector::splat(s, self.position.z) - Vector::load(s, z, part);
+                let distance = (x * x + y * y + z * z).sqrt();
+                let reciprocal = one / distance;
+                let is_apart = zero.lt(reciprocal) & reciprocal.lt(endless);
+                let scale = is_apart.choose(reciprocal, zero);
+                let (x, y, z) = (x * scale, y * scale, z * scale);
+                let share = if let Some(falloff) = self.falloff {
+                    let path = distance + Vector::load(s, &face.path, part);
+                    let ratio = Vector::splat(s, falloff) / path;
+                    distance.lt(endless).choose(ratio * ratio, one)
+                } else {
+                    one
+                };
+                let [nx, ny, nz] = &face.normal;
+                let height = Vector::load(s, nx, part) * x
+                    + Vector::load(s, ny, part) * y
+                    + Vector::load(s, nz, part) * z;
+                x.store(&mut seen.towards[0], part);
+                y.store(&mut seen.towards[1], part);
+                z.store(&mut seen.towards[2], part);
+                distance.store(&mut seen.distance, part);
+                share.store(&mut seen.share, part);
+                height.store(&mut seen.height, part);
+            }
+        }
+    }
+}
+
 impl Light {
+    /// The light as seen from all these places.
+    pub(crate) fn seen_from(
+        &self,
+        processor: Processor,
+        faces: &[FaceBlock],
+        seen: &mut [SeenBlock],
+    ) {
+        if let LightKind::Point(position) = self.kind
+            && self.size <= 0.0
+        {
+            return processor.run_vectors(PointSeenFrom {
+                position,
+                falloff: self.falloff,
+                faces,
+                seen,
+            });
+        }
+        for (face, seen) in faces.iter().zip(seen) {
+            for lane in 0..MOST_LANES {
+                let [position, normal] = [&face.position, &face.normal]
+                    .map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
+                let light = self.from(position, face.sample[lane], face.path[lane]);
+                let [x, y, z] = &mut seen.towards;
+                (x[lane], y[lane], z[lane]) = light.towards.into();
+                seen.distance[lane] = light.distance;
+                seen.share[lane] = light.share;
+                seen.height[lane] = normal.dot(light.towards);
+            }
+        }
+    }
+
     /// A light of this colour without a size, that casts shadows.
     pub fn new(kind: LightKind, color: DVec3) -> Self {
         Self {

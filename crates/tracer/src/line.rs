@@ -52,8 +52,9 @@ pub(crate) struct UnitLine {
     pub(crate) direction: DVec3,
     /// The t of that place.
     middle: f64,
-    /// The length in the frame of one t.
+    /// The length in the frame of one t, and its reciprocal.
     pub(crate) speed: f64,
+    slowness: f64,
 }
 
 impl UnitLine {
@@ -62,16 +63,24 @@ impl UnitLine {
         let origin = leaf.unit_from_world.transform_point3(ray.origin);
         let velocity = leaf.unit_from_world.transform_vector3(ray.direction);
         let speed = velocity.length();
-        let direction = velocity / speed;
+        let slowness = speed.recip();
+        let direction = slowness * velocity;
         let middle = -origin.dot(direction);
         let point = origin + middle * direction;
         Self {
             // Once more: far away, the first difference has lost digits.
             point: point - point.dot(direction) * direction,
             direction,
-            middle: middle / speed,
+            middle: middle * slowness,
             speed,
+            slowness,
         }
+    }
+
+    /// True if it is a line.
+    #[inline]
+    pub(crate) fn is_usable(&self) -> bool {
+        self.speed.is_finite() && self.slowness.is_finite()
     }
 
     pub(crate) fn place(&self, t: f64) -> f64 {
@@ -79,7 +88,7 @@ impl UnitLine {
     }
 
     pub(crate) fn t(&self, place: f64) -> f64 {
-        self.middle + place / self.speed
+        self.middle + place * self.slowness
     }
 }
 

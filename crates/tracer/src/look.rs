@@ -3,6 +3,8 @@
 //! In `geotrace` stated colours are sRGB and light is linear; in `crt`, of the CRT scene language, colours are light, and a
 //! gamma makes bytes of it.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 
 /// The formulas of a picture.
@@ -61,15 +63,63 @@ pub fn gamma_encoded(light: DVec3, gamma: f64) -> [u8; 3] {
 
 /// An sRGB colour of linear light, as bytes.
 pub fn encoded(light: DVec3) -> [u8; 3] {
-    light.to_array().map(|x| {
-        let x = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-        let encoded = if x <= 0.003_130_8 {
-            12.92 * x
-        } else {
-            1.055 * x.powf(1.0 / 2.4) - 0.055
-        };
-        (255.0 * encoded).round() as u8
-    })
+    let table = &*BYTES;
+    let [r, g, b] = light.to_array();
+    [table.byte(r), table.byte(g), table.byte(b)]
+}
+
+/// The byte of linear light by the sRGB curve.
+fn encoded_byte(x: f64) -> u8 {
+    let x = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+    let encoded = if x <= 0.003_130_8 {
+        12.92 * x
+    } else {
+        1.055 * x.powf(1.0 / 2.4) - 0.055
+    };
+    (255.0 * encoded).round() as u8
+}
+
+/// What [`encoded_byte`] gives, without its power.
+struct ByteTable {
+    /// The least light of each byte.
+    least: [f64; 256],
+    /// The byte of the least light of each cell.
+    first: [u8; BYTE_CELLS + 1],
+}
+
+/// Even where the curve is steepest, a cell has no more than two bytes.
+const BYTE_CELLS: usize = 4096;
+
+static BYTES: LazyLock<ByteTable> = LazyLock::new(|| {
+    let mut least = [0.0; 256];
+    for (byte, least) in least.iter_mut().enumerate() {
+        // The numbers from 0 to 1 are in the order of their bits.
+        let (mut below, mut found) = (0, 1f64.to_bits());
+        while below < found {
+            let middle = below + (found - below) / 2;
+            if usize::from(encoded_byte(f64::from_bits(middle))) < byte {
+                below = middle + 1;
+            } else {
+                found = middle;
+            }
+        }
+        *least = f64::from_bits(found);
+    }
+    let first = std::array::from_fn(|k| encoded_byte(k as f64 / BYTE_CELLS as f64));
+    ByteTable { least, first }
+});
+
+impl ByteTable {
+    #[inline]
+    fn byte(&self, x: f64) -> u8 {
+        // NaN is cast to 0.
+        let cell = (x * BYTE_CELLS as f64) as usize;
+        let mut byte = self.first[cell.min(BYTE_CELLS)];
+        while byte < u8::MAX && x >= self.least[usize::from(byte) + 1] {
+            byte += 1;
+        }
+        byte
+    }
 }
 
 /// The linear light of an sRGB colour; numbers past 1 by the same curve.
@@ -81,4 +131,35 @@ pub fn decoded(color: DVec3) -> DVec3 {
             ((x + 0.055) / 1.055).powf(2.4)
         }
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_gives_the_bytes_of_the_curve() {
+        let table = &*BYTES;
+        for least in table.least {
+            for x in [least.next_down(), least, least.next_up()] {
+                assert_eq!(table.byte(x), encoded_byte(x), "{x}");
+            }
+        }
+        for k in 0..1_000_000 {
+            let x = f64::from(k) * 1.1e-6;
+            assert_eq!(table.byte(x), encoded_byte(x), "{x}");
+        }
+        for x in [
+            f64::NAN,
+            -1.0,
+            -0.0,
+            1.0,
+            2.0,
+            1e300,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+        ] {
+            assert_eq!(table.byte(x), encoded_byte(x), "{x}");
+        }
+    }
 }

@@ -39,10 +39,10 @@ pub(crate) enum LowEquation {
 /// A plane in the coordinates of the world: its value is `normal`·(place − `center`) + `offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorldPlane {
-    normal: DVec3,
+    pub(crate) normal: DVec3,
     /// The centre of the leaf's frame: far from the origin, differences from it lose nothing.
-    center: DVec3,
-    offset: f64,
+    pub(crate) center: DVec3,
+    pub(crate) offset: f64,
 }
 
 impl WorldPlane {
@@ -125,13 +125,14 @@ pub(crate) fn is_convex(shape: &FramedShape) -> bool {
         })
 }
 
-/// True if the leaf is the set where one piece of degree two at most is not positive.
-pub(crate) fn is_quadric(leaf: &Leaf) -> bool {
-    matches!(leaf.compiled.region, Region::Polynomial(_))
+/// True if the leaf is convex, or the set where one piece of degree two at most is not positive.
+pub(crate) fn is_simple(leaf: &Leaf) -> bool {
+    let is_quadric = matches!(leaf.compiled.region, Region::Polynomial(_))
         && matches!(
             &leaf.compiled.pieces[..],
             [LeafSurface::Polynomial(surface)] if surface.degree() <= 2
-        )
+        );
+    is_quadric || is_convex(&leaf.compiled)
 }
 
 /// A slope of more than this share of its terms has the sign that it seems to have.

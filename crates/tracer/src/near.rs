@@ -2,14 +2,16 @@
 //!
 //! Input: a world, and rays that go nearly the same way. Output: the leaves whose boxes one of them may meet, without those
 //! that all of them have left for good, and without those whose sets are empty where the leaf that bounds them is not met.
-//! Of the leaves that are solids by themselves also the first place of each ray. Where rays go far apart among many leaves,
+//! Of the solids that are products also the first place of each ray. Where rays go far apart among many leaves,
 //! none are listed.
 
+use expr::processor::Processor;
+
 use crate::bounds::BoundingBox;
-use crate::bundle::RayBundle;
-use crate::line::{Ray, SurfaceId};
-use crate::lone::{FirstPlace, add_lone};
+use crate::bundle::{RayBlocks, RayBundle};
+use crate::line::SurfaceId;
 use crate::low::{departs, passes};
+use crate::product::{FirstPlace, FirstPlaces};
 use crate::world::World;
 
 /// A leaf with its box; without one for an endless leaf.
@@ -25,14 +27,14 @@ const MOST: usize = 64;
 /// The leaves near a bundle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearLeaves {
-    /// Those that are parts of solids first.
+    /// Those of products last.
     leaves: Vec<NearLeaf>,
-    /// The number of parts of solids.
+    /// The number of leaves that are not of products.
     joined: usize,
     /// True where there are too many: then none is listed.
     crowded: bool,
-    /// For each ray its first place among the others; none if that is not known.
-    first: Vec<FirstPlace>,
+    /// For each ray its first place on the products.
+    first: FirstPlaces,
     stack: Vec<u32>,
 }
 
@@ -49,6 +51,7 @@ impl NearLeaves {
             joined,
             crowded,
             first,
+            ..
         } = self;
         leaves.clear();
         first.clear();
@@ -84,8 +87,8 @@ impl NearLeaves {
                 leaves.swap_remove(k);
             }
         }
-        leaves.sort_unstable_by_key(|near| (world.lone[near.leaf as usize], near.leaf));
-        *joined = leaves.partition_point(|near| !world.lone[near.leaf as usize]);
+        leaves.sort_unstable_by_key(|near| (world.is_in_product(near.leaf), near.leaf));
+        *joined = leaves.partition_point(|near| !world.is_in_product(near.leaf));
     }
 
     /// True if there are none.
@@ -103,47 +106,27 @@ impl NearLeaves {
         &self.leaves
     }
 
-    /// Those that are parts of solids.
+    /// Those that are not of products.
     pub(crate) fn joined(&self) -> &[NearLeaf] {
         &self.leaves[..self.joined]
     }
 
-    /// The first place of the ray with this index among the leaves that are solids by themselves.
-    pub(crate) fn first(&self, index: usize) -> FirstPlace {
-        let known = self.first.get(index).copied();
-        known.unwrap_or(FirstPlace::Unknown)
+    /// The first place of the ray with this index on the products.
+    pub(crate) fn first(&self, world: &World, index: usize) -> FirstPlace {
+        self.first.get(world, index)
     }
 
-    /// Finds the first place of each ray of the bundle among the leaves that are solids by themselves.
+    /// Finds the first place of each ray of the bundle on the products.
     pub(crate) fn find_first_places(
         &mut self,
+        processor: Processor,
         world: &World,
-        rays: &[Ray],
-        leaving: Option<SurfaceId>,
+        rays: &RayBlocks,
     ) {
-        if self.crowded {
+        if self.crowded || !world.endless_solids.is_empty() {
             return;
         }
-        let left = leaving.and_then(|id| world.group(id));
-        let is_left = |leaf: u32| {
-            let id = SurfaceId { leaf, piece: 0 };
-            leaving == Some(id) || left.is_some() && world.group(id) == left
-        };
-        let lone = &self.leaves[self.joined..];
-        if !world.endless_solids.is_empty() || lone.iter().any(|near| is_left(near.leaf)) {
-            return;
-        }
-        self.first
-            .extend(rays.iter().map(|ray| match ray.is_usable() {
-                true => FirstPlace::Nothing,
-                false => FirstPlace::Unknown,
-            }));
-        for near in lone {
-            let piece = world.leaves[near.leaf as usize].first_piece;
-            if let Some(low) = &world.low[piece] {
-                let (leaf, bounds) = (near.leaf, near.bounds.as_ref());
-                add_lone(&world.leaves, (leaf, low), bounds, rays, &mut self.first);
-            }
-        }
+        let near = &self.leaves[self.joined..];
+        self.first.find(processor, world, near, rays);
     }
 }

@@ -184,8 +184,8 @@ impl SampleAxes {
 
 /// The ray of a sample of a pixel.
 fn ray(camera: &CameraFrame, pixel: [u32; 2], sample: &Sample) -> Ray {
-    let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
-    let (origin, direction) = camera.ray(place, sample.lens);
+    let ([i, j], [x, y]) = (pixel, sample.pixel);
+    let (origin, direction) = camera.ray([f64::from(i) + x, f64::from(j) + y], sample.lens);
     Ray {
         origin,
         direction,

@@ -4,9 +4,10 @@
 //! k·c·ΣaC + Σ V·S·C·(falloff/r)²·(k·c·(n·l) + specular·(n·h)^shininess) + (m + gF)·R + g(1 − F)·T, where R and T are what
 //! the reflected and the refracted ray see, F is Fresnel's share, and V the share that no face keeps from the light. That is
 //! the look `geotrace`; `shade/crt.rs` has the light that the look `crt` takes from lights. `shade/paths.rs` follows the
-//! rays.
+//! rays, `shade/lights.rs` adds the light from lights.
 
 mod crt;
+mod lights;
 mod paths;
 
 use glam::DVec3;
@@ -93,6 +94,8 @@ pub struct Scenery<'a> {
     pub sheets: &'a Sheets,
     /// The glass that each solid is of; `None`, also for those that are not listed, for none.
     pub glass: &'a [Option<Glass>],
+    /// True for each solid that is known to let no light through; those that are not listed may.
+    pub opaque: &'a [bool],
     /// The look of a face.
     pub look: &'a (dyn Fn(&Face) -> FaceLook + Sync),
     /// The lights.
@@ -151,6 +154,11 @@ impl Scenery<'_> {
             Some(FaceSides::Outer) => crossing.entering,
             Some(FaceSides::None) => false,
         }
+    }
+
+    /// True if a ray that enters through this leaf sees the face there.
+    fn is_seen_from_outside(&self, leaf: usize) -> bool {
+        !matches!(self.sides.get(leaf), Some(FaceSides::None))
     }
 
     /// True if a ray sees a parametric surface where it meets it: in the look `crt`, from the side to which σu×σv points.

@@ -14,7 +14,8 @@ use crate::bvh::Hierarchy;
 use crate::field::{FieldCompiler, FieldScratch};
 use crate::leaf::Leaf;
 use crate::line::SurfaceId;
-use crate::low::{LowPiece, is_convex, is_quadric, low_pieces};
+use crate::low::{LowPiece, is_convex, is_simple, low_pieces};
+use crate::product::{ProductLeaf, products};
 use crate::shape::{FramedShape, LeafSurface, Shape};
 use crate::shared::{Surfaces, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
@@ -77,9 +78,11 @@ pub struct World {
     pub(crate) convex: Vec<bool>,
     /// For each leaf another without which it does not matter.
     pub(crate) guards: Vec<Option<u32>>,
-    /// True for the leaves that are solids by themselves, of degree two at most.
-    pub(crate) lone: Vec<bool>,
-    pub(crate) piece_count: usize,
+    /// The products that solids are unions of, and that of each leaf, if its solid is such a union.
+    pub(crate) products: Vec<Vec<ProductLeaf>>,
+    pub(crate) product_of: Vec<Option<u32>>,
+    /// The name of each piece.
+    pub(crate) surface_of_piece: Vec<SurfaceId>,
     pub(crate) solids: Vec<Vec<TreeStep>>,
     /// A box that contains each solid, `None` where none is found.
     bounds: Vec<Option<BoundingBox>>,
@@ -264,6 +267,26 @@ impl<'a> WorldBuilder<'a> {
         let endless = indices.filter(|&k| boxes[k as usize].is_none()).collect();
         let hierarchy = boxed.iter().filter_map(|&k| boxes[k as usize]).collect();
         let surfaces = share(&leaves, piece_count, &rest);
+        let surface_of_piece = leaves
+            .iter()
+            .enumerate()
+            .flat_map(|(leaf, of)| {
+                (0..of.compiled.pieces.len()).map(move |piece| SurfaceId {
+                    leaf: leaf as u32,
+                    piece: piece as u32,
+                })
+            })
+            .collect();
+        let of_solids = solids
+            .iter()
+            .filter_map(|steps| products(steps, &|leaf| is_simple(&leaves[leaf])));
+        let products: Vec<Vec<ProductLeaf>> = of_solids.flatten().collect();
+        let mut product_of = vec![None; leaves.len()];
+        for (k, product) in products.iter().enumerate() {
+            for of in product {
+                product_of[of.leaf as usize] = Some(k as u32);
+            }
+        }
         let all = 0..forest.len();
         let endless_solids = all.filter(|&solid| forest.is_endless(solid)).collect();
         Ok(World {
@@ -279,13 +302,11 @@ impl<'a> WorldBuilder<'a> {
                 .map(|leaf| is_convex(&leaf.compiled))
                 .collect(),
             guards: solids.iter().flat_map(|steps| guards(steps)).collect(),
-            lone: leaves
-                .iter()
-                .map(|leaf| solids[leaf.solid].len() == 1 && is_quadric(leaf))
-                .collect(),
+            products,
+            product_of,
             leaves,
             surfaces,
-            piece_count,
+            surface_of_piece,
             solids,
             bounds,
         })
@@ -364,11 +385,17 @@ impl World {
             low: Vec::new(),
             convex: Vec::new(),
             guards: Vec::new(),
-            lone: Vec::new(),
-            piece_count: 0,
+            products: Vec::new(),
+            product_of: Vec::new(),
+            surface_of_piece: Vec::new(),
             solids: Vec::new(),
             bounds: Vec::new(),
         }
+    }
+
+    /// True if the leaf is one of a product.
+    pub(crate) fn is_in_product(&self, leaf: u32) -> bool {
+        self.product_of[leaf as usize].is_some()
     }
 
     /// The group of surfaces that are this one.

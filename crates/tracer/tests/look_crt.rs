@@ -35,6 +35,7 @@ fn seen(look: FaceLook, lights: &[Light], bounces: u32, ray: Ray) -> DVec3 {
         background: &|_| ABOVE,
         bounces,
         picture_look: PictureLook::Crt,
+        opaque: &[],
         sides: &[],
     };
     LightTracer::new(&scenery).light(&ray, [0.5; 2])

@@ -186,6 +186,7 @@ fn a_blurred_edge_converges_to_its_integral() {
         background: &black,
         bounces: 0,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let blurred = LensCamera {
@@ -245,6 +246,7 @@ fn soft_shadows_converge_to_the_visible_share_of_the_light() {
         background: &black,
         bounces: 0,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
@@ -326,6 +328,7 @@ fn pictures_are_the_same_on_any_number_of_threads() {
         background: &|direction| 0.5 + 0.5 * direction,
         bounces: 4,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let camera = LensCamera {
@@ -373,6 +376,7 @@ fn sheets_and_solids_are_seen_together() {
         background: &black,
         bounces: 8,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
@@ -412,6 +416,7 @@ fn a_camera_inside_glass_looks_out_of_it() {
         background: &|_| DVec3::ONE,
         bounces: 64,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
@@ -519,6 +524,7 @@ fn the_rays_of_a_tile_are_lit_as_each_is_alone() {
         background: &|direction| direction.abs(),
         bounces: 4,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut random = Random(31);

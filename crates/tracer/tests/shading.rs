@@ -164,6 +164,7 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
         background: &black,
         bounces: 8,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
@@ -204,6 +205,7 @@ fn glass_bends_absorbs_and_reflects_exactly() {
         background: &sky,
         bounces: 64,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);
@@ -255,6 +257,7 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
             background: &sky,
             bounces: 16,
             picture_look: Default::default(),
+            opaque: &[],
             sides: &[],
         };
         let mut tracer = LightTracer::new(&scenery);
@@ -282,6 +285,7 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
         background: &|direction| DVec3::splat(direction.z),
         bounces: 1,
         picture_look: Default::default(),
+        opaque: &[],
         sides: &[],
     };
     let mut tracer = LightTracer::new(&scenery);

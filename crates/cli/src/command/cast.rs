@@ -152,6 +152,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         background: &|_| DVec3::ZERO,
         bounces: 0,
         picture_look: scene.picture_look(),
+        opaque: &[],
         sides: scene.sides(),
     };
     let mut caster = scene.world().caster();

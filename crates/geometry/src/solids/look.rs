@@ -126,6 +126,11 @@ impl LookProgram {
         (!opaque).then_some(glass)
     }
 
+    /// True if it lets no light through anywhere.
+    pub(super) fn is_opaque(&self) -> bool {
+        !self.is_glass
+    }
+
     /// The attributes that depend on the place, but count for a whole solid.
     pub(super) fn uneven(&self) -> impl Iterator<Item = &'static str> + '_ {
         let words = [(A::Ior, "ior"), (A::Depth, "depth")];

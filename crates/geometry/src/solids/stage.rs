@@ -138,18 +138,18 @@ impl DeclaredBackground {
     pub(super) fn light(
         &self,
         direction: DVec3,
-        image: &dyn Fn([f64; 2]) -> Option<DVec3>,
+        image: Option<&dyn Fn([f64; 2]) -> DVec3>,
     ) -> DVec3 {
+        let Some(image) = image else {
+            return self.constant.unwrap_or_else(|| self.shining(direction));
+        };
         let around = direction.y.atan2(direction.x) + self.turn;
         let u = (0.5 - around / (2.0 * PI)).rem_euclid(1.0);
         let v = match self.picture_look {
             PictureLook::Geotrace => 0.5 - direction.z.clamp(-1.0, 1.0).asin() / PI,
             PictureLook::Crt => 0.5 - 0.5 * direction.z,
         };
-        if let Some(light) = image([u, v]) {
-            return light;
-        }
-        self.constant.unwrap_or_else(|| self.shining(direction))
+        image([u, v])
     }
 
     /// True if the colour depends on nothing but the height of a direction.

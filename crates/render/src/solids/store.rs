@@ -255,21 +255,27 @@ impl TracedScene {
             let light = self.images.color(image, place)?;
             Some(picture_look.image_light(light))
         };
-        let background = |place: [f64; 2]| {
-            let image = self.background.as_deref()?;
-            Some(match picture_look {
+        let image = self.background.as_deref().map(|image| {
+            move |place: [f64; 2]| match picture_look {
                 PictureLook::Geotrace => texel(image, place),
                 PictureLook::Crt => stated_texel(image, place),
-            })
-        };
+            }
+        });
+        let image = image
+            .as_ref()
+            .map(|image| image as &(dyn Fn([f64; 2]) -> DVec3 + Sync));
         let lights = self.rays.lights(camera, &STANDARD_LIGHTS);
         see(&Scenery {
             world: self.rays.world(),
             sheets: self.rays.sheets(),
             glass: self.rays.glass(),
+            opaque: self.rays.opaque(),
             look: &|face| self.rays.look(face, &paint),
             lights: &lights,
-            background: &|direction| self.rays.background(direction, self.sky, &background),
+            background: &|direction| {
+                self.rays
+                    .background(direction, self.sky, image.map(|image| image as _))
+            },
             bounces,
             picture_look: self.rays.picture_look(),
             sides: self.rays.sides(),

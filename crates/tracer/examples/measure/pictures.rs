@@ -57,6 +57,7 @@ fn drawn(stage: &Stage, samples: u32) -> (f64, u64) {
         world: &stage.world,
         sheets: &sheets,
         glass: &[],
+        opaque: &vec![true; stage.looks.len()],
         look: &|face| match face.of {
             FaceObject::Solid { solid, .. } => stage.looks[solid],
             FaceObject::Sheet { .. } => FaceLook::default(),

@@ -6,6 +6,7 @@
 use std::cmp::Ordering;
 
 use super::{Candidate, Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
+use crate::bundle::RayBlocks;
 use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
@@ -23,7 +24,7 @@ impl Caster<'_> {
             return self.activate_convex(ray, candidate);
         }
         let line = self.line(ray, candidate.leaf);
-        if !(line.speed.is_finite() && line.speed > 0.0) {
+        if !line.is_usable() {
             return;
         }
         self.state.set(&self.world.forest, leaf.gate, true);
@@ -81,8 +82,8 @@ impl Caster<'_> {
             LowEquation::Plane(plane) => Some(plane.changes(ray, leaving)),
             LowEquation::Quadric { frame, form } => {
                 let line = self.line(ray, *frame);
-                let is_line = line.speed.is_finite() && line.speed > 0.0;
-                is_line.then(|| quadratic_changes_in_t(&line, form, leaving))
+                line.is_usable()
+                    .then(|| quadratic_changes_in_t(&line, form, leaving))
             }
         }
     }
@@ -278,14 +279,14 @@ impl Caster<'_> {
 fn divide_bundle(
     field: &Field,
     leaf: &Leaf,
-    rays: &[Ray],
+    rays: &RayBlocks,
     scratch: &mut FieldScratch,
 ) -> Vec<BundlePart> {
     let Some(bounds) = leaf.bounds else {
         return Vec::new();
     };
     let [mut from, mut to] = [f64::INFINITY, 0.0f64];
-    for ray in rays {
+    for ray in rays.iter() {
         let [entry, exit] = bounds.part(ray.origin, ray.direction.recip());
         if entry <= exit && exit >= 0.0 {
             from = from.min(entry.max(0.0));
@@ -295,6 +296,6 @@ fn divide_bundle(
     if from >= to || !to.is_finite() {
         return Vec::new();
     }
-    let lines = rays.iter().map(|ray| field_line(leaf, ray));
+    let lines = rays.iter().map(|ray| field_line(leaf, &ray));
     field.divide(scratch, &LineBundle::new(lines), [from, to])
 }

@@ -5,24 +5,25 @@
 //! mirrors, then from glass. So each step casts rays that go nearly the same way again, and what none of them meets is left
 //! out at once. The light along a ray does not depend on the others.
 
+use expr::processor::Processor;
 use glam::DVec3;
 
-use crate::cast::{Caster, Crossing};
-use crate::light::{Light, SeenLight};
+use crate::cast::Caster;
 use crate::line::{Ray, SurfaceId};
 use crate::look::PictureLook;
 use crate::optics::{fresnel, reflected, refracted};
-use crate::shade::crt::{self, PARALLEL_REACH};
+use crate::shade::lights::LitFaces;
 use crate::shade::{Face, FaceLook, FaceObject, Glass, Scenery};
 use crate::sheet::SheetScratch;
 use crate::sheets::SheetsRay;
 
 /// Follows rays through a scenery; one for each thread.
 pub struct LightTracer<'a> {
-    scenery: &'a Scenery<'a>,
-    caster: Caster<'a>,
-    sheets: SheetScratch,
-    crossings: Vec<Crossing>,
+    pub(super) scenery: &'a Scenery<'a>,
+    pub(super) processor: Processor,
+    pub(super) caster: Caster<'a>,
+    pub(super) sheets: SheetScratch,
+    pub(super) lit: LitFaces,
 }
 
 /// Glass around a ray.
@@ -35,28 +36,28 @@ struct Medium {
 }
 
 /// A ray that is followed.
-struct LightPath {
-    ray: Ray,
+pub(super) struct LightPath {
+    pub(super) ray: Ray,
     /// The face that it starts on.
     start: Option<FaceObject>,
     weight: f64,
     /// The length of the way from the eye to the start.
-    length: f64,
+    pub(super) length: f64,
     bounces: u32,
     /// By declaration; the last one counts.
     media: Vec<Medium>,
     /// The place on lights that have a size, two numbers from 0 to 1.
-    light_sample: [f64; 2],
+    pub(super) light_sample: [f64; 2],
 }
 
 /// A face that a path comes to.
-struct MetFace {
+pub(super) struct MetFace {
     /// The number of the path.
-    path: usize,
-    face: Face,
-    look: FaceLook,
+    pub(super) path: usize,
+    pub(super) face: Face,
+    pub(super) look: FaceLook,
     /// The bumped normal.
-    normal: DVec3,
+    pub(super) normal: DVec3,
     /// The share of the light that the glass on the way keeps.
     kept: DVec3,
     /// The shares of what is seen in the face and through it.
@@ -65,39 +66,21 @@ struct MetFace {
     /// The direction behind the face, and the glass there.
     onward: Option<(DVec3, Vec<Medium>)>,
     /// The light that leaves it towards the start of the path, as far as it is known.
-    out: DVec3,
-}
-
-/// A face that lights shine on.
-struct LitFace {
-    position: DVec3,
-    normal: DVec3,
-    /// The colour of what it scatters, times the share.
-    scattered: DVec3,
-    light_sample: [f64; 2],
-    out: DVec3,
-}
-
-/// A light that a face is turned to.
-struct FacedLight {
-    /// The number of the face.
-    face: usize,
-    seen: SeenLight,
-    /// The cosine between the light and the normal.
-    height: f64,
+    pub(super) out: DVec3,
 }
 
 /// The surface that a ray leaves: a piece of a leaf, or a parametric surface.
-type LeftSurface = Option<(Option<SurfaceId>, usize)>;
+pub(super) type LeftSurface = Option<(Option<SurfaceId>, usize)>;
 
 impl<'a> LightTracer<'a> {
     /// Begins with a scenery.
     pub fn new(scenery: &'a Scenery<'a>) -> Self {
         Self {
             scenery,
+            processor: Processor::here(),
             caster: scenery.world.caster(),
+            lit: LitFaces::default(),
             sheets: SheetScratch::default(),
-            crossings: Vec::new(),
         }
     }
 
@@ -128,8 +111,8 @@ impl<'a> LightTracer<'a> {
 
     /// The first face with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Face> {
-        self.caster
-            .begin_near(std::iter::once(*ray), f64::INFINITY, None);
+        self.caster.begin(None).push(ray.origin, ray.direction);
+        self.caster.find_near(f64::INFINITY);
         self.nearest(0, ray, None)
     }
 
@@ -174,8 +157,11 @@ impl<'a> LightTracer<'a> {
             .chunk_by_mut(|a, b| left_surface(a.start.as_ref()) == left_surface(b.start.as_ref()))
         {
             let leaving = run[0].ray.leaving;
-            let rays = run.iter().map(|path| path.ray);
-            self.caster.begin_near(rays, f64::INFINITY, leaving);
+            let rays = self.caster.begin(leaving);
+            for path in run.iter() {
+                rays.push(path.ray.origin, path.ray.direction);
+            }
+            self.caster.find_near(f64::INFINITY);
             if run[0].start.is_none() && run.len() > 1 {
                 self.caster.divide_fields();
             }
@@ -205,13 +191,17 @@ impl<'a> LightTracer<'a> {
         };
         let look = (self.scenery.look)(&face).balanced();
         let direction = path.ray.direction;
-        let slope = look.bump - face.normal.dot(look.bump) * face.normal;
-        let normal = (face.normal - slope).normalize_or(face.normal);
+        let normal = if look.bump == DVec3::ZERO {
+            face.normal
+        } else {
+            let slope = look.bump - face.normal.dot(look.bump) * face.normal;
+            (face.normal - slope).normalize_or(face.normal)
+        };
         let (mut mirror, mut through) = (look.mirror, DVec3::ZERO);
         let mut onward = None;
         if look.glass > 0.0 {
             if let FaceObject::Solid { .. } = face.of {
-                let media = self.beyond(path, look.color);
+                let media = self.beyond(path, face.t, look.color);
                 let index = |media: &[Medium]| media.last().map_or(1.0, |medium| medium.glass.ior);
                 let (n1, n2) = (index(&path.media), index(&media));
                 let cosine = (-normal.dot(direction)).clamp(0.0, 1.0);
@@ -255,34 +245,26 @@ impl<'a> LightTracer<'a> {
         self.scenery.glass.get(solid).copied().flatten()
     }
 
-    /// The first face of the ray with this index in the caster's bundle; `crossings` receives those of solids at its place, if it is one of a
-    /// solid.
+    /// The first face of the ray with this index in the caster's bundle; if it is one of a solid, the caster has the crossings
+    /// at its place.
     fn nearest(&mut self, index: usize, ray: &Ray, start: Option<&FaceObject>) -> Option<Face> {
         let Self {
             scenery,
             caster,
             sheets: scratch,
-            crossings,
             ..
         } = self;
         let scenery = *scenery;
-        crossings.clear();
-        crossings.extend_from_slice(caster.nearest(index));
-        let is_seen = |found: &Crossing| scenery.is_seen(found);
-        if !crossings.is_empty() && !crossings.iter().any(is_seen) {
-            let all = caster.cast(ray);
-            let first = all.iter().find(|found| is_seen(found));
-            let t = first.map(|first| first.t);
-            crossings.clear();
-            crossings.extend(all.iter().filter(|found| Some(found.t) == t));
+        let mut crossings = caster.nearest(index);
+        let mut seen = crossings.iter().find(|found| scenery.is_seen(found));
+        if seen.is_none() && !crossings.is_empty() {
+            crossings = caster.cast(ray);
+            seen = crossings.iter().find(|found| scenery.is_seen(found));
         }
         if scenery.sheets.is_empty() {
-            return crossings
-                .iter()
-                .find(|found| is_seen(found))
-                .map(Face::from);
+            return seen.map(Face::from);
         }
-        let mut reach = crossings.first().map_or(f64::INFINITY, |first| first.t);
+        let mut reach = seen.map_or(f64::INFINITY, |seen| seen.t);
         let mut found = None;
         let ray = SheetsRay {
             origin: ray.origin,
@@ -297,169 +279,15 @@ impl<'a> LightTracer<'a> {
             }
             reach
         });
-        if let Some((sheet, hit)) = found {
-            crossings.clear();
-            return Some(Face {
+        match found {
+            Some((sheet, hit)) => Some(Face {
                 t: hit.t,
                 position: hit.position,
                 normal: hit.normal,
                 of: FaceObject::Sheet { sheet, uv: hit.uv },
-            });
+            }),
+            None => seen.map(Face::from),
         }
-        let seen = crossings.iter().find(|found| is_seen(found));
-        seen.map(Face::from)
-    }
-
-    /// Adds what comes to the faces from lights.
-    fn add_lights(&mut self, paths: &[LightPath], faces: &mut [MetFace]) {
-        let scenery = self.scenery;
-        // Each light reads no more than this of a face.
-        let mut lit: Vec<LitFace> = faces
-            .iter()
-            .map(|met| LitFace {
-                position: met.face.position,
-                normal: met.normal,
-                scattered: met.scattered(),
-                light_sample: paths[met.path].light_sample,
-                out: met.out,
-            })
-            .collect();
-        let mut faced: Vec<FacedLight> = Vec::with_capacity(faces.len());
-        for light in scenery.lights {
-            faced.clear();
-            for (k, lit) in lit.iter_mut().enumerate() {
-                let length = match scenery.picture_look {
-                    PictureLook::Geotrace => {
-                        lit.out += lit.scattered * light.ambient * light.color;
-                        0.0
-                    }
-                    PictureLook::Crt => {
-                        let met = &faces[k];
-                        lit.out += crt::ambient(&met.look, light);
-                        paths[met.path].length + met.face.t
-                    }
-                };
-                let seen = light.from(lit.position, lit.light_sample, length);
-                let height = lit.normal.dot(seen.towards);
-                if height > 0.0 && seen.share > 0.0 {
-                    faced.push(FacedLight {
-                        face: k,
-                        seen,
-                        height,
-                    });
-                }
-            }
-            let surface = |faced: &FacedLight| left_surface(Some(&faces[faced.face].face.of));
-            for run in faced.chunk_by(|a, b| surface(a) == surface(b)) {
-                self.add_light(light, run, paths, faces, &mut lit);
-            }
-        }
-        for (met, lit) in faces.iter_mut().zip(lit) {
-            met.out = lit.out;
-        }
-    }
-
-    /// Adds the light to the faces of a run, which leave one surface.
-    fn add_light(
-        &mut self,
-        light: &Light,
-        run: &[FacedLight],
-        paths: &[LightPath],
-        faces: &[MetFace],
-        lit: &mut [LitFace],
-    ) {
-        let picture_look = self.scenery.picture_look;
-        let reach = |seen: &SeenLight| match picture_look {
-            PictureLook::Crt if !seen.distance.is_finite() => PARALLEL_REACH,
-            _ => seen.distance,
-        };
-        if light.casts_shadows {
-            let leaving = faces[run[0].face].face.of.surface();
-            let rays = run.iter().map(|faced| Ray {
-                origin: lit[faced.face].position,
-                direction: faced.seen.towards,
-                leaving,
-            });
-            let reaches = run.iter().map(|faced| reach(&faced.seen));
-            let reach = reaches.fold(0.0, f64::max);
-            self.caster.begin_near(rays, reach, leaving);
-        }
-        let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
-        for (k, faced) in run.iter().enumerate() {
-            let met = &faces[faced.face];
-            let visible = if light.casts_shadows && !is_free {
-                let ray = SheetsRay {
-                    origin: lit[faced.face].position,
-                    direction: faced.seen.towards,
-                    leaving: met.face.of.sheet(),
-                    reach: reach(&faced.seen),
-                };
-                self.visible(k, ray)
-            } else {
-                1.0
-            };
-            if visible == 0.0 {
-                continue;
-            }
-            let direction = paths[met.path].ray.direction;
-            let FacedLight { seen, height, .. } = faced;
-            let lit = &mut lit[faced.face];
-            lit.out += match picture_look {
-                PictureLook::Geotrace => {
-                    let highlight = if met.look.specular > 0.0 {
-                        met.highlight(seen.towards, direction)
-                    } else {
-                        0.0
-                    };
-                    let shared = visible * seen.share;
-                    let scattered = light.color * lit.scattered * *height;
-                    shared * (scattered + light.highlight * highlight)
-                }
-                PictureLook::Crt => crt::lit(
-                    &met.look, light, seen, *height, visible, met.normal, direction,
-                ),
-            };
-        }
-    }
-
-    /// The share of a light that the faces on the way let through, unbent; the ray is that with this index in the caster's
-    /// bundle.
-    fn visible(&mut self, index: usize, ray: SheetsRay) -> f64 {
-        let scenery = self.scenery;
-        let look = scenery.look;
-        let distance = ray.reach;
-        let known = self.caster.known_before(index, distance);
-        if let Some(passed) = known
-            && scenery.is_seen(&passed)
-            && look(&(&passed).into()).balanced().glass == 0.0
-        {
-            return 0.0;
-        }
-        let mut share = 1.0;
-        self.caster.each_before(index, distance, &mut |passed| {
-            if scenery.is_seen(passed) {
-                share *= look(&passed.into()).balanced().glass;
-            }
-            share != 0.0
-        });
-        if share > 0.0 {
-            scenery
-                .sheets
-                .cast(&mut self.sheets, ray, &mut |sheet, hit| {
-                    if scenery.sees(hit) {
-                        let face = Face {
-                            t: hit.t,
-                            position: hit.position,
-                            normal: hit.normal,
-                            of: FaceObject::Sheet { sheet, uv: hit.uv },
-                        };
-                        share *= look(&face).balanced().glass;
-                    }
-                    // Behind what is opaque nothing changes.
-                    if share > 0.0 { distance } else { 0.0 }
-                });
-        }
-        share
     }
 
     /// Adds `share` of what is seen from the faces along the directions that `next` gives, with the glass there.
@@ -516,10 +344,11 @@ impl<'a> LightTracer<'a> {
         }
     }
 
-    /// The glass behind the face that a path has just come to.
-    fn beyond(&self, path: &LightPath, color: DVec3) -> Vec<Medium> {
+    /// The glass behind the face at `t` that a path has just come to.
+    fn beyond(&self, path: &LightPath, t: f64, color: DVec3) -> Vec<Medium> {
         let mut media = path.media.clone();
-        for crossing in &self.crossings {
+        let crossings = self.caster.crossings().iter();
+        for crossing in crossings.filter(|crossing| crossing.t == t) {
             let solid = crossing.solid;
             media.retain(|medium| medium.solid != solid);
             if crossing.entering
@@ -539,27 +368,27 @@ impl<'a> LightTracer<'a> {
 
 impl MetFace {
     /// The colour of what it scatters, times the share.
-    fn scattered(&self) -> DVec3 {
+    pub(super) fn scattered(&self) -> DVec3 {
         let look = &self.look;
         look.scattered() * look.color
     }
 
     /// The highlight of light from `towards` that leaves against `direction`.
-    fn highlight(&self, towards: DVec3, direction: DVec3) -> f64 {
+    pub(super) fn highlight(&self, towards: DVec3, direction: DVec3) -> f64 {
         let half = (towards - direction).normalize_or_zero();
         self.look.specular * self.normal.dot(half).max(0.0).powf(self.look.shininess)
     }
 }
 
 impl FaceObject {
-    fn surface(&self) -> Option<SurfaceId> {
+    pub(super) fn surface(&self) -> Option<SurfaceId> {
         match *self {
             Self::Solid { surface, .. } => Some(surface),
             Self::Sheet { .. } => None,
         }
     }
 
-    fn sheet(&self) -> Option<(usize, [f64; 2])> {
+    pub(super) fn sheet(&self) -> Option<(usize, [f64; 2])> {
         match *self {
             Self::Sheet { sheet, uv } => Some((sheet, uv)),
             Self::Solid { .. } => None,
@@ -567,7 +396,7 @@ impl FaceObject {
     }
 }
 
-fn left_surface(start: Option<&FaceObject>) -> LeftSurface {
+pub(super) fn left_surface(start: Option<&FaceObject>) -> LeftSurface {
     start.map(|of| match *of {
         FaceObject::Solid { leaf, surface, .. } => (Some(surface), leaf),
         FaceObject::Sheet { sheet, .. } => (None, sheet),

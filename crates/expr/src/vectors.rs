@@ -1,0 +1,235 @@
+//! Vectors of numbers, for work whose loops do not become vectors by themselves.
+//!
+//! Input: work written with [`Vector`] and [`Mask`]. Output: its result, from a copy of the work for the widest vectors at
+//! hand. Loops that choose between places by comparisons stay scalar where LLVM cannot tell that a branch is as good as a
+//! choice; with these types every operation is one on vectors. Each lane is computed as a number alone would be: every
+//! kind of processor gives the same bits.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use pulp::Simd;
+
+/// The instructions of a kind of processor.
+pub trait Instructions: Simd {}
+
+impl<S: Simd> Instructions for S {}
+
+/// The most lanes of a vector, a multiple of the lanes of any vector.
+pub const MOST_LANES: usize = 8;
+
+/// Something to compute with vectors. Mark [`VectorWork::run`] and all that it calls `#[inline(always)]`: only what is inlined
+/// is compiled anew for each kind of processor.
+pub trait VectorWork {
+    /// The result.
+    type Output;
+    /// Computes it.
+    fn run<S: Instructions>(self, instructions: S) -> Self::Output;
+}
+
+/// A number in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Vector<S: Instructions> {
+    instructions: S,
+    lanes: S::f64s,
+}
+
+/// True or false in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Mask<S: Instructions> {
+    instructions: S,
+    lanes: S::m64s,
+}
+
+impl<S: Instructions> Vector<S> {
+    /// The number of parts of a block: a vector has one of them.
+    pub const PARTS: usize = MOST_LANES / S::F64_LANES;
+
+    /// The number in all lanes.
+    #[inline(always)]
+    pub fn splat(instructions: S, number: f64) -> Self {
+        Self {
+            instructions,
+            lanes: instructions.splat_f64s(number),
+        }
+    }
+
+    /// The part with this index of a block.
+    ///
+    /// # Panics
+    /// If there are not so many parts.
+    #[inline(always)]
+    pub fn load(instructions: S, block: &[f64; MOST_LANES], part: usize) -> Self {
+        Self {
+            instructions,
+            lanes: S::as_simd_f64s(block).0[part],
+        }
+    }
+
+    /// Writes the part with this index of a block.
+    ///
+    /// # Panics
+    /// If there are not so many parts.
+    #[inline(always)]
+    pub fn store(self, block: &mut [f64; MOST_LANES], part: usize) {
+        S::as_mut_simd_f64s(block).0[part] = self.lanes;
+    }
+
+    /// The square roots, NaN below 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        self.with(self.instructions.sqrt_f64s(self.lanes))
+    }
+
+    /// The absolute values.
+    #[inline(always)]
+    #[must_use]
+    pub fn abs(self) -> Self {
+        self.with(self.instructions.abs_f64s(self.lanes))
+    }
+
+    /// The absolute values with the signs of others.
+    #[inline(always)]
+    #[must_use]
+    pub fn copysign(self, signs: Self) -> Self {
+        let s = self.instructions;
+        let sign = s.and_f64s(s.splat_f64s(-0.0), signs.lanes);
+        self.with(s.or_f64s(self.abs().lanes, sign))
+    }
+
+    /// The lesser of two numbers; the second one where they do not compare.
+    #[inline(always)]
+    #[must_use]
+    pub fn least(self, other: Self) -> Self {
+        self.lt(other).choose(self, other)
+    }
+
+    /// The greater of two numbers; the second one where they do not compare.
+    #[inline(always)]
+    #[must_use]
+    pub fn greatest(self, other: Self) -> Self {
+        other.lt(self).choose(self, other)
+    }
+
+    /// The least of its lanes, which are numbers.
+    #[inline(always)]
+    pub fn least_lane(self) -> f64 {
+        self.instructions.reduce_min_f64s(self.lanes)
+    }
+
+    /// The greatest of its lanes, which are numbers.
+    #[inline(always)]
+    pub fn greatest_lane(self) -> f64 {
+        self.instructions.reduce_max_f64s(self.lanes)
+    }
+
+    /// True where it is less than the other.
+    #[inline(always)]
+    pub fn lt(self, other: Self) -> Mask<S> {
+        self.mask(self.instructions.less_than_f64s(self.lanes, other.lanes))
+    }
+
+    /// True where it is not greater than the other.
+    #[inline(always)]
+    pub fn le(self, other: Self) -> Mask<S> {
+        let lanes = self
+            .instructions
+            .less_than_or_equal_f64s(self.lanes, other.lanes);
+        self.mask(lanes)
+    }
+
+    /// True where both are equal.
+    #[inline(always)]
+    pub fn equals(self, other: Self) -> Mask<S> {
+        self.mask(self.instructions.equal_f64s(self.lanes, other.lanes))
+    }
+
+    /// True where it is neither infinite nor NaN.
+    #[inline(always)]
+    pub fn is_finite(self) -> Mask<S> {
+        self.abs().lt(Self::splat(self.instructions, f64::INFINITY))
+    }
+
+    #[inline(always)]
+    fn with(self, lanes: S::f64s) -> Self {
+        Self { lanes, ..self }
+    }
+
+    #[inline(always)]
+    fn mask(self, lanes: S::m64s) -> Mask<S> {
+        Mask {
+            instructions: self.instructions,
+            lanes,
+        }
+    }
+}
+
+impl<S: Instructions> Mask<S> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat(instructions: S, value: bool) -> Self {
+        let number = Vector::splat(instructions, f64::from(u8::from(value)));
+        Vector::splat(instructions, 0.0).lt(number)
+    }
+
+    /// The first where it is true, else the second.
+    #[inline(always)]
+    pub fn choose(self, yes: Vector<S>, no: Vector<S>) -> Vector<S> {
+        let s = self.instructions;
+        yes.with(s.select_f64s(self.lanes, yes.lanes, no.lanes))
+    }
+
+    /// True where it is not what the other is.
+    #[inline(always)]
+    #[must_use]
+    pub fn differs(self, other: Self) -> Self {
+        self.with(self.instructions.xor_m64s(self.lanes, other.lanes))
+    }
+
+    /// True if it is true in a lane.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.instructions.first_true_m64s(self.lanes) < S::F64_LANES
+    }
+
+    #[inline(always)]
+    fn with(self, lanes: S::m64s) -> Self {
+        Self { lanes, ..self }
+    }
+}
+
+/// Operations on all lanes.
+macro_rules! operator {
+    ($operator:ident, $method:ident, $type:ident, $function:ident) => {
+        impl<S: Instructions> $operator for $type<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.with(self.instructions.$function(self.lanes, other.lanes))
+            }
+        }
+    };
+}
+
+operator!(Add, add, Vector, add_f64s);
+operator!(Sub, sub, Vector, sub_f64s);
+operator!(Mul, mul, Vector, mul_f64s);
+operator!(Div, div, Vector, div_f64s);
+operator!(BitAnd, bitand, Mask, and_m64s);
+operator!(BitOr, bitor, Mask, or_m64s);
+
+impl<S: Instructions> Neg for Vector<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.with(self.instructions.neg_f64s(self.lanes))
+    }
+}
+
+impl<S: Instructions> Not for Mask<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.with(self.instructions.not_m64s(self.lanes))
+    }
+}

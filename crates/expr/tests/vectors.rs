@@ -1,0 +1,151 @@
+//! Operations on vectors against the same operations on numbers, for each kind of processor.
+
+use expr::processor::Processor;
+use expr::vectors::{Instructions, MOST_LANES, Mask, Vector, VectorWork};
+
+type Block = [f64; MOST_LANES];
+
+/// All operations on two blocks.
+struct All<'a> {
+    a: &'a Block,
+    b: &'a Block,
+}
+
+/// The number of operations.
+const OPERATIONS: usize = 21;
+
+/// The results of numbers, and 1 or 0 for those of comparisons.
+#[derive(Default)]
+struct Results {
+    blocks: [Block; OPERATIONS],
+    least: f64,
+    greatest: f64,
+    any: bool,
+}
+
+impl VectorWork for All<'_> {
+    type Output = Results;
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) -> Results {
+        let mut results = Results {
+            least: f64::INFINITY,
+            greatest: f64::NEG_INFINITY,
+            ..Results::default()
+        };
+        for part in 0..Vector::<S>::PARTS {
+            let a = Vector::load(s, self.a, part);
+            let b = Vector::load(s, self.b, part);
+            let (one, zero) = (Vector::splat(s, 1.0), Vector::splat(s, 0.0));
+            let (less, equal) = (a.lt(b), a.equals(b));
+            let found = [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                a.sqrt(),
+                a.abs(),
+                a.copysign(b),
+                a.least(b),
+                a.greatest(b),
+                less.choose(one, zero),
+                a.le(b).choose(one, zero),
+                equal.choose(one, zero),
+                (!less).choose(one, zero),
+                (less | equal).choose(one, zero),
+                (a.le(b) & b.le(a)).choose(one, zero),
+                less.differs(a.le(b)).choose(one, zero),
+                Mask::splat(s, true).choose(a, b),
+                Mask::splat(s, false).choose(a, b),
+                less.choose(a, b),
+                a.is_finite().choose(one, zero),
+            ];
+            for (block, found) in results.blocks.iter_mut().zip(found) {
+                found.store(block, part);
+            }
+            results.least = results.least.min(a.least_lane());
+            results.greatest = results.greatest.max(a.greatest_lane());
+            results.any |= less.any();
+        }
+        results
+    }
+}
+
+/// What [`All`] finds for two numbers.
+fn expected(a: f64, b: f64) -> [f64; OPERATIONS] {
+    let flag = |yes: bool| f64::from(u8::from(yes));
+    [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        -a,
+        a.sqrt(),
+        a.abs(),
+        a.copysign(b),
+        if a < b { a } else { b },
+        if b < a { a } else { b },
+        flag(a < b),
+        flag(a <= b),
+        flag(a == b),
+        flag(!matches!(a.partial_cmp(&b), Some(std::cmp::Ordering::Less))),
+        flag(a <= b),
+        flag(a == b),
+        flag(a == b),
+        a,
+        b,
+        if a < b { a } else { b },
+        flag(a.is_finite()),
+    ]
+}
+
+/// Equal to the last bit, or both NaN.
+fn same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
+}
+
+#[test]
+fn every_lane_is_computed_as_a_number_alone() {
+    let numbers = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.5,
+        3.7e-310,
+        1e300,
+        -1e-200,
+        std::f64::consts::PI,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+    ];
+    for processor in [Processor::here(), Processor::least()] {
+        for first in 0..numbers.len() {
+            for second in 0..numbers.len() {
+                let at = |k: usize| numbers[k % numbers.len()];
+                let a: Block = std::array::from_fn(|lane| at(first + lane));
+                let b: Block = std::array::from_fn(|lane| at(second + 3 * lane));
+                let found = processor.run_vectors(All { a: &a, b: &b });
+                for lane in 0..MOST_LANES {
+                    let expected = expected(a[lane], b[lane]);
+                    for (k, (block, expected)) in found.blocks.iter().zip(expected).enumerate() {
+                        assert!(
+                            same(block[lane], expected),
+                            "operation {k} of {} and {}: {}, not {expected}",
+                            a[lane],
+                            b[lane],
+                            block[lane]
+                        );
+                    }
+                }
+                assert_eq!(found.any, a.iter().zip(&b).any(|(a, b)| a < b));
+                if a.iter().all(|a| !a.is_nan()) {
+                    let least = a.iter().copied().fold(f64::INFINITY, f64::min);
+                    let greatest = a.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                    assert_eq!([found.least, found.greatest], [least, greatest]);
+                }
+            }
+        }
+    }
+}
