@@ -26,6 +26,66 @@ pub trait VectorWork {
     fn run<S: Instructions>(self, instructions: S) -> Self::Output;
 }
 
+/// Some of the lanes of a block.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Lanes(u8);
+
+impl Lanes {
+    /// Those for which this is true.
+    #[inline]
+    pub fn of(is_one: impl Fn(usize) -> bool) -> Self {
+        let mut lanes = Self::default();
+        for lane in 0..MOST_LANES {
+            lanes.add(lane, is_one(lane));
+        }
+        lanes
+    }
+
+    /// Adds a lane, if this is true.
+    #[inline]
+    pub fn add(&mut self, lane: usize, is_one: bool) {
+        self.0 |= u8::from(is_one) << lane;
+    }
+
+    /// True for one of them.
+    #[inline]
+    pub fn has(self, lane: usize) -> bool {
+        self.0 >> lane & 1 == 1
+    }
+
+    /// True if there is one.
+    #[inline]
+    pub fn any(self) -> bool {
+        self.0 != 0
+    }
+
+    /// Those that are none of the others.
+    #[inline]
+    #[must_use]
+    pub fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+
+    /// Each of them, ascending.
+    #[inline]
+    pub fn each(self) -> impl Iterator<Item = usize> {
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let lane = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            (lane < MOST_LANES).then_some(lane)
+        })
+    }
+}
+
+impl BitAnd for Lanes {
+    type Output = Self;
+    #[inline]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
 /// A number in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vector<S: Instructions> {

@@ -1,7 +1,7 @@
 //! Operations on vectors against the same operations on numbers, for each kind of processor.
 
 use expr::processor::Processor;
-use expr::vectors::{Instructions, MOST_LANES, Mask, Vector, VectorWork};
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 
 type Block = [f64; MOST_LANES];
 
@@ -148,4 +148,17 @@ fn every_lane_is_computed_as_a_number_alone() {
             }
         }
     }
+}
+
+#[test]
+fn lanes_are_sets() {
+    let odd = Lanes::of(|lane| lane % 2 == 1);
+    assert_eq!(odd.each().collect::<Vec<_>>(), [1, 3, 5, 7]);
+    let high = Lanes::of(|lane| lane > 4);
+    assert_eq!((odd & high).each().collect::<Vec<_>>(), [5, 7]);
+    assert_eq!(odd.without(high).each().collect::<Vec<_>>(), [1, 3]);
+    assert!(odd.has(3) && !odd.has(2) && odd.any());
+    let mut none = Lanes::default();
+    none.add(4, false);
+    assert!(!none.any() && none.each().next().is_none());
 }

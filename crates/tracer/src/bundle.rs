@@ -4,7 +4,7 @@
 //! lie between bounds; along each axis they say from which parameter on a ray may be in the box, and up to which one.
 
 use expr::processor::Processor;
-use expr::vectors::{Instructions, MOST_LANES, Mask, Vector, VectorWork};
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
 use crate::bounds::BoundingBox;
@@ -13,8 +13,8 @@ use crate::line::{Ray, SurfaceId};
 /// Rays that are read together, coordinate by coordinate.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RayBlocks {
-    /// Coordinates of the starts, then of the directions. What is behind the last ray repeats the first of its
-    /// block.
+    /// Coordinates of the starts, then of the directions. What is behind the last ray in its block repeats the first one
+    /// there; what is in blocks behind it was there before.
     blocks: Vec<RayBlock>,
     count: usize,
     /// The surface that all of them leave.
@@ -27,7 +27,6 @@ pub(crate) type RayBlock = [[f64; MOST_LANES]; 6];
 impl RayBlocks {
     /// Begins with no rays.
     pub(crate) fn begin(&mut self, leaving: Option<SurfaceId>) {
-        self.blocks.clear();
         self.count = 0;
         self.leaving = leaving;
     }
@@ -35,22 +34,49 @@ impl RayBlocks {
     /// Adds a ray.
     #[inline]
     pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
-        let lane = self.count % MOST_LANES;
-        self.count += 1;
         let (o, d) = (origin, direction);
+        let lane = self.count % MOST_LANES;
+        let [x, y, z, dx, dy, dz] = self.last_block();
         if lane == 0 {
-            self.blocks.push([
-                [o.x; MOST_LANES],
-                [o.y; MOST_LANES],
-                [o.z; MOST_LANES],
-                [d.x; MOST_LANES],
-                [d.y; MOST_LANES],
-                [d.z; MOST_LANES],
-            ]);
-        } else if let Some([x, y, z, dx, dy, dz]) = self.blocks.last_mut() {
+            (*x, *y, *z) = ([o.x; MOST_LANES], [o.y; MOST_LANES], [o.z; MOST_LANES]);
+            (*dx, *dy, *dz) = ([d.x; MOST_LANES], [d.y; MOST_LANES], [d.z; MOST_LANES]);
+        } else {
             (x[lane], y[lane], z[lane]) = (o.x, o.y, o.z);
             (dx[lane], dy[lane], dz[lane]) = (d.x, d.y, d.z);
         }
+        self.count += 1;
+    }
+
+    /// Adds a block of rays, of which the lanes without one repeat another, to whole blocks.
+    #[inline]
+    pub(crate) fn push_block(
+        &mut self,
+        origins: &[[f64; MOST_LANES]; 3],
+        directions: &[[f64; MOST_LANES]; 3],
+        lanes: Lanes,
+    ) {
+        let first = lanes.each().next().unwrap_or(0);
+        let from = origins.iter().chain(directions);
+        for (numbers, from) in self.last_block().iter_mut().zip(from) {
+            for lane in 0..MOST_LANES {
+                numbers[lane] = if lanes.has(lane) {
+                    from[lane]
+                } else {
+                    from[first]
+                };
+            }
+        }
+        self.count += MOST_LANES;
+    }
+
+    /// The block of the ray that comes next.
+    #[inline]
+    fn last_block(&mut self) -> &mut RayBlock {
+        let index = self.count / MOST_LANES;
+        if index == self.blocks.len() {
+            self.blocks.push([[0.0; MOST_LANES]; 6]);
+        }
+        &mut self.blocks[index]
     }
 
     /// The number of rays.
@@ -60,7 +86,7 @@ impl RayBlocks {
 
     /// All blocks.
     pub(crate) fn blocks(&self) -> &[RayBlock] {
-        &self.blocks
+        &self.blocks[..self.count.div_ceil(MOST_LANES)]
     }
 
     /// The ray with this index.

@@ -12,6 +12,7 @@
 mod events;
 
 use expr::processor::Processor;
+use expr::vectors::{Lanes, MOST_LANES};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -318,6 +319,12 @@ impl Caster<'_> {
     /// True if no ray of the bundle meets anything.
     pub(crate) fn bundle_is_free(&self) -> bool {
         self.near.is_empty()
+    }
+
+    /// Those rays of a block of the bundle, the first of which has this index, that are known to meet nothing before these
+    /// places.
+    pub(crate) fn free_rays(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
+        self.near.free(first, before)
     }
 
     /// The first crossing with t > 0 of the ray with this index in the bundle.

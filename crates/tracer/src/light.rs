@@ -4,7 +4,7 @@
 //! apart.
 
 use expr::processor::Processor;
-use expr::vectors::{Instructions, MOST_LANES, Vector, VectorWork};
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Vector, VectorWork};
 use glam::DVec3;
 
 /// A light: all its numbers are linear.
@@ -71,7 +71,7 @@ pub struct SeenLight {
 /// Places on faces that see a light, as many as the widest vectors have lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FaceBlock {
-    position: [[f64; MOST_LANES]; 3],
+    pub(crate) position: [[f64; MOST_LANES]; 3],
     normal: [[f64; MOST_LANES]; 3],
     /// The length of the way from there on.
     path: [f64; MOST_LANES],
@@ -82,9 +82,9 @@ pub(crate) struct FaceBlock {
 /// A light as these places see it, by the numbers of [`SeenLight`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SeenBlock {
-    towards: [[f64; MOST_LANES]; 3],
-    distance: [f64; MOST_LANES],
-    share: [f64; MOST_LANES],
+    pub(crate) towards: [[f64; MOST_LANES]; 3],
+    pub(crate) distance: [f64; MOST_LANES],
+    pub(crate) share: [f64; MOST_LANES],
     /// The cosines between the light and the normals.
     pub(crate) height: [f64; MOST_LANES],
 }
@@ -109,10 +109,10 @@ impl FaceBlock {
 }
 
 impl SeenBlock {
-    /// True if some of the light comes there, shadows apart.
+    /// The places to which some of the light comes, shadows apart.
     #[inline]
-    pub(crate) fn is_lit(&self, lane: usize) -> bool {
-        self.height[lane] > 0.0 && self.share[lane] > 0.0
+    pub(crate) fn lit(&self) -> Lanes {
+        Lanes::of(|lane| self.height[lane] > 0.0 && self.share[lane] > 0.0)
     }
 
     #[inline]
@@ -150,8 +150,9 @@ impl VectorWork for PointSeenFrom<'_> {
                 let distance = (x * x + y * y + z * z).sqrt();
                 let reciprocal = one / distance;
                 let is_apart = zero.lt(reciprocal) & reciprocal.lt(endless);
-                let scale = is_apart.choose(reciprocal, zero);
-                let (x, y, z) = (x * scale, y * scale, z * scale);
+                let x = is_apart.choose(x * reciprocal, zero);
+                let y = is_apart.choose(y * reciprocal, zero);
+                let z = is_apart.choose(z * reciprocal, zero);
                 let share = if let Some(falloff) = self.falloff {
                     let path = distance + Vector::load(s, &face.path, part);
                     let ratio = Vector::splat(s, falloff) / path;
@@ -192,11 +193,17 @@ impl Light {
                 seen,
             });
         }
+        // From everywhere the same.
+        let parallel = match self.kind {
+            LightKind::Parallel(_) => Some(self.from(DVec3::ZERO, [0.5; 2], 0.0)),
+            _ => None,
+        };
         for (face, seen) in faces.iter().zip(seen) {
             for lane in 0..MOST_LANES {
                 let [position, normal] = [&face.position, &face.normal]
                     .map(|[x, y, z]| DVec3::new(x[lane], y[lane], z[lane]));
-                let light = self.from(position, face.sample[lane], face.path[lane]);
+                let light = parallel
+                    .unwrap_or_else(|| self.from(position, face.sample[lane], face.path[lane]));
                 let [x, y, z] = &mut seen.towards;
                 (x[lane], y[lane], z[lane]) = light.towards.into();
                 seen.distance[lane] = light.distance;
@@ -292,4 +299,67 @@ fn within(x: f64, edge: f64, soft: f64) -> f64 {
     }
     let s = (x - inner) / (edge - inner);
     1.0 - s * s * (3.0 - 2.0 * s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_places_see_what_each_sees_alone() {
+        let position = DVec3::new(0.3, -0.7, 2.0);
+        let direction = DVec3::new(0.2, 0.4, -3.0);
+        let kinds = [
+            LightKind::Point(position),
+            LightKind::Parallel(direction),
+            LightKind::Parallel(DVec3::ZERO),
+            LightKind::Spot {
+                position,
+                direction,
+                angle: 1.0,
+                soft: 0.5,
+            },
+            LightKind::Beam {
+                position,
+                direction,
+                radius: 1.0,
+                soft: 0.5,
+            },
+        ];
+        let coordinates = [-2.0, -0.7, 0.3, 1.1, 2.0, f64::INFINITY];
+        let places: Vec<DVec3> = (0..6usize.pow(3))
+            .map(|k| DVec3::from_array([k % 6, k / 6 % 6, k / 36].map(|k| coordinates[k])))
+            .collect();
+        for kind in kinds {
+            for (falloff, size) in [(None, 0.0), (Some(3.0), 0.0), (Some(0.5), 0.2)] {
+                let light = Light {
+                    falloff,
+                    size,
+                    ..Light::new(kind, DVec3::ONE)
+                };
+                for places in places.chunks(MOST_LANES) {
+                    let sample = |lane: usize| [lane as f64 / 9.0, 0.4];
+                    let path = |lane: usize| 0.5 * lane as f64;
+                    let normal = |lane: usize| DVec3::new(0.6, 0.1 * lane as f64, 0.8);
+                    let mut block = FaceBlock::default();
+                    for (lane, place) in places.iter().enumerate() {
+                        block.set(lane, *place, normal(lane), path(lane), sample(lane));
+                    }
+                    for processor in [Processor::here(), Processor::least()] {
+                        let mut seen = [SeenBlock::default()];
+                        light.seen_from(processor, &[block], &mut seen);
+                        for (lane, place) in places.iter().enumerate() {
+                            let alone = light.from(*place, sample(lane), path(lane));
+                            let found = seen[0].light(lane);
+                            // NaN differs from itself, and is written as one.
+                            assert_eq!(format!("{found:?}"), format!("{alone:?}"), "{light:?}");
+                            let height = normal(lane).dot(alone.towards);
+                            let found = seen[0].height[lane];
+                            assert_eq!(format!("{found:?}"), format!("{height:?}"));
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -6,6 +6,7 @@
 //! none are listed.
 
 use expr::processor::Processor;
+use expr::vectors::{Lanes, MOST_LANES};
 
 use crate::bounds::BoundingBox;
 use crate::bundle::{RayBlocks, RayBundle};
@@ -114,6 +115,14 @@ impl NearLeaves {
     /// The first place of the ray with this index on the products.
     pub(crate) fn first(&self, world: &World, index: usize) -> FirstPlace {
         self.first.get(world, index)
+    }
+
+    /// Those rays of a block, the first of which has this index, that are known to meet nothing before these places.
+    pub(crate) fn free(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
+        if self.joined > 0 {
+            return Lanes::default();
+        }
+        self.first.free(first, before)
     }
 
     /// Finds the first place of each ray of the bundle on the products.

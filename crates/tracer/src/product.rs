@@ -11,7 +11,7 @@
 //! that are multiplied out may be many, and meet each other.
 
 use expr::processor::Processor;
-use expr::vectors::{Instructions, MOST_LANES, Mask, Vector, VectorWork};
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
 use crate::bundle::{RayBlock, RayBlocks};
@@ -172,6 +172,15 @@ impl FirstPlaces {
             let surface = world.surface_of_piece[block.piece[lane] as usize];
             FirstPlace::Enters(block.t[lane], surface)
         }
+    }
+
+    /// Those rays of a block, the first of which has this index, that are known to meet nothing before these places.
+    pub(crate) fn free(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
+        if first >= self.count {
+            return Lanes::default();
+        }
+        let block = &self.blocks[first / MOST_LANES];
+        Lanes::of(|lane| block.unknown[lane] == 0.0 && block.t[lane] >= before[lane])
     }
 
     /// Finds the first places of rays on products; `near` has the leaves of products that a ray may meet, ascending.
@@ -389,10 +398,17 @@ impl<S: Instructions> Lines<S> {
                 linear,
                 constant,
             } => {
-                let (squares, mixed) = (splat(s, *squares), splat(s, *mixed));
                 let linear = splat(s, *linear);
-                let at = half_gradient(s, squares, mixed, p);
-                let along = half_gradient(s, squares, mixed, d);
+                let (at, along) = if *mixed == DVec3::ZERO {
+                    let squares = splat(s, *squares);
+                    (product_of(squares, p), product_of(squares, d))
+                } else {
+                    let (squares, mixed) = (splat(s, *squares), splat(s, *mixed));
+                    (
+                        half_gradient(s, squares, mixed, p),
+                        half_gradient(s, squares, mixed, d),
+                    )
+                };
                 let twice = scaled(Vector::splat(s, 2.0), at);
                 [
                     dot(&sum(at, linear), p) + Vector::splat(s, *constant),
@@ -655,8 +671,13 @@ fn half_gradient<S: Instructions>(
         z * v[0] + x * v[2],
         y * v[0] + x * v[1],
     ];
-    let squares = [squares[0] * v[0], squares[1] * v[1], squares[2] * v[2]];
-    sum(squares, scaled(Vector::splat(s, 0.5), mixed))
+    let half = scaled(Vector::splat(s, 0.5), mixed);
+    sum(product_of(squares, v), half)
+}
+
+#[inline(always)]
+fn product_of<S: Instructions>(a: Place<S>, b: &Place<S>) -> Place<S> {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
 #[inline(always)]

@@ -1,79 +1,141 @@
 //! The light that comes to faces from lights.
 //!
-//! Input: faces that paths come to. Output: what they send towards the starts of the paths of the light from lights. One light
-//! after another is looked at from all faces, vector by vector; then the rays towards it are cast together, those that
-//! leave one surface in one bundle.
+//! Input: faces that paths come to. Output: what they send towards the starts of the paths of the light from lights. The faces
+//! stand in blocks, those of one surface together. One light after another is looked at from all of them, vector by vector;
+//! then the rays from one surface towards it are cast together. Faces without a highlight that nothing hides from the
+//! light are lit block by block, the others one by one.
 
 use expr::processor::Processor;
-use expr::vectors::MOST_LANES;
+use expr::vectors::{Lanes, MOST_LANES};
 use glam::DVec3;
 
 use super::crt::{self, PARALLEL_REACH};
-use super::paths::{LeftSurface, LightPath, LightTracer, MetFace, left_surface};
+use super::paths::{LightPath, LightTracer, MetFace, left_surface};
 use super::{Face, FaceObject};
-use crate::light::{FaceBlock, Light, SeenBlock, SeenLight};
+use crate::light::{FaceBlock, Light, SeenBlock};
 use crate::look::PictureLook;
 use crate::sheets::SheetsRay;
 
 /// Faces that lights shine on, and a light as they see it; kept for the next faces.
 #[derive(Default)]
 pub(super) struct LitFaces {
-    /// In the order of the faces, as all of these.
-    blocks: Vec<FaceBlock>,
+    blocks: Vec<LitBlock>,
+    places: Vec<FaceBlock>,
     seen: Vec<SeenBlock>,
-    /// The colour of what each scatters, times the share.
-    scattered: Vec<DVec3>,
-    /// The surface that rays from it leave.
-    surfaces: Vec<LeftSurface>,
-    /// The faces that are turned to the light.
-    turned: Vec<usize>,
+}
+
+/// Faces of one surface.
+#[derive(Clone, Debug)]
+struct LitBlock {
+    /// The first of them, which follow each other.
+    first: usize,
+    /// True for the first block of a surface.
+    begins: bool,
+    /// The lanes that have a face.
+    used: Lanes,
+    /// Those of faces that send more than what they scatter.
+    shiny: Lanes,
+    /// Those of faces that are turned to the light.
+    turned: Lanes,
+    /// The colour of what they scatter, times the share.
+    scattered: [[f64; MOST_LANES]; 3],
+    /// The light that they send.
+    out: [[f64; MOST_LANES]; 3],
 }
 
 impl LitFaces {
     fn fill(&mut self, look: PictureLook, paths: &[LightPath], faces: &[MetFace]) {
         self.blocks.clear();
-        self.scattered.clear();
-        self.surfaces.clear();
-        for (k, met) in faces.iter().enumerate() {
-            if k % MOST_LANES == 0 {
-                self.blocks.push(FaceBlock::default());
+        self.places.clear();
+        let left = |met: &MetFace| left_surface(Some(&met.face.of));
+        let mut first = 0;
+        for of_surface in faces.chunk_by(|a, b| left(a) == left(b)) {
+            for (k, faces) in of_surface.chunks(MOST_LANES).enumerate() {
+                let mut block = LitBlock {
+                    first,
+                    begins: k == 0,
+                    used: Lanes::default(),
+                    shiny: Lanes::default(),
+                    turned: Lanes::default(),
+                    scattered: [[0.0; MOST_LANES]; 3],
+                    out: [[0.0; MOST_LANES]; 3],
+                };
+                let mut places = FaceBlock::default();
+                for (lane, met) in faces.iter().enumerate() {
+                    let path = &paths[met.path];
+                    let (length, is_shiny) = match look {
+                        PictureLook::Geotrace => (0.0, met.look.specular > 0.0),
+                        PictureLook::Crt => (path.length + met.face.t, true),
+                    };
+                    let (position, sample) = (met.face.position, path.light_sample);
+                    places.set(lane, position, met.normal, length, sample);
+                    block.used.add(lane, true);
+                    block.shiny.add(lane, is_shiny);
+                    let [r, g, b] = &mut block.scattered;
+                    (r[lane], g[lane], b[lane]) = met.scattered().into();
+                }
+                self.blocks.push(block);
+                self.places.push(places);
+                first += faces.len();
             }
-            let Some(block) = self.blocks.last_mut() else {
-                continue;
-            };
-            let path = &paths[met.path];
-            let length = match look {
-                PictureLook::Geotrace => 0.0,
-                PictureLook::Crt => path.length + met.face.t,
-            };
-            block.set(
-                k % MOST_LANES,
-                met.face.position,
-                met.normal,
-                length,
-                path.light_sample,
-            );
-            self.scattered.push(met.scattered());
-            self.surfaces.push(left_surface(Some(&met.face.of)));
         }
-        self.seen.resize(self.blocks.len(), SeenBlock::default());
+        self.seen.resize(self.places.len(), SeenBlock::default());
     }
 
     /// Finds the faces that are turned to a light, and how they see it.
-    fn turn(&mut self, light: &Light, processor: Processor, count: usize) {
-        light.seen_from(processor, &self.blocks, &mut self.seen);
-        self.turned.clear();
-        let is_lit = |k: &usize| self.seen[k / MOST_LANES].is_lit(k % MOST_LANES);
-        self.turned.extend((0..count).filter(is_lit));
+    fn turn(&mut self, light: &Light, processor: Processor) {
+        light.seen_from(processor, &self.places, &mut self.seen);
+        for (block, seen) in self.blocks.iter_mut().zip(&self.seen) {
+            block.turned = block.used & seen.lit();
+        }
+    }
+}
+
+impl LitBlock {
+    /// Adds the light that comes from everywhere.
+    fn add_ambient(&mut self, light: &Light, look: PictureLook, faces: &[MetFace]) {
+        let color = light.color.to_array();
+        match look {
+            PictureLook::Geotrace => {
+                for (k, color) in color.into_iter().enumerate() {
+                    let scattered = self.scattered[k];
+                    for (out, scattered) in self.out[k].iter_mut().zip(scattered) {
+                        *out += scattered * light.ambient * color;
+                    }
+                }
+            }
+            PictureLook::Crt => {
+                for lane in self.used.each() {
+                    let look = &faces[self.first + lane].look;
+                    self.add(lane, crt::ambient(look, light));
+                }
+            }
+        }
     }
 
-    fn seen(&self, face: usize) -> SeenLight {
-        self.seen[face / MOST_LANES].light(face % MOST_LANES)
+    /// Adds what the faces of these lanes scatter of a light that nothing hides from them.
+    #[inline]
+    fn add_scattered(&mut self, lanes: Lanes, light: &Light, seen: &SeenBlock) {
+        let color = light.color.to_array();
+        for (k, color) in color.into_iter().enumerate() {
+            let (out, scattered) = (&mut self.out[k], &self.scattered[k]);
+            for lane in 0..MOST_LANES {
+                let light = seen.share[lane] * (color * scattered[lane] * seen.height[lane]);
+                out[lane] += if lanes.has(lane) { light } else { 0.0 };
+            }
+        }
     }
 
-    /// The cosine between the light and the normal of a face.
-    fn height(&self, face: usize) -> f64 {
-        self.seen[face / MOST_LANES].height[face % MOST_LANES]
+    fn add(&mut self, lane: usize, light: DVec3) {
+        let [r, g, b] = &mut self.out;
+        r[lane] += light.x;
+        g[lane] += light.y;
+        b[lane] += light.z;
+    }
+
+    fn at(colors: &[[f64; MOST_LANES]; 3], lane: usize) -> DVec3 {
+        let [r, g, b] = colors;
+        DVec3::new(r[lane], g[lane], b[lane])
     }
 }
 
@@ -85,82 +147,118 @@ impl LightTracer<'_> {
         lit.fill(scenery.picture_look, paths, faces);
         for light in scenery.lights {
             if light.ambient != 0.0 {
-                for (met, scattered) in faces.iter_mut().zip(&lit.scattered) {
-                    met.out += match scenery.picture_look {
-                        PictureLook::Geotrace => *scattered * light.ambient * light.color,
-                        PictureLook::Crt => crt::ambient(&met.look, light),
-                    };
+                for block in &mut lit.blocks {
+                    block.add_ambient(light, scenery.picture_look, faces);
                 }
             }
-            lit.turn(light, self.processor, faces.len());
-            let left = |face: usize| lit.surfaces[face];
-            for run in lit.turned.chunk_by(|a, b| left(*a) == left(*b)) {
-                self.add_light(light, &lit, run, paths, faces);
+            lit.turn(light, self.processor);
+            let (mut places, mut seen) = (&lit.places[..], &lit.seen[..]);
+            for blocks in lit.blocks.chunk_by_mut(|_, next| !next.begins) {
+                let of_surface;
+                (of_surface, places) = places.split_at(blocks.len());
+                let light_there;
+                (light_there, seen) = seen.split_at(blocks.len());
+                if blocks.iter().any(|block| block.turned.any()) {
+                    self.add_light(light, blocks, of_surface, light_there, paths, faces);
+                }
+            }
+        }
+        for block in &lit.blocks {
+            for lane in block.used.each() {
+                faces[block.first + lane].out = LitBlock::at(&block.out, lane);
             }
         }
         self.lit = lit;
     }
 
-    /// Adds the light to a run of the faces that are turned to it, which leave one surface.
+    /// Adds a light to the faces of a surface, at these places, which see it so.
     fn add_light(
         &mut self,
         light: &Light,
-        lit: &LitFaces,
-        run: &[usize],
+        blocks: &mut [LitBlock],
+        places: &[FaceBlock],
+        seen: &[SeenBlock],
         paths: &[LightPath],
-        faces: &mut [MetFace],
+        faces: &[MetFace],
     ) {
         let picture_look = self.scenery.picture_look;
-        let reach = |seen: &SeenLight| match picture_look {
-            PictureLook::Crt if !seen.distance.is_finite() => PARALLEL_REACH,
-            _ => seen.distance,
+        let reach = |distance: f64| match picture_look {
+            PictureLook::Crt if !distance.is_finite() => PARALLEL_REACH,
+            _ => distance,
         };
         if light.casts_shadows {
-            let leaving = faces[run[0]].face.of.surface();
+            let leaving = faces[blocks[0].first].face.of.surface();
             let rays = self.caster.begin(leaving);
             let mut farthest = 0.0f64;
-            for &face in run {
-                let seen = lit.seen(face);
-                rays.push(faces[face].face.position, seen.towards);
-                farthest = farthest.max(reach(&seen));
+            for ((block, places), seen) in blocks.iter().zip(places).zip(seen) {
+                if block.turned.any() {
+                    rays.push_block(&places.position, &seen.towards, block.turned);
+                    let distances = block.turned.each().map(|lane| reach(seen.distance[lane]));
+                    farthest = distances.fold(farthest, f64::max);
+                }
             }
             self.caster.find_near(farthest);
         }
         let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
-        for (k, &face) in run.iter().enumerate() {
-            let met = &mut faces[face];
-            let seen = lit.seen(face);
-            let visible = if light.casts_shadows && !is_free {
-                let ray = SheetsRay {
-                    origin: met.face.position,
-                    direction: seen.towards,
-                    leaving: met.face.of.sheet(),
-                    reach: reach(&seen),
-                };
-                self.visible(k, ray)
-            } else {
-                1.0
-            };
-            if visible == 0.0 {
+        let mut rays = 0;
+        for (block, seen) in blocks.iter_mut().zip(seen) {
+            if !block.turned.any() {
                 continue;
             }
-            let direction = paths[met.path].ray.direction;
-            let height = lit.height(face);
-            met.out += match picture_look {
-                PictureLook::Geotrace => {
-                    let highlight = if met.look.specular > 0.0 {
-                        met.highlight(seen.towards, direction)
-                    } else {
-                        0.0
-                    };
-                    let shared = visible * seen.share;
-                    let scattered = light.color * lit.scattered[face] * height;
-                    shared * (scattered + light.highlight * highlight)
-                }
-                PictureLook::Crt => crt::lit(
-                    &met.look, light, &seen, height, visible, met.normal, direction,
-                ),
+            let free = if !light.casts_shadows || is_free {
+                block.turned
+            } else if self.scenery.sheets.is_empty() {
+                let reaches = seen.distance.map(reach);
+                block.turned & self.caster.free_rays(rays, &reaches)
+            } else {
+                Lanes::default()
             };
+            let plain = free.without(block.shiny);
+            block.add_scattered(plain, light, seen);
+            for lane in block.turned.without(plain).each() {
+                let met = &faces[block.first + lane];
+                let seen_there = seen.light(lane);
+                let visible = if free.has(lane) {
+                    1.0
+                } else {
+                    let ray = SheetsRay {
+                        origin: met.face.position,
+                        direction: seen_there.towards,
+                        leaving: met.face.of.sheet(),
+                        reach: reach(seen_there.distance),
+                    };
+                    self.visible(rays + lane, ray)
+                };
+                if visible == 0.0 {
+                    continue;
+                }
+                let direction = paths[met.path].ray.direction;
+                let height = seen.height[lane];
+                let added = match picture_look {
+                    PictureLook::Geotrace => {
+                        let highlight = if met.look.specular > 0.0 {
+                            met.highlight(seen_there.towards, direction)
+                        } else {
+                            0.0
+                        };
+                        let shared = visible * seen_there.share;
+                        let scattered = LitBlock::at(&block.scattered, lane);
+                        let scattered = light.color * scattered * height;
+                        shared * (scattered + light.highlight * highlight)
+                    }
+                    PictureLook::Crt => crt::lit(
+                        &met.look,
+                        light,
+                        &seen_there,
+                        height,
+                        visible,
+                        met.normal,
+                        direction,
+                    ),
+                };
+                block.add(lane, added);
+            }
+            rays += MOST_LANES;
         }
     }
 
