@@ -26,3 +26,10 @@ pub(crate) struct Leaf {
     /// The number of pieces of all leaves before it.
     pub(crate) first_piece: usize,
 }
+
+/// A leaf with its box; without one for an endless leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearLeaf {
+    pub(crate) leaf: u32,
+    pub(crate) bounds: Option<BoundingBox>,
+}

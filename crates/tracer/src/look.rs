@@ -79,7 +79,7 @@ fn encoded_byte(x: f64) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
-/// What [`encoded_byte`] gives, without its power.
+/// The bytes of [`encoded_byte`], without its power.
 struct ByteTable {
     /// The least light of each byte.
     least: [f64; 256],

@@ -10,17 +10,11 @@ use expr::vectors::{Lanes, MOST_LANES};
 
 use crate::bounds::BoundingBox;
 use crate::bundle::{RayBlocks, RayBundle};
+use crate::leaf::NearLeaf;
 use crate::line::SurfaceId;
 use crate::low::{departs, passes};
 use crate::product::{FirstPlace, FirstPlaces};
 use crate::world::World;
-
-/// A leaf with its box; without one for an endless leaf.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NearLeaf {
-    pub(crate) leaf: u32,
-    pub(crate) bounds: Option<BoundingBox>,
-}
 
 /// The number of leaves that are read for each ray; of more, the hierarchy of boxes finds those of a ray sooner.
 const MOST: usize = 64;

@@ -15,10 +15,9 @@ use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
 use crate::bundle::{RayBlock, RayBlocks};
-use crate::leaf::Leaf;
+use crate::leaf::{Leaf, NearLeaf};
 use crate::line::SurfaceId;
 use crate::low::{LowEquation, WorldPlane};
-use crate::near::NearLeaf;
 use crate::surface::QuadraticForm;
 use crate::tree::TreeStep;
 use crate::world::World;
@@ -111,7 +110,7 @@ pub(crate) fn products(
 pub(crate) struct FirstPlaces {
     /// The number of rays.
     count: usize,
-    plan: Plan,
+    plan: PiecePlan,
     blocks: Vec<FirstBlock>,
 }
 
@@ -128,7 +127,7 @@ struct FirstBlock {
 
 /// The pieces to read, product by product.
 #[derive(Clone, Debug, Default)]
-struct Plan {
+struct PiecePlan {
     pieces: Vec<PlannedPiece>,
     parts: Vec<PlannedPart>,
     /// The end of the parts of each product.
@@ -199,7 +198,7 @@ impl FirstPlaces {
             unknown: [0.0; MOST_LANES],
         };
         self.blocks.resize(rays.blocks().len(), nothing);
-        processor.run_vectors(Search {
+        processor.run_vectors(PlaceSearch {
             world,
             plan: &self.plan,
             rays: rays.blocks(),
@@ -208,7 +207,7 @@ impl FirstPlaces {
     }
 }
 
-impl Plan {
+impl PiecePlan {
     fn fill(&mut self, world: &World, near: &[NearLeaf], leaving: Option<SurfaceId>) {
         self.pieces.clear();
         self.parts.clear();
@@ -250,14 +249,14 @@ impl Plan {
 }
 
 /// The search for first places.
-struct Search<'a> {
+struct PlaceSearch<'a> {
     world: &'a World,
-    plan: &'a Plan,
+    plan: &'a PiecePlan,
     rays: &'a [RayBlock],
     found: &'a mut [FirstBlock],
 }
 
-impl VectorWork for Search<'_> {
+impl VectorWork for PlaceSearch<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -277,7 +276,7 @@ impl VectorWork for Search<'_> {
     }
 }
 
-impl Plan {
+impl PiecePlan {
     /// The first places of rays.
     #[inline(always)]
     fn first<S: Instructions>(
@@ -347,7 +346,7 @@ impl<S: Instructions> Rays<S> {
 }
 
 /// Rays in the frame of a leaf, as `UnitLine` has them.
-struct Lines<S: Instructions> {
+struct FramedLines<S: Instructions> {
     point: Place<S>,
     direction: Place<S>,
     middle: Vector<S>,
@@ -355,7 +354,7 @@ struct Lines<S: Instructions> {
     slowness: Vector<S>,
 }
 
-impl<S: Instructions> Lines<S> {
+impl<S: Instructions> FramedLines<S> {
     #[inline(always)]
     fn new(s: S, leaf: &Leaf, rays: &Rays<S>) -> Self {
         let matrix = &leaf.unit_from_world.matrix3;
@@ -431,7 +430,8 @@ impl<S: Instructions> Lines<S> {
     }
 }
 
-/// Where polynomials of degree two at most change their sign on rays: at `first` and at `second`, infinite where they do not.
+/// The places where polynomials of degree two at most change their sign on rays: `first` and `second`, infinite where they do
+/// not.
 #[derive(Clone, Copy)]
 struct Changes<S: Instructions> {
     first: Vector<S>,
@@ -557,7 +557,7 @@ impl<S: Instructions> Part<S> {
             let changes = match &low.equation {
                 LowEquation::Plane(plane) => plane_changes(s, plane, rays, piece.is_left),
                 LowEquation::Quadric { frame, form } => {
-                    let lines = Lines::new(s, &world.leaves[*frame as usize], rays);
+                    let lines = FramedLines::new(s, &world.leaves[*frame as usize], rays);
                     let zero = Vector::splat(s, 0.0);
                     let is_line = lines.slowness.lt(endless) & lines.speed.lt(endless);
                     first.is_unknown = first.is_unknown | !is_line;
