@@ -18,10 +18,10 @@ use rustc_hash::FxHashMap;
 
 use crate::bundle::{RayBlocks, RayBundle};
 use crate::field::{BundlePart, FieldScratch};
+use crate::first::FirstPlace;
 use crate::leaf::NearLeaf;
 use crate::line::{Ray, SurfaceId, UnitLine};
 use crate::near::NearLeaves;
-use crate::product::FirstPlace;
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::tree::ForestState;

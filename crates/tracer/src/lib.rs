@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Rays that go nearly the same way are read together (`bundle.rs`, `near.rs`): what none of them meets is left out once for
-//! all of them, and solids that are products of simple leaves (`product.rs`) need no sweep.
+//! all of them, and solids that are unions of products of simple leaves (`product.rs`, `first.rs`) need no sweep.
 //!
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
@@ -56,6 +56,7 @@ pub mod camera;
 mod cast;
 mod contour;
 mod field;
+mod first;
 mod leaf;
 pub mod light;
 mod line;

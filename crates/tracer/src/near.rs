@@ -10,10 +10,10 @@ use expr::vectors::{Lanes, MOST_LANES};
 
 use crate::bounds::BoundingBox;
 use crate::bundle::{RayBlocks, RayBundle};
+use crate::first::{FirstPlace, FirstPlaces};
 use crate::leaf::NearLeaf;
 use crate::line::SurfaceId;
 use crate::low::{departs, passes};
-use crate::product::{FirstPlace, FirstPlaces};
 use crate::world::World;
 
 /// The number of leaves that are read for each ray; of more, the hierarchy of boxes finds those of a ray sooner.

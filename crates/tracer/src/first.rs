@@ -1,0 +1,363 @@
+//! The first places of rays on products.
+//!
+//! Input: rays, and the leaves of products that they may meet. Output: for each ray the first place where it enters one. A
+//! simple leaf is convex, or bounded by one quadric: a line is within it between two places, or everywhere else. So nothing
+//! has to be kept up to date along the ray, and vectors of rays are read at once. Where the answer takes more than that, as
+//! for a ray that starts inside, none is given. The places are those of `cast.rs`, to the last bit.
+
+mod changes;
+
+use expr::processor::Processor;
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
+
+use crate::bundle::{RayBlock, RayBlocks};
+use crate::leaf::NearLeaf;
+use crate::line::SurfaceId;
+use crate::low::LowEquation;
+use crate::product::MOST;
+use crate::world::World;
+use changes::{Changes, FramedLines, Rays, plane_changes};
+
+/// The first place of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum FirstPlace {
+    /// The ray enters a solid through this surface at t.
+    Enters(f64, SurfaceId),
+    Nothing,
+    /// The answer takes a sweep.
+    Unknown,
+}
+
+/// The first places of the rays of a bundle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FirstPlaces {
+    /// The number of rays.
+    count: usize,
+    plan: PiecePlan,
+    blocks: Vec<FirstBlock>,
+}
+
+/// The first places of a block of rays.
+#[derive(Clone, Debug)]
+struct FirstBlock {
+    /// Infinite where nothing is met.
+    t: [f64; MOST_LANES],
+    /// The number of the piece, over all leaves.
+    piece: [f64; MOST_LANES],
+    /// Not 0 where the place is not known.
+    unknown: [f64; MOST_LANES],
+}
+
+/// The pieces to read, product by product.
+#[derive(Clone, Debug, Default)]
+struct PiecePlan {
+    pieces: Vec<PlannedPiece>,
+    parts: Vec<PlannedPart>,
+    /// The end of the parts of each product.
+    products: Vec<usize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct PlannedPiece {
+    /// Its number, over all leaves.
+    number: usize,
+    /// True if the rays start on its surface.
+    is_left: bool,
+}
+
+/// A leaf of a product.
+#[derive(Clone, Copy, Debug)]
+struct PlannedPart {
+    complemented: bool,
+    is_convex: bool,
+    /// The end of its pieces.
+    end: usize,
+}
+
+impl FirstPlaces {
+    /// Begins with rays of which nothing is known.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// The first place of the ray with this index.
+    pub(crate) fn get(&self, world: &World, index: usize) -> FirstPlace {
+        if index >= self.count {
+            return FirstPlace::Unknown;
+        }
+        let (block, lane) = (&self.blocks[index / MOST_LANES], index % MOST_LANES);
+        if block.unknown[lane] != 0.0 {
+            FirstPlace::Unknown
+        } else if block.t[lane] == f64::INFINITY {
+            FirstPlace::Nothing
+        } else {
+            let surface = world.surface_of_piece[block.piece[lane] as usize];
+            FirstPlace::Enters(block.t[lane], surface)
+        }
+    }
+
+    /// Those rays of a block, the first of which has this index, that are known to meet nothing before these places.
+    pub(crate) fn free(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
+        if first >= self.count {
+            return Lanes::default();
+        }
+        let block = &self.blocks[first / MOST_LANES];
+        Lanes::of(|lane| block.unknown[lane] == 0.0 && block.t[lane] >= before[lane])
+    }
+
+    /// Finds the first places of rays on products; `near` has the leaves of products that a ray may meet, ascending.
+    pub(crate) fn find(
+        &mut self,
+        processor: Processor,
+        world: &World,
+        near: &[NearLeaf],
+        rays: &RayBlocks,
+    ) {
+        self.plan.fill(world, near, rays.leaving);
+        self.count = rays.len();
+        let nothing = FirstBlock {
+            t: [f64::INFINITY; MOST_LANES],
+            piece: [0.0; MOST_LANES],
+            unknown: [0.0; MOST_LANES],
+        };
+        self.blocks.resize(rays.blocks().len(), nothing);
+        processor.run_vectors(PlaceSearch {
+            world,
+            plan: &self.plan,
+            rays: rays.blocks(),
+            found: &mut self.blocks,
+        });
+    }
+}
+
+impl PiecePlan {
+    fn fill(&mut self, world: &World, near: &[NearLeaf], leaving: Option<SurfaceId>) {
+        self.pieces.clear();
+        self.parts.clear();
+        self.products.clear();
+        let left = leaving.and_then(|id| world.group(id));
+        let is_left =
+            |id: SurfaceId| leaving == Some(id) || left.is_some() && world.group(id) == left;
+        let product = |near: &NearLeaf| world.product_of[near.leaf as usize];
+        // The leaves of a product follow each other.
+        for near in near.chunk_by(|a, b| product(a) == product(b)) {
+            let Some(leaves) = product(&near[0]).map(|k| &world.products[k as usize]) else {
+                continue;
+            };
+            let is_near = |leaf: u32| near.binary_search_by_key(&leaf, |near| near.leaf).is_ok();
+            // What no ray meets is empty for them, and so is its product.
+            if !leaves.iter().all(|of| of.complemented || is_near(of.leaf)) {
+                continue;
+            }
+            for of in leaves.iter().filter(|of| is_near(of.leaf)) {
+                let leaf = &world.leaves[of.leaf as usize];
+                let pieces = (0..leaf.compiled.pieces.len()).map(|piece| PlannedPiece {
+                    number: leaf.first_piece + piece,
+                    is_left: leaving.is_some()
+                        && is_left(SurfaceId {
+                            leaf: of.leaf,
+                            piece: piece as u32,
+                        }),
+                });
+                self.pieces.extend(pieces);
+                self.parts.push(PlannedPart {
+                    complemented: of.complemented,
+                    is_convex: world.convex[of.leaf as usize],
+                    end: self.pieces.len(),
+                });
+            }
+            self.products.push(self.parts.len());
+        }
+    }
+}
+
+/// The search for first places.
+struct PlaceSearch<'a> {
+    world: &'a World,
+    plan: &'a PiecePlan,
+    rays: &'a [RayBlock],
+    found: &'a mut [FirstBlock],
+}
+
+impl VectorWork for PlaceSearch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) {
+        let mut parts = [Part::empty(s); MOST];
+        for (block, found) in self.rays.iter().zip(self.found) {
+            for part in 0..Vector::<S>::PARTS {
+                let rays = Rays::load(s, block, part);
+                let first = self.plan.first(s, self.world, &rays, &mut parts);
+                first.t.store(&mut found.t, part);
+                first.piece.store(&mut found.piece, part);
+                let zero = Vector::splat(s, 0.0);
+                let flag = first.is_unknown.choose(Vector::splat(s, 1.0), zero);
+                flag.store(&mut found.unknown, part);
+            }
+        }
+    }
+}
+
+impl PiecePlan {
+    /// The first places of rays.
+    #[inline(always)]
+    fn first<S: Instructions>(
+        &self,
+        s: S,
+        world: &World,
+        rays: &Rays<S>,
+        parts: &mut [Part<S>; MOST],
+    ) -> First<S> {
+        let mut first = First {
+            t: Vector::splat(s, f64::INFINITY),
+            piece: Vector::splat(s, 0.0),
+            is_unknown: !rays.are_usable(s),
+        };
+        let (mut next_part, mut next_piece) = (0, 0);
+        for &end in &self.products {
+            let planned = &self.parts[next_part..end];
+            next_part = end;
+            for (part, of) in parts.iter_mut().zip(planned) {
+                let pieces = &self.pieces[next_piece..of.end];
+                next_piece = of.end;
+                *part = Part::new(s, world, *of, pieces, rays, &mut first);
+            }
+            first.add(s, &parts[..planned.len().min(MOST)]);
+        }
+        first
+    }
+}
+
+/// The part of each ray that is within a leaf: from `entry` up to `exit`, both infinite where there is none.
+#[derive(Clone, Copy)]
+struct Part<S: Instructions> {
+    entry: Vector<S>,
+    exit: Vector<S>,
+    /// The pieces that bound it.
+    entry_piece: Vector<S>,
+    exit_piece: Vector<S>,
+    /// True where the product lies within that part, false where it lies outside of it.
+    within: Mask<S>,
+}
+
+impl<S: Instructions> Part<S> {
+    #[inline(always)]
+    fn empty(s: S) -> Self {
+        let endless = Vector::splat(s, f64::INFINITY);
+        Self {
+            entry: endless,
+            exit: endless,
+            entry_piece: endless,
+            exit_piece: endless,
+            within: Mask::splat(s, true),
+        }
+    }
+
+    /// Reads a leaf; marks the rays that it can say nothing of.
+    #[inline(always)]
+    fn new(
+        s: S,
+        world: &World,
+        of: PlannedPart,
+        pieces: &[PlannedPiece],
+        rays: &Rays<S>,
+        first: &mut First<S>,
+    ) -> Self {
+        let endless = Vector::splat(s, f64::INFINITY);
+        let mut part = Self {
+            entry: -endless,
+            within: Mask::splat(s, !of.complemented),
+            ..Self::empty(s)
+        };
+        for piece in pieces {
+            let Some(low) = &world.low[piece.number] else {
+                first.is_unknown = Mask::splat(s, true);
+                continue;
+            };
+            let changes = match &low.equation {
+                LowEquation::Plane(plane) => plane_changes(s, plane, rays, piece.is_left),
+                LowEquation::Quadric { frame, form } => {
+                    let lines = FramedLines::new(s, &world.leaves[*frame as usize], rays);
+                    let zero = Vector::splat(s, 0.0);
+                    let is_line = lines.slowness.lt(endless) & lines.speed.lt(endless);
+                    first.is_unknown = first.is_unknown | !is_line;
+                    let along = lines.along(s, form);
+                    lines.in_t(if piece.is_left {
+                        let start = (zero - lines.middle) * lines.speed;
+                        let (changes, is_known) = Changes::of_deflated(s, along, start);
+                        first.is_unknown = first.is_unknown | !is_known;
+                        changes
+                    } else {
+                        Changes::of_quadratic(s, along)
+                    })
+                }
+            };
+            let number = Vector::splat(s, piece.number as f64);
+            let [from, to] = if of.is_convex {
+                changes.convex_part(s, low.opposite)
+            } else {
+                let turned = Mask::splat(s, low.opposite == of.complemented);
+                part.within = changes.inside_first.differs(turned);
+                [changes.first, changes.second]
+            };
+            let (enters, leaves) = (part.entry.lt(from), to.lt(part.exit));
+            part.entry = enters.choose(from, part.entry);
+            part.exit = leaves.choose(to, part.exit);
+            part.entry_piece = enters.choose(number, part.entry_piece);
+            part.exit_piece = leaves.choose(number, part.exit_piece);
+        }
+        let is_part = part.entry.lt(part.exit);
+        part.entry = is_part.choose(part.entry, endless);
+        part.exit = is_part.choose(part.exit, endless);
+        part
+    }
+}
+
+/// The first places of a vector of rays.
+struct First<S: Instructions> {
+    t: Vector<S>,
+    piece: Vector<S>,
+    is_unknown: Mask<S>,
+}
+
+impl<S: Instructions> First<S> {
+    /// Adds the product of these parts.
+    #[inline(always)]
+    fn add(&mut self, s: S, parts: &[Part<S>]) {
+        let (zero, endless) = (Vector::splat(s, 0.0), Vector::splat(s, f64::INFINITY));
+        let (mut t, mut piece) = (zero, zero);
+        // From place to place, until all parts hold there.
+        loop {
+            let mut moved = Mask::splat(s, false);
+            for part in parts {
+                let is_ahead = t.lt(part.entry);
+                let is_in = !is_ahead & t.lt(part.exit);
+                let within = is_in.choose(t, is_ahead.choose(part.entry, endless));
+                let outside = is_in.choose(part.exit, t);
+                let next = part.within.choose(within, outside);
+                let moves = t.lt(next);
+                let through = part.within.choose(part.entry_piece, part.exit_piece);
+                piece = moves.choose(through, piece);
+                t = moves.choose(next, t);
+                moved = moved | moves;
+            }
+            if parts.len() == 1 || !moved.any() {
+                break;
+            }
+        }
+        // Where surfaces meet, or a ray starts inside, a sweep tells.
+        let (mut is_met, mut is_tied) = (Mask::splat(s, false), t.equals(self.t) | t.equals(zero));
+        for part in parts {
+            for place in [part.entry, part.exit] {
+                let is_here = place.equals(t);
+                is_tied = is_tied | is_met & is_here;
+                is_met = is_met | is_here;
+            }
+        }
+        self.is_unknown = self.is_unknown | is_tied & t.lt(endless);
+        let is_nearer = t.lt(self.t);
+        self.t = is_nearer.choose(t, self.t);
+        self.piece = is_nearer.choose(piece, self.piece);
+    }
+}
