@@ -206,26 +206,30 @@ impl Caster<'_> {
             among: Among::Bundle,
             ..Sought::ALL
         };
-        let entered = match self.near.first(self.world, index) {
+        let passed = match self.near.first(self.world, index) {
             FirstPlace::Unknown => {
                 self.sweep(ray, sought, &mut |_| true);
                 return &self.crossings;
             }
             FirstPlace::Nothing => None,
-            FirstPlace::Enters(t, surface) => Some((t, surface)),
+            FirstPlace::Passes {
+                t,
+                surface,
+                entering,
+            } => Some((t, surface, entering)),
         };
         if self.near.joined().is_empty() {
             self.start.clear();
             self.crossings.clear();
         } else {
             sought.among = Among::JoinedOfBundle;
-            sought.before = entered.map_or(f64::INFINITY, |(t, _)| t.next_up());
+            sought.before = passed.map_or(f64::INFINITY, |(t, ..)| t.next_up());
             self.sweep(ray, sought, &mut |_| true);
         }
-        if let Some((t, surface)) = entered {
+        if let Some((t, surface, entering)) = passed {
             match self.crossings.first() {
                 None => {
-                    let crossing = self.entered(ray, t, surface);
+                    let crossing = self.passed(ray, t, surface, entering);
                     self.crossings.push(crossing);
                 }
                 Some(other) if other.t == t => {
@@ -239,13 +243,17 @@ impl Caster<'_> {
         &self.crossings
     }
 
-    /// The solid that the ray with this index in the bundle enters, and the leaf through which it does, if it is known without
-    /// a sweep that it does before `before`.
-    pub(crate) fn entered_before(&self, index: usize, before: f64) -> Option<[usize; 2]> {
+    /// The solid that the ray with this index in the bundle enters or leaves first, the leaf through which it does, and true if
+    /// it enters; `None` unless it is known without a sweep that it does before `before`.
+    pub(crate) fn passed_before(&self, index: usize, before: f64) -> Option<(usize, usize, bool)> {
         match self.near.first(self.world, index) {
-            FirstPlace::Enters(t, surface) if t < before => {
+            FirstPlace::Passes {
+                t,
+                surface,
+                entering,
+            } if t < before => {
                 let leaf = surface.leaf as usize;
-                Some([self.world.leaves[leaf].solid, leaf])
+                Some((self.world.leaves[leaf].solid, leaf, entering))
             }
             _ => None,
         }
@@ -263,7 +271,7 @@ impl Caster<'_> {
             return;
         }
         let among = match self.near.first(self.world, index) {
-            FirstPlace::Enters(t, _) if t < before => Among::Bundle,
+            FirstPlace::Passes { t, .. } if t < before => Among::Bundle,
             FirstPlace::Unknown => Among::Bundle,
             _ if self.near.joined().is_empty() => return,
             _ => Among::JoinedOfBundle,
@@ -333,7 +341,8 @@ impl Caster<'_> {
         self.nearest(index).first().copied()
     }
 
-    /// The solids that the last ray was inside of right after its start, ascending.
+    /// The solids that the last ray was inside of right after its start, ascending; not for rays of a bundle that leave a
+    /// surface.
     pub fn solids_at_start(&self) -> &[usize] {
         &self.start
     }
@@ -561,8 +570,8 @@ impl Caster<'_> {
         found.unwrap_or(own[0])
     }
 
-    /// The crossing where a ray enters a solid through a surface.
-    fn entered(&mut self, ray: &Ray, t: f64, surface: SurfaceId) -> Crossing {
+    /// The crossing where a ray passes a surface of a solid.
+    fn passed(&mut self, ray: &Ray, t: f64, surface: SurfaceId, entering: bool) -> Crossing {
         self.ray_number += 1;
         let SurfaceId { leaf, piece } = surface;
         let solid = self.world.leaves[leaf as usize].solid;
@@ -572,7 +581,7 @@ impl Caster<'_> {
             piece,
             rest: None,
         };
-        self.crossing(ray, event, solid, true)
+        self.crossing(ray, event, solid, entering)
     }
 
     fn crossing(

@@ -11,18 +11,24 @@ use expr::processor::Processor;
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 
 use crate::bundle::{RayBlock, RayBlocks};
-use crate::leaf::NearLeaf;
+use crate::leaf::{MOST_NEAR, NearLeaf};
 use crate::line::SurfaceId;
 use crate::low::LowEquation;
-use crate::product::MOST;
 use crate::world::World;
 use changes::{Changes, FramedLines, Rays, plane_changes};
+
+/// The number of leaves that few products exceed.
+const FEW: usize = 8;
 
 /// The first place of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FirstPlace {
-    /// The ray enters a solid through this surface at t.
-    Enters(f64, SurfaceId),
+    /// The ray passes the surface of a solid.
+    Passes {
+        t: f64,
+        surface: SurfaceId,
+        entering: bool,
+    },
     Nothing,
     /// The answer takes a sweep.
     Unknown,
@@ -44,6 +50,8 @@ struct FirstBlock {
     t: [f64; MOST_LANES],
     /// The number of the piece, over all leaves.
     piece: [f64; MOST_LANES],
+    /// Not 0 where the ray leaves the solid there.
+    exits: [f64; MOST_LANES],
     /// Not 0 where the place is not known.
     unknown: [f64; MOST_LANES],
 }
@@ -53,8 +61,15 @@ struct FirstBlock {
 struct PiecePlan {
     pieces: Vec<PlannedPiece>,
     parts: Vec<PlannedPart>,
-    /// The end of the parts of each product.
-    products: Vec<usize>,
+    products: Vec<PlannedProduct>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct PlannedProduct {
+    /// The end of its parts.
+    end: usize,
+    /// True if a ray that starts inside leaves its solid where it leaves the product.
+    has_exits: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +107,11 @@ impl FirstPlaces {
             FirstPlace::Nothing
         } else {
             let surface = world.surface_of_piece[block.piece[lane] as usize];
-            FirstPlace::Enters(block.t[lane], surface)
+            FirstPlace::Passes {
+                t: block.t[lane],
+                surface,
+                entering: block.exits[lane] == 0.0,
+            }
         }
     }
 
@@ -118,6 +137,7 @@ impl FirstPlaces {
         let nothing = FirstBlock {
             t: [f64::INFINITY; MOST_LANES],
             piece: [0.0; MOST_LANES],
+            exits: [0.0; MOST_LANES],
             unknown: [0.0; MOST_LANES],
         };
         self.blocks.resize(rays.blocks().len(), nothing);
@@ -138,35 +158,40 @@ impl PiecePlan {
         let left = leaving.and_then(|id| world.group(id));
         let is_left =
             |id: SurfaceId| leaving == Some(id) || left.is_some() && world.group(id) == left;
-        let product = |near: &NearLeaf| world.product_of[near.leaf as usize];
         // The leaves of a product follow each other.
+        let place = |near: &NearLeaf| world.product_of[near.leaf as usize];
+        let product = |near: &NearLeaf| place(near).map(|place| place.product);
         for near in near.chunk_by(|a, b| product(a) == product(b)) {
-            let Some(leaves) = product(&near[0]).map(|k| &world.products[k as usize]) else {
+            let Some(product) = product(&near[0]).map(|k| &world.products[k as usize]) else {
                 continue;
             };
-            let is_near = |leaf: u32| near.binary_search_by_key(&leaf, |near| near.leaf).is_ok();
             // What no ray meets is empty for them, and so is its product.
-            if !leaves.iter().all(|of| of.complemented || is_near(of.leaf)) {
+            let places = near.iter().filter_map(place);
+            if places.filter(|place| !place.complemented).count() < product.positives {
                 continue;
             }
-            for of in leaves.iter().filter(|of| is_near(of.leaf)) {
-                let leaf = &world.leaves[of.leaf as usize];
+            for near in near {
+                let leaf = &world.leaves[near.leaf as usize];
                 let pieces = (0..leaf.compiled.pieces.len()).map(|piece| PlannedPiece {
                     number: leaf.first_piece + piece,
                     is_left: leaving.is_some()
                         && is_left(SurfaceId {
-                            leaf: of.leaf,
+                            leaf: near.leaf,
                             piece: piece as u32,
                         }),
                 });
                 self.pieces.extend(pieces);
                 self.parts.push(PlannedPart {
-                    complemented: of.complemented,
-                    is_convex: world.convex[of.leaf as usize],
+                    complemented: place(near).is_some_and(|place| place.complemented),
+                    is_convex: world.convex[near.leaf as usize],
                     end: self.pieces.len(),
                 });
             }
-            self.products.push(self.parts.len());
+            self.products.push(PlannedProduct {
+                end: self.parts.len(),
+                // What a ray starts inside of is asked for where it leaves no surface.
+                has_exits: leaving.is_some() && product.is_alone,
+            });
         }
     }
 }
@@ -184,16 +209,19 @@ impl VectorWork for PlaceSearch<'_> {
 
     #[inline(always)]
     fn run<S: Instructions>(self, s: S) {
-        let mut parts = [Part::empty(s); MOST];
+        let mut few = [Part::empty(s); FEW];
+        let mut many = None;
         for (block, found) in self.rays.iter().zip(self.found) {
             for part in 0..Vector::<S>::PARTS {
                 let rays = Rays::load(s, block, part);
-                let first = self.plan.first(s, self.world, &rays, &mut parts);
+                let first = self.plan.first(s, self.world, &rays, &mut few, &mut many);
                 first.t.store(&mut found.t, part);
                 first.piece.store(&mut found.piece, part);
                 let zero = Vector::splat(s, 0.0);
-                let flag = first.is_unknown.choose(Vector::splat(s, 1.0), zero);
-                flag.store(&mut found.unknown, part);
+                let one = Vector::splat(s, 1.0);
+                first.exits.choose(one, zero).store(&mut found.exits, part);
+                let unknown = first.is_unknown.choose(one, zero);
+                unknown.store(&mut found.unknown, part);
             }
         }
     }
@@ -207,23 +235,32 @@ impl PiecePlan {
         s: S,
         world: &World,
         rays: &Rays<S>,
-        parts: &mut [Part<S>; MOST],
+        few: &mut [Part<S>; FEW],
+        many: &mut Option<[Part<S>; MOST_NEAR]>,
     ) -> First<S> {
         let mut first = First {
             t: Vector::splat(s, f64::INFINITY),
             piece: Vector::splat(s, 0.0),
+            exits: Mask::splat(s, false),
             is_unknown: !rays.are_usable(s),
         };
         let (mut next_part, mut next_piece) = (0, 0);
-        for &end in &self.products {
-            let planned = &self.parts[next_part..end];
-            next_part = end;
+        for product in &self.products {
+            let planned = &self.parts[next_part..product.end];
+            next_part = product.end;
+            if planned.len() > FEW && many.is_none() {
+                *many = Some([Part::empty(s); MOST_NEAR]);
+            }
+            let parts = match many {
+                Some(many) if planned.len() > FEW => &mut many[..planned.len()],
+                _ => &mut few[..planned.len()],
+            };
             for (part, of) in parts.iter_mut().zip(planned) {
                 let pieces = &self.pieces[next_piece..of.end];
                 next_piece = of.end;
                 *part = Part::new(s, world, *of, pieces, rays, &mut first);
             }
-            first.add(s, &parts[..planned.len().min(MOST)]);
+            first.add(s, parts, product.has_exits);
         }
         first
     }
@@ -318,13 +355,15 @@ impl<S: Instructions> Part<S> {
 struct First<S: Instructions> {
     t: Vector<S>,
     piece: Vector<S>,
+    /// True where the ray leaves the solid there.
+    exits: Mask<S>,
     is_unknown: Mask<S>,
 }
 
 impl<S: Instructions> First<S> {
-    /// Adds the product of these parts.
+    /// Adds the product of these parts; `has_exits` says whether rays that start inside leave their solid with it.
     #[inline(always)]
-    fn add(&mut self, s: S, parts: &[Part<S>]) {
+    fn add(&mut self, s: S, parts: &[Part<S>], has_exits: bool) {
         let (zero, endless) = (Vector::splat(s, 0.0), Vector::splat(s, f64::INFINITY));
         let (mut t, mut piece) = (zero, zero);
         // From place to place, until all parts hold there.
@@ -346,6 +385,20 @@ impl<S: Instructions> First<S> {
                 break;
             }
         }
+        let is_inside = t.equals(zero);
+        if has_exits && is_inside.any() {
+            let (mut out, mut through) = (endless, zero);
+            for part in parts {
+                let comes_in = zero.lt(part.entry).choose(part.entry, endless);
+                let next = part.within.choose(part.exit, comes_in);
+                let by = part.within.choose(part.exit_piece, part.entry_piece);
+                let is_first = next.lt(out);
+                out = is_first.choose(next, out);
+                through = is_first.choose(by, through);
+            }
+            t = is_inside.choose(out, t);
+            piece = is_inside.choose(through, piece);
+        }
         // Where surfaces meet, or a ray starts inside, a sweep tells.
         let (mut is_met, mut is_tied) = (Mask::splat(s, false), t.equals(self.t) | t.equals(zero));
         for part in parts {
@@ -359,5 +412,6 @@ impl<S: Instructions> First<S> {
         let is_nearer = t.lt(self.t);
         self.t = is_nearer.choose(t, self.t);
         self.piece = is_nearer.choose(piece, self.piece);
+        self.exits = is_nearer & is_inside | !is_nearer & self.exits;
     }
 }

@@ -33,3 +33,7 @@ pub(crate) struct NearLeaf {
     pub(crate) leaf: u32,
     pub(crate) bounds: Option<BoundingBox>,
 }
+
+/// The most leaves that are listed near a bundle, and read for each ray; of more, the hierarchy of boxes finds those of a ray
+/// sooner.
+pub(crate) const MOST_NEAR: usize = 64;

@@ -11,13 +11,10 @@ use expr::vectors::{Lanes, MOST_LANES};
 use crate::bounds::BoundingBox;
 use crate::bundle::{RayBlocks, RayBundle};
 use crate::first::{FirstPlace, FirstPlaces};
-use crate::leaf::NearLeaf;
+use crate::leaf::{MOST_NEAR, NearLeaf};
 use crate::line::SurfaceId;
 use crate::low::{departs, passes};
 use crate::world::World;
-
-/// The number of leaves that are read for each ray; of more, the hierarchy of boxes finds those of a ray sooner.
-const MOST: usize = 64;
 
 /// The leaves near a bundle.
 #[derive(Clone, Debug, Default)]
@@ -54,13 +51,13 @@ impl NearLeaves {
             if departed.is_none_or(|id| id.leaf != leaf) {
                 leaves.push(NearLeaf { leaf, bounds });
             }
-            leaves.len() <= MOST
+            leaves.len() <= MOST_NEAR
         };
         let is_met = |&leaf: &u32| {
             let index = leaf as usize;
             !(world.convex[index] && passes(&world.leaves[index], bundle))
         };
-        let few = world.endless.len() <= MOST
+        let few = world.endless.len() <= MOST_NEAR
             && world
                 .endless
                 .iter()

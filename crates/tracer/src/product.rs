@@ -7,55 +7,64 @@
 
 use crate::tree::TreeStep;
 
-/// The number of leaves of a product: more are left to the sweep.
-pub(crate) const MOST: usize = 8;
+/// A product of simple leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Product {
+    /// The number of its leaves that are not complemented.
+    pub(crate) positives: usize,
+    /// True if its solid is the union of this one alone.
+    pub(crate) is_alone: bool,
+}
 
-/// A leaf of a product.
+/// The place of a leaf in a product.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProductLeaf {
-    pub(crate) leaf: u32,
-    /// True if the solid lies outside of it.
+    /// The number of the product.
+    pub(crate) product: u32,
+    /// True if the product lies outside of the leaf.
     pub(crate) complemented: bool,
 }
 
-/// The leaves of each product that a solid is the union of, ascending; `is_simple` is true of those that are convex or bounded
-/// by one quadric. `None` if the solid is none such union.
-pub(crate) fn products(
+/// The products that solids are unions of, and the place of each leaf in one; `None` for leaves of other solids. `is_simple` is
+/// true of leaves that are convex or bounded by one quadric.
+pub(crate) fn find_products(
+    solids: &[Vec<TreeStep>],
+    leaf_count: usize,
+    is_simple: &dyn Fn(usize) -> bool,
+) -> (Vec<Product>, Vec<Option<ProductLeaf>>) {
+    let mut products = Vec::new();
+    let mut product_of = vec![None; leaf_count];
+    for steps in solids {
+        let of_solid = products_of(steps, is_simple).unwrap_or_default();
+        for leaves in &of_solid {
+            let number = products.len() as u32;
+            products.push(Product {
+                positives: leaves.iter().filter(|(_, outside)| !outside).count(),
+                is_alone: of_solid.len() == 1,
+            });
+            for &(leaf, complemented) in leaves {
+                product_of[leaf] = Some(ProductLeaf {
+                    product: number,
+                    complemented,
+                });
+            }
+        }
+    }
+    (products, product_of)
+}
+
+/// The leaves of each product, with true for complemented ones.
+type ProductLeaves = Vec<(usize, bool)>;
+
+/// The products that a solid is the union of.
+fn products_of(
     steps: &[TreeStep],
     is_simple: &dyn Fn(usize) -> bool,
-) -> Option<Vec<Vec<ProductLeaf>>> {
+) -> Option<Vec<ProductLeaves>> {
     /// A set as a union of products, and, if it is one, as a union of leaves.
     struct Set {
-        products: Vec<Vec<ProductLeaf>>,
-        leaves: Option<Vec<u32>>,
-    }
-    let mut stack: Vec<Set> = Vec::new();
-    for step in steps {
-        if let TreeStep::Leaf(leaf) = *step {
-            if !is_simple(leaf) {
-                return None;
-            }
-            let leaf = leaf as u32;
-            let complemented = false;
-            stack.push(Set {
-                products: vec![vec![ProductLeaf { leaf, complemented }]],
-                leaves: Some(vec![leaf]),
-            });
-            continue;
-        }
-        let (b, a) = (stack.pop()?, stack.pop()?);
-        stack.push(match step {
-            TreeStep::Union => Set {
-                products: joined(a.products, b.products),
-                leaves: a.leaves.zip(b.leaves).map(|(a, b)| joined(a, b)),
-            },
-            TreeStep::Intersection => product(a.products, only(b.products)?)?,
-            _ => {
-                let complemented = true;
-                let outside = |leaf| ProductLeaf { leaf, complemented };
-                product(a.products, b.leaves?.into_iter().map(outside).collect())?
-            }
-        });
+        products: Vec<ProductLeaves>,
+        leaves: Option<Vec<usize>>,
     }
     /// Both lists, in any order.
     fn joined<T>(mut a: Vec<T>, mut b: Vec<T>) -> Vec<T> {
@@ -69,13 +78,36 @@ pub(crate) fn products(
         let last = list.pop();
         last.filter(|_| list.is_empty())
     }
-    fn product(a: Vec<Vec<ProductLeaf>>, b: Vec<ProductLeaf>) -> Option<Set> {
-        let mut leaves = joined(only(a)?, b);
-        leaves.sort_unstable_by_key(|of| of.leaf);
-        (leaves.len() <= MOST).then(|| Set {
-            products: vec![leaves],
-            leaves: None,
-        })
+    let mut stack: Vec<Set> = Vec::new();
+    for step in steps {
+        if let TreeStep::Leaf(leaf) = *step {
+            if !is_simple(leaf) {
+                return None;
+            }
+            stack.push(Set {
+                products: vec![vec![(leaf, false)]],
+                leaves: Some(vec![leaf]),
+            });
+            continue;
+        }
+        let (b, a) = (stack.pop()?, stack.pop()?);
+        stack.push(match step {
+            TreeStep::Union => Set {
+                products: joined(a.products, b.products),
+                leaves: a.leaves.zip(b.leaves).map(|(a, b)| joined(a, b)),
+            },
+            TreeStep::Intersection => Set {
+                products: vec![joined(only(a.products)?, only(b.products)?)],
+                leaves: None,
+            },
+            _ => {
+                let outside = b.leaves?.into_iter().map(|leaf| (leaf, true)).collect();
+                Set {
+                    products: vec![joined(only(a.products)?, outside)],
+                    leaves: None,
+                }
+            }
+        });
     }
     Some(stack.pop()?.products)
 }

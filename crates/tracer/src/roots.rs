@@ -164,7 +164,11 @@ impl SignChanges {
             return changes;
         }
         let mut changes = Self::default();
-        isolate(p, degree, [from, to], &mut changes);
+        // Most are of low degree, and short arrays are copied sooner.
+        match degree {
+            ..=4 => isolate::<5>(p, degree, [from, to], &mut changes),
+            _ => isolate::<{ LARGEST_DEGREE + 1 }>(p, degree, [from, to], &mut changes),
+        }
         changes
     }
 
@@ -198,9 +202,14 @@ impl SignChanges {
 
 /// Finds the changes between two places by the signs of coefficients in Bernstein's basis: without a change of sign from one
 /// coefficient to the next there is no root, with one there is one, and else the part is halved. What stays open, near
-/// multiple roots, is left to the derivatives.
-fn isolate(p: &Coefficients, degree: usize, [from, to]: [f64; 2], changes: &mut SignChanges) {
-    let mut stack = [(Coefficients::default(), from, to, 0); HALVINGS + 1];
+/// multiple roots, is left to the derivatives. The degree is less than N.
+fn isolate<const N: usize>(
+    p: &Coefficients,
+    degree: usize,
+    [from, to]: [f64; 2],
+    changes: &mut SignChanges,
+) {
+    let mut stack = [([0.0; N], from, to, 0); HALVINGS + 1];
     stack[0].0 = bernstein(p, degree, from, to);
     let mut count = 1;
     changes.inside_first = stack[0].0[0] <= 0.0;
@@ -229,21 +238,26 @@ fn isolate(p: &Coefficients, degree: usize, [from, to]: [f64; 2], changes: &mut 
             count += 2;
             continue;
         }
-        let mut of_part = SignChanges {
-            inside_first: part[0] <= 0.0,
-            ..SignChanges::default()
+        let critical;
+        let only;
+        let (inside_first, places) = match variations {
+            0 => (part[0] <= 0.0, &[][..]),
+            1 => {
+                let inside_first = part[0] <= 0.0;
+                only = [root(p, degree, a, b, inside_first)];
+                (inside_first, &only[..])
+            }
+            _ => {
+                critical = SignChanges::between_critical(p, degree, a, b);
+                (critical.inside_first, critical.places())
+            }
         };
-        match variations {
-            0 => {}
-            1 => of_part.push(root(p, degree, a, b, of_part.inside_first)),
-            _ => of_part = SignChanges::between_critical(p, degree, a, b),
-        }
         // Rounding may put the sign at a place where two parts meet on either side.
-        if of_part.inside_first != inside {
+        if inside_first != inside {
             changes.push(a);
-            inside = of_part.inside_first;
+            inside = inside_first;
         }
-        for &s in of_part.places() {
+        for &s in places {
             changes.push(s);
             inside = !inside;
         }
@@ -251,8 +265,9 @@ fn isolate(p: &Coefficients, degree: usize, [from, to]: [f64; 2], changes: &mut 
 }
 
 /// The coefficients in Bernstein's basis between two places.
-fn bernstein(p: &Coefficients, degree: usize, from: f64, to: f64) -> Coefficients {
-    let mut q = *p;
+fn bernstein<const N: usize>(p: &Coefficients, degree: usize, from: f64, to: f64) -> [f64; N] {
+    let mut q = [0.0; N];
+    q.copy_from_slice(&p[..N]);
     for k in 0..degree {
         for j in (k..degree).rev() {
             q[j] += from * q[j + 1];

@@ -149,16 +149,16 @@ impl Default for Glass {
 impl Scenery<'_> {
     /// True if a ray that comes to a crossing sees the face there.
     fn is_seen(&self, crossing: &Crossing) -> bool {
-        match self.sides.get(crossing.leaf) {
-            None | Some(FaceSides::Both) => true,
-            Some(FaceSides::Outer) => crossing.entering,
-            Some(FaceSides::None) => false,
-        }
+        self.is_seen_through(crossing.leaf, crossing.entering)
     }
 
-    /// True if a ray that enters through this leaf sees the face there.
-    fn is_seen_from_outside(&self, leaf: usize) -> bool {
-        !matches!(self.sides.get(leaf), Some(FaceSides::None))
+    /// True if a ray that enters through this leaf, or leaves through it, sees the face there.
+    fn is_seen_through(&self, leaf: usize, entering: bool) -> bool {
+        match self.sides.get(leaf) {
+            None | Some(FaceSides::Both) => true,
+            Some(FaceSides::Outer) => entering,
+            Some(FaceSides::None) => false,
+        }
     }
 
     /// True if a ray sees a parametric surface where it meets it: in the look `crt`, from the side to which σu×σv points.

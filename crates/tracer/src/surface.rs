@@ -246,8 +246,8 @@ fn add_terms<const N: usize>(
     p: [f64; 3],
     d: [f64; 3],
 ) {
-    let powers = [0, 1, 2].map(|k| {
-        let mut powers = [[0.0; N]; N];
+    let mut powers = [[[0.0; N]; N]; 3];
+    for (k, powers) in powers.iter_mut().enumerate() {
         powers[0][0] = 1.0;
         let most = terms.iter().map(|(e, _)| e[k]).max().unwrap_or(0);
         for n in 1..=usize::from(most) {
@@ -257,8 +257,7 @@ fn add_terms<const N: usize>(
                 powers[n][j + 1] += c * d[k];
             }
         }
-        powers
-    });
+    }
     let mut at = 0;
     while at < terms.len() {
         let ex = usize::from(terms[at].0[0]);

@@ -15,7 +15,7 @@ use crate::field::{FieldCompiler, FieldScratch};
 use crate::leaf::Leaf;
 use crate::line::SurfaceId;
 use crate::low::{LowPiece, is_convex, is_simple, low_pieces};
-use crate::product::{ProductLeaf, products};
+use crate::product::{Product, ProductLeaf, find_products};
 use crate::shape::{FramedShape, LeafSurface, Shape};
 use crate::shared::{Surfaces, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
@@ -78,9 +78,9 @@ pub struct World {
     pub(crate) convex: Vec<bool>,
     /// For each leaf another without which it does not matter.
     pub(crate) guards: Vec<Option<u32>>,
-    /// The products that solids are unions of, and that of each leaf, if its solid is such a union.
-    pub(crate) products: Vec<Vec<ProductLeaf>>,
-    pub(crate) product_of: Vec<Option<u32>>,
+    /// The products that solids are unions of, and the place of each leaf in one.
+    pub(crate) products: Vec<Product>,
+    pub(crate) product_of: Vec<Option<ProductLeaf>>,
     /// The name of each piece.
     pub(crate) surface_of_piece: Vec<SurfaceId>,
     pub(crate) solids: Vec<Vec<TreeStep>>,
@@ -277,16 +277,8 @@ impl<'a> WorldBuilder<'a> {
                 })
             })
             .collect();
-        let of_solids = solids
-            .iter()
-            .filter_map(|steps| products(steps, &|leaf| is_simple(&leaves[leaf])));
-        let products: Vec<Vec<ProductLeaf>> = of_solids.flatten().collect();
-        let mut product_of = vec![None; leaves.len()];
-        for (k, product) in products.iter().enumerate() {
-            for of in product {
-                product_of[of.leaf as usize] = Some(k as u32);
-            }
-        }
+        let (products, product_of) =
+            find_products(&solids, leaves.len(), &|leaf| is_simple(&leaves[leaf]));
         let all = 0..forest.len();
         let endless_solids = all.filter(|&solid| forest.is_endless(solid)).collect();
         Ok(World {

@@ -132,8 +132,8 @@ fn a_bundle_finds_what_a_sweep_finds_to_the_last_bit() {
             bundles.extend(by_surface.into_values());
         }
     }
-    // Rays that start inside, and those that meet two surfaces at once, take a sweep.
+    // Rays from nowhere that start inside take a sweep, and those that meet two surfaces at once or other solids.
     println!("{cast} rays, {left} of them from surfaces, {met} of which meet one; {swept} sweeps");
     assert!(left > 7_000 && met > 12_000, "{left}, {met}");
-    assert!(swept < cast as u64 / 2, "{swept} of {cast}");
+    assert!(swept < 2 * cast as u64 / 5, "{swept} of {cast}");
 }

@@ -268,8 +268,8 @@ impl LightTracer<'_> {
         let scenery = self.scenery;
         let look = scenery.look;
         let distance = ray.reach;
-        if let Some([solid, leaf]) = self.caster.entered_before(index, distance)
-            && scenery.is_seen_from_outside(leaf)
+        if let Some((solid, leaf, entering)) = self.caster.passed_before(index, distance)
+            && scenery.is_seen_through(leaf, entering)
             && scenery.opaque.get(solid) == Some(&true)
         {
             return 0.0;
