@@ -5,7 +5,8 @@
 //! inputs are read where they are, without a register.
 //!
 //! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
-//! ([`crate::ops`]). `tape/ranges.rs` runs them on intervals, and leaves out what a box does not need.
+//! ([`crate::ops`]). `tape/ranges.rs` runs them on intervals, and leaves out what a box does not need;
+//! `tape/lines.rs` runs them on intervals of several lines at once.
 
 use rustc_hash::FxHashMap;
 
@@ -13,7 +14,10 @@ use crate::graph::{Graph, Input, Node, NodeId};
 use crate::interval::{Interval, Slope};
 use crate::ops::{self, Binary, Lanes, Unary};
 
+mod lines;
 mod ranges;
+
+pub use lines::LineInput;
 
 /// The number of points that [`Tape::eval_block`] evaluates at once.
 pub const LANES: usize = 64;

@@ -17,7 +17,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use crate::bundle::{RayBlocks, RayBundle};
-use crate::field::{BundlePart, FieldScratch};
+use crate::field::{DividedBundle, FieldScratch};
 use crate::first::FirstPlace;
 use crate::leaf::NearLeaf;
 use crate::line::{Ray, SurfaceId, UnitLine};
@@ -66,7 +66,9 @@ pub struct Caster<'w> {
     bundle: RayBlocks,
     /// True where fields are read for all rays of the bundle at once, and what is then known of each.
     divides_fields: bool,
-    bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
+    bundle_parts: FxHashMap<SurfaceId, DividedBundle>,
+    /// The index in the bundle of the ray that is cast, if it is one of it.
+    bundle_index: usize,
     near: NearLeaves,
     /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
     ray_number: u64,
@@ -164,6 +166,7 @@ impl World {
             bundle: RayBlocks::default(),
             divides_fields: false,
             bundle_parts: FxHashMap::default(),
+            bundle_index: 0,
             near: NearLeaves::default(),
             ray_number: 0,
             sweeps: 0,
@@ -200,6 +203,7 @@ impl Caster<'_> {
             self.start.clone_from(&self.world.endless_solids);
             return &self.crossings;
         }
+        self.bundle_index = index;
         let ray = &self.bundle.ray(index);
         let mut sought = Sought {
             first: true,
@@ -281,6 +285,7 @@ impl Caster<'_> {
             among,
             ..Sought::ALL
         };
+        self.bundle_index = index;
         let ray = self.bundle.ray(index);
         self.sweep(&ray, sought, found);
     }

@@ -10,7 +10,9 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use expr::interval::{Interval, Slope};
-use expr::tape::{Registers, Tape};
+use expr::processor::Processor;
+use expr::tape::{LineInput, Registers, Tape};
+use expr::vectors::MOST_LANES;
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -18,7 +20,7 @@ use shell::Shell;
 
 mod bundle;
 mod shell;
-pub(crate) use bundle::{BundlePart, LineBundle, PartFinding};
+pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 
 /// The number of evaluations on intervals that one ray may take.
 const MOST_EVALUATIONS: usize = 1 << 15;
@@ -99,7 +101,8 @@ pub(crate) struct FieldScratch {
     registers: Registers,
     numbers: Vec<f64>,
     slopes: Vec<Slope>,
-    parts: Vec<(f64, f64)>,
+    processor: Processor,
+    lines: Vec<LineInput>,
     /// The parts of a segment with what is known of them, the first one last.
     known: Vec<BundlePart>,
     /// The number of evaluations on intervals that are left to the ray.
@@ -196,14 +199,14 @@ impl Field {
     }
 
     /// The first place in (from, to] where membership changes, `inside` being that right after `from`; and where the search
-    /// for the next one begins. `known` is what is known of parts of the line, of the bundle that it belongs to.
+    /// for the next one begins. `known` is what is known of the bundle that it belongs to, and its index there.
     pub(crate) fn next_change(
         &self,
         scratch: &mut FieldScratch,
         line: &Line,
         [from, to]: [f64; 2],
         inside: bool,
-        known: &[BundlePart],
+        mut known: Option<(&mut DividedBundle, usize)>,
     ) -> Option<(f64, f64)> {
         scratch.known.clear();
         let open = |from: f64, to: f64| BundlePart {
@@ -212,7 +215,8 @@ impl Field {
             finding: PartFinding::Open,
         };
         let mut begin = to;
-        for part in known.iter().rev() {
+        let parts = known.as_ref().map_or(&[][..], |(bundle, _)| &bundle.parts);
+        for part in parts.iter().rev() {
             let [a, b] = [part.from.max(from), part.to.min(to)];
             if a < b {
                 if scratch.known.is_empty() && b < to {
@@ -258,6 +262,30 @@ impl Field {
                     let at_b = self.value(scratch, line.at(b));
                     if (at_b <= 0.0) != inside {
                         return Some((self.between(scratch, line, [a, b], at_b, inside), b));
+                    }
+                }
+                PartFinding::Shared(node) => {
+                    let Some((bundle, line)) = &mut known else {
+                        scratch.known.push(open(a, b));
+                        continue;
+                    };
+                    if let Some(finding) = bundle.finding(self, scratch, node, *line) {
+                        scratch.known.push(BundlePart {
+                            from: a,
+                            to: b,
+                            finding,
+                        });
+                        continue;
+                    }
+                    let Some(halves) = bundle.halves(node) else {
+                        scratch.known.push(open(a, b));
+                        continue;
+                    };
+                    for half in halves.into_iter().rev() {
+                        let (from, to) = (half.from.max(a), half.to.min(b));
+                        if from < to {
+                            scratch.known.push(BundlePart { from, to, ..half });
+                        }
                     }
                 }
                 PartFinding::Open => {
@@ -391,12 +419,40 @@ impl Field {
         from + length
     }
 
+    /// The expression that is looked at on intervals: of a shell, the one in it.
+    fn tape(&self) -> &Tape {
+        let shell = self.shell.as_ref();
+        shell.map_or(&self.code.value, |shell| &shell.inner)
+    }
+
+    /// The values and slopes on the lines of a block, where `coordinate` gives those of x, y and z for t in `t`; `None` where
+    /// they are not bounded.
+    fn in_vectors(
+        &self,
+        scratch: &mut FieldScratch,
+        coordinate: &dyn Fn(usize) -> LineInput,
+        t: Interval,
+    ) -> Option<[Slope; MOST_LANES]> {
+        let tape = self.tape();
+        scratch.lines.clear();
+        for input in tape.inputs() {
+            scratch.lines.push(match *input {
+                Input::Variable(k @ 0..3) => coordinate(k as usize),
+                input => LineInput::Number(self.uniform(input)),
+            });
+        }
+        let mut ranges = tape.eval_slopes_on_lines(scratch.processor, &scratch.lines, t)?;
+        if self.negated {
+            for range in &mut ranges {
+                *range = Slope::unary(expr::ops::Unary::Neg, *range);
+            }
+        }
+        Some(ranges)
+    }
+
     /// The values and slopes where `coordinate` gives those of x, y and z; of a shell, those of the expression in it.
     fn range(&self, scratch: &mut FieldScratch, coordinate: &dyn Fn(usize) -> Slope) -> Slope {
-        let tape = self
-            .shell
-            .as_ref()
-            .map_or(&self.code.value, |shell| &shell.inner);
+        let tape = self.tape();
         scratch.evaluations += 1;
         scratch.slopes.clear();
         for input in tape.inputs() {

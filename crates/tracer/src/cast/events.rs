@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 use super::{Candidate, Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
 use crate::bundle::RayBlocks;
-use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
+use crate::field::{DividedBundle, Field, FieldScratch};
 use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line, quadratic_changes_in_t};
 use crate::low::{LowEquation, LowPiece};
@@ -193,12 +193,14 @@ impl Caster<'_> {
             return;
         };
         let line = field_line(leaf, ray);
-        let known: &[BundlePart] = if bundled && self.divides_fields {
+        let known = if bundled && self.divides_fields {
             let bundle = &self.bundle;
             let divided = self.bundle_parts.entry(id);
-            divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field))
+            let divided =
+                divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field));
+            Some((divided, self.bundle_index))
         } else {
-            &[]
+            None
         };
         let found = field.next_change(&mut self.field, &line, [from, to], inside, known);
         if let Some((t, rest)) = found {
@@ -281,9 +283,9 @@ fn divide_bundle(
     leaf: &Leaf,
     rays: &RayBlocks,
     scratch: &mut FieldScratch,
-) -> Vec<BundlePart> {
+) -> DividedBundle {
     let Some(bounds) = leaf.bounds else {
-        return Vec::new();
+        return DividedBundle::unknown();
     };
     let [mut from, mut to] = [f64::INFINITY, 0.0f64];
     for ray in rays.iter() {
@@ -294,8 +296,8 @@ fn divide_bundle(
         }
     }
     if from >= to || !to.is_finite() {
-        return Vec::new();
+        return DividedBundle::unknown();
     }
     let lines = rays.iter().map(|ray| field_line(leaf, &ray));
-    field.divide(scratch, &LineBundle::new(lines), [from, to])
+    field.divided(scratch, lines, [from, to])
 }
