@@ -12,7 +12,7 @@
 pub const LARGEST_ANGLE: f64 = 1e5;
 
 /// 1.5·2⁵²: added to a number of moderate size, it leaves its nearest integer in the lowest bits.
-const ROUND: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// π/2 in three parts: the first two have 36 bits, so that their products with a quarter turn's number are exact.
 const QUARTER: [f64; 3] = [

@@ -38,7 +38,7 @@ use stage::DeclaredBackground;
 
 pub use bodies::{MAX_BODIES, Thickness};
 pub use expand::instance_grids;
-pub use look::{FaceImage, Paint};
+pub use look::{BackgroundImage, FaceImage, Paint};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 
 /// The colour of solids that state none, sRGB.
@@ -321,7 +321,7 @@ impl RayScene {
         &self,
         direction: DVec3,
         above: DVec3,
-        image: Option<&dyn Fn([f64; 2]) -> DVec3>,
+        image: Option<&BackgroundImage<'_>>,
     ) -> DVec3 {
         match &self.content.background {
             Some(background) => background.light(direction, image),

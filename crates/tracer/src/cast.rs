@@ -626,7 +626,7 @@ impl Caster<'_> {
         match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
                 let at = match surface.quadratic() {
-                    // What its frame takes a line for is known by the place.
+                    // For a quadric the place is as exact as one on the line in its frame.
                     Some(_) => leaf.unit_from_world.transform_point3(position),
                     None => {
                         let line = self.line(ray, event.leaf);

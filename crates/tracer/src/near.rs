@@ -43,7 +43,6 @@ impl NearLeaves {
             joined,
             crowded,
             first,
-            ..
         } = self;
         leaves.clear();
         first.clear();

@@ -45,7 +45,7 @@ impl Tape {
             TapeOperation::Copy(_) => true,
         };
         let mut operations = self.instructions.iter().map(|it| it.operation);
-        operations.all(is_known) && !self.roots.is_empty()
+        operations.all(is_known)
     }
 
     /// Evaluates the first root with slopes along the lines of a block, for t in `t`; `None` if an operation is not known, or
@@ -60,12 +60,14 @@ impl Tape {
         t: Interval,
     ) -> Option<[Slope; MOST_LANES]> {
         assert_eq!(inputs.len(), self.inputs.len(), "one value per input");
-        if !self.is_of_vectors() || t.is_empty() {
+        let root = *self.roots.first()?;
+        if t.is_empty() {
             return None;
         }
         let mut bounds = [[0.0; MOST_LANES]; 4];
         let is_bounded = processor.run_vectors(OnLines {
             tape: self,
+            root,
             inputs,
             t,
             bounds: &mut bounds,
@@ -80,9 +82,10 @@ impl Tape {
     }
 }
 
-/// The evaluation; it returns false if something is not bounded.
+/// The evaluation; it returns false if an operation is not known, or something is not bounded.
 struct OnLines<'a> {
     tape: &'a Tape,
+    root: Operand,
     inputs: &'a [LineInput],
     t: Interval,
     /// Of the values, then of the slopes: the lower and the upper ones.
@@ -111,6 +114,7 @@ impl VectorWork for OnLines<'_> {
     fn run<S: Instructions>(self, s: S) -> bool {
         let Self {
             tape,
+            root,
             inputs: given,
             t,
             bounds,
@@ -188,7 +192,7 @@ impl VectorWork for OnLines<'_> {
                 }
                 registers[instruction.out as usize] = found;
             }
-            let found = read(s, &registers, &inputs, tape.roots[0]);
+            let found = read(s, &registers, &inputs, root);
             if !found.is_bounded() {
                 return false;
             }
@@ -485,8 +489,7 @@ impl<S: Instructions> LaneBounds<S> {
     /// False only where no place + 4k, k an integer, lies between.
     #[inline(always)]
     fn meets(self, s: S, place: f64) -> Mask<S> {
-        // Added to a number of moderate size, it leaves its nearest integer.
-        let round = Vector::splat(s, 6_755_399_441_055_744.0);
+        let round = Vector::splat(s, elementary::ROUND);
         let (place, four) = (Vector::splat(s, place), Vector::splat(s, 4.0));
         let turns = (self.lower - place) * Vector::splat(s, 0.25);
         let nearest = (turns + round) - round;

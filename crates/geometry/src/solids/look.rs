@@ -18,6 +18,9 @@ use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, ev
 /// It multiplies the colour of the object.
 pub type Paint<'a> = dyn Fn(FaceImage, [f64; 2]) -> Option<DVec3> + Sync + 'a;
 
+/// Gives the linear colour of the background's image at a place of it, as [`Paint`] does for faces.
+pub type BackgroundImage<'a> = dyn Fn([f64; 2]) -> DVec3 + Sync + 'a;
+
 /// The image of a face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceImage {

@@ -13,6 +13,7 @@ use tracer::camera::{Bokeh, LensCamera, LensProjection, SharpPlaces};
 use tracer::light::{Light, LightKind};
 
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
+use super::look::BackgroundImage;
 
 /// A camera that a scene declares, for one instance.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,11 +136,7 @@ impl DeclaredBackground {
 
     /// The linear light from a unit direction: that of `image` at a place of it, from (0, 0), the top left, to (1, 1), where
     /// there is one; black where the colour is undefined.
-    pub(super) fn light(
-        &self,
-        direction: DVec3,
-        image: Option<&dyn Fn([f64; 2]) -> DVec3>,
-    ) -> DVec3 {
+    pub(super) fn light(&self, direction: DVec3, image: Option<&BackgroundImage<'_>>) -> DVec3 {
         let Some(image) = image else {
             return self.constant.unwrap_or_else(|| self.shining(direction));
         };

@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geometry::solids::{FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights};
+use geometry::solids::{
+    BackgroundImage, FaceImage, RayNote, RayScene, RaySceneOptions, StandardLights,
+};
 use glam::DVec3;
 use scene::{ObjectId, Scene};
 use tracer::camera::LensCamera;
@@ -261,9 +263,7 @@ impl TracedScene {
                 PictureLook::Crt => stated_texel(image, place),
             }
         });
-        let image = image
-            .as_ref()
-            .map(|image| image as &(dyn Fn([f64; 2]) -> DVec3 + Sync));
+        let image = image.as_ref().map(|image| image as &BackgroundImage<'_>);
         let lights = self.rays.lights(camera, &STANDARD_LIGHTS);
         see(&Scenery {
             world: self.rays.world(),
@@ -272,10 +272,7 @@ impl TracedScene {
             opaque: self.rays.opaque(),
             look: &|face| self.rays.look(face, &paint),
             lights: &lights,
-            background: &|direction| {
-                self.rays
-                    .background(direction, self.sky, image.map(|image| image as _))
-            },
+            background: &|direction| self.rays.background(direction, self.sky, image),
             bounces,
             picture_look: self.rays.picture_look(),
             sides: self.rays.sides(),
