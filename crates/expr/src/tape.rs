@@ -5,8 +5,8 @@
 //! inputs are read where they are, without a register.
 //!
 //! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
-//! ([`crate::ops`]). `tape/ranges.rs` runs them on intervals, and leaves out what a box does not need;
-//! `tape/lines.rs` runs them on intervals of several lines at once.
+//! ([`crate::ops`]). `tape/vectors.rs` runs them on vectors; `tape/ranges.rs` on intervals, and leaves out what a box does
+//! not need; `tape/lines.rs` on intervals of several lines at once.
 
 use rustc_hash::FxHashMap;
 
@@ -16,8 +16,10 @@ use crate::ops::{self, Binary, Lanes, Unary};
 
 mod lines;
 mod ranges;
+mod vectors;
 
 pub use lines::LineInput;
+pub use vectors::VectorRegisters;
 
 /// The number of points that [`Tape::eval_block`] evaluates at once.
 pub const LANES: usize = 64;

@@ -9,6 +9,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use pulp::Simd;
 
+use crate::elementary;
+
 /// The instructions of a kind of processor.
 pub trait Instructions: Simd {}
 
@@ -93,6 +95,18 @@ pub struct Vector<S: Instructions> {
     lanes: S::f64s,
 }
 
+/// Sine and cosine of the first numbers.
+#[inline(always)]
+fn first_sin_cos<const W: usize>(x: &[f64; MOST_LANES]) -> ([f64; MOST_LANES], [f64; MOST_LANES]) {
+    let mut first = [0.0; W];
+    first.copy_from_slice(&x[..W]);
+    let found = elementary::sin_cos(&first);
+    let (mut sine, mut cosine) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+    sine[..W].copy_from_slice(&found.0);
+    cosine[..W].copy_from_slice(&found.1);
+    (sine, cosine)
+}
+
 /// True or false in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Mask<S: Instructions> {
@@ -155,6 +169,46 @@ impl<S: Instructions> Vector<S> {
         let s = self.instructions;
         let sign = s.and_f64s(s.splat_f64s(-0.0), signs.lanes);
         self.with(s.or_f64s(self.abs().lanes, sign))
+    }
+
+    /// Sines and cosines, see [`elementary::sin_cos`].
+    #[inline(always)]
+    pub fn sin_cos(self) -> (Self, Self) {
+        let mut x = [0.0; MOST_LANES];
+        self.store(&mut x, 0);
+        let (sine, cosine) = match S::F64_LANES {
+            8 => elementary::sin_cos(&x),
+            4 => first_sin_cos::<4>(&x),
+            2 => first_sin_cos::<2>(&x),
+            _ => first_sin_cos::<1>(&x),
+        };
+        let s = self.instructions;
+        (Self::load(s, &sine, 0), Self::load(s, &cosine, 0))
+    }
+
+    /// Another function of each lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn map(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut x = [0.0; MOST_LANES];
+        self.store(&mut x, 0);
+        for x in &mut x[..S::F64_LANES] {
+            *x = function(*x);
+        }
+        Self::load(self.instructions, &x, 0)
+    }
+
+    /// A function of each lane and that of another.
+    #[inline(always)]
+    #[must_use]
+    pub fn map_with(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        let (mut x, mut y) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+        self.store(&mut x, 0);
+        other.store(&mut y, 0);
+        for (x, y) in x[..S::F64_LANES].iter_mut().zip(&y) {
+            *x = function(*x, *y);
+        }
+        Self::load(self.instructions, &x, 0)
     }
 
     /// The lesser of two numbers; the second one where they do not compare.
@@ -244,6 +298,17 @@ impl<S: Instructions> Mask<S> {
     #[must_use]
     pub fn differs(self, other: Self) -> Self {
         self.with(self.instructions.xor_m64s(self.lanes, other.lanes))
+    }
+
+    /// Those of the lanes that are in the part with this index of a block.
+    #[inline(always)]
+    pub fn of(instructions: S, lanes: Lanes, part: usize) -> Self {
+        let mut block = [0.0; MOST_LANES];
+        for (lane, number) in block.iter_mut().enumerate().take(S::F64_LANES) {
+            *number = f64::from(u8::from(lanes.has(part * S::F64_LANES + lane)));
+        }
+        let zero = Vector::splat(instructions, 0.0);
+        zero.lt(Vector::load(instructions, &block, 0))
     }
 
     /// True if it is true in a lane.

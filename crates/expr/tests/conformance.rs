@@ -1,7 +1,10 @@
 //! The table of operations against values found elsewhere, and every evaluator of this crate against the table.
 
 use expr::conformance::{Operation, anchors, cases};
-use expr::tape::{Block, LANES, Registers, Tape};
+use expr::ops::Unary;
+use expr::processor::Processor;
+use expr::tape::{Block, LANES, Registers, Tape, VectorRegisters};
+use expr::vectors::{Instructions, MOST_LANES, Vector, VectorWork};
 use expr::{Graph, Input, NodeId, number};
 
 fn assert_close(actual: f64, expected: f64, relative: f64, what: &dyn std::fmt::Debug) {
@@ -180,4 +183,60 @@ fn numbers_as_text_read_back_as_themselves() {
         }
     }
     assert_eq!(number::text(2.0), "2");
+}
+
+/// The value of a tape at a point in all lanes.
+struct InAllLanes<'a> {
+    tape: &'a Tape,
+    inputs: &'a [f64],
+}
+
+impl VectorWork for InAllLanes<'_> {
+    type Output = [f64; MOST_LANES];
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) -> Self::Output {
+        let mut registers = VectorRegisters::new(s, self.tape);
+        let inputs = self.inputs.iter().map(|&x| Vector::splat(s, x));
+        let inputs: Vec<Vector<S>> = inputs.collect();
+        let value = self.tape.eval_vector(s, &mut registers, &inputs);
+        let mut lanes = [0.0; MOST_LANES];
+        for part in 0..Vector::<S>::PARTS {
+            value.store(&mut lanes, part);
+        }
+        lanes
+    }
+}
+
+#[test]
+fn vectors_give_the_value_of_every_case() {
+    for case in cases().iter().chain(&anchors()) {
+        let mut graph = Graph::default();
+        let (a, b) = variables(&mut graph);
+        let root = case.operation.node(&mut graph, a, b);
+        let tape = Tape::new(&graph, &[root]);
+        let inputs: Vec<f64> = tape
+            .inputs()
+            .iter()
+            .map(|input| case.operands[usize::from(*input == Input::Variable(1))])
+            .collect();
+        let value = case
+            .operation
+            .eval(&case.operands[..case.operation.arity()])
+            .unwrap();
+        for processor in [Processor::here(), Processor::least()] {
+            let lanes = processor.run_vectors(InAllLanes {
+                tape: &tape,
+                inputs: &inputs,
+            });
+            for found in lanes {
+                match case.operation {
+                    Operation::Unary(Unary::Sin | Unary::Cos) if value.is_finite() => {
+                        assert_close(found, value, 2.5e-16, case);
+                    }
+                    _ => assert_eq!(bits(found), bits(value), "{case:?}: {found}, not {value}"),
+                }
+            }
+        }
+    }
 }

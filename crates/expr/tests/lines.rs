@@ -1,7 +1,7 @@
 //! Slopes on several lines at once against those of one line, and against values on the lines.
 
 use expr::interval::{Interval, Slope};
-use expr::ops::Unary;
+use expr::ops::{Binary, Unary};
 use expr::processor::Processor;
 use expr::tape::{LineInput, Registers, Tape};
 use expr::vectors::MOST_LANES;
@@ -34,135 +34,279 @@ fn expression(graph: &mut Graph, random: &mut Random, depth: usize) -> NodeId {
         };
     }
     let a = expression(graph, random, depth - 1);
+    const UNARY: [Unary; 10] = [
+        Unary::Sin,
+        Unary::Cos,
+        Unary::Neg,
+        Unary::Abs,
+        Unary::Sqrt,
+        Unary::Exp,
+        Unary::Log,
+        Unary::Asin,
+        Unary::Acos,
+        Unary::Atan,
+    ];
+    const BINARY: [Binary; 6] = [
+        Binary::Add,
+        Binary::Sub,
+        Binary::Mul,
+        Binary::Div,
+        Binary::Min,
+        Binary::Max,
+    ];
     match random.below(8) {
-        0 => graph.unary(Unary::Sin, a),
-        1 => graph.unary(Unary::Cos, a),
-        2 => graph.neg(a),
-        3 => graph.mul(a, a),
-        other => {
+        0 | 1 => graph.unary(UNARY[random.below(UNARY.len())], a),
+        2 => graph.mul(a, a),
+        3 => graph.integer_power(a, 3 + random.below(2) as i32),
+        _ => {
             let b = expression(graph, random, depth - 1);
-            match other {
-                4 => graph.add(a, b),
-                5 => graph.sub(a, b),
-                _ => graph.mul(a, b),
-            }
+            graph.binary(BINARY[random.below(BINARY.len())], a, b)
         }
     }
 }
 
-/// True if two bounds are the same but for rounding in numbers of this size.
-fn are_near(a: f64, b: f64, size: f64) -> bool {
-    (a - b).abs() <= 1e-9 * (1.0 + size)
+/// True if bounds are as narrow as others, but for rounding.
+fn are_as_narrow(found: Interval, expected: Interval) -> bool {
+    let size = expected.lower().abs().max(expected.upper().abs());
+    let slack = 1e-9 * (1.0 + size);
+    found.lower() >= expected.lower() - slack && found.upper() <= expected.upper() + slack
+}
+
+/// The numbers of checks of an expression.
+#[derive(Default)]
+struct Checks {
+    values: usize,
+    undefined: usize,
+    /// Of bounds that were found, those that are as narrow as on one line, and all.
+    narrow: usize,
+    found: usize,
+}
+
+/// Lines, and a part of each.
+struct Lines {
+    origin: [[f64; MOST_LANES]; 3],
+    direction: [[f64; MOST_LANES]; 3],
+    t: [[f64; MOST_LANES]; 2],
+}
+
+const UNIFORM: f64 = 0.7;
+
+impl Lines {
+    fn random(random: &mut Random) -> Self {
+        let mut lines = Self {
+            origin: [[0.0; MOST_LANES]; 3],
+            direction: [[0.0; MOST_LANES]; 3],
+            t: [[0.0; MOST_LANES]; 2],
+        };
+        let numbers = [&mut lines.origin, &mut lines.direction];
+        for x in numbers.into_iter().flatten().flatten() {
+            *x = random.between(-2.0, 2.0);
+        }
+        for lane in 0..MOST_LANES {
+            let length = [1e-6, 0.01, 0.3, 9.0][random.below(4)];
+            let from = random.between(-3.0, 3.0);
+            (lines.t[0][lane], lines.t[1][lane]) = (from, from + length);
+        }
+        lines
+    }
+
+    fn inputs(&self, tape: &Tape) -> Vec<LineInput<'_>> {
+        let input = |input: &Input| match *input {
+            Input::Variable(k) => LineInput::Coordinate {
+                origin: &self.origin[k as usize],
+                direction: &self.direction[k as usize],
+            },
+            Input::Uniform(_) => LineInput::Number(UNIFORM),
+        };
+        tape.inputs().iter().map(input).collect()
+    }
+
+    /// The range on one of the lines by itself.
+    fn slope_alone(&self, tape: &Tape, registers: &mut Registers, lane: usize) -> Slope {
+        let t = Interval::new(self.t[0][lane], self.t[1][lane]);
+        let input = |input: &Input| match *input {
+            Input::Variable(k) => {
+                let k = k as usize;
+                Slope::line(self.origin[k][lane], self.direction[k][lane], t)
+            }
+            Input::Uniform(_) => Slope::constant(UNIFORM),
+        };
+        let inputs: Vec<Slope> = tape.inputs().iter().map(input).collect();
+        let mut found = [Slope::constant(0.0)];
+        tape.eval_slopes(registers, &inputs, &mut found);
+        found[0]
+    }
+
+    /// The values of a tape's roots at a place on a line.
+    fn at(&self, tape: &Tape, registers: &mut Registers, lane: usize, t: f64) -> Vec<f64> {
+        let input = |input: &Input| match *input {
+            Input::Variable(k) => {
+                let k = k as usize;
+                self.origin[k][lane] + t * self.direction[k][lane]
+            }
+            Input::Uniform(_) => UNIFORM,
+        };
+        let inputs: Vec<f64> = tape.inputs().iter().map(input).collect();
+        let mut found = vec![0.0; tape.root_count()];
+        tape.eval(registers, &inputs, &mut found);
+        found
+    }
 }
 
 #[test]
 fn bounds_on_lines_contain_the_values_and_are_as_narrow_as_those_of_one_line() {
-    const UNIFORM: f64 = 0.7;
     let mut random = Random(5);
     let mut registers = Registers::default();
-    let mut checked = 0;
-    for round in 0..600 {
+    let mut checks = Checks::default();
+    for round in 0..3000 {
         let mut graph = Graph::default();
         let root = expression(&mut graph, &mut random, 1 + round % 5);
-        let tape = Tape::new(&graph, &[root]);
-        assert!(tape.is_of_vectors());
-        let length = [1e-6, 0.01, 0.3, 9.0][random.below(4)];
-        let from = random.between(-3.0, 3.0);
-        let t = Interval::new(from, from + length);
-        let mut lines = [[[0.0; MOST_LANES]; 3]; 2];
-        for x in lines.as_flattened_mut().as_flattened_mut() {
-            *x = random.between(-2.0, 2.0);
-        }
-        let [origin, direction] = lines;
-        let inputs: Vec<LineInput> = tape
-            .inputs()
-            .iter()
-            .map(|input| match *input {
-                Input::Variable(k) => LineInput::Coordinate {
-                    origin: origin[k as usize],
-                    direction: direction[k as usize],
-                },
-                _ => LineInput::Number(UNIFORM),
-            })
+        let gradient: Vec<NodeId> = (0..3)
+            .flat_map(|k| graph.derivatives(&[root], Input::Variable(k)).unwrap())
             .collect();
+        let tape = Tape::new(&graph, &[root]);
+        let gradient = Tape::new(&graph, &gradient);
+        if !tape.is_of_vectors() {
+            // A power of a power, or a constant that is NaN.
+            continue;
+        }
+        let lines = Lines::random(&mut random);
         for processor in [Processor::here(), Processor::least()] {
-            let Some(found) = tape.eval_slopes_on_lines(processor, &inputs, t) else {
-                continue;
-            };
-            for (lane, found) in found.iter().enumerate() {
-                let alone: Vec<Slope> = tape
-                    .inputs()
-                    .iter()
-                    .map(|input| match *input {
-                        Input::Variable(k) => {
-                            let k = k as usize;
-                            Slope::line(origin[k][lane], direction[k][lane], t)
-                        }
-                        _ => Slope::constant(UNIFORM),
-                    })
-                    .collect();
-                let mut expected = [Slope::constant(0.0)];
-                tape.eval_slopes(&mut registers, &alone, &mut expected);
-                for (found, expected) in [
-                    (found.value, expected[0].value),
-                    (found.slope, expected[0].slope),
-                ] {
-                    let size = expected.lower().abs().max(expected.upper().abs());
-                    assert!(
-                        are_near(found.lower(), expected.lower(), size)
-                            && are_near(found.upper(), expected.upper(), size),
-                        "{found:?}, not {expected:?}"
-                    );
+            let found = tape.eval_slopes_on_lines(processor, &lines.inputs(&tape), &lines.t);
+            for (lane, found) in found.into_iter().enumerate() {
+                let Some(found) = found else { continue };
+                let expected = lines.slope_alone(&tape, &mut registers, lane);
+                if found.value.is_empty() {
+                    assert!(expected.value.is_empty(), "{expected:?}");
+                    continue;
                 }
+                for (found, expected) in
+                    [(found.value, expected.value), (found.slope, expected.slope)]
+                {
+                    checks.found += 1;
+                    checks.narrow += usize::from(are_as_narrow(found, expected));
+                }
+                let [from, to] = [lines.t[0][lane], lines.t[1][lane]];
                 for step in 0..8 {
-                    let t = from + length * f64::from(step) / 7.0;
-                    let numbers: Vec<f64> = tape
-                        .inputs()
-                        .iter()
-                        .map(|input| match *input {
-                            Input::Variable(k) => {
-                                let k = k as usize;
-                                origin[k][lane] + t * direction[k][lane]
-                            }
-                            _ => UNIFORM,
-                        })
-                        .collect();
-                    let mut value = [0.0];
-                    tape.eval(&mut registers, &numbers, &mut value);
-                    assert!(found.value.contains(value[0]), "{value:?} in {found:?}");
-                    checked += 1;
+                    let t = from + (to - from) * f64::from(step) / 7.0;
+                    let value = lines.at(&tape, &mut registers, lane, t)[0];
+                    assert!(found.value.contains(value), "{value} in {found:?}");
+                    if value.is_nan() {
+                        checks.undefined += 1;
+                        continue;
+                    }
+                    checks.values += 1;
+                    let gradient = lines.at(&gradient, &mut registers, lane, t);
+                    let slope: f64 = (0..3).map(|k| gradient[k] * lines.direction[k][lane]).sum();
+                    let size = gradient.iter().fold(0.0f64, |most, g| most.max(g.abs()));
+                    let slack = 1e-9 * (1.0 + size);
+                    let [least, most] = [found.slope.lower(), found.slope.upper()];
+                    assert!(
+                        !slope.is_finite() || least - slack <= slope && slope <= most + slack,
+                        "{slope} in {found:?}"
+                    );
                 }
             }
         }
     }
-    assert!(checked > 60_000, "{checked}");
+    let Checks {
+        values,
+        undefined,
+        narrow,
+        found,
+    } = checks;
+    assert!(
+        values > 250_000 && undefined > 5000,
+        "{values}, {undefined}"
+    );
+    assert!(narrow * 100 > found * 98, "{narrow} of {found}");
+}
+
+/// A line along x from 1 on.
+const ONES: [f64; MOST_LANES] = [1.0; MOST_LANES];
+
+/// The range on the first of some lines, for t from `from` to `to`, where x is 1 + t·`direction`.
+fn first(tape: &Tape, direction: f64, [from, to]: [f64; 2]) -> Option<Slope> {
+    let rates = [direction; MOST_LANES];
+    let x = LineInput::Coordinate {
+        origin: &ONES,
+        direction: &rates,
+    };
+    let t = [[from; MOST_LANES], [to; MOST_LANES]];
+    tape.eval_slopes_on_lines(Processor::here(), &[x], &t)[0]
 }
 
 #[test]
 fn what_is_not_known_or_not_bounded_is_left_to_single_lines() {
     let mut graph = Graph::default();
     let x = graph.input(Input::Variable(0));
-    let root = graph.unary(Unary::Sqrt, x);
-    let tape = Tape::new(&graph, &[root]);
-    assert!(!tape.is_of_vectors());
-    let line = |direction: f64| LineInput::Coordinate {
-        origin: [1.0; MOST_LANES],
-        direction: [direction; MOST_LANES],
-    };
-    let t = Interval::new(0.0, 1.0);
-    let here = Processor::here();
-    assert!(tape.eval_slopes_on_lines(here, &[line(1.0)], t).is_none());
+    let root = graph.unary(Unary::Tan, x);
+    let tangent = Tape::new(&graph, &[root]);
+    assert!(!tangent.is_of_vectors());
+    let nothing = graph.constant(f64::NAN);
+    let greatest = graph.binary(Binary::Max, x, nothing);
+    assert!(!Tape::new(&graph, &[greatest]).is_of_vectors());
 
     let square = graph.mul(x, x);
-    let tape = Tape::new(&graph, &[square]);
-    assert!(tape.eval_slopes_on_lines(here, &[line(1.0)], t).is_some());
+    let square = Tape::new(&graph, &[square]);
+    assert!(first(&square, 1.0, [0.0, 1.0]).is_some());
     for direction in [1e200, f64::INFINITY, f64::NAN] {
-        let found = tape.eval_slopes_on_lines(here, &[line(direction)], t);
-        assert!(found.is_none(), "{direction}");
+        assert!(
+            first(&square, direction, [0.0, 1.0]).is_none(),
+            "{direction}"
+        );
     }
-    let endless = Interval::new(0.0, f64::INFINITY);
-    assert!(
-        tape.eval_slopes_on_lines(here, &[line(1.0)], endless)
-            .is_none()
-    );
+    assert!(first(&square, 1.0, [0.0, f64::INFINITY]).is_none());
+
+    let root = graph.unary(Unary::Sqrt, x);
+    let root = Tape::new(&graph, &[root]);
+    let whole = first(&root, -1.0, [0.0, 0.5]).unwrap();
+    assert!(!whole.value.is_partial() && whole.is_monotone());
+    let part = first(&root, -1.0, [0.5, 2.0]).unwrap();
+    assert!(part.value.is_partial() && !part.value.is_empty() && part.slope == Interval::WHOLE);
+    let none = first(&root, -1.0, [1.5, 2.0]).unwrap();
+    assert!(none.value.is_empty());
+}
+
+#[test]
+fn a_bundle_has_the_values_of_all_its_lines() {
+    let mut random = Random(9);
+    let mut registers = Registers::default();
+    for _ in 0..300 {
+        let mut graph = Graph::default();
+        let root = expression(&mut graph, &mut random, 3);
+        let tape = Tape::new(&graph, &[root]);
+        if !tape.is_of_vectors() {
+            continue;
+        }
+        let mut lines = Lines::random(&mut random);
+        let t = lines.t.map(|ends| ends[0]);
+        lines.t = t.map(|end| [end; MOST_LANES]);
+        let of = |lines: &[f64; MOST_LANES]| {
+            let most = |a: f64, b: f64| a.max(b);
+            let greatest = lines.iter().copied().fold(f64::NEG_INFINITY, most);
+            [
+                lines.iter().copied().fold(f64::INFINITY, f64::min),
+                greatest,
+            ]
+        };
+        let input = |input: &Input| match *input {
+            Input::Variable(k) => LineInput::Bundle {
+                origin: of(&lines.origin[k as usize]),
+                direction: of(&lines.direction[k as usize]),
+            },
+            Input::Uniform(_) => LineInput::Number(UNIFORM),
+        };
+        let inputs: Vec<LineInput<'_>> = tape.inputs().iter().map(input).collect();
+        let Some(all) = tape.eval_slopes_on_lines(Processor::here(), &inputs, &lines.t)[0] else {
+            continue;
+        };
+        for lane in 0..MOST_LANES {
+            for step in 0..4 {
+                let t = t[0] + (t[1] - t[0]) * f64::from(step) / 3.0;
+                let value = lines.at(&tape, &mut registers, lane, t)[0];
+                assert!(all.value.contains(value), "{value} in {all:?}");
+            }
+        }
+    }
 }

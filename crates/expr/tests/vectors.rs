@@ -1,5 +1,6 @@
 //! Operations on vectors against the same operations on numbers, for each kind of processor.
 
+use expr::elementary;
 use expr::processor::Processor;
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 
@@ -9,10 +10,11 @@ type Block = [f64; MOST_LANES];
 struct All<'a> {
     a: &'a Block,
     b: &'a Block,
+    odd: Lanes,
 }
 
 /// The number of operations.
-const OPERATIONS: usize = 21;
+const OPERATIONS: usize = 26;
 
 /// The results of numbers, and 1 or 0 for those of comparisons.
 #[derive(Default)]
@@ -60,6 +62,11 @@ impl VectorWork for All<'_> {
                 Mask::splat(s, false).choose(a, b),
                 less.choose(a, b),
                 a.is_finite().choose(one, zero),
+                a.sin_cos().0,
+                a.sin_cos().1,
+                a.map(f64::exp),
+                a.map_with(b, f64::hypot),
+                Mask::of(s, self.odd, part).choose(a, b),
             ];
             for (block, found) in results.blocks.iter_mut().zip(found) {
                 found.store(block, part);
@@ -72,8 +79,9 @@ impl VectorWork for All<'_> {
     }
 }
 
-/// What [`All`] finds for two numbers.
-fn expected(a: f64, b: f64) -> [f64; OPERATIONS] {
+/// What [`All`] finds for two numbers in an odd lane or in another one.
+fn expected(a: f64, b: f64, is_odd: bool) -> [f64; OPERATIONS] {
+    let ([sine], [cosine]) = elementary::sin_cos(&[a]);
     let flag = |yes: bool| f64::from(u8::from(yes));
     [
         a + b,
@@ -97,6 +105,11 @@ fn expected(a: f64, b: f64) -> [f64; OPERATIONS] {
         b,
         if a < b { a } else { b },
         flag(a.is_finite()),
+        sine,
+        cosine,
+        a.exp(),
+        a.hypot(b),
+        if is_odd { a } else { b },
     ]
 }
 
@@ -120,15 +133,16 @@ fn every_lane_is_computed_as_a_number_alone() {
         f64::NEG_INFINITY,
         f64::NAN,
     ];
+    let odd = Lanes::of(|lane| lane % 2 == 1);
     for processor in [Processor::here(), Processor::least()] {
         for first in 0..numbers.len() {
             for second in 0..numbers.len() {
                 let at = |k: usize| numbers[k % numbers.len()];
                 let a: Block = std::array::from_fn(|lane| at(first + lane));
                 let b: Block = std::array::from_fn(|lane| at(second + 3 * lane));
-                let found = processor.run_vectors(All { a: &a, b: &b });
+                let found = processor.run_vectors(All { a: &a, b: &b, odd });
                 for lane in 0..MOST_LANES {
-                    let expected = expected(a[lane], b[lane]);
+                    let expected = expected(a[lane], b[lane], odd.has(lane));
                     for (k, (block, expected)) in found.blocks.iter().zip(expected).enumerate() {
                         assert!(
                             same(block[lane], expected),

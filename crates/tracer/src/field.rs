@@ -9,6 +9,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use crossings::bracketed;
 use expr::interval::{Interval, Slope};
 use expr::processor::Processor;
 use expr::tape::{LineInput, Registers, Tape};
@@ -19,6 +20,7 @@ use rustc_hash::FxHashMap;
 use shell::Shell;
 
 mod bundle;
+mod crossings;
 mod shell;
 pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 
@@ -86,6 +88,14 @@ pub(crate) struct Field {
     negated: bool,
     /// The expression as a shell, if it is one.
     shell: Option<Shell>,
+    /// True if intervals of its values are computed in vectors.
+    is_of_vectors: bool,
+}
+
+/// The finding about an open part, if it is not to be halved.
+fn shortest([a, b]: [f64; 2]) -> Option<PartFinding> {
+    let is_short = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
+    is_short.then_some(PartFinding::Shortest)
 }
 
 /// A ray in the field's coordinates.
@@ -102,7 +112,6 @@ pub(crate) struct FieldScratch {
     numbers: Vec<f64>,
     slopes: Vec<Slope>,
     processor: Processor,
-    lines: Vec<LineInput>,
     /// The parts of a segment with what is known of them, the first one last.
     known: Vec<BundlePart>,
     /// The number of evaluations on intervals that are left to the ray.
@@ -133,11 +142,14 @@ impl Field {
     ) -> Result<Self, TooLarge> {
         let code = compiler.code(root)?;
         let inputs = code.inputs.iter();
+        let shell = match negated {
+            true => None,
+            false => Shell::new(&code.graph, code.root, uniform),
+        };
+        let tape = shell.as_ref().map_or(&code.value, |shell| &shell.inner);
         Ok(Self {
-            shell: match negated {
-                true => None,
-                false => Shell::new(&code.graph, code.root, uniform),
-            },
+            is_of_vectors: tape.is_of_vectors(),
+            shell,
             uniforms: inputs.map(|&input| (input, uniform(input))).collect(),
             negated,
             code,
@@ -183,16 +195,20 @@ impl Field {
     }
 
     /// Membership right after the start of a part of a line, and where the search for changes begins: with `leaving`, the
-    /// line leaves the surface at `from`, and is not met there again.
+    /// line leaves the surface at `from`, and is not met there again. `known` is as for [`Field::next_change`].
     pub(crate) fn start(
         &self,
         scratch: &mut FieldScratch,
         line: &Line,
         [from, to]: [f64; 2],
         leaving: bool,
+        known: Option<(&mut DividedBundle, usize)>,
     ) -> (bool, f64) {
         if !leaving {
-            return (self.inside(scratch, line, from), from);
+            let inside =
+                known.and_then(|(bundle, line)| bundle.membership(self, scratch, line, from));
+            let inside = inside.unwrap_or_else(|| self.value(scratch, line.at(from)) <= 0.0);
+            return (inside, from);
         }
         let slope = self.gradient(scratch, line.at(from)).dot(line.direction);
         (slope < 0.0, self.departure(scratch, line, from, to))
@@ -270,6 +286,14 @@ impl Field {
                         continue;
                     };
                     if let Some(finding) = bundle.finding(self, scratch, node, *line) {
+                        if finding == PartFinding::Monotone && bundle.range(node) == [a, b] {
+                            let (starts_inside, place) = bundle.change(self, scratch, node, *line);
+                            if starts_inside == inside {
+                                let Some(t) = place else { continue };
+                                let is_shell = self.shell.is_some();
+                                return Some((t, if is_shell { t.next_up() } else { b }));
+                            }
+                        }
                         scratch.known.push(BundlePart {
                             from: a,
                             to: b,
@@ -292,14 +316,14 @@ impl Field {
                     if scratch.budget == 0 {
                         return self.sampled(scratch, line, [a, to], inside);
                     }
+                    if self.is_of_vectors {
+                        self.find_in_parts(scratch, line, [a, b]);
+                        continue;
+                    }
                     scratch.budget -= 1;
-                    let t = Interval::new(a, b);
-                    let range = self.range(scratch, &|k| {
-                        Slope::line(line.origin[k], line.direction[k], t)
-                    });
-                    let shortest = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
+                    let range = self.range_on(scratch, line, [a, b]);
                     let found = self.finding(range);
-                    let Some(finding) = found.or(shortest.then_some(PartFinding::Shortest)) else {
+                    let Some(finding) = found.or(shortest([a, b])) else {
                         let middle = 0.5 * (a + b);
                         scratch.known.push(open(middle, b));
                         scratch.known.push(open(a, middle));
@@ -314,6 +338,39 @@ impl Field {
             }
         }
         None
+    }
+
+    /// Finds out about as many parts of a part as vectors have lanes.
+    fn find_in_parts(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) {
+        let mut ends = [a; MOST_LANES + 1];
+        ends[MOST_LANES] = b;
+        let mut step = MOST_LANES;
+        while step > 1 {
+            for k in (0..MOST_LANES).step_by(step) {
+                ends[k + step / 2] = 0.5 * (ends[k] + ends[k + step]);
+            }
+            step /= 2;
+        }
+        let mut t = [[0.0; MOST_LANES]; 2];
+        t[0].copy_from_slice(&ends[..MOST_LANES]);
+        t[1].copy_from_slice(&ends[1..]);
+        scratch.budget = scratch.budget.saturating_sub(MOST_LANES);
+        let ranges = self.ranges_on(scratch, line, &t);
+        for lane in (0..MOST_LANES).rev() {
+            let [from, to] = [t[0][lane], t[1][lane]];
+            if from < to {
+                let range = match ranges[lane] {
+                    Some(range) => range,
+                    None => self.range_on(scratch, line, [from, to]),
+                };
+                let found = self.finding(range).or(shortest([from, to]));
+                scratch.known.push(BundlePart {
+                    from,
+                    to,
+                    finding: found.unwrap_or(PartFinding::Open),
+                });
+            }
+        }
     }
 
     /// The first change between samples.
@@ -368,8 +425,8 @@ impl Field {
             out[0]
         };
         let crossing = shell.crossing([a, b].map(&mut inner), inside)?;
-        let value = |t: f64| crossing.sign * inner(t) - shell.level;
-        Some(bracketed(value, [a, b], crossing.ends, inside))
+        let mut value = |t: f64| crossing.sign * inner(t) - shell.level;
+        Some(bracketed(&mut value, [a, b], crossing.ends, inside))
     }
 
     /// An interval that contains the values on a box.
@@ -395,26 +452,33 @@ impl Field {
         }
     }
 
-    fn inside(&self, scratch: &mut FieldScratch, line: &Line, t: f64) -> bool {
-        self.value(scratch, line.at(t)) <= 0.0
-    }
-
     /// The end of a part from `from` on in which the value is monotone, so that the surface there is not met again.
     fn departure(&self, scratch: &mut FieldScratch, line: &Line, from: f64, to: f64) -> f64 {
+        let is_monotone = |range: Slope| match &self.shell {
+            Some(shell) => shell.is_monotone(range),
+            None => range.is_monotone(),
+        };
+        let shortest = RESOLUTION * (1.0 + from.abs());
         let mut length = to - from;
-        while length > RESOLUTION * (1.0 + from.abs()) {
-            let t = Interval::new(from, from + length);
-            let range = self.range(scratch, &|k| {
-                Slope::line(line.origin[k], line.direction[k], t)
-            });
-            let monotone = match &self.shell {
-                Some(shell) => shell.is_monotone(range),
-                None => range.is_monotone(),
-            };
-            if monotone {
-                return from + length;
+        while length > shortest {
+            if self.is_of_vectors {
+                let ends = std::array::from_fn(|k| from + length * 0.5f64.powi(k as i32));
+                let ranges = self.ranges_on(scratch, line, &[[from; MOST_LANES], ends]);
+                let found = ranges
+                    .iter()
+                    .zip(ends)
+                    .find(|(range, _)| range.is_some_and(is_monotone));
+                if let Some((_, end)) = found {
+                    return end;
+                }
+                length *= 0.5f64.powi(MOST_LANES as i32);
+            } else {
+                let range = self.range_on(scratch, line, [from, from + length]);
+                if is_monotone(range) {
+                    return from + length;
+                }
+                length *= 0.5;
             }
-            length *= 0.5;
         }
         from + length
     }
@@ -425,29 +489,52 @@ impl Field {
         shell.map_or(&self.code.value, |shell| &shell.inner)
     }
 
-    /// The values and slopes on the lines of a block, where `coordinate` gives those of x, y and z for t in `t`; `None` where
+    /// The values and slopes on the lines of a block, where `coordinates` gives those of x, y and z for t in `t`; `None` where
     /// they are not bounded.
     fn in_vectors(
         &self,
-        scratch: &mut FieldScratch,
-        coordinate: &dyn Fn(usize) -> LineInput,
-        t: Interval,
-    ) -> Option<[Slope; MOST_LANES]> {
+        processor: Processor,
+        coordinates: [LineInput<'_>; 3],
+        t: &[[f64; MOST_LANES]; 2],
+    ) -> [Option<Slope>; MOST_LANES] {
         let tape = self.tape();
-        scratch.lines.clear();
-        for input in tape.inputs() {
-            scratch.lines.push(match *input {
-                Input::Variable(k @ 0..3) => coordinate(k as usize),
-                input => LineInput::Number(self.uniform(input)),
-            });
-        }
-        let mut ranges = tape.eval_slopes_on_lines(scratch.processor, &scratch.lines, t)?;
+        let input = |input: &Input| match *input {
+            Input::Variable(k @ 0..3) => coordinates[k as usize],
+            input => LineInput::Number(self.uniform(input)),
+        };
+        let inputs: Vec<LineInput<'_>> = tape.inputs().iter().map(input).collect();
+        let mut ranges = tape.eval_slopes_on_lines(processor, &inputs, t);
         if self.negated {
-            for range in &mut ranges {
+            for range in ranges.iter_mut().flatten() {
                 *range = Slope::unary(expr::ops::Unary::Neg, *range);
             }
         }
-        Some(ranges)
+        ranges
+    }
+
+    /// The values and slopes on parts of a line, each from a first bound to a second one.
+    fn ranges_on(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        t: &[[f64; MOST_LANES]; 2],
+    ) -> [Option<Slope>; MOST_LANES] {
+        scratch.evaluations += MOST_LANES as u64;
+        let lines = [line.origin, line.direction].map(|v| v.to_array().map(|x| [x; MOST_LANES]));
+        let [origins, directions] = &lines;
+        let coordinates = [0, 1, 2].map(|k| LineInput::Coordinate {
+            origin: &origins[k],
+            direction: &directions[k],
+        });
+        self.in_vectors(scratch.processor, coordinates, t)
+    }
+
+    /// The value and the slope on a part of a line.
+    fn range_on(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) -> Slope {
+        let t = Interval::new(a, b);
+        self.range(scratch, &|k| {
+            Slope::line(line.origin[k], line.direction[k], t)
+        })
     }
 
     /// The values and slopes where `coordinate` gives those of x, y and z; of a shell, those of the expression in it.
@@ -479,8 +566,8 @@ impl Field {
         inside: bool,
     ) -> f64 {
         let at_a = self.value(scratch, line.at(a));
-        let value = |t: f64| self.value(scratch, line.at(t));
-        bracketed(value, [a, b], [at_a, at_b], inside)
+        let mut value = |t: f64| self.value(scratch, line.at(t));
+        bracketed(&mut value, [a, b], [at_a, at_b], inside)
     }
 
     /// The number of a uniform that it reads.
@@ -498,57 +585,4 @@ impl Field {
             });
         }
     }
-}
-
-/// The place where a value changes its sign between `a`, where it is not positive if `inside`, and `b`, where it is the other
-/// way round: by inverse quadratic interpolation, or by halving where that is not to be trusted or a value is no number
-/// (Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using
-/// derivatives*, Advances in Engineering Software 28, 1997).
-fn bracketed(
-    mut value: impl FnMut(f64) -> f64,
-    [mut a, mut b]: [f64; 2],
-    [mut at_a, mut at_b]: [f64; 2],
-    inside: bool,
-) -> f64 {
-    let mut is_a_inside = inside;
-    // The next place, as a share of the way from a to b: first that of the secant.
-    let mut share = at_a / (at_a - at_b);
-    for _ in 0..120 {
-        let width = (b - a).abs();
-        let least = 2.0 * f64::EPSILON * a.abs().max(b.abs()) + f64::MIN_POSITIVE;
-        if width <= 2.0 * least {
-            break;
-        }
-        // A step inside the resolution would never close the bracket from the other side.
-        let shortest = least / width;
-        let share_taken = match share.is_nan() {
-            true => 0.5,
-            false => share.clamp(shortest, 1.0 - shortest),
-        };
-        let middle = a + share_taken * (b - a);
-        let at_middle = value(middle);
-        // The new place is a, and b lies across the change; `before` is the one of the old two that is left over.
-        let (before, at_before);
-        if (at_middle <= 0.0) == is_a_inside {
-            (before, at_before) = (a, at_a);
-        } else {
-            (before, at_before) = (b, at_b);
-            (b, at_b) = (a, at_a);
-            is_a_inside = !is_a_inside;
-        }
-        (a, at_a) = (middle, at_middle);
-        let place = (a - b) / (before - b);
-        let height = (at_a - at_b) / (at_before - at_b);
-        let is_trusted = height * height < place && (1.0 - height) * (1.0 - height) < 1.0 - place;
-        share = match is_trusted {
-            true => {
-                let secant = at_a / (at_b - at_a) * at_before / (at_b - at_before);
-                let bend =
-                    (before - a) / (b - a) * at_a / (at_before - at_a) * at_b / (at_before - at_b);
-                secant + bend
-            }
-            false => 0.5,
-        };
-    }
-    0.5 * (a + b)
 }

@@ -164,11 +164,20 @@ impl SignChanges {
             return changes;
         }
         let mut changes = Self::default();
-        // Most are of low degree, and short arrays are copied sooner.
-        match degree {
-            ..=4 => isolate::<5>(p, degree, [from, to], &mut changes),
-            _ => isolate::<{ LARGEST_DEGREE + 1 }>(p, degree, [from, to], &mut changes),
-        }
+        // Loops whose length is known are unrolled.
+        let isolate = match degree {
+            3 => isolate::<4>,
+            4 => isolate::<5>,
+            5 => isolate::<6>,
+            6 => isolate::<7>,
+            7 => isolate::<8>,
+            8 => isolate::<9>,
+            9 => isolate::<10>,
+            10 => isolate::<11>,
+            11 => isolate::<12>,
+            _ => isolate::<{ LARGEST_DEGREE + 1 }>,
+        };
+        isolate(p, [from, to], &mut changes);
         changes
     }
 
@@ -190,7 +199,7 @@ impl SignChanges {
                 };
                 let inside_b = value(p, count, b) <= 0.0;
                 if inside != inside_b {
-                    changes.push(root(p, count, a, b, inside));
+                    changes.push(root(p, count, [a, b], 0.5 * (a + b), inside));
                 }
                 (a, inside) = (b, inside_b);
             }
@@ -202,15 +211,11 @@ impl SignChanges {
 
 /// Finds the changes between two places by the signs of coefficients in Bernstein's basis: without a change of sign from one
 /// coefficient to the next there is no root, with one there is one, and else the part is halved. What stays open, near
-/// multiple roots, is left to the derivatives. The degree is less than N.
-fn isolate<const N: usize>(
-    p: &Coefficients,
-    degree: usize,
-    [from, to]: [f64; 2],
-    changes: &mut SignChanges,
-) {
+/// multiple roots, is left to the derivatives. The degree is N − 1.
+fn isolate<const N: usize>(p: &Coefficients, [from, to]: [f64; 2], changes: &mut SignChanges) {
+    let degree = N - 1;
     let mut stack = [([0.0; N], from, to, 0); HALVINGS + 1];
-    stack[0].0 = bernstein(p, degree, from, to);
+    stack[0].0 = bernstein(p, from, to);
     let mut count = 1;
     changes.inside_first = stack[0].0[0] <= 0.0;
     let mut inside = changes.inside_first;
@@ -219,15 +224,15 @@ fn isolate<const N: usize>(
         count -= 1;
         let mut variations = 0;
         let mut before = part[0] <= 0.0;
-        for &c in &part[1..=degree] {
+        for &c in &part[1..] {
             variations += usize::from((c <= 0.0) != before);
             before = c <= 0.0;
         }
         if variations > 1 && depth < HALVINGS {
             // De Casteljau's scheme.
             let (mut left, mut right) = (part, part);
-            for (k, first) in left.iter_mut().enumerate().take(degree + 1).skip(1) {
-                for j in 0..=degree - k {
+            for (k, first) in left.iter_mut().enumerate().skip(1) {
+                for j in 0..N - k {
                     right[j] = 0.5 * (right[j] + right[j + 1]);
                 }
                 *first = right[0];
@@ -244,7 +249,8 @@ fn isolate<const N: usize>(
             0 => (part[0] <= 0.0, &[][..]),
             1 => {
                 let inside_first = part[0] <= 0.0;
-                only = [root(p, degree, a, b, inside_first)];
+                let start = a + (b - a) * polygon_root(&part);
+                only = [root(p, degree, [a, b], start, inside_first)];
                 (inside_first, &only[..])
             }
             _ => {
@@ -264,8 +270,20 @@ fn isolate<const N: usize>(
     }
 }
 
-/// The coefficients in Bernstein's basis between two places.
-fn bernstein<const N: usize>(p: &Coefficients, degree: usize, from: f64, to: f64) -> [f64; N] {
+/// The place from 0 to 1 where the polygon of coefficients in Bernstein's basis changes its sign, which it does once: near the
+/// root.
+fn polygon_root<const N: usize>(part: &[f64; N]) -> f64 {
+    let before = part
+        .windows(2)
+        .position(|pair| (pair[0] <= 0.0) != (pair[1] <= 0.0));
+    let Some(k) = before else { return 0.5 };
+    let share = part[k] / (part[k] - part[k + 1]);
+    (k as f64 + share) / (N - 1) as f64
+}
+
+/// The coefficients in Bernstein's basis between two places, for the degree N − 1.
+fn bernstein<const N: usize>(p: &Coefficients, from: f64, to: f64) -> [f64; N] {
+    let degree = N - 1;
     let mut q = [0.0; N];
     q.copy_from_slice(&p[..N]);
     for k in 0..degree {
@@ -275,7 +293,7 @@ fn bernstein<const N: usize>(p: &Coefficients, degree: usize, from: f64, to: f64
     }
     // In the part's own variable from 0 to 1, divided by the binomial coefficients.
     let (mut power, mut binomial) = (1.0, 1.0);
-    for (k, q) in q[..=degree].iter_mut().enumerate() {
+    for (k, q) in q.iter_mut().enumerate() {
         *q *= power / binomial;
         power *= to - from;
         binomial = binomial * (degree - k) as f64 / (k + 1) as f64;
@@ -333,9 +351,15 @@ fn value(p: &Coefficients, degree: usize, s: f64) -> f64 {
     p[..=degree].iter().rev().fold(0.0, |sum, c| sum * s + c)
 }
 
-/// The root between `a` and `b`, where the signs differ.
-fn root(p: &Coefficients, degree: usize, mut a: f64, mut b: f64, inside_a: bool) -> f64 {
-    let mut s = 0.5 * (a + b);
+/// The root between `a` and `b`, where the signs differ, from a place between.
+fn root(
+    p: &Coefficients,
+    degree: usize,
+    [mut a, mut b]: [f64; 2],
+    start: f64,
+    inside_a: bool,
+) -> f64 {
+    let mut s = start;
     for _ in 0..64 {
         let (mut y, mut slope) = (0.0, 0.0);
         for &c in p[..=degree].iter().rev() {

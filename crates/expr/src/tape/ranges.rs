@@ -207,7 +207,7 @@ impl TapeOperation {
         }
     }
 
-    fn operands(self) -> (Operand, Option<Operand>) {
+    pub(super) fn operands(self) -> (Operand, Option<Operand>) {
         match self {
             Self::Unary(_, a) | Self::Power(a, _) | Self::Copy(a) => (a, None),
             Self::Binary(_, a, b) => (a, Some(b)),

@@ -5,6 +5,7 @@
 //! other programs do not lengthen; with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
 //! crossing with the membership of points. `pictures [NAME]` draws pictures on one thread.
 
+use std::sync::Mutex;
 use std::time::Instant;
 
 use glam::{DAffine3, DVec3};
@@ -98,37 +99,33 @@ fn picture(world: &World, half: f64) -> (Vec<u8>, u64, f64) {
         }
     };
     let mut pixels = vec![0; SIZE[0] * SIZE[1]];
-    let rows = SIZE[1] / 2;
-    let (evaluations, both) = std::thread::scope(|scope| {
-        let halves = pixels.chunks_mut(rows * SIZE[0]).enumerate();
-        let threads: Vec<_> = halves
-            .map(|(part, pixels)| {
-                let ray = &ray;
-                scope.spawn(move || {
-                    let mut caster = world.caster();
-                    let mut rays = Vec::new();
-                    let tiles = (0..rows).step_by(TILE).flat_map(|j| {
-                        let columns = (0..SIZE[0]).step_by(TILE);
-                        columns.map(move |i| (i, j))
-                    });
-                    for (i, j) in tiles {
-                        let places: Vec<(usize, usize)> = (j..(j + TILE).min(rows))
-                            .flat_map(|j| (i..i + TILE).map(move |i| (i, j)))
-                            .collect();
-                        rays.clear();
-                        rays.extend(places.iter().map(|&(i, j)| ray(i, part * rows + j)));
-                        caster.begin_bundle(&rays);
-                        for (k, (i, j)) in places.into_iter().enumerate() {
-                            if let Some(hit) = caster.first_of_bundle(k) {
-                                let light = hit.normal.dot(DVec3::new(0.3, -0.5, 0.8)).max(0.0);
-                                pixels[j * SIZE[0] + i] = (50.0 + 200.0 * light) as u8;
-                            }
-                        }
+    let rows = Mutex::new(pixels.chunks_mut(TILE * SIZE[0]).enumerate());
+    // Each of both threads takes the next row of tiles.
+    let draw = || {
+        let mut caster = world.caster();
+        let mut rays = Vec::new();
+        loop {
+            let next = rows.lock().ok().and_then(|mut rows| rows.next());
+            let Some((row, pixels)) = next else { break };
+            for from in (0..SIZE[0]).step_by(TILE) {
+                let places: Vec<[usize; 2]> = (0..pixels.len() / SIZE[0])
+                    .flat_map(|j| (from..from + TILE).map(move |i| [i, j]))
+                    .collect();
+                rays.clear();
+                rays.extend(places.iter().map(|&[i, j]| ray(i, row * TILE + j)));
+                caster.begin_bundle(&rays);
+                for (k, [i, j]) in places.into_iter().enumerate() {
+                    if let Some(hit) = caster.first_of_bundle(k) {
+                        let light = hit.normal.dot(DVec3::new(0.3, -0.5, 0.8)).max(0.0);
+                        pixels[j * SIZE[0] + i] = (50.0 + 200.0 * light) as u8;
                     }
-                    (caster.interval_evaluations(), processor_time())
-                })
-            })
-            .collect();
+                }
+            }
+        }
+        (caster.interval_evaluations(), processor_time())
+    };
+    let (evaluations, both) = std::thread::scope(|scope| {
+        let threads = [scope.spawn(draw), scope.spawn(draw)];
         threads
             .into_iter()
             .filter_map(|thread| thread.join().ok())

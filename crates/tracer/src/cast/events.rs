@@ -57,7 +57,18 @@ impl Caster<'_> {
                 LeafSurface::Field(field, _) => {
                     let line = field_line(leaf, ray);
                     let leaving = from == 0.0 && self.leaves(ray, surface);
-                    let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
+                    let known = if bundled && self.divides_fields {
+                        let (bundle, index) = (&self.bundle, self.bundle_index);
+                        let divided = self
+                            .bundle_parts
+                            .entry(surface)
+                            .or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field));
+                        Some((divided, index))
+                    } else {
+                        None
+                    };
+                    let (inside, start) =
+                        field.start(&mut self.field, &line, [from, to], leaving, known);
                     self.seek(ray, surface, [start, to], inside, bundled);
                     inside
                 }
@@ -193,15 +204,8 @@ impl Caster<'_> {
             return;
         };
         let line = field_line(leaf, ray);
-        let known = if bundled && self.divides_fields {
-            let bundle = &self.bundle;
-            let divided = self.bundle_parts.entry(id);
-            let divided =
-                divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field));
-            Some((divided, self.bundle_index))
-        } else {
-            None
-        };
+        let divided = self.bundle_parts.get_mut(&id).filter(|_| bundled);
+        let known = divided.map(|divided| (divided, self.bundle_index));
         let found = field.next_change(&mut self.field, &line, [from, to], inside, known);
         if let Some((t, rest)) = found {
             let t = self.snapped(id, t);

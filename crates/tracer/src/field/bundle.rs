@@ -7,8 +7,10 @@
 use expr::interval::{Interval, Slope};
 use expr::ops::Binary;
 use expr::tape::LineInput;
-use expr::vectors::MOST_LANES;
+use expr::vectors::{Lanes, MOST_LANES};
+use glam::DVec3;
 
+use crate::field::crossings::{BlockChanges, BlockSearch, LineBlock};
 use crate::field::{Field, FieldScratch, Line};
 
 /// A part of a range of t.
@@ -40,8 +42,7 @@ pub(crate) enum PartFinding {
 pub(crate) struct DividedBundle {
     /// In ascending order, with what is known of all lines.
     pub(crate) parts: Vec<BundlePart>,
-    /// The starts and directions of the lines.
-    lines: Vec<[[[f64; MOST_LANES]; 3]; 2]>,
+    lines: Vec<LineBlock>,
     nodes: Vec<LineNode>,
 }
 
@@ -53,6 +54,8 @@ struct LineNode {
     depth: u32,
     /// For each block of lines, the findings about them, once they are asked for.
     found: Vec<Option<[Option<PartFinding>; MOST_LANES]>>,
+    /// For each block of lines, the changes on those on which the value is monotone, once they are asked for.
+    changes: Vec<Option<BlockChanges>>,
     /// The first of its halves, once they are asked for; the second one follows it.
     halves: Option<u32>,
 }
@@ -76,6 +79,7 @@ impl DividedBundle {
             to,
             depth,
             found: vec![None; self.lines.len()],
+            changes: vec![None; self.lines.len()],
             halves: None,
         });
         (self.nodes.len() - 1) as u32
@@ -94,16 +98,69 @@ impl DividedBundle {
         scratch.evaluations += 1;
         let found = node.found[block].get_or_insert_with(|| {
             let [origins, directions] = &self.lines[block];
-            let coordinate = |k: usize| LineInput::Coordinate {
-                origin: origins[k],
-                direction: directions[k],
-            };
-            let ranges = field.in_vectors(scratch, &coordinate, Interval::new(node.from, node.to));
-            ranges.map_or([None; MOST_LANES], |ranges| {
-                ranges.map(|range| field.finding(range))
-            })
+            let coordinates = [0, 1, 2].map(|k| LineInput::Coordinate {
+                origin: &origins[k],
+                direction: &directions[k],
+            });
+            let part = [[node.from; MOST_LANES], [node.to; MOST_LANES]];
+            let ranges = field.in_vectors(scratch.processor, coordinates, &part);
+            ranges.map(|range| range.and_then(|range| field.finding(range)))
         });
         found[lane]
+    }
+
+    /// Membership of a line at the beginning of a node on which the value is monotone, and the place where it changes there.
+    pub(crate) fn change(
+        &mut self,
+        field: &Field,
+        scratch: &mut FieldScratch,
+        node: u32,
+        line: usize,
+    ) -> (bool, Option<f64>) {
+        let node = &mut self.nodes[node as usize];
+        let (block, lane) = (line / MOST_LANES, line % MOST_LANES);
+        let found = node.found[block];
+        let is_monotone =
+            |lane| found.is_some_and(|found| found[lane] == Some(PartFinding::Monotone));
+        let changes = node.changes[block].get_or_insert_with(|| {
+            field.changes(
+                scratch,
+                &self.lines[block],
+                [node.from, node.to],
+                Lanes::of(is_monotone),
+            )
+        });
+        let place = changes.changing.has(lane).then(|| changes.places[lane]);
+        (changes.inside.has(lane), place)
+    }
+
+    /// Membership of a line throughout a part that contains the place, if it is the same there.
+    pub(crate) fn membership(
+        &mut self,
+        field: &Field,
+        scratch: &mut FieldScratch,
+        line: usize,
+        place: f64,
+    ) -> Option<bool> {
+        let part = self
+            .parts
+            .iter()
+            .find(|part| part.from <= place && place < part.to)?;
+        let finding = match part.finding {
+            PartFinding::Shared(node) => self.finding(field, scratch, node, line)?,
+            finding => finding,
+        };
+        match finding {
+            PartFinding::Inside => Some(true),
+            PartFinding::Outside => Some(false),
+            _ => None,
+        }
+    }
+
+    /// The range of a node.
+    pub(crate) fn range(&self, node: u32) -> [f64; 2] {
+        let node = &self.nodes[node as usize];
+        [node.from, node.to]
     }
 
     /// Both halves of a node, with their ranges; `None` if each line is to go on alone.
@@ -176,17 +233,38 @@ impl LineBundle {
 
     /// True if the part is shorter than the bundle is wide: shorter parts say little more.
     fn is_wider_than(&self, [a, b]: [f64; 2]) -> bool {
-        let middle = Interval::point(0.5 * (a + b));
-        let widths = (0..3).map(|k| self.coordinate(k, middle).value.width());
-        let lengths = (0..3).map(|k| {
-            let direction = self.direction[k];
-            (b - a) * direction.lower().abs().max(direction.upper().abs())
-        });
-        lengths.fold(0.0, f64::max) <= 0.5 * widths.fold(0.0, f64::max)
+        let middle = 0.5 * (a + b).abs();
+        let (mut width, mut length) = (0.0f64, 0.0f64);
+        for (origin, direction) in self.origin.iter().zip(&self.direction) {
+            width = width.max(origin.width() + middle * direction.width());
+            length = length.max(direction.lower().abs().max(direction.upper().abs()));
+        }
+        (b - a) * length <= 0.5 * width
     }
 }
 
 impl Field {
+    /// The changes on lines, of which it is asked about those on which the value is monotone.
+    fn changes(
+        &self,
+        scratch: &mut FieldScratch,
+        lines: &LineBlock,
+        part: [f64; 2],
+        wanted: Lanes,
+    ) -> BlockChanges {
+        let tape = self.tape();
+        self.inputs(tape, DVec3::NAN, &mut scratch.numbers);
+        scratch.processor.run_vectors(BlockSearch {
+            tape,
+            numbers: &scratch.numbers,
+            lines,
+            part,
+            wanted,
+            negated: self.negated,
+            level: self.shell.as_ref().map(|shell| shell.level),
+        })
+    }
+
     /// Divides the range for lines that go nearly the same way.
     pub(crate) fn divided(
         &self,
@@ -196,7 +274,7 @@ impl Field {
     ) -> DividedBundle {
         let mut divided = DividedBundle::unknown();
         divided.parts = self.divide(scratch, &LineBundle::new(lines.clone()), range);
-        if !self.tape().is_of_vectors() {
+        if !self.is_of_vectors {
             return divided;
         }
         for (k, line) in lines.enumerate() {
@@ -212,9 +290,13 @@ impl Field {
         }
         for k in 0..divided.parts.len() {
             let BundlePart { from, to, finding } = divided.parts[k];
-            if finding == PartFinding::Open {
+            if matches!(finding, PartFinding::Open | PartFinding::Monotone) {
                 let node = divided.add_node([from, to], 0);
                 divided.parts[k].finding = PartFinding::Shared(node);
+                if finding == PartFinding::Monotone {
+                    let found = &mut divided.nodes[node as usize].found;
+                    found.fill(Some([Some(finding); MOST_LANES]));
+                }
             }
         }
         divided
@@ -227,10 +309,9 @@ impl Field {
         bundle: &LineBundle,
         [from, to]: [f64; 2],
     ) -> Vec<BundlePart> {
-        let at_once = if self.tape().is_of_vectors() {
-            MOST_LANES
-        } else {
-            1
+        let at_once = match self.is_of_vectors {
+            true => MOST_LANES,
+            false => 1,
         };
         let halves = |[a, b]: [f64; 2]| {
             let middle = 0.5 * (a + b);
@@ -244,15 +325,15 @@ impl Field {
         let mut budget = MOST_EVALUATIONS;
         while !open.is_empty() {
             let parts = open.split_off(open.len().saturating_sub(at_once));
-            let ranges = if budget > 0 {
-                self.ranges_of_bundle(scratch, bundle, &parts)
-            } else {
-                Vec::new()
+            let is_known = budget > 0;
+            let ranges = match is_known {
+                true => self.ranges_of_bundle(scratch, bundle, &parts),
+                false => [None; MOST_LANES],
             };
             budget = budget.saturating_sub(parts.len());
-            for (k, [a, b]) in parts.into_iter().enumerate() {
-                let finding = ranges.get(k).and_then(|range| self.finding(*range));
-                let goes_on = k < ranges.len() && !bundle.is_wider_than([a, b]) && b - a > 0.0;
+            for ([a, b], range) in parts.into_iter().zip(ranges) {
+                let finding = range.and_then(|range| self.finding(range));
+                let goes_on = is_known && !bundle.is_wider_than([a, b]) && b - a > 0.0;
                 if finding.is_none() && goes_on {
                     open.extend(halves([a, b]));
                     continue;
@@ -276,39 +357,32 @@ impl Field {
         found
     }
 
-    /// The values and slopes of all lines on some parts, as many at most as vectors have lanes.
+    /// The values and slopes of all lines on some parts, at least one and at most as many as vectors have lanes.
     fn ranges_of_bundle(
         &self,
         scratch: &mut FieldScratch,
         bundle: &LineBundle,
         parts: &[[f64; 2]],
-    ) -> Vec<Slope> {
-        if parts.len() > 1 {
-            let last = parts.len() - 1;
-            let coordinate = |k: usize| {
-                let ranges: [Slope; MOST_LANES] = std::array::from_fn(|lane| {
-                    let [a, b] = parts[lane.min(last)];
-                    bundle.coordinate(k, Interval::new(a, b))
-                });
-                let bounds = |of: fn(Slope) -> Interval| {
-                    [
-                        ranges.map(|range| of(range).lower()),
-                        ranges.map(|range| of(range).upper()),
-                    ]
-                };
-                LineInput::Range {
-                    value: bounds(|range| range.value),
-                    slope: bounds(|range| range.slope),
-                }
-            };
-            if let Some(ranges) = self.in_vectors(scratch, &coordinate, Interval::point(0.0)) {
-                scratch.evaluations += parts.len() as u64;
-                return ranges[..parts.len()].to_vec();
-            }
+    ) -> [Option<Slope>; MOST_LANES] {
+        if let [[a, b]] = *parts {
+            let part = Interval::new(a, b);
+            let mut found = [None; MOST_LANES];
+            found[0] = Some(self.range(scratch, &|k| bundle.coordinate(k, part)));
+            return found;
         }
-        let mut range = |&[a, b]: &[f64; 2]| {
-            self.range(scratch, &|k| bundle.coordinate(k, Interval::new(a, b)))
-        };
-        parts.iter().map(&mut range).collect()
+        scratch.evaluations += parts.len() as u64;
+        let last = parts.len() - 1;
+        let mut t = [[0.0; MOST_LANES]; 2];
+        for lane in 0..MOST_LANES {
+            [t[0][lane], t[1][lane]] = parts[lane.min(last)];
+        }
+        let coordinates = [0, 1, 2].map(|k| {
+            let bounds = |interval: Interval| [interval.lower(), interval.upper()];
+            LineInput::Bundle {
+                origin: bounds(bundle.origin[k]),
+                direction: bounds(bundle.direction[k]),
+            }
+        });
+        self.in_vectors(scratch.processor, coordinates, &t)
     }
 }
