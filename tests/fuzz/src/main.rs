@@ -20,6 +20,9 @@ struct Arguments {
     /// The numbers of inputs of a whole attack, which takes about half an hour
     #[arg(long, conflicts_with = "count")]
     full: bool,
+    /// Go on, with one sequence of inputs after the other, for so many minutes for each
+    #[arg(long, value_name = "M", conflicts_with_all = ["count", "full"])]
+    minutes: Option<f64>,
     /// The beginning of the sequence of inputs
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
@@ -157,7 +160,14 @@ fn print(row: Row, arguments: &Arguments) -> usize {
         return 0;
     }
     let start = Instant::now();
-    let report = row.run(arguments.seed, count);
+    let mut report = row.run(arguments.seed, count);
+    let seconds = 60.0 * arguments.minutes.unwrap_or(0.0);
+    for seed in arguments.seed.saturating_add(1).. {
+        if start.elapsed().as_secs_f64() >= seconds || report.is_hopeless() {
+            break;
+        }
+        report.add(row.run(seed, count));
+    }
     // Where the program has run in processes of its own, the memory of the row is theirs.
     let peak = match report.peak {
         0 => memory::peak(),

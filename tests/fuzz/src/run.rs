@@ -39,8 +39,19 @@ impl Report {
         }
     }
 
+    /// Adds the outcome of another run.
+    pub fn add(&mut self, other: Self) {
+        self.inputs += other.inputs;
+        self.failures.extend(other.failures);
+        self.peak = self.peak.max(other.peak);
+        if other.slowest > self.slowest {
+            self.slowest = other.slowest;
+            self.slowest_input = other.slowest_input;
+        }
+    }
+
     /// Returns true once so many inputs have failed that more of them would say nothing new.
-    pub(crate) fn is_hopeless(&self) -> bool {
+    pub fn is_hopeless(&self) -> bool {
         self.failures.len() >= 10
     }
 }
