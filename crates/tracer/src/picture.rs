@@ -14,6 +14,9 @@ use crate::shade::{LightTracer, Scenery};
 
 /// The side of a tile in pixels; its rays of one sample are read together.
 const TILE: u32 = 8;
+/// The samples of a tile whose rays are read together: what a bundle takes once is shared by more of them, and they still
+/// fit the cache.
+const SAMPLES_AT_ONCE: u32 = 2;
 
 /// The light that comes to the pixels of a picture.
 #[derive(Clone, Debug)]
@@ -124,19 +127,23 @@ impl LightSums {
         count: u32,
     ) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
-        let mut rays: Vec<Ray> = Vec::with_capacity(sums.len());
-        let mut light_samples: Vec<[f64; 2]> = Vec::with_capacity(sums.len());
-        for sample in self.samples..self.samples + count {
+        let (mut rays, mut light_samples) = (Vec::new(), Vec::new());
+        let end = self.samples + count;
+        for first in (self.samples..end).step_by(SAMPLES_AT_ONCE as usize) {
             rays.clear();
             light_samples.clear();
-            for pixel in pixels(self.size, corner) {
-                let sample = axes.sample(pixel, sample);
-                rays.push(ray(camera, pixel, &sample));
-                light_samples.push(sample.light);
+            for sample in first..end.min(first.saturating_add(SAMPLES_AT_ONCE)) {
+                for pixel in pixels(self.size, corner) {
+                    let sample = axes.sample(pixel, sample);
+                    rays.push(ray(camera, pixel, &sample));
+                    light_samples.push(sample.light);
+                }
             }
             let lights = tracer.lights(&rays, &light_samples);
-            for (sum, light) in sums.iter_mut().zip(lights) {
-                *sum += light;
+            for lights in lights.chunks(sums.len().max(1)) {
+                for (sum, light) in sums.iter_mut().zip(lights) {
+                    *sum += *light;
+                }
             }
         }
         sums

@@ -3,8 +3,9 @@
 //! Input: coefficients, the constant first. Output: the places in ascending order; between two of them the sign is the
 //! same, and at each of them it changes, whatever rounding does. Quadratics are solved in closed form; above, coefficients in
 //! Bernstein's basis isolate the roots (G. E. Collins and A. G. Akritas, SYMSAC 1976), near multiple ones the critical points
-//! do, from the derivatives' in turn, and Newton's method finds each inside its bracket. The closed forms of the crates `roots` and `kurbo` are quicker for quartics, but near double roots their
-//! number of roots may be odd where the signs at the ends agree, which turns a solid inside out.
+//! do, from the derivatives' in turn, and Newton's method finds each inside its bracket. The closed forms of the crates `roots`
+//! and `kurbo` are quicker for quartics, but near double roots their number of roots may be odd where the signs at the ends
+//! agree, which turns a solid inside out.
 
 /// The highest degree.
 pub(crate) const LARGEST_DEGREE: usize = expr::polynomial::LARGEST_DEGREE;
