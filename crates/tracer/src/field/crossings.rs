@@ -1,4 +1,4 @@
-//! Where values along lines change their sign.
+//! The places where values along lines change their sign.
 //!
 //! Input: a function along one line or along the lines of a block, with a part of the lines at whose ends its signs differ.
 //! Output: the place on each line, to the last bits.

@@ -23,7 +23,7 @@ pub(super) struct LaneBounds<S: Instructions> {
     pub(super) upper: Vector<S>,
 }
 
-/// What is known of the lines, from all operations so far: the root depends on each of them, and none is defined where an
+/// The knowledge of the lines, from all operations so far: the root depends on each of them, and none is defined where an
 /// operand is not.
 #[derive(Clone, Copy)]
 pub(super) struct KnownLines<S: Instructions> {
