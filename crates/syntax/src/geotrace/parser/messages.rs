@@ -137,7 +137,10 @@ fn substitute(character: char) -> Option<&'static str> {
         '÷' | '∕' => "write `/`",
         '²' => "write `^2`",
         '³' => "write `^3`",
-        '‘' | '’' | '′' | '`' | '"' | '″' => "write `'`",
+        '‘' | '’' | '′' | '`' => "write `'`",
+        '"' | '“' | '”' | '″' => {
+            "words stand without quotes, and files without their ending: `image : earth`; a second derivative is `f''`"
+        }
         'π' => "write `pi`",
         'τ' => "write `2pi`",
         '<' | '>' | '≤' | '≥' => "an interval is written `t : [a, b]`",
