@@ -20,6 +20,22 @@ const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
     }
 }
 
+/// The name of a colour.
+macro_rules! color {
+    ($word:literal, $value:literal) => {
+        ForeignWord {
+            word: $word,
+            is_applied: Some(false),
+            hint: concat!(
+                "a colour is its red, green and blue, each from 0 to 1: write `",
+                $value,
+                "`"
+            ),
+            replacement: Some($value),
+        }
+    };
+}
+
 const LENGTH: &str = "write `sqrt*v` for the length of a vector v: `*v` is v·v";
 const INFINITE: &str = "there is no infinite number: an interval has two ends";
 const ROUNDS: &str =
@@ -107,6 +123,21 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
     explained("if", CONDITION),
     explained("then", CONDITION),
     explained("else", CONDITION),
+    color!("red", "(1, 0, 0)"),
+    color!("green", "(0, 0.5, 0)"),
+    color!("blue", "(0, 0, 1)"),
+    color!("yellow", "(1, 1, 0)"),
+    color!("orange", "(1, 0.65, 0)"),
+    color!("cyan", "(0, 1, 1)"),
+    color!("magenta", "(1, 0, 1)"),
+    color!("purple", "(0.5, 0, 0.5)"),
+    color!("pink", "(1, 0.75, 0.8)"),
+    color!("brown", "(0.65, 0.16, 0.16)"),
+    color!("gold", "(1, 0.84, 0)"),
+    color!("white", "(1, 1, 1)"),
+    color!("gray", "(0.5, 0.5, 0.5)"),
+    color!("grey", "(0.5, 0.5, 0.5)"),
+    color!("black", "(0, 0, 0)"),
     ForeignWord {
         is_applied: Some(false),
         ..explained("i", "numbers are real: a complex number is a pair `(x, y)`")
