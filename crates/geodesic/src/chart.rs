@@ -323,3 +323,52 @@ fn checked(local: Local) -> Option<Local> {
         ..local
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sides::Sides;
+    use crate::surface::ChartData;
+
+    /// A flat cylinder that is given by its metric, 5 around.
+    struct Cylinder(ChartData);
+
+    impl Surface for Cylinder {
+        fn jet(&self, Uv(at): Uv) -> Jet {
+            Jet {
+                position: [at[0], at[1], 0.0],
+                du: [1.0, 0.0, 0.0],
+                dv: [0.0, 1.0, 0.0],
+                ..Jet::default()
+            }
+        }
+
+        fn is_embedded(&self) -> bool {
+            false
+        }
+
+        fn chart_data(&self) -> &ChartData {
+            &self.0
+        }
+    }
+
+    #[test]
+    fn places_that_repeat_each_other_are_one() {
+        let mut data = ChartData::of([[0.0, 5.0], [-1.0, 1.0]]);
+        data.topology.sides = Sides {
+            u: [Side::Wrap; 2],
+            ..data.topology.sides
+        };
+        let cylinder = Cylinder(data);
+        let atlas = Atlas::new(&cylinder);
+        for (other, expected) in [
+            ([1.5, 0.0], 0.5),
+            ([6.5, 0.0], 0.5),
+            ([4.5, 0.0], 1.5),
+            ([-9.0, 0.75], 0.75),
+        ] {
+            let gap = atlas.gap([1.0, 0.0], other);
+            assert!((gap - expected).abs() < 1e-14, "{other:?}: {gap}");
+        }
+    }
+}

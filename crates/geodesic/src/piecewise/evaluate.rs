@@ -355,3 +355,22 @@ fn horner(coefficients: &[f32; COUNT], x: f32) -> f32 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_radial_parameter_is_a_power_of_the_distance() {
+        for (power, expected) in [(1.0, (0.25, 1.0)), (2.0, (0.0625, 0.5)), (0.5, (0.5, 1.0))] {
+            let about = About {
+                base: 0.0,
+                sign: 1.0,
+                low: 0.0,
+                per_angle: 1.0,
+                power,
+            };
+            assert_eq!(about.power_and_slope(0.25), expected);
+        }
+    }
+}
