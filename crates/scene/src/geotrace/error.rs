@@ -67,6 +67,8 @@ pub(crate) const NOT_AFFINE: Code = Code("not-affine");
 pub(crate) const SINGULAR_MAP: Code = Code("singular-map");
 /// The solids have too many leaves.
 pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
+/// A parallel light shines upwards along a vector that looks like a place.
+pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
 /// There is a background already.
 pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
 /// The value of an attribute, or a background, has not the dimension that it must have.
@@ -198,6 +200,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         TOO_MANY_LEAVES,
         "All solids together have more leaves, with the instances that grids give them, than the limit.",
+    ),
+    (
+        LIGHT_FROM_BELOW,
+        "A parallel light shines upwards, along a vector so long that a place is meant, which stands behind an `@`.",
     ),
     (SECOND_BACKGROUND, "A program has one background."),
     (

@@ -1,8 +1,10 @@
 //! Lights, cameras and the background: from what was read to a stage.
 
-use expr::NodeId;
 use expr::value::Value;
+use expr::{NodeId, number};
+use syntax::diagnostic::{Diagnostic, Fix};
 use syntax::geotrace::actions::{Declaration, Operator};
+use syntax::span::Span;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, Understood, constant, kind_of};
@@ -41,6 +43,7 @@ impl Declarations {
             let nodes = declarations.in_space(part, &lowered, what)?;
             Some((Some(nodes), Some(lowered)))
         };
+        let towards_span = direction.map(|part| self.lowerer.code.span(part));
         let direction = part(self, direction, "a light's direction");
         let position = part(self, position, "a light's place");
         let (attributes, stated) = self.stated(declaration.keyword, 0);
@@ -51,9 +54,41 @@ impl Declarations {
             direction,
         });
         let drawn = self.object(declaration, shape, all, attributes);
+        if let (None, Some(direction), Some(span)) = (position, direction, towards_span) {
+            let warning = self.from_below(&declaration.name, direction, span);
+            self.found.extend(warning);
+        }
         let lowered = place.or(towards)?;
         let meaning = constant(lowered.value?, lowered.dependencies);
         Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// A warning about a parallel light that shines upwards along a vector so long that a place is meant.
+    fn from_below(&self, name: &str, direction: [NodeId; 3], span: Span) -> Option<Diagnostic> {
+        const LONGEST: f64 = 2.0;
+        let found = self.lowerer.numbers(&direction);
+        let length = found.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if found[2] <= 0.0 || length.is_nan() || length <= LONGEST {
+            return None;
+        }
+        let numbers: Vec<String> = found.into_iter().map(number::text).collect();
+        let vector = format!("({})", numbers.join(", "));
+        let message =
+            format!("`{name}` shines upwards, along {vector}, from below the whole scene");
+        let fix = Fix {
+            title: format!("Write `@ {vector}`"),
+            span: Span::new(span.start, span.start),
+            replacement: "@ ".to_owned(),
+            preferred: false,
+            all: false,
+        };
+        Some(
+            Diagnostic::warning(error::LIGHT_FROM_BELOW, span, message)
+                .with_hint(format!(
+                    "a light at a place has an `@` before it: write `@ {vector}`"
+                ))
+                .with_fix(fix),
+        )
     }
 
     /// `camera c = d @ p;`
