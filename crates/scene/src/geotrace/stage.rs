@@ -55,7 +55,7 @@ impl Declarations {
         });
         let drawn = self.object(declaration, shape, all, attributes);
         if let (None, Some(direction), Some(span)) = (position, direction, towards_span) {
-            let warning = self.from_below(&declaration.name, direction, span);
+            let warning = self.upward_light(declaration.name, direction, span);
             self.found.extend(warning);
         }
         let lowered = place.or(towards)?;
@@ -64,7 +64,7 @@ impl Declarations {
     }
 
     /// A warning about a parallel light that shines upwards along a vector so long that a place is meant.
-    fn from_below(&self, name: &str, direction: [NodeId; 3], span: Span) -> Option<Diagnostic> {
+    fn upward_light(&self, name: &str, direction: [NodeId; 3], span: Span) -> Option<Diagnostic> {
         const LONGEST: f64 = 2.0;
         let found = self.lowerer.numbers(&direction);
         let length = found.iter().map(|x| x * x).sum::<f64>().sqrt();
