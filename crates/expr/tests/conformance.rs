@@ -1,6 +1,6 @@
 //! The table of operations against values found elsewhere, and every evaluator of this crate against the table.
 
-use expr::conformance::{Operation, anchors, cases};
+use expr::conformance::{Case, Operation, anchors, cases};
 use expr::ops::Unary;
 use expr::processor::Processor;
 use expr::tape::{Block, LANES, Registers, Tape, VectorRegisters};
@@ -25,6 +25,12 @@ fn variables(graph: &mut Graph) -> (NodeId, NodeId) {
         graph.input(Input::Variable(0)),
         graph.input(Input::Variable(1)),
     )
+}
+
+/// The operands of a case as the inputs of a tape over [`variables`].
+fn inputs_of(tape: &Tape, case: &Case) -> Vec<f64> {
+    let operand = |input: &Input| case.operands[usize::from(*input == Input::Variable(1))];
+    tape.inputs().iter().map(operand).collect()
 }
 
 #[test]
@@ -79,11 +85,7 @@ fn tape_and_lanes_give_the_value_of_every_case() {
         let (a, b) = variables(&mut graph);
         let root = case.operation.node(&mut graph, a, b);
         let tape = Tape::new(&graph, &[root]);
-        let row: Vec<f64> = tape
-            .inputs()
-            .iter()
-            .map(|input| case.operands[usize::from(*input == Input::Variable(1))])
-            .collect();
+        let row = inputs_of(&tape, case);
         let mut out = [f64::NAN];
         tape.eval(&mut registers, &row, &mut out);
         let definition = case
@@ -215,11 +217,7 @@ fn vectors_give_the_value_of_every_case() {
         let (a, b) = variables(&mut graph);
         let root = case.operation.node(&mut graph, a, b);
         let tape = Tape::new(&graph, &[root]);
-        let inputs: Vec<f64> = tape
-            .inputs()
-            .iter()
-            .map(|input| case.operands[usize::from(*input == Input::Variable(1))])
-            .collect();
+        let inputs = inputs_of(&tape, case);
         let value = case
             .operation
             .eval(&case.operands[..case.operation.arity()])
