@@ -327,7 +327,7 @@ const TORUS: &str = "surface s(u, v) = ((3 + cos v) cos u, (3 + cos v) sin u, si
 #[test]
 fn the_way_to_the_start_is_what_closing_the_walk_adds() {
     for text in [SPHERE, TORUS] {
-        for [up, right] in [[40, 0], [25, 60]] {
+        for [up, right] in [[40, 0], [60, 60], [25, 100]] {
             let mut hand = Hand::on(text);
             hand.leave_trail("s");
             open(&mut hand);

@@ -100,7 +100,7 @@ fn picture(world: &World, half: f64) -> (Vec<u8>, u64, f64) {
     };
     let mut pixels = vec![0; SIZE[0] * SIZE[1]];
     let rows = Mutex::new(pixels.chunks_mut(TILE * SIZE[0]).enumerate());
-    // Each of both threads takes the next row of tiles.
+    // A thread takes the next row of tiles.
     let draw = || {
         let mut caster = world.caster();
         let mut rays = Vec::new();
