@@ -507,13 +507,14 @@ class Gpu(OnScreen):
     """A GPU that fails: a software driver stands for it."""
 
     def test_a_window_whose_gpu_is_lost_is_opened_again_as_it_was(self):
-        signs = []
+        self.a_lost_gpu_is_replaced("lose")
 
-        def loses(folder):
-            signs.append(folder / "lose-it-now")
-            return [f"lose={signs[0]}"]
+    def test_a_gpu_that_is_lost_while_a_frame_is_painted_is_replaced_too(self):
+        # The code that paints the controls panics then, in the midst of the event loop.
+        self.a_lost_gpu_is_replaced("lose-in-frame")
 
-        window = self.open(SPHERE, faults=loses)
+    def a_lost_gpu_is_replaced(self, loss):
+        window, sign = self.open_with(loss, 1)
         window.xdotool("windowsize", window.id, 1111, 777)
         window.settle()
         size = self.size_of(window)
@@ -525,7 +526,7 @@ class Gpu(OnScreen):
         before = window.settle()
         self.assertIn("Image: 3D view of 3 objects", "".join(window.controls))
         first = window.id
-        signs[0].touch()
+        sign.touch()
         # Another window of the same process takes its place.
         window.place("the GPU was lost; the window was opened again")
         until("the old one is gone", lambda: not self.is_there(first))
@@ -545,25 +546,35 @@ class Gpu(OnScreen):
         self.assertIsNone(window.process.poll())
 
     def test_a_gpu_that_is_lost_again_and_again_ends_the_window_but_not_its_text(self):
-        signs = []
+        for loss in ("lose", "lose-in-frame"):
+            with self.subTest(loss):
+                self.a_gpu_that_goes_on_being_lost_ends_the_window(loss)
 
-        def loses(folder):
-            signs.append(folder / "lose-it-now")
-            return [f"lose={signs[0]}"] * 4
-
-        window = self.open(SPHERE, faults=loses)
+    def a_gpu_that_goes_on_being_lost_ends_the_window(self, loss):
+        window, sign = self.open_with(loss, 4)
         window.click("Program text")
         window.key("ctrl+End")
         window.xdotool("type", "--delay", "30", "point q = (1, 1, 1);")
         window.until("it is read", lambda now: now["version"] > 1 and not now["stale"])
         window.settle()
-        signs[0].touch()
-        self.assertEqual(window.process.wait(60), 1)
+        sign.touch()
+        until("it has ended", lambda: window.process.poll() is not None)
+        self.assertEqual(window.process.returncode, 1)
         rescued = window.folder / "program.unsaved.gtr"
         self.assertIn("the GPU was lost 4 times", window.said())
         self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
         self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
         self.assertEqual(window.file.read_text(), SPHERE)
+
+    def open_with(self, loss, times):
+        """A window whose GPU is lost, so often, when there is a file of the name that comes with it."""
+        signs = []
+
+        def faults(folder):
+            signs.append(folder / "lose-it-now")
+            return [f"{loss}={signs[0]}"] * times
+
+        return self.open(SPHERE, faults=faults), signs[0]
 
     def test_where_vulkan_finds_no_driver_opengl_draws_the_window(self):
         nothing = {"VK_DRIVER_FILES": "/nothing.json", "VK_ICD_FILENAMES": "/nothing.json"}

@@ -1,7 +1,7 @@
 //! Opens the window: `cargo run -p geotrace-preview --example window FILE [REPORT [BACKEND [FAULT…]]]`. The file `-`
 //! stands for a server on standard input and output. Counters go to REPORT, one JSON object a line. A FAULT of the GPU is
-//! `lose=SIGN`: it is given up when there is a file SIGN, once, or as often as this stands there; or `refuse`: it refuses
-//! the shaders of samples.
+//! `lose=SIGN`: it is given up when there is a file SIGN, once, or as often as this stands there; `lose-in-frame=SIGN`:
+//! the same, when a frame is laid out and not yet painted; or `refuse`: it refuses the shaders of samples.
 
 use std::process::ExitCode;
 
@@ -32,8 +32,9 @@ fn main() -> ExitCode {
     let mut faults = Faults::default();
     for fault in arguments.iter().skip(3) {
         match fault.split_once('=') {
-            Some(("lose", sign)) => {
+            Some((loss @ ("lose" | "lose-in-frame"), sign)) => {
                 faults.loses_gpu = Some(sign.into());
+                faults.loses_in_frame = loss == "lose-in-frame";
                 faults.losses += 1;
             }
             None if fault == "refuse" => faults.refuses_samples = true,

@@ -64,6 +64,8 @@ pub struct Faults {
     pub loses_gpu: Option<PathBuf>,
     /// The number of times that it is given up.
     pub losses: u32,
+    /// It is given up when a frame is laid out and not yet painted, rather than before a frame.
+    pub loses_in_frame: bool,
     /// It refuses shaders of samples.
     pub refuses_samples: bool,
 }

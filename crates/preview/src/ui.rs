@@ -4,6 +4,7 @@ pub(crate) mod app;
 pub(crate) mod camera_input;
 mod colour;
 pub(crate) mod dialogs;
+pub(crate) mod event_loop;
 pub(crate) mod event_splitter;
 pub(crate) mod gallery;
 pub(crate) mod gpu_surface;

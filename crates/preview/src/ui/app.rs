@@ -2,7 +2,7 @@
 
 use std::any::Any;
 use std::cell::RefCell;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::panic::resume_unwind;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,9 +12,11 @@ use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetupCreateNew};
 use eframe::wgpu::Backends;
 use eframe::{App, CreationContext, Frame, NativeOptions};
 use egui::{Ui, ViewportCommand};
+use render::gpu::Gpu;
 use session::StatusMessage;
 
 use crate::io::report::Report;
+use crate::ui::event_loop::{EndSignal, Shown, WindowLoop};
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
 use crate::{Ending, Failure, Faults, Options, Source};
@@ -58,46 +60,46 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     // Its threads read and compile the text while the display and its driver are opened.
     let window = first(&egui::Context::default(), &options)?;
     let options = Rc::new(options);
+    let mut event_loop = WindowLoop::connect().map_err(|reason| Failure::NoDisplay {
+        reason: in_words(&reason).to_owned(),
+    })?;
     let mut drivers = FIRST_DRIVERS;
     on_screens(&Rc::new(RefCell::new(Some(window))), |screen, slot| {
         let mut faults = faults.clone();
         faults.loses_gpu = faults.loses_gpu.filter(|_| screen < faults.losses);
-        let opening = |drivers| {
-            let (kept, own, faults) = (Rc::clone(slot), Rc::clone(&options), faults.clone());
-            let create = move |context: &CreationContext<'_>| -> Result<
-                Box<dyn App>,
-                Box<dyn std::error::Error + Send + Sync>,
-            > {
-                Ok(Box::new(Preview::new(
-                    context,
-                    &own,
-                    kept,
-                    screen > 0,
-                    &faults,
-                )))
-            };
+        let mut show = |drivers| {
             let size = slot
                 .borrow()
                 .as_ref()
                 .and_then(|window| window.display.size);
-            eframe::run_native("geotrace", native(size, drivers), Box::new(create))
+            event_loop.show(native(size, drivers), |context, end| {
+                let kept = Rc::clone(slot);
+                Box::new(Preview::new(
+                    context,
+                    &options,
+                    kept,
+                    screen > 0,
+                    &faults,
+                    end,
+                ))
+            })
         };
-        let mut run = || match opening(drivers) {
-            Err(eframe::Error::Wgpu(_)) if drivers == FIRST_DRIVERS => {
-                drivers = Backends::PRIMARY | Backends::GL;
-                opening(drivers)
-            }
-            ended => ended,
-        };
-        // The code that draws the controls may meet the loss first, and gives up: the window does not.
-        let ended = catch_unwind(AssertUnwindSafe(&mut run));
+        let mut shown = show(drivers);
+        if matches!(shown, Shown::Refused) && drivers == FIRST_DRIVERS {
+            drivers = Backends::PRIMARY | Backends::GL;
+            shown = show(drivers);
+        }
         let mut window = slot.borrow_mut();
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
-        match ended {
-            Ok(Err(error)) => Ended::Refused(failure(error)),
-            Ok(Ok(())) | Err(_) if lost => Ended::Lost,
-            Ok(Ok(())) => Ended::Closed,
-            Err(panic) => Ended::Broken(panic),
+        match shown {
+            Shown::Refused => Ended::Refused(refusal()),
+            // The code that draws the controls may meet the loss first, and panics: the window goes on.
+            Shown::Ended | Shown::Panicked { .. } if lost => Ended::Lost,
+            Shown::Ended => Ended::Closed,
+            Shown::Panicked { panic, message } => {
+                eprintln!("{message}");
+                Ended::Broken(panic)
+            }
         }
     })
 }
@@ -164,21 +166,16 @@ fn native(size: Option<egui::Vec2>, drivers: Backends) -> NativeOptions {
     }
 }
 
-fn failure(error: eframe::Error) -> Failure {
-    match error {
-        eframe::Error::AppCreation(error) => match error.downcast::<Failure>() {
-            Ok(failure) => *failure,
-            Err(error) => Failure::NoDisplay {
-                reason: error.to_string(),
-            },
-        },
-        eframe::Error::Wgpu(error) => Failure::NoGraphics {
-            reason: error.to_string(),
-        },
-        other => Failure::NoDisplay {
-            reason: in_words(&other.to_string()).to_owned(),
-        },
-    }
+/// Why a display that is there shows no window.
+fn refusal() -> Failure {
+    let reason = match Gpu::shared() {
+        Err(error) => error.to_string(),
+        Ok(gpu) => format!(
+            "the display refuses it, or {} cannot draw on it",
+            gpu.name()
+        ),
+    };
+    Failure::NoGraphics { reason }
 }
 
 /// The system's words, without the place in a library's source that some libraries put before them.
@@ -197,7 +194,10 @@ struct Preview {
     title: String,
     /// Set when the GPU is to be given up, for a test.
     loses: Arc<AtomicBool>,
+    /// It is given up behind the frame's layout, not before it.
+    loses_in_frame: bool,
     ending: Ending,
+    end: EndSignal,
 }
 
 impl Preview {
@@ -207,6 +207,7 @@ impl Preview {
         slot: Slot,
         was_lost: bool,
         faults: &Faults,
+        end: EndSignal,
     ) -> Self {
         let context = &creation.egui_ctx;
         if let Some(window) = &mut *slot.borrow_mut() {
@@ -239,7 +240,9 @@ impl Preview {
             slot,
             title: String::new(),
             loses,
+            loses_in_frame: faults.loses_in_frame,
             ending: options.ending.clone(),
+            end,
         }
     }
 }
@@ -280,14 +283,13 @@ impl App for Preview {
             return;
         };
         let context = ui.ctx().clone();
-        if self.loses.swap(false, Ordering::Relaxed)
-            && let Some(surface) = &window.display.surface
-        {
-            surface.lose();
+        let loses = self.loses.swap(false, Ordering::Relaxed);
+        if loses && !self.loses_in_frame {
+            window.lose_screen();
         }
         if window.has_lost_its_screen() {
             // Nothing can be drawn here any more.
-            context.send_viewport_cmd(ViewportCommand::Close);
+            self.end.send();
             return;
         }
         let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
@@ -297,6 +299,9 @@ impl App for Preview {
         let room = ui.input(|input| input.viewport().inner_rect);
         window.display.size = room.map(|room| room.size() * context.zoom_factor());
         window.show(ui);
+        if loses {
+            window.lose_screen();
+        }
         let title = window.title();
         if title != self.title {
             self.title.clone_from(&title);
@@ -323,6 +328,7 @@ impl App for Preview {
     }
 
     fn on_exit(&mut self) {
+        self.end.send();
         let mut slot = self.slot.borrow_mut();
         if let Some(window) = &mut *slot
             && !window.display.closing
@@ -444,7 +450,7 @@ mod tests {
 
     #[test]
     fn what_the_system_says_is_told_without_a_place_in_a_source() {
-        let told = "winit EventLoopError: os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
+        let told = "os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
         assert_eq!(in_words(told), "Failed to connect");
         assert_eq!(in_words("no display: none"), "no display: none");
     }

@@ -165,6 +165,13 @@ impl Window {
         surface.is_some_and(GpuSurface::is_lost)
     }
 
+    /// Gives up the GPU that it is shown by, for a test.
+    pub(crate) fn lose_screen(&self) {
+        if let Some(surface) = &self.display.surface {
+            surface.lose();
+        }
+    }
+
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
         self.pictures.library.source.folder = program.parent().map(Path::to_owned);
