@@ -243,6 +243,20 @@ fn a_pole_in_the_picture_costs_little() {
 }
 
 #[test]
+fn a_pole_is_passed_whatever_the_unit_of_its_parameter_is() {
+    for unit in [1e-4, 1e4] {
+        let mut m = Maker::new();
+        let latitude = m.scale(unit, m.v);
+        let (cos, sin) = (m.f(Unary::Cos, latitude), m.f(Unary::Sin, latitude));
+        let u = m.u;
+        let position = m.around(cos, u, sin);
+        let pole = FRAC_PI_2 / unit;
+        let surface = m.done(position, [[0.0, TAU], [-pole, pole]]);
+        assert_exact(&surface, [0.3, 1.5 / unit], 0.5, 40);
+    }
+}
+
+#[test]
 fn a_cylinder_and_a_cone_unroll_to_the_plane() {
     assert_exact(&shapes::cylinder(), [0.3, 0.1], 9.0, 40);
     // The tip at distance 2√2, in view: behind it lies a line where both ways round meet.

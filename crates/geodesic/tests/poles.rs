@@ -2,6 +2,7 @@
 
 mod shapes;
 
+use expr::ops::Unary;
 use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
@@ -130,5 +131,36 @@ fn a_frame_beside_a_pole_is_the_one_along_its_own_meridian() {
             assert!(distance(x, east) < 1e-9, "{off:e}: {x:?} {east:?}");
             assert!(distance(y, up) < 1e-9, "{off:e}: {y:?} {up:?}");
         }
+    }
+}
+
+#[test]
+fn lines_that_wind_about_a_tip_are_straight_over_a_share_of_the_domain() {
+    // The plane, whose lines of constant u turn about the tip by v (1 + cos(u)/2) times `turn`: as fast as `turn` on the
+    // average. They may turn by half a radian.
+    for (turn, width, reach) in [(1.0, 2.0, 0.25), (-0.5, 4.0, 0.25), (0.1, 2.0, 1.0)] {
+        let mut m = Maker::new();
+        let (u, v) = (m.u, m.v);
+        let cos = m.f(Unary::Cos, u);
+        let uneven = m.scale(0.5 * turn, cos);
+        let rate = m.plus(turn, uneven);
+        let turned = m.mul(v, rate);
+        let angle = m.add(u, turned);
+        let zero = m.c(0.0);
+        let position = m.around(v, angle, zero);
+        let surface = m.done(position, [[0.0, TAU], [0.0, width]]);
+        let found = surface.apex(1, 0).expect("a tip").reach;
+        assert!((found - reach).abs() < 1e-4, "{turn} {width}: {found}");
+    }
+}
+
+#[test]
+fn a_cone_has_the_angle_of_its_unrolled_plane() {
+    for slope in [0.2, 1.0, 5.0_f64] {
+        let tip = cone(slope).apex(1, 0).expect("a tip");
+        // A circle at distance v √(1 + slope²) from the tip has the circumference 2π v.
+        let rate = 1.0 / slope.hypot(1.0);
+        assert!((tip.rate - rate).abs() < 1e-9, "{slope}: {tip:?}");
+        assert!(!tip.smooth && tip.regular, "{slope}: {tip:?}");
     }
 }
