@@ -176,6 +176,22 @@ fn line_length(bytes: &[u8]) -> usize {
     }
 }
 
+/// The span of a name in double quotes, `"earth"` or `"earth.png"`, with both of them, where this is the span of the first one.
+/// It goes no farther than one word and its ending: an edit behind them must not change what was read before.
+pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
+    let inner = source[first.start as usize..].strip_prefix('"')?;
+    let length_of_word = |text: &str| {
+        let bytes = text.bytes();
+        bytes.take_while(u8::is_ascii_alphanumeric).count()
+    };
+    let mut length = length_of_word(inner);
+    if let Some(ending) = inner[length..].strip_prefix('.') {
+        length += 1 + length_of_word(ending);
+    }
+    let is_closed = inner[length..].starts_with('"');
+    (is_closed && length > 0).then(|| Span::new(first.start, first.end + length as u32 + 1))
+}
+
 /// The value of a number that has been read as one: of a text that is just that.
 pub(crate) fn literal(text: &str) -> f64 {
     match number(text.as_bytes()) {

@@ -35,7 +35,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::geotrace::actions::{Actions, Interval, Operator, Parameter};
 use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
-use crate::geotrace::lexer::{Fault, Lexer};
+use crate::geotrace::lexer::{Fault, Lexer, quoted_name};
 use crate::geotrace::symbols::{NameScope, Parsed, Symbol, Vocabulary};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::line_index::LineIndex;
@@ -245,11 +245,12 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
 
     #[cold]
     fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
-        // A run of bad characters is reported once, at its end.
+        // A run of bad characters is reported once, at its end, and so is a name in quotes.
         let mut run: Option<(Span, char)> = None;
         loop {
             let token = lexeme.token;
             match (run, lexeme.fault) {
+                (Some((span, _)), _) if token.span.start < span.end => {}
                 (Some((span, first)), Some(Fault::Character(_)))
                     if span.end == token.span.start =>
                 {
@@ -266,7 +267,10 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                         self.report(diagnostic);
                     }
                     run = match fault {
-                        Some(Fault::Character(first)) => Some((token.span, first)),
+                        Some(Fault::Character(first)) => {
+                            let quoted = quoted_name(self.source, token.span);
+                            Some((quoted.unwrap_or(token.span), first))
+                        }
                         _ => None,
                     };
                 }

@@ -426,10 +426,11 @@ impl<S: Instructions> LaneBounds<S> {
     fn sum_of_products(self, s: S, other: Self) -> Self {
         let units = Vector::splat(s, 2.0 * f64::EPSILON);
         let least = Vector::splat(s, 2.0 * f64::MIN_POSITIVE);
-        let slack = |a: Vector<S>, b: Vector<S>| (a.abs() + b.abs()) * units + least;
+        let below = (self.lower.abs() + other.lower.abs()) * units + least;
+        let above = (self.upper.abs() + other.upper.abs()) * units + least;
         Self {
-            lower: (self.lower + other.lower) - slack(self.lower, other.lower),
-            upper: (self.upper + other.upper) + slack(self.upper, other.upper),
+            lower: (self.lower + other.lower) - below,
+            upper: (self.upper + other.upper) + above,
         }
     }
 
