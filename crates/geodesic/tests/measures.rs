@@ -549,3 +549,40 @@ fn a_triangle_with_two_equal_corners_lacks_a_side() {
     let known = triangle.sides.iter().filter(|side| side.is_some()).count();
     assert_eq!(known, 2, "{:?}", triangle.sides);
 }
+
+#[test]
+fn a_place_with_two_names_is_one_place() {
+    let torus = torus(0.4);
+    let strip = moebius(0.0);
+    let sphere = spheroid(1.0, 1.0);
+    let glued = flat_torus(1.0, 1.0);
+    let pole = 0.5 * PI;
+    let cases: [(&dyn Surface, [f64; 2], [f64; 2]); 7] = [
+        (&torus, [0.0, 1.0], [TAU, 1.0]),
+        (&torus, [0.3, 0.0], [0.3, TAU]),
+        (&torus, [0.0, 0.0], [TAU, TAU]),
+        (&strip, [0.0, 0.3], [TAU, -0.3]),
+        (&glued, [0.0, 0.25], [1.0, 0.25]),
+        (&sphere, [0.0, pole], [1.0, pole]),
+        (&sphere, [0.5, -pole], [4.0, -pole]),
+    ];
+    for (n, (surface, a, b)) in cases.into_iter().enumerate() {
+        assert!(measure::is_one_place(surface, a, b), "{n}");
+        assert!(measure::is_one_place(surface, b, a), "{n}");
+        let loops = measure::between(surface, a, a, None).expect("places");
+        let named = measure::between(surface, a, b, None).expect("places");
+        assert_eq!(lengths(&named), lengths(&loops), "{n}");
+        // On the strip there is none beside the core.
+        assert_eq!(loops.found.is_empty(), n == 3, "{loops:?}");
+        assert!(lengths(&loops).iter().all(|it| *it > 0.1), "{n}: {loops:?}");
+    }
+    let others: [(&dyn Surface, [f64; 2], [f64; 2]); 4] = [
+        (&torus, [0.0, 1.0], [TAU - 1e-9, 1.0]),
+        (&strip, [0.0, 0.3], [TAU, 0.3]),
+        (&sphere, [0.0, pole], [1.0, -pole]),
+        (&sphere, [0.0, pole], [0.0, pole - 1e-9]),
+    ];
+    for (n, (surface, a, b)) in others.into_iter().enumerate() {
+        assert!(!measure::is_one_place(surface, a, b), "{n}");
+    }
+}

@@ -327,7 +327,7 @@ impl ValueKind {
 
 /// The start, the velocity and the length of the shortest geodesic between two places.
 fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
-    if from == to {
+    if measure::is_one_place(surface, from, to) {
         return Ok([from[0], from[1], 0.0, 0.0, 0.0, 0.0]);
     }
     let found = measure::distance(surface, from, to).map_err(GeodesicFault::Place)?;

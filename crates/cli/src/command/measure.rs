@@ -268,7 +268,7 @@ impl Measuring<'_> {
             geodesics: found.found.iter().map(|it| connection(it, from)).collect(),
             note: note(&found),
         };
-        let mut text = text::between(&found, from == to);
+        let mut text = text::between(&found, measure::is_one_place(self.surface, from, to));
         if let Some(note) = &document.note {
             text.push_str(&format!("{note}\n"));
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::MeasureError;
-use super::gap::AimedPlace;
+use super::gap::{AimedPlace, is_one_place};
 use super::search::{self, Guesses};
 use super::shoot::{self, Hit, PolarVector};
 use super::source::RaySource;
@@ -77,8 +77,7 @@ pub fn between(
     {
         return Err(MeasureError::BadLength { length });
     }
-    let source = RaySource::at(surface, from.into())?;
-    let target = AimedPlace::new(surface, to.into())?;
+    let (source, target) = ends(surface, from.into(), to.into())?;
     let size = surface.scale().size;
     let nearest = shortest(&source, &target);
     let wanted = within.or_else(|| Some(2.0 * nearest.found.first()?.length));
@@ -106,7 +105,8 @@ pub fn between(
     Ok(all)
 }
 
-/// Finds the shortest geodesic from one place to another; `None` where none was found.
+/// Finds the shortest geodesic from one place to another; `None` where none was found. Between a place and itself it is a
+/// loop.
 ///
 /// # Errors
 /// As [`between`].
@@ -115,9 +115,22 @@ pub fn distance(
     from: impl Into<Uv>,
     to: impl Into<Uv>,
 ) -> Result<Option<Connection>, MeasureError> {
-    let source = RaySource::at(surface, from.into())?;
-    let target = AimedPlace::new(surface, to.into())?;
+    let (source, target) = ends(surface, from.into(), to.into())?;
     Ok(shortest(&source, &target).found.first().copied())
+}
+
+/// Both places; the second one has the name of the first, if they are one.
+fn ends(
+    surface: &dyn Surface,
+    from: Uv,
+    to: Uv,
+) -> Result<(RaySource<'_>, AimedPlace<'_>), MeasureError> {
+    let source = RaySource::at(surface, from)?;
+    let mut target = AimedPlace::new(surface, to)?;
+    if is_one_place(surface, from, to) {
+        target = AimedPlace::new(surface, from)?;
+    }
+    Ok((source, target))
 }
 
 impl Connection {

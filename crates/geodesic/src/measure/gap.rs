@@ -137,7 +137,8 @@ impl<'s> AimedPlace<'s> {
         }
     }
 
-    /// The lengths of the straight lines of the chart from a place to each copy; infinite where one leaves the surface.
+    /// The least length of the straight lines of the chart from a place to each copy; infinite where all leave the surface.
+    /// Lines on a side that is a point have none.
     pub(super) fn straight_length(&self, from: Uv) -> f64 {
         const PIECES: u32 = 64;
         let sides = self.surface.sides();
@@ -159,7 +160,8 @@ impl<'s> AimedPlace<'s> {
                 length
             }
         };
-        let lengths = self.copies.iter().map(line).filter(|length| *length > 0.0);
+        let none = 64.0 * f64::EPSILON * self.surface.scale().size;
+        let lengths = self.copies.iter().map(line).filter(|length| *length > none);
         lengths.fold(f64::INFINITY, f64::min)
     }
 
@@ -224,6 +226,34 @@ fn tip_at(surface: &dyn Surface, at: [f64; 2]) -> Option<(usize, usize)> {
         apex.is_some_and(|apex| apex.regular && !apex.smooth)
             && off <= AT_TIP * (domain[axis][1] - domain[axis][0])
     })
+}
+
+/// Returns whether two pairs (u, v) name one place: they are equal, lie on sides that are glued, or on one that is a point.
+pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -> bool {
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    let domain = surface.domain();
+    let [a, b] = [a.into(), b.into()].map(|Uv(mut at)| {
+        surface.sides().bring_back(domain, &mut at);
+        at
+    });
+    let widths = domain.map(|[low, high]| high - low);
+    let is_near = |other: &Uv| {
+        let off = |axis: usize| (a[axis] - other[axis]).abs();
+        (0..2).all(|axis| off(axis) <= ROUNDING * widths[axis])
+    };
+    let [_, beyond_sides @ ..] = &copies(surface, Uv(b))[..] else {
+        return false;
+    };
+    let is_at = |at: [f64; 2], axis: usize, end: usize| {
+        (at[axis] - domain[axis][end]).abs() <= AT_TIP * widths[axis]
+    };
+    let mut ends = (0..2).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    a == b
+        || beyond_sides.iter().any(is_near)
+        || ends.any(|(axis, end)| {
+            let is_point = surface.apex(axis, end).is_some();
+            is_point && is_at(a, axis, end) && is_at(b, axis, end)
+        })
 }
 
 /// A place and its repetitions beyond each side that wraps.

@@ -10,7 +10,7 @@ use std::fmt;
 
 use super::MeasureError;
 use super::between::{Connection, all_within, shortest};
-use super::gap::{AimedPlace, components};
+use super::gap::{AimedPlace, components, is_one_place};
 use super::quadrature;
 use super::shoot::{self, PolarVector};
 use super::source::RaySource;
@@ -51,7 +51,7 @@ pub struct TriangleRegion {
 /// The reason why a triangle has no region.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum NoRegion {
-    /// Two corners are not joined by a geodesic that was found.
+    /// Two corners are not joined by a geodesic that was found, or are one place.
     NoSide {
         /// The numbers of the corners, from 0.
         corners: [usize; 2],
@@ -107,7 +107,7 @@ pub fn triangle<P: Into<Uv>>(
     }
     let side = |from: usize, to: usize| {
         // Loops are no sides.
-        if targets[to].near_distance(&sources[from]) == 0.0 {
+        if is_one_place(surface, corners[from], corners[to]) {
             return None;
         }
         let all = shortest(&sources[from], &targets[to]);
