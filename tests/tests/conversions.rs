@@ -177,6 +177,25 @@ Scene { a }
 }
 
 #[test]
+fn a_shape_without_a_volume_is_left_out_as_it_is_not_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "
+Settings {
+    camera -> Camera { position -> vec3(0, 0, -5)  pointing -> vec3(0, 0, 0)  fov -> 45 }
+    lights -> [PointLight { origin -> vec3(-3, 4, -3)  color -> rgb(1, 1, 1)  ambient -> 0.1 }]
+}
+Scene {
+    Sphere { center -> vec3(0, 0, 0)  radius -> 1 } <scale 0>
+    Box { cornerA -> vec3(1, 0, 0)  cornerB -> vec3(2, 1, 0) }
+    Sphere { center -> vec3(0, 0, 0)  radius -> 0.5 }
+}
+";
+    std::fs::write(folder.path().join("flat.crt"), script).expect("written");
+    let text = expect_same(folder.path(), "flat", "120x90", &[]);
+    assert_eq!(text.matches("\nsolid ").count(), 1, "{text}");
+}
+
+#[test]
 fn what_cannot_be_converted_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();

@@ -213,6 +213,13 @@ fn pictures() -> Vec<Limit> {
             "`--samples`, up to this",
         ),
         limit(
+            "parts of a ray on which a function that is no polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
+            grouped(tracer::MOST_RAY_EVALUATIONS as u64),
+            "run time",
+            "",
+            "",
+        ),
+        limit(
             "reflections and refractions in the traced view",
             traced::MAX_BOUNCES,
             "run time",

@@ -217,6 +217,11 @@ fn people_read_sentences() {
         ("--between 0,0 1,0", "distance 1"),
         // Geodesics from a place to itself are loops.
         ("--between 1,0 1,0", "distance 0; 2 loops"),
+        // Both names are those of one place.
+        ("--between 0,0 2pi,0", "distance 0; 2 loops"),
+        ("--between 0,pi/2 1,pi/2", "distance 0; "),
+        // A pole lies on all meridians.
+        ("--between 0,pi/2 1,0", "in (u, v) from (1, "),
         ("--triangle 0,0 1,0 0,1", "angle excess"),
     ] {
         measure(SPHERE, arguments)
@@ -255,6 +260,7 @@ fn what_cannot_be_measured_is_said() {
         ),
         (SPHERE, "--at 0,0 --circle -1", 2, "not greater than 0"),
         (SPHERE, "--circle 1", 2, "--at"),
+        (SPHERE, "--between 0,0 1,1 --circle 1", 2, "--circle"),
         (SPHERE, "--within 1 --at 0,0", 2, "cannot be used with"),
         (SPHERE, "--within 1", 2, "--between"),
         (

@@ -54,8 +54,9 @@ vector v = c'(o) @ p;
     after_help = after_help()
 )]
 pub(crate) struct Arguments {
-    /// The language of the programs, whatever their extension
-    #[arg(long, global = true, hide = true, value_name = "NAME")]
+    /// The language of a program: geotrace, or crt for a CRT script; unless given, the one of the file's extension, and
+    /// for standard input geotrace
+    #[arg(long, global = true, value_name = "NAME")]
     language: Option<String>,
     #[command(subcommand)]
     command: Option<Command>,
@@ -210,15 +211,16 @@ What to do with it:
 And with a surface s:
 
   geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
-  geotrace export torus.gtr -o torus.glb           a mesh for other programs; also .obj, .ply, .stl, .gltf
+  geotrace export torus.gtr -o torus.glb           a mesh; also .obj, .ply, .stl, .gltf
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace measure torus.gtr --between 0,0 1,2     distance, curvature, circles, triangles
-  geotrace cast die.gtr --from 3,0,0 --direction -1,0,0        where a ray meets a solid
+  geotrace cast die.gtr --from 3,0.4,0.4 --direction -1,0,0    where a ray meets a solid
   geotrace convert forest.crt -o forest.gtr        a CRT script as a program in Geotrace's language
   geotrace explain torus.gtr                       what is built for it, and what is left out
-  geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
+  geotrace accuracy torus.gtr                      error against run time of every method
 
-FILE may be `-` for standard input. `geotrace help COMMAND` explains the options.
+FILE may be `-` for standard input, except for the window: `geotrace FILE`, `show`, `preview`.
+`geotrace help COMMAND` explains the options.
 Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.",
     );
     text

@@ -170,6 +170,24 @@ fn an_expression_with_an_error_is_no_value() {
 }
 
 #[test]
+fn an_error_in_an_expression_shows_no_place_of_the_program_in_it() {
+    let folder = folder(&[]);
+    let program = "\n\nfunction f(x, y) = x^2 y;\n";
+    let run = run(
+        folder.path(),
+        &["eval", "-", "f_z(1, 2) + 3 + 4 + 5"],
+        program,
+    );
+    assert_eq!(run.status, 1, "{}", run.stderr);
+    assert!(
+        run.stderr.starts_with("<expression>:1:3: error"),
+        "{}",
+        run.stderr
+    );
+    assert!(!run.stderr.contains("note: "), "{}", run.stderr);
+}
+
+#[test]
 fn wrong_arguments_end_with_2_and_say_what_there_is() {
     let folder = folder(&[("a.gtr", SPHERE), ("b.gtr", "param r : [1, 2];")]);
     for (arguments, part) in [

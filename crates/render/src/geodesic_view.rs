@@ -142,10 +142,15 @@ pub fn notes(
     if *work != GeodesicWork::default() {
         notes.push(cost(work, pixels));
     }
-    if let Some(Estimate { max, p99 }) = estimate {
-        notes.push(format!(
+    match estimate {
+        // Beside a place where the surface is singular, an estimate has no meaning.
+        Some(Estimate { max, .. }) if max > pixels as f64 => {
+            notes.push("the error could not be estimated: at some pixels it may be any".to_owned());
+        }
+        Some(Estimate { max, p99 }) => notes.push(format!(
             "the error is estimated to be at most {max:.2} pixels, and below {p99:.2} for 99 % of them"
-        ));
+        )),
+        None => {}
     }
     notes
 }

@@ -72,7 +72,7 @@ impl Trail {
     pub fn through(surface: &dyn Surface, id: ObjectId, points: Vec<[f64; 2]>) -> Self {
         let length = points
             .windows(2)
-            .map(|ends| length(surface, [ends[0], ends[1]]));
+            .map(|ends| ChartLine::new(surface, [ends[0], ends[1]]).length());
         Self {
             kind: TrailKind::Walked,
             surface: id,
@@ -128,44 +128,89 @@ impl Trail {
 /// The share of a wrapping side beyond which a step is one through a pole or a flip.
 const TURNS: f64 = 0.2;
 
-/// The length of a straight line of the chart: ∫√(E du² + 2F du dv + G dv²), by Gauss's rule with three nodes.
-fn length(surface: &dyn Surface, [from, to]: [[f64; 2]; 2]) -> f64 {
-    let (domain, sides) = (surface.domain(), surface.sides());
-    let mut turns = false;
-    let step = [0, 1].map(|axis| {
-        let period = domain[axis][1] - domain[axis][0];
-        let mut step = to[axis] - from[axis];
-        if sides.of(axis)[0] == Side::Wrap {
-            step -= period * (step / period).round();
+/// The pieces of a line in space across the whole of a domain.
+const PIECES: f64 = 128.0;
+
+/// A straight line of the chart from one place to another, across sides that wrap.
+struct ChartLine<'s> {
+    surface: &'s dyn Surface,
+    from: [f64; 2],
+    to: [f64; 2],
+    step: [f64; 2],
+    /// True if it goes through a pole or a flip, where no line of the chart does.
+    turns: bool,
+}
+
+impl<'s> ChartLine<'s> {
+    fn new(surface: &'s dyn Surface, [from, to]: [[f64; 2]; 2]) -> Self {
+        let (domain, sides) = (surface.domain(), surface.sides());
+        let mut turns = false;
+        let step = [0, 1].map(|axis| {
+            let period = domain[axis][1] - domain[axis][0];
+            let mut step = to[axis] - from[axis];
+            if sides.of(axis)[0] == Side::Wrap {
+                step -= period * (step / period).round();
+            }
+            let can_turn =
+                sides.of(axis)[0] == Side::WrapFlip || sides.of(1 - axis).contains(&Side::Pole);
+            turns |= step.abs() > TURNS * period && can_turn;
+            step
+        });
+        Self {
+            surface,
+            from,
+            to,
+            step,
+            turns,
         }
-        turns |= step.abs() > TURNS * period && sides.of(axis)[0] != Side::Edge;
-        step
-    });
-    if turns && surface.is_embedded() {
-        let [a, b] = [from, to].map(|uv| surface.jet(uv.into()).position);
-        return (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
     }
-    let node = 0.5 * 0.6_f64.sqrt();
-    let nodes = [(0.5 - node, 5.0), (0.5, 8.0), (0.5 + node, 5.0)];
-    let speed = |t: f64| {
-        let uv = [0, 1].map(|axis| {
+
+    /// The place after a share of it.
+    fn at(&self, share: f64) -> [f64; 2] {
+        let (domain, sides) = (self.surface.domain(), self.surface.sides());
+        [0, 1].map(|axis| {
             let [low, high] = domain[axis];
-            let at = from[axis] + t * step[axis];
+            let at = self.from[axis] + share * self.step[axis];
             // Behind a side that wraps, the chart begins again.
             match sides.of(axis)[0] {
                 Side::Wrap => low + (at - low).rem_euclid(high - low),
                 _ => at,
             }
-        });
-        let Metric { e, f, g, .. } = Metric::of(&surface.jet(uv.into()));
-        let [u, v] = step;
-        (e * u * u + 2.0 * f * u * v + g * v * v).max(0.0).sqrt()
-    };
-    let sum = nodes
-        .map(|(t, weight)| weight * speed(t))
-        .iter()
-        .sum::<f64>();
-    sum / 18.0
+        })
+    }
+
+    /// The number of pieces in which it is drawn in space; one where it is none of the chart.
+    fn pieces(&self) -> u32 {
+        let domain = self.surface.domain();
+        let shares = [0, 1].map(|axis| self.step[axis] / (domain[axis][1] - domain[axis][0]));
+        let pieces = (PIECES * shares[0].abs().max(shares[1].abs())).ceil();
+        if self.turns {
+            1
+        } else {
+            pieces.clamp(1.0, PIECES) as u32
+        }
+    }
+
+    /// Its length, ∫√(E du² + 2F du dv + G dv²), by Gauss's rule with three nodes; that of the chord where it is none of the
+    /// chart.
+    fn length(&self) -> f64 {
+        if self.turns && self.surface.is_embedded() {
+            let [a, b] = [self.from, self.to].map(|uv| self.surface.jet(uv.into()).position);
+            return (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        }
+        let node = 0.5 * 0.6_f64.sqrt();
+        let nodes = [(0.5 - node, 5.0), (0.5, 8.0), (0.5 + node, 5.0)];
+        let speed = |share: f64| {
+            let Metric { e, f, g, .. } = Metric::of(&self.surface.jet(self.at(share).into()));
+            let [u, v] = self.step;
+            (e * u * u + 2.0 * f * u * v + g * v * v).max(0.0).sqrt()
+        };
+        let sum = nodes
+            .map(|(share, weight)| weight * speed(share))
+            .iter()
+            .sum::<f64>();
+        sum / 18.0
+    }
 }
 
 impl TrailKind {
@@ -203,14 +248,60 @@ pub(crate) fn in_space(scene: &Scene, params: &ParamValues, trail: &Trail) -> Op
             let defined = position.iter().all(|x| x.is_finite());
             defined.then_some(position)
         };
-        let knot = |&uv: &[f64; 2]| {
+        let knot = |uv: [f64; 2]| {
             let position = Some(place(uv)?);
             Some(Knot { uv, position })
         };
+        let mut places: Vec<[f64; 2]> = trail.points.first().copied().into_iter().collect();
+        for ends in trail.points.windows(2) {
+            let line = ChartLine::new(surface, [ends[0], ends[1]]);
+            let pieces = line.pieces();
+            places.extend((1..pieces).map(|k| line.at(f64::from(k) / f64::from(pieces))));
+            places.push(ends[1]);
+        }
         let mark = trail.mark;
         SpaceTrail {
-            line: trail.points.iter().map(knot).collect(),
+            line: places.into_iter().map(knot).collect(),
             mark: mark.and_then(|mark| Some((mark.letter, WorldPoint(place(mark.at)?)))),
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_lies_on_its_surface_in_space() {
+        let source = "surface s(u,v) = ((2 + cos v) cos u, (2 + cos v) sin u, sin v), \
+            u : [0, 2pi], v : [0, 2pi];";
+        let scene = scene::geotrace::compile(source).scene.expect("a scene");
+        let params = ParamValues::initial(&scene);
+        let id = ObjectId(0);
+        let points = vec![[6.0, 0.0], [1.0, 1.0], [1.0, 2.0]];
+        let manifold = Manifold::new(&scene, id, &[]).expect("a surface");
+        let trail = Trail::through(manifold.surface(), id, points);
+        let line = in_space(&scene, &params, &trail).expect("a surface").line;
+        let places: Vec<[f64; 3]> = line
+            .iter()
+            .map(|knot| knot.expect("defined").position.expect("embedded"))
+            .collect();
+        let mut walked = 0.0;
+        for ends in places.windows(2) {
+            let middle = [0, 1, 2].map(|k| 0.5 * (ends[0][k] + ends[1][k]));
+            let [x, y, z] = middle;
+            let off = ((x.hypot(y) - 2.0).hypot(z) - 1.0).abs();
+            // Less than the sag of 128 chords around the equator, and of as many around the tube.
+            assert!(off < 2e-3, "{off}");
+            walked += (0..3)
+                .map(|k| (ends[1][k] - ends[0][k]).powi(2))
+                .sum::<f64>()
+                .sqrt();
+        }
+        assert!(
+            (walked / trail.length - 1.0).abs() < 1e-2,
+            "{walked} {}",
+            trail.length
+        );
+    }
 }

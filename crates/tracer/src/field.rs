@@ -24,8 +24,9 @@ mod crossings;
 mod shell;
 pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 
-/// The number of evaluations on intervals that one ray may take.
-const MOST_EVALUATIONS: usize = 1 << 15;
+/// The most evaluations on intervals that one ray may take: some thousand crossings of a function. The rest of the ray is
+/// sampled.
+pub const MOST_RAY_EVALUATIONS: usize = 1 << 15;
 /// The number of samples of a segment whose evaluations are used up.
 const SAMPLES: usize = 64;
 /// Parts shorter than this share of 1 + t are not halved.
@@ -123,7 +124,7 @@ pub(crate) struct FieldScratch {
 impl FieldScratch {
     /// Begins a ray.
     pub(crate) fn begin(&mut self) {
-        self.budget = MOST_EVALUATIONS;
+        self.budget = MOST_RAY_EVALUATIONS;
     }
 }
 

@@ -36,12 +36,14 @@ pub const LONGEST_LINE: u64 = 4096;
     group = ArgGroup::new("rays_of").required(true).args(["from", "rays"]),
     after_help = "\
 Examples:
-  geotrace cast die.gtr --from 3,0,0 --direction -1,0,0
+  geotrace cast die.gtr --from 3,0.4,0.4 --direction -1,0,0
   geotrace cast die.gtr --from 0,0,5 --direction 0,0,-1 --solid ball --format json
   geotrace cast die.gtr --rays rays.txt --format json        a document for each line `x y z a b c`
 
-A number may be an expression in the program's names, such as pi/2. t is the distance from the start; normals are unit
-vectors that lead out of the solid, and of a surface back to the start."
+A number may be an expression in the program's names, such as pi/2.
+
+t is the distance from the start. Normals are unit vectors: they lead out of a solid, and from a
+surface back to the start."
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input

@@ -20,9 +20,10 @@ use crate::registry::Context;
 Examples:
   geotrace convert forest.crt -o forest.gtr
   geotrace convert gears.crt -o gears.gtr --set t=5
-  geotrace convert spheres.crt -o -                   to standard output")]
+  geotrace convert spheres.crt -o -                   to standard output
+  geotrace convert - --language crt -o spheres.gtr    from standard input")]
 pub(super) struct Arguments {
-    /// The script; `-` is standard input, with `--language crt`
+    /// The script; `-` is standard input, and needs `--language crt`
     file: PathBuf,
     /// The program to be written; `-` is standard output
     #[arg(short, long, value_name = "OUT.gtr")]

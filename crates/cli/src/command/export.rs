@@ -23,10 +23,10 @@ use crate::registry::Context;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  geotrace export sphere.gtr -o sphere.stl                  surfaces only, watertight where they close
+  geotrace export sphere.gtr -o sphere.stl                  surfaces only, watertight if closed
   geotrace export torus.gtr -o torus.glb --texture s=a.png  with its image, for viewers and the web
   geotrace export circle.gtr -o - --format obj --set r=0.7  all objects, as text
-  geotrace export field.gtr -o s.ply --object s             one object, with normals and colours
+  geotrace export torus.gtr -o s.ply --object s             one object, with normals and colours
 
 obj   text: an object for each name, with normals and texture coordinates; lines and points
 ply   binary: places in double precision, normals, the picture's colours at the vertices; edges

@@ -31,20 +31,22 @@ use crate::registry::Context;
 Examples:
   geotrace measure torus.gtr --at 0,0                        K, H, E, F and G at a place
   geotrace measure torus.gtr --at 0,0 --circle 0.5           a circle's circumference and area
-  geotrace measure torus.gtr --between 0,0 1,2               distance, and all geodesics up to twice as long
-  geotrace measure torus.gtr --between 0,0 1,2 --within 9    all geodesics that are no longer than 9
-  geotrace measure torus.gtr --triangle 0,0 1,0 0,1          sides, angles, area, angle excess and ∫K
+  geotrace measure torus.gtr --between 0,0 1,2               geodesics up to twice the distance
+  geotrace measure torus.gtr --between 0,0 1,2 --within 9    geodesics no longer than 9
+  geotrace measure torus.gtr --triangle 0,0 1,0 0,1          sides, angles, area, excess and ∫K
 
 A number may be an expression in the program's names, such as pi/2.
 
   K, H      Gaussian and mean curvature; H is for the normal σu × σv, and a metric has none
   E, F, G   the first fundamental form E du² + 2F du dv + G dv²
-  circle    the wavefront of this radius: ∫|m| dθ and ∬|m|, where m is the Jacobi field, so that what is swept
-            twice counts twice; it overlaps where the radius is larger than the distance to the cut locus
-  between   the shortest geodesic first, at most 32. Of a family of geodesics of one length, such as the
-            meridians between a sphere's poles, one is listed, and marked as conjugate
-  triangle  the sides are shortest geodesics, side k lies opposite corner k, angles are in radians. The area is
-            that of the region that geodesics from the first corner sweep; ∫K has the deficit of a tip inside"
+  circle    the wavefront of this radius: ∫|m| dθ and ∬|m|, where m is the Jacobi field. What is
+            swept twice counts twice. It overlaps where the radius is larger than the distance to
+            the cut locus
+  between   the shortest geodesic first, at most 32. Of a family of geodesics of one length, such
+            as the meridians between a sphere's poles, one is listed, and marked as conjugate
+  triangle  the sides are shortest geodesics, side k lies opposite corner k, angles are in radians.
+            The area is that of the region that geodesics from the first corner sweep; ∫K has the
+            deficit of a tip inside"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
@@ -56,12 +58,12 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true)]
     at: Option<Pair>,
     /// The radius of a circle around the place
-    #[arg(long, value_name = "R", value_parser = argument::quantity, allow_hyphen_values = true, requires = "at")]
+    #[arg(long, value_name = "R", value_parser = argument::quantity, allow_hyphen_values = true, requires = "at", conflicts_with_all = ["between", "triangle"])]
     circle: Option<Quantity>,
     /// Two places
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 2)]
     between: Option<Vec<Pair>>,
-    /// No longer geodesics are looked for; twice the shortest unless given
+    /// The greatest length of the geodesics that are listed; twice the distance unless given
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true, requires = "between", conflicts_with_all = ["at", "triangle"])]
     within: Option<Quantity>,
     /// Three places
@@ -268,7 +270,8 @@ impl Measuring<'_> {
             geodesics: found.found.iter().map(|it| connection(it, from)).collect(),
             note: note(&found),
         };
-        let mut text = text::between(&found, measure::is_one_place(self.surface, from, to));
+        let one_place = measure::is_one_place(self.surface, from, to);
+        let mut text = text::between(&found, from, one_place);
         if let Some(note) = &document.note {
             text.push_str(&format!("{note}\n"));
         }
@@ -294,15 +297,18 @@ impl Measuring<'_> {
 }
 
 fn connection(it: &Connection, from: [f64; 2]) -> ConnectionJson {
-    // At a pole all meridians begin.
-    let moved = (0..2).any(|k| (it.from[k] - from[k]).abs() > 1e-9 * from[k].abs().max(1.0));
-    let at_pole = moved && it.direction.is_finite();
     ConnectionJson {
         length: it.length,
         direction: it.direction.0,
         conjugate: it.conjugate,
-        from: at_pole.then_some(it.from.0),
+        from: other_start(it, from),
     }
+}
+
+/// The start of a geodesic where its numbers are not those of the place: at a pole all meridians begin.
+fn other_start(it: &Connection, from: [f64; 2]) -> Option<[f64; 2]> {
+    let moved = (0..2).any(|k| (it.from[k] - from[k]).abs() > 1e-9 * from[k].abs().max(1.0));
+    (moved && it.direction.is_finite()).then_some(it.from.0)
 }
 
 /// What the list of geodesics leaves open.

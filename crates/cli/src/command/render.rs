@@ -46,9 +46,9 @@ pub(super) const NAME: &str = "render";
     after_help = "Examples:
   geotrace render sphere.gtr -o sphere.png                                in space
   geotrace render torus.gtr -o inside.png --view geodesic --zoom 2        from inside
-  geotrace render die.gtr -o die.png --view traced                        lights, shadows, mirrors and glass
+  geotrace render die.gtr -o die.png --view traced                        with lights and shadows
   geotrace render torus.gtr -o k.png --texture s=curvature --legend       coloured by curvature
-  geotrace render torus.gtr -o figure.pdf --theme print --labels          for a paper, lines as vectors
+  geotrace render torus.gtr -o figure.pdf --theme print --labels          lines as vectors
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60    an animation
 
 `geotrace render --help` has all options, also for methods, overlays, cameras and backgrounds.",
@@ -60,20 +60,22 @@ Examples:
   geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
   geotrace render quartic.gtr -o face.png --view geodesic:q --at 1,1,1
   geotrace render lens.gtr -o lens.png --view traced:eye --samples 256
-  geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
+  geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --cut-locus --legend
   geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
   geotrace render torus.gtr -o k.png --texture s=curvature --legend --background transparent
   geotrace render torus.gtr -o figure.png --orthographic --axes --labels --size 1600x1200
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
   geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
-A number may be an expression in the program's names, such as pi/2. Params have the values that the program gives them unless set. The 3D view draws what depends on a grid once for each of its
-values; the geodesic view takes the first value. Files are written whole or not at all.
+A number may be an expression in the program's names, such as pi/2. Params have the values that the program gives them unless set. The 3D view draws what depends on a grid once for each value; the geodesic view takes the first value. Files are written whole or not at all.
 
 Above the pixels of an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors.
 
-An animation is a .gif (256 colours), an .apng (all colours), an .mp4 or .webm (made by `ffmpeg`, if it is installed), or with --frames and a .png a picture
-for each frame: OUT-0001.png, OUT-0002.png and so on."
+An animation is one of
+  .gif                 256 colours
+  .apng                all colours
+  .mp4, .webm          a video, made by `ffmpeg` if it is installed
+  .png with --frames   a picture for each frame: OUT-0001.png, OUT-0002.png and so on"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
@@ -130,7 +132,7 @@ pub(super) struct Arguments {
     /// The angle from the direction in which u grows to the picture's right, towards the one in which v grows
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,
-    /// The picture's up lies to the right of its right, as (u,v) has it: the surface is seen from its other side
+    /// Shows the surface from its other side: the picture is mirrored
     #[arg(long, help_heading = "Geodesic view", hide_short_help = true)]
     mirrored: bool,
     /// A setting of the view: `centre=off` leaves out the ring at the picture's centre
@@ -148,7 +150,8 @@ pub(super) struct Arguments {
     /// Names at what is seen: objects, and the place of the geodesic camera
     #[arg(long, help_heading = "Drawn over the picture")]
     labels: bool,
-    /// Geodesic circles around the camera, at equal distances; in the 3D view with --show-camera
+    /// Geodesic circles around the camera, SPACING apart; unless given, the least of 1, 2 and 5 times a power of ten
+    /// that is a quarter of the distance to the picture's edge or more. In the 3D view with --show-camera
     #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture", hide_short_help = true)]
     wavefronts: Option<Option<f64>>,
     /// Where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
@@ -168,7 +171,7 @@ pub(super) struct Arguments {
     /// May be given several times
     #[arg(long, value_name = "SURFACE=U,V:U,V:…", value_parser = argument::path, allow_hyphen_values = true, help_heading = "Drawn over the picture", hide_short_help = true)]
     path: Vec<PathArgument>,
-    /// An object that is not drawn; what lies on it is. May be given several times
+    /// An object to leave out; what lies on it is still drawn. May be given several times
     #[arg(long, value_name = "OBJECT", help_heading = "3D view")]
     hide: Vec<String>,
     /// A box around the scene, with ticks at round numbers
@@ -177,7 +180,8 @@ pub(super) struct Arguments {
     /// Of an .svg or a .pdf: the hidden parts of curves and geodesics, dashed
     #[arg(long, help_heading = "3D view", hide_short_help = true)]
     hidden_lines: bool,
-    /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA
+    /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA. In the traced view, the colour of the
+    /// sky straight up and down, unless the program has a `background`
     #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view", hide_short_help = true)]
     background: Option<[u8; 4]>,
     /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
@@ -198,13 +202,15 @@ pub(super) struct Arguments {
     /// Parallel lines of sight: equal lengths are equal in the picture
     #[arg(long, help_heading = "3D view")]
     orthographic: bool,
-    /// The samples of a pixel; unless given 16, through a lens 64
+    /// The samples of a pixel; unless given 16, through a lens 64, of a CRT script the script's own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(traced::MAX_SAMPLES)), help_heading = "Traced view")]
     samples: Option<u32>,
-    /// The reflections and refractions that are followed; unless given 8
+    /// At most how many reflections and refractions are followed along a ray; unless given 8, of a CRT script the script's
+    /// own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
     bounces: Option<u32>,
-    /// The formulas by which light becomes colours: geotrace, or crt, those of the CRT scene language
+    /// The formulas by which light becomes colours: geotrace, or crt, those of the CRT scene language; unless given
+    /// geotrace, of a CRT script crt
     #[arg(long, value_name = "LOOK", value_parser = argument::choice(&LOOKS), help_heading = "Traced view")]
     look: Option<PictureLook>,
     /// In the look crt, the exponent 1/GAMMA makes colours of light; unless given, the script's, or 1

@@ -14,8 +14,8 @@ use crate::registry::Context;
 
 /// See a program: in the live window, or, where there is no display, as pictures.
 ///
-/// Without a display it says so and writes the 3D view and, of the first surface, the geodesic view into the
-/// current folder.
+/// Without a display it says so and writes pictures into the current folder: the 3D view and, if there is a
+/// surface, the geodesic view of the first one.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program

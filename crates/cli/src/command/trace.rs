@@ -40,7 +40,7 @@ The status is one of
   complete      it has its full length
   left_domain   it reached an edge of the surface or of the solid
   cone_point    it ran into the tip of a cone, from where no direction is straight on
-  degenerate    the parametrisation lost its rank: σu and σv are parallel there; the gradient of a solid is 0 there
+  degenerate    σu and σv are parallel there; on a solid, the gradient is 0 there
   undefined     the surface is undefined there
   work_limit    it took more evaluations than allowed (--max-evaluations)"
 )]

@@ -27,10 +27,10 @@ pub(crate) fn read_limited(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Draws a picture and writes it: as SVG or PDF where the file is called so, else as PNG.
+/// Draws a picture and writes it: as PNG, SVG or PDF, as the file is called.
 ///
 /// # Errors
-/// A sentence; nothing is written.
+/// A sentence, also where the file is called otherwise; nothing is written.
 pub(crate) fn save_picture(
     path: &Path,
     views: &Views,
@@ -44,9 +44,13 @@ pub(crate) fn save_picture(
             let title = path.file_stem().unwrap_or_default().to_string_lossy();
             format.bytes(&layers, &title)?
         }
-        None => {
+        None if extension.eq_ignore_ascii_case("png") => {
             let picture = render::render(views, request, Backend::Auto, &|_| {});
             png(&picture.map_err(|error| error.to_string())?.image)?
+        }
+        None => {
+            let name = path.display();
+            return Err(format!("`{name}` does not end in one of png, svg, pdf"));
         }
     };
     write_whole(path, &bytes)

@@ -6,19 +6,26 @@ use std::path::{Path, PathBuf};
 
 use export::whole_file::write_whole;
 use serde::{Deserialize, Serialize};
+use session::Theme;
 
 /// The settings.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(crate) struct Settings {
     /// Set if what is chosen for a program is remembered in a file beside it.
     pub(crate) remembers_views: bool,
+    /// Light or dark, once it is chosen.
+    pub(crate) theme: Option<Theme>,
+    /// The scale of text and controls, once it is chosen.
+    pub(crate) scale: Option<f32>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
             remembers_views: true,
+            theme: None,
+            scale: None,
         }
     }
 }
@@ -72,7 +79,10 @@ mod tests {
         assert!(settings.now().remembers_views);
         settings.change(Settings {
             remembers_views: false,
+            scale: Some(1.5),
+            ..settings.now()
         });
+        assert_eq!(SharedSettings::in_folder(&place).now().scale, Some(1.5));
         assert!(!SharedSettings::in_folder(&place).now().remembers_views);
         std::fs::write(place.join("settings.json"), "{ broken").expect("written");
         assert_eq!(SharedSettings::in_folder(&place).now(), Settings::default());

@@ -247,6 +247,7 @@ impl Window {
     /// Draws the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
+        self.keep_appearance();
         let preferences = &self.model.view.preferences;
         self.display.apply_style(&context, preferences);
         self.model.is_light = !ui.visuals().dark_mode;

@@ -271,6 +271,48 @@ fn a_text_is_found_and_replaced() {
 }
 
 #[test]
+fn after_a_replacement_the_keys_are_those_of_the_text() {
+    let mut hand = Hand::on(SPHERE);
+    hand.press(Modifiers::COMMAND, Key::F);
+    hand.settle();
+    types(&mut hand, "cos");
+    hand.click_on(Role::Button, "Replace all");
+    hand.settle();
+    let text = Some((Role::MultilineTextInput, "Program text".to_owned()));
+    assert_eq!(hand.focused(), text);
+    let without = SPHERE.replace("cos", "");
+    assert_eq!(hand.window().text(), Some(without.as_str()));
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.window().text(), Some(SPHERE));
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(!hand.shows("Close the search"), "{:?}", hand.names());
+    assert_eq!(hand.focused(), text);
+    // What is typed takes the place of the word that was sought.
+    hand.press(Modifiers::COMMAND, Key::F);
+    hand.settle();
+    types(&mut hand, "point");
+    assert!(hand.shows("1 of 1"), "{:?}", hand.names());
+}
+
+#[test]
+fn the_cursor_goes_to_what_is_undone() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    hand.press(Modifiers::COMMAND, Key::Home);
+    hand.harness.run_steps(90);
+    hand.press(Modifiers::COMMAND, Key::End);
+    types(&mut hand, "# one");
+    hand.harness.run_steps(90);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(typed(&hand), "");
+    types(&mut hand, "# two");
+    assert_eq!(typed(&hand), "# two", "{:?}", hand.window().text());
+}
+
+#[test]
 fn a_word_under_the_pointer_is_described() {
     let mut hand = Hand::on(SPHERE);
     let text = hand

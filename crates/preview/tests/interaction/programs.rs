@@ -5,6 +5,7 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
+use session::Theme;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -220,6 +221,55 @@ fn the_dialogs_for_files_begin_in_the_name_and_enter_saves() {
         hand.press(Modifiers::NONE, Key::Enter);
         hand.until("it is there", |_| name.is_file());
     }
+}
+
+#[test]
+fn a_picture_does_not_take_the_place_of_a_program() {
+    let mut hand = Hand::on(SPHERE);
+    hand.press(Modifiers::COMMAND, Key::E);
+    hand.harness.run_steps(3);
+    let program = hand.path.display().to_string();
+    hand.enter("3d.png", &program);
+    assert!(hand.shows("There is such a file") && hand.shows("Replace"));
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.until("it is refused", |hand| {
+        hand.shows("does not end in one of png, svg, pdf")
+    });
+    let kept = std::fs::read_to_string(&hand.path).expect("a file");
+    assert_eq!(kept, SPHERE);
+}
+
+#[test]
+fn the_theme_is_that_of_all_programs() {
+    let state = tempfile::tempdir().expect("a folder");
+    let mut hand = Hand::on(SPHERE);
+    hand.window_mut().remember_paths_in(state.path());
+    hand.settings("Preferences");
+    hand.click_on(Role::ComboBox, "Theme");
+    hand.click("Light");
+    hand.settle();
+    let theme = |hand: &Hand| hand.window().model().view.preferences.theme;
+    assert_eq!(theme(&hand), Theme::Light);
+    // It holds for a program that had another one, …
+    let other = hand.path.with_file_name("other.gtr");
+    std::fs::write(&other, "point o = (1, 0, 0);\n").expect("written");
+    let beside = hand.path.with_file_name(".other.gtr.geotrace.json");
+    let dark = r#"{"format": 1, "view": {"preferences": {"theme": "dark"}}}"#;
+    std::fs::write(&beside, dark).expect("written");
+    hand.press(Modifiers::COMMAND, Key::O);
+    hand.until("a name can be entered", |hand| hand.shows("Open program"));
+    let end = std::path::MAIN_SEPARATOR.to_string();
+    enter_file(&mut hand, &end, &other, "Open");
+    assert!(hand.window().model().object("o").is_some());
+    assert_eq!(theme(&hand), Theme::Light);
+    // … and in the next window.
+    let folder = hand.close();
+    std::fs::write(&beside, dark).expect("written");
+    let mut hand = Hand::opened(other, folder);
+    assert_eq!(theme(&hand), Theme::Dark, "what is beside it");
+    hand.window_mut().remember_paths_in(state.path());
+    hand.settle();
+    assert_eq!(theme(&hand), Theme::Light);
 }
 
 #[test]

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::build;
 use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
+use crate::solid::AffineNodes;
 
 /// The most leaves of a program.
 pub const MAX_CONVERTED_LEAVES: u64 = 10_000;
@@ -198,9 +199,13 @@ impl<'w> Writer<'w> {
                             work.push(WriteStep::Entity(a, map));
                         }
                         Some(Node::Object(object)) => {
-                            let mut leaf = self.leaf(object, object.first, &map);
+                            let Some(mut leaf) = self.leaf(object, object.first, &map) else {
+                                return;
+                            };
                             if let Some((operation, shape, own)) = object.second {
-                                let other = self.leaf(object, (shape, own), &map);
+                                let Some(other) = self.leaf(object, (shape, own), &map) else {
+                                    return;
+                                };
                                 leaf = self.joined(operation, leaf, other);
                             }
                             done.push(leaf);
@@ -303,17 +308,19 @@ impl<'w> Writer<'w> {
         }
     }
 
+    /// A shape; `None` where its map takes volumes to 0: nothing is drawn of a set with one.
     fn leaf(
         &mut self,
         object: &ObjectNode,
         (shape, own): (UnitShape, Map),
         around: &Map,
-    ) -> SetText {
+    ) -> Option<SetText> {
         let map = swapped(&around.after(&own));
         let text = match (shape, half_space(&map)) {
             (UnitShape::HalfSpace, Some(half)) => {
                 self.function("half", affine(half.normal, -half.offset))
             }
+            _ if AffineNodes::is_flat(map.0.as_flattened()) => return None,
             _ => self.placed(shape, &map),
         };
         let kind = object.made.split(' ').next().unwrap_or_default();
@@ -321,13 +328,13 @@ impl<'w> Writer<'w> {
             Some(name) => name.to_string(),
             None => kind.to_ascii_lowercase(),
         };
-        SetText {
+        Some(SetText {
             text,
             binding: SetBinding::Leaf,
             brackets: 0,
             material: Some(object.material.clone()),
             name,
-        }
+        })
     }
 
     /// The name of the function of x, y, z that gives this.

@@ -75,6 +75,7 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
     };
     let lexer = Lexer::new(source);
     let mut parser = Parser::new(lexer, parsed.clone(), actions, Mode::Expression);
+    parser.is_expression = true;
     parser.lone_expression();
     !parser.state.faulty
 }
@@ -136,6 +137,8 @@ struct Parser<'s, 'a, A, S> {
     deferred: Vec<(usize, Deferred)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
+    /// The text is a lone expression, and what is declared is declared in another one.
+    is_expression: bool,
 }
 
 /// The state of the declaration that is being read.
@@ -191,6 +194,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
             deferred: Vec::new(),
             lines: OnceCell::new(),
             declared_below: OnceCell::new(),
+            is_expression: false,
         };
         parser.fetch(mode);
         parser
@@ -359,7 +363,7 @@ impl<A: Actions, S: NameScope> References for Parser<'_, '_, A, S> {
 
     fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)> {
         let symbol = self.parsed.symbol(symbol);
-        let span = symbol.name_span?;
+        let span = symbol.name_span.filter(|_| !self.is_expression)?;
         Some((symbol, span, self.line_of(span.start)))
     }
 

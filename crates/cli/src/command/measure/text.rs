@@ -64,8 +64,8 @@ circle of radius {}
     )
 }
 
-/// The geodesics between two places, which are loops where both are `one_place`.
-pub(super) fn between(found: &Connections, one_place: bool) -> String {
+/// The geodesics from one place to another, which are loops where both are `one_place`.
+pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool) -> String {
     let Some(first) = found.found.first() else {
         return String::new();
     };
@@ -85,8 +85,10 @@ pub(super) fn between(found: &Connections, one_place: bool) -> String {
         } else {
             ""
         };
+        let start = super::other_start(it, from);
+        let start = start.map_or_else(String::new, |at| format!(" from {}", show_all(&at)));
         text.push_str(&format!(
-            "  length {:<20} direction {} in (u, v){family}\n",
+            "  length {:<20} direction {} in (u, v){start}{family}\n",
             show_measured(it.length),
             show_all(&it.direction.0)
         ));

@@ -193,7 +193,8 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
 /// The dialog; also whether its command is to be copied.
 fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
     let mut copies = false;
-    let decision = modal(ui, "Save picture", "Save", |ui| {
+    let verb = verb(Path::new(&dialog.path));
+    let decision = modal(ui, "Save picture", verb, |ui| {
         let mut choose = false;
         Grid::new("picture").num_columns(2).show(ui, |ui| {
             let sides = 1..=render::MAX_SIDE;
@@ -207,7 +208,7 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
             choose = file(ui, &mut dialog.path);
         });
         ui.label(
-            "A name that ends in svg or pdf has the lines and words of the 3D view as vectors.",
+            "The extension says which format: png, or svg and pdf, which have the lines and words of the 3D view as vectors.",
         );
         transparency(&mut dialog.transparent, ui);
         replaced(ui, Path::new(&dialog.path));
@@ -248,7 +249,8 @@ fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
 }
 
 fn mesh(path: &mut String, ui: &Ui) -> Decision {
-    modal(ui, "Export mesh", "Save", |ui| {
+    let verb = verb(Path::new(path));
+    modal(ui, "Export mesh", verb, |ui| {
         let mut choose = false;
         Grid::new("mesh").num_columns(2).show(ui, |ui| {
             choose = file(ui, path);
@@ -309,6 +311,11 @@ pub(crate) fn take_keys(path: &str, ui: &Ui) {
     );
     state.cursor.set_char_range(Some(marked));
     state.store(ui.ctx(), field);
+}
+
+/// Returns the word on the button that writes a file.
+pub(crate) fn verb(path: &Path) -> &'static str {
+    if path.is_file() { "Replace" } else { "Save" }
 }
 
 /// Says that a file will be replaced, if there is one.

@@ -64,7 +64,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     };
     let (title, verb) = match dialog.purpose {
         FileAction::Open => ("Open program", "Open"),
-        FileAction::Save(_) => ("Save program", "Save"),
+        FileAction::Save(_) => ("Save program", picture::verb(Path::new(&dialog.path))),
     };
     let saves = dialog.purpose != FileAction::Open;
     let decision = picture::modal(ui, title, verb, |ui| {

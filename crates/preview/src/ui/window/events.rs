@@ -214,6 +214,7 @@ impl Window {
                     *path = place.map(PathBuf::from);
                     if let Some(path) = path.clone() {
                         self.remember(path);
+                        self.take_appearance();
                     }
                 }
             }

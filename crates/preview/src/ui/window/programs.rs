@@ -87,7 +87,35 @@ impl Window {
             self.records.view_store = None;
             self.model.turn_to(View::default());
         }
+        self.take_appearance();
         self.note_recent();
+    }
+
+    /// Gives the window the theme and the scale that were chosen last, in any window.
+    pub(super) fn take_appearance(&mut self) {
+        let settings = self.records.settings.now();
+        let mut view = self.model.view.clone();
+        let preferences = &mut view.preferences;
+        preferences.theme = settings.theme.unwrap_or(preferences.theme);
+        preferences.scale = settings.scale.unwrap_or(preferences.scale);
+        self.records.appearance = Some((preferences.theme, preferences.scale));
+        if view != self.model.view {
+            self.model.turn_to(view);
+        }
+    }
+
+    /// Remembers the theme and the scale for all programs, if others have been chosen since the program was opened.
+    pub(super) fn keep_appearance(&mut self) {
+        let preferences = &self.model.view.preferences;
+        let now = (preferences.theme, preferences.scale);
+        let before = self.records.appearance.replace(now);
+        if before.is_some_and(|before| before != now) {
+            self.records.settings.change(Settings {
+                theme: Some(now.0),
+                scale: Some(now.1),
+                ..self.records.settings.now()
+            });
+        }
     }
 
     /// Returns whether views are remembered beside programs.
@@ -99,6 +127,7 @@ impl Window {
     pub(crate) fn remember_views(&mut self, on: bool) {
         self.records.settings.change(Settings {
             remembers_views: on,
+            ..self.records.settings.now()
         });
         self.records.view_store = None;
         let is_new = matches!(&self.text.source, TextSource::File { editor, .. } if editor.is_new);
@@ -166,6 +195,7 @@ impl Window {
         };
         self.show_editor(editor, watch);
         self.remember(path);
+        self.take_appearance();
         if let Some(sentence) = trouble {
             self.status_message = Some(StatusMessage::error(sentence));
         }

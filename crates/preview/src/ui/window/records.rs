@@ -1,6 +1,6 @@
 //! The memory of a window between runs, and its counters.
 
-use session::Model;
+use session::{Model, Theme};
 
 use crate::io::path_list::PathList;
 use crate::io::persistence::ViewStore;
@@ -15,6 +15,8 @@ pub(crate) struct Records {
     pub(crate) counters: Counters,
     /// The settings that hold for all programs.
     pub(super) settings: SharedSettings,
+    /// The theme and the scale that the program was opened with.
+    pub(super) appearance: Option<(Theme, f32)>,
     /// The programs that were opened last.
     pub(crate) recent: PathList,
     /// Writes the counters after each frame.

@@ -45,6 +45,7 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     let digits = lines.to_string().len().max(2);
     let width = font.size * 0.65 * digits as f32 + 8.0;
     let before = editor.version;
+    let undone = steps_back(ui).then(|| editor.text.clone());
     let by_keys = keys::take(ui, id(), editor, &mut text.assistant);
     let (painter, assistant) = (&mut text.painter, &mut text.assistant);
     let language = Arc::clone(&editor.language);
@@ -60,10 +61,10 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
             .desired_width(f32::INFINITY)
             .min_size(egui::vec2(0.0, room - ui.spacing().item_spacing.y))
             .layouter(&mut layouter);
-        // While a list is open, these keys are the list's. Tab goes on to the next control until something is typed.
+        // While a list is open, these keys are the list's; Escape is the search's, too. Tab goes on to the next control until something is typed.
         let filter = EventFilter {
             tab: assistant.is_open() || assistant.is_writing,
-            escape: assistant.is_open(),
+            escape: assistant.is_open() || text.find.is_open(),
             ..field.get_event_filter()
         };
         let output = field.event_filter(filter).show(ui);
@@ -79,6 +80,12 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     assistant.is_writing &= response.has_focus();
     // A field gives the keys away in a frame in which anything else is clicked on: it gets them after that.
     let is_clicked = ui.input(|input| input.pointer.any_click());
+    if let Some(before) = undone.filter(|before| *before != editor.text) {
+        let at = change_end(&before, &editor.text);
+        let cursor = characters(&editor.text, at..at);
+        keys::select(ui, id(), cursor);
+        ui.scroll_to_rect(place_of(&output, cursor.primary), None);
+    }
     // The list of errors may have taken the line that is being written out of sight.
     let known = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or(id(), room), room));
     if room < known - 1.0
@@ -112,6 +119,29 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
         }
     }
     edited
+}
+
+/// Returns whether the field is asked to undo, or to do again what it has undone. It puts the cursor where that was before the
+/// change, which may be far from it.
+fn steps_back(ui: &Ui) -> bool {
+    let has_keys = ui.memory(|memory| memory.has_focus(id()));
+    has_keys
+        && ui.input(|input| {
+            let command = input.modifiers.command;
+            command && (input.key_pressed(egui::Key::Z) || input.key_pressed(egui::Key::Y))
+        })
+}
+
+/// Returns the end of the part of a text, in bytes, in which it differs from the one before.
+fn change_end(before: &str, after: &str) -> usize {
+    let common = |a: &mut dyn Iterator<Item = char>, b: &mut dyn Iterator<Item = char>| {
+        let pairs = a.zip(b).take_while(|(x, y)| x == y);
+        pairs.map(|(x, _)| x.len_utf8()).sum::<usize>()
+    };
+    let start = common(&mut before.chars(), &mut after.chars());
+    let [old, new] = [before, after].map(|text| text[start..].chars().rev());
+    let (mut old, mut new) = (old, new);
+    after.len() - common(&mut old, &mut new)
 }
 
 /// Puts texts whose place another one has taken among what the field can undo, which sees only what is typed into it.
@@ -214,7 +244,12 @@ fn hover(
 /// Returns the rectangles of a range of bytes on the screen, one for each row.
 pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) -> Vec<Rect> {
     let range = characters(text, range);
-    let [start, end] = [range.secondary, range.primary].map(|cursor| place_of(output, cursor));
+    // Where a row is broken, a range begins on the next one.
+    let first = CCursor {
+        prefer_next_row: true,
+        ..range.secondary
+    };
+    let [start, end] = [first, range.primary].map(|cursor| place_of(output, cursor));
     if (start.top() - end.top()).abs() < 1.0 {
         return vec![Rect::from_min_max(start.left_top(), end.right_bottom())];
     }

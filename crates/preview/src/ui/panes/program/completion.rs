@@ -63,7 +63,7 @@ struct List {
 
 impl Assistant {
     /// Returns whether a list is open.
-    pub(super) fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.list.is_some()
     }
 

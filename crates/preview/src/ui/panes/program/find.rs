@@ -6,7 +6,8 @@ use session::editor::{Editor, Jump};
 use session::typing;
 use syntax::span::Span;
 
-use super::code::rects;
+use super::code::{self, rects};
+use super::keys;
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::{TextSource, Window, WindowText};
 
@@ -42,7 +43,10 @@ impl Window {
         if !self.text.find.is_open {
             return;
         }
-        if pressed(Modifiers::SHIFT, Key::F3) {
+        let is_in_text = ui.memory(|memory| memory.has_focus(code::id()));
+        if is_in_text && !self.text.assistant.is_open() && pressed(Modifiers::NONE, Key::Escape) {
+            self.text.find.is_open = false;
+        } else if pressed(Modifiers::SHIFT, Key::F3) {
             self.text.go(Direction::Previous);
         } else if pressed(Modifiers::NONE, Key::F3) {
             self.text.go(Direction::Next);
@@ -54,6 +58,13 @@ impl Window {
         self.panes.bring_forward(&session::pane::Pane::Program);
         self.text.find.is_open = true;
         self.text.find.wants_focus = true;
+    }
+}
+
+impl Find {
+    /// Returns whether the bar is open.
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
     }
 }
 
@@ -103,6 +114,8 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
         let field = field.accessible_name("Find");
         if std::mem::take(&mut find.wants_focus) {
             field.request_focus();
+            // What is typed takes the place of the word of the last search.
+            keys::select(ui, field.id, keys::everything(&find.wanted));
         }
         if field.changed() {
             find.current = 0;
@@ -133,6 +146,7 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
         } else if down {
             step = Some(Direction::Next);
         }
+        find.wants_focus |= up || down;
         let number = match places.len() {
             0 if find.wanted.is_empty() => String::new(),
             0 => "not found".to_owned(),
@@ -160,6 +174,8 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
                 text.replace_range(place.clone(), &find.replacement);
             }
             editor.replace(text);
+            // Undo, and the keys that follow, are those of the text.
+            editor.wants_keys = true;
             edited = true;
             let places = typing::find(&editor.text, &find.wanted);
             if let Some(next) = places.get(find.current).or(places.first()) {
