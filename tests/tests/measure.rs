@@ -221,7 +221,7 @@ fn people_read_sentences() {
         ("--between 0,0 2pi,0", "distance 0; 2 loops"),
         ("--between 0,pi/2 1,pi/2", "distance 0; "),
         // A pole lies on all meridians.
-        ("--between 0,pi/2 1,0", "in (u, v) from (1, "),
+        ("--between 0,pi/2 1,0", "in (u, v) from (1.0"),
         ("--triangle 0,0 1,0 0,1", "angle excess"),
     ] {
         measure(SPHERE, arguments)
