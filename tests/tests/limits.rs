@@ -1,6 +1,6 @@
 //! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
 
-use export::mesh::MOST_CELLS;
+use export::mesh::{MOST_CELLS, USUAL_CELLS};
 use geodesic::fan::MOST_FOR_RAYS;
 use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
 use geodesic::measure::MOST_CONNECTIONS;
@@ -199,11 +199,18 @@ fn pictures() -> Vec<Limit> {
             "fewer instances; what differs by place alone is moved by a map, and read once",
         ),
         limit(
-            "cells along the longest side of a solid's mesh; of more than 32 solids in a file so many fewer that all have about as many triangles",
-            MOST_CELLS,
+            "cells along the longest side of a solid's mesh without counts; of more than 32 solids in a file so many fewer that all have about as many triangles",
+            USUAL_CELLS,
             "memory and run time",
-            "cells along its longest side, not {MOST_CELLS}",
-            "`--object`: fewer solids in a file",
+            "cells along its longest side, not {USUAL_CELLS}",
+            "counts of intervals, `x : [-3, 3, 400]`; `--object`: fewer solids in a file",
+        ),
+        limit(
+            "cells along the longest side of a solid's mesh with counts",
+            MOST_CELLS,
+            "memory: the corners of the cells take 128 MB, the triangles more",
+            "cells along its longest side, the most there may be",
+            "intervals that cut the solid into smaller ones",
         ),
         limit(
             "samples of a pixel in the traced view",

@@ -18,7 +18,7 @@ mod solid;
 mod stl;
 mod weld;
 
-pub use solid::{FINE_SOLIDS, LEAST_CELLS, MOST_CELLS};
+pub use solid::{FINE_SOLIDS, LEAST_CELLS, MOST_CELLS, USUAL_CELLS};
 pub use weld::{Mesh, Vertex};
 
 use std::fmt;
@@ -67,7 +67,7 @@ pub struct Part {
     pub object: ObjectId,
     /// Its name.
     pub name: String,
-    /// Its colour, sRGB; multiplies the texture.
+    /// Its colour, sRGB; multiplies the texture. Colours of places replace it.
     pub colour: [u8; 3],
     /// Its shape.
     pub geometry: Geometry,
@@ -102,6 +102,8 @@ pub enum ExportError {
         format: MeshFormat,
         /// The names of the objects that the format does not hold.
         left_out: Vec<String>,
+        /// The model's notes: they may say why nothing is there.
+        notes: Vec<String>,
     },
     /// The format cannot count so many vertices or bytes.
     TooLarge {
@@ -174,28 +176,33 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let solids = solids.count();
     let mut fineness = Fineness::of(solids);
     let cells = fineness.cells;
-    if cells < MOST_CELLS {
+    if cells < USUAL_CELLS {
         model.notes.push(format!(
-            "each of the {solids} solids has {cells} cells along its longest side, not {MOST_CELLS}: fewer solids in a file have more"
+            "each of the {solids} solids has {cells} cells along its longest side, not {USUAL_CELLS}, unless it states counts: fewer solids in a file have more"
         ));
     }
     for (id, object) in all {
         let index = id.0 as usize;
-        let (geometry, notes) = geometry(
-            scene,
-            params,
-            request,
-            id,
-            object,
-            &placement,
-            &mut fineness,
-        );
+        let (geometry, notes) = match object.shape.solid() {
+            Some(_) => {
+                let (mesh, notes) =
+                    solid::meshed(scene, params, object, colours[index], &mut fineness);
+                let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
+                let plain = |mesh| Geometry::Surface(mesh, Texture::plain());
+                (mesh.map(plain), notes)
+            }
+            None => geometry(scene, params, request, id, object, &placement),
+        };
         model.notes.extend(notes);
-        model.parts.extend(geometry.map(|geometry| Part {
-            object: id,
-            name: object.name.clone(),
-            colour: colours[index],
-            geometry,
+        model.parts.extend(geometry.map(|geometry| {
+            let mut part = Part {
+                object: id,
+                name: object.name.clone(),
+                colour: colours[index],
+                geometry,
+            };
+            part.join_colours();
+            part
         }));
     }
     model
@@ -219,7 +226,11 @@ impl Model {
             .map(|part| part.name.clone())
             .collect();
         if left_out.len() == self.parts.len() {
-            return Err(ExportError::Nothing { format, left_out });
+            return Err(ExportError::Nothing {
+                format,
+                left_out,
+                notes: self.notes.clone(),
+            });
         }
         let vertices: usize = self.parts.iter().map(Part::vertices).sum();
         // PLY's indices are signed, and glTF keeps the greatest one for itself.
@@ -247,6 +258,17 @@ impl Model {
 }
 
 impl Part {
+    /// Makes the colour of all places, where it is one, the part's.
+    fn join_colours(&mut self) {
+        if let Geometry::Surface(mesh, _) = &mut self.geometry
+            && let Some(&first) = mesh.colours.first()
+            && mesh.colours.iter().all(|colour| *colour == first)
+        {
+            self.colour = first;
+            mesh.colours.clear();
+        }
+    }
+
     /// The number of triangles.
     pub fn triangles(&self) -> usize {
         match &self.geometry {
@@ -304,7 +326,7 @@ impl Polylines {
     }
 }
 
-/// The shape of an object, if any of it is defined, and sentences for the user.
+/// The shape of an object that is no solid, if any of it is defined, and sentences for the user.
 fn geometry(
     scene: &Scene,
     params: &ParamValues,
@@ -312,16 +334,7 @@ fn geometry(
     id: ObjectId,
     object: &Object,
     placement: &Placement,
-    fineness: &mut Fineness,
 ) -> (Option<Geometry>, Vec<String>) {
-    if object.shape.solid().is_some() {
-        let (mesh, notes) = solid::meshed(scene, params, object, fineness);
-        let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
-        return (
-            mesh.map(|mesh| Geometry::Surface(mesh, Texture::plain())),
-            notes,
-        );
-    }
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
     // A geodesic has samples, but no expression for its position.
     let geometry = match (&samples, object.shape.position()) {
@@ -395,18 +408,28 @@ fn listed(names: &[String]) -> String {
 impl fmt::Display for ExportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nothing { left_out, .. } if left_out.is_empty() => {
+            Self::Nothing {
+                left_out, notes, ..
+            } if left_out.is_empty() => {
+                let reason = match notes[..] {
+                    [] => "nothing is drawn in space",
+                    _ => &notes.join("; "),
+                };
+                write!(f, "there is nothing to be exported: {reason}")
+            }
+            Self::Nothing {
+                format,
+                left_out,
+                notes,
+            } => {
                 write!(
                     f,
-                    "there is nothing to be exported: nothing is drawn in space"
-                )
+                    "{} holds surfaces and nothing else, so {} left out and nothing remains",
+                    format.name(),
+                    listed(left_out)
+                )?;
+                notes.iter().try_for_each(|note| write!(f, "; {note}"))
             }
-            Self::Nothing { format, left_out } => write!(
-                f,
-                "{} holds surfaces and nothing else, so {} left out and nothing remains",
-                format.name(),
-                listed(left_out)
-            ),
             Self::TooLarge { format } => {
                 write!(
                     f,

@@ -6,7 +6,7 @@ mod scenes;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use export::mesh::{ExportError, FINE_SOLIDS, Geometry, MeshFormat, Model, model};
+use export::mesh::{ExportError, FINE_SOLIDS, Geometry, MOST_CELLS, MeshFormat, Model, model};
 use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
@@ -429,6 +429,8 @@ fn every_example_can_be_exported_in_every_format() {
             continue;
         }
         let model = exported(&std::fs::read_to_string(&path).expect("an example"));
+        let thin = model.notes.iter().find(|note| note.contains("thinner"));
+        assert_eq!(thin, None, "{path:?}");
         for format in MeshFormat::ALL {
             match model.write(format, &mut std::io::sink()) {
                 Ok(_) => {}
@@ -464,7 +466,252 @@ fn many_solids_have_fewer_cells_each_and_say_so() {
     assert_eq!(
         notes,
         [
-            "each of the 128 solids has 64 cells along its longest side, not 128: fewer solids in a file have more"
+            "each of the 128 solids has 64 cells along its longest side, not 128, unless it states counts: fewer solids in a file have more"
         ]
     );
+}
+
+const TWO_BALLS: &str = "solid a(x,y,z) = x^2+y^2+z^2-1, color : (1,0,0); \
+    solid b(x,y,z) = (x-3)^2+y^2+z^2-1, color : (0,x/4,0);";
+
+/// The places and the colours of a PLY file's vertices.
+fn coloured_places(model: &Model) -> Vec<(DVec3, [u8; 3])> {
+    let ply = read_ply(&file(model, MeshFormat::Ply));
+    let float = |vertex: &DefaultElement, name: &str| match vertex[name] {
+        Property::Double(x) => x,
+        ref other => panic!("{other:?}"),
+    };
+    let byte = |vertex: &DefaultElement, name: &str| match vertex[name] {
+        Property::UChar(byte) => byte,
+        ref other => panic!("{other:?}"),
+    };
+    let vertices = ply.payload["vertex"].iter();
+    let each = vertices.map(|vertex| {
+        let place = DVec3::from(["x", "y", "z"].map(|axis| float(vertex, axis)));
+        (
+            place,
+            ["red", "green", "blue"].map(|name| byte(vertex, name)),
+        )
+    });
+    each.collect()
+}
+
+/// The linear light of a part of an sRGB colour, from 0 to 1.
+fn linear(part: f64) -> f64 {
+    if part <= 0.04045 {
+        part / 12.92
+    } else {
+        ((part + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+#[test]
+fn vertices_of_solids_have_the_colours_of_their_faces() {
+    let model = exported(TWO_BALLS);
+    assert_eq!(model.notes, [] as [&str; 0]);
+    let mut greens = Vec::new();
+    for (place, colour) in coloured_places(&model) {
+        if place.x < 1.5 {
+            assert_eq!(colour, [255, 0, 0], "{place}");
+        } else {
+            let [red, green, blue] = colour;
+            assert_eq!([red, blue], [0, 0]);
+            assert!((f64::from(green) - 255.0 * place.x / 4.0).abs() <= 1.0);
+            greens.push(green);
+        }
+    }
+    assert_eq!(greens.iter().max(), Some(&255));
+    assert!(greens.iter().any(|green| *green < 130));
+
+    // A set shows the faces of its leaves; one colour is that of the whole, of glass too.
+    let set = exported(
+        "solid a(x,y,z) = x^2+y^2+z^2-1, color : (1,0,0); \
+        solid b(x,y,z) = (x-1)^2+y^2+z^2-1, color : (0,0,1); \
+        solid s = a | b; solid g = a \\ b @ (0,0,1), color : (0.2,0.4,0.6), glass : 0.8;",
+    );
+    let mut counts = [0; 3];
+    for (place, colour) in coloured_places(&set) {
+        let kind = match colour {
+            [255, 0, 0] => 0,
+            [0, 0, 255] => 1,
+            _ => 2,
+        };
+        counts[kind] += 1;
+        let [of_a, of_b] = [place, place - DVec3::X].map(|from| (from.length() - 1.0).abs() < 0.01);
+        match kind {
+            0 => assert!(of_a, "{place}"),
+            1 => assert!(of_b, "{place}"),
+            _ => assert_eq!(colour, [51, 102, 153]),
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 5000), "{counts:?}");
+    assert_eq!(set.parts[1].colour, [51, 102, 153]);
+}
+
+#[test]
+fn gltf_has_the_colour_of_a_solid_or_those_of_its_vertices() {
+    let binary = file(&exported(TWO_BALLS), MeshFormat::Glb);
+    let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");
+    let blob = binary.blob.clone().expect("data");
+    let primitives = binary
+        .meshes()
+        .map(|mesh| mesh.primitives().next().expect("a primitive"));
+    let [a, b] = primitives
+        .collect::<Vec<_>>()
+        .try_into()
+        .expect("two meshes");
+    let base = |of: &gltf::Primitive<'_>| {
+        let material = of.material();
+        material.pbr_metallic_roughness().base_color_factor()
+    };
+    assert_eq!(base(&a), [1.0, 0.0, 0.0, 1.0]);
+    assert!(a.get(&gltf::Semantic::Colors(0)).is_none());
+    assert_eq!(base(&b), [1.0; 4]);
+    let reader = b.reader(|_| Some(&blob[..]));
+    let colours = reader.read_colors(0).expect("colours").into_rgb_f32();
+    let positions = reader.read_positions().expect("positions");
+    assert_eq!(colours.len(), positions.len());
+    for ([red, green, blue], [x, _, _]) in colours.zip(positions) {
+        assert_eq!([red, blue], [0.0; 2]);
+        let expected = linear(f64::from(x) / 4.0);
+        assert!(
+            (f64::from(green) - expected).abs() < 0.01,
+            "{green} at {x}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn counts_of_intervals_say_how_fine_a_solid_is() {
+    let ball = |intervals: &str| {
+        let source = format!("solid b(x,y,z) = x^2+y^2+z^2-1{intervals};");
+        let model = exported(&source);
+        assert_eq!(model.notes, [] as [&str; 0]);
+        let solid = Solid::of_obj(&model);
+        assert!(solid.is_watertight());
+        assert_eq!(solid.euler(), 2);
+        solid
+    };
+    let usual = ball("").triangles.len();
+    assert_eq!(ball(", x : [-1.1,1.1]").triangles.len(), usual);
+    let sizes = [20, 40, 80, 160].map(|n| {
+        let fine = format!(", x : [-1.1,1.1,{n}]");
+        let same = format!("{fine}, z : [-1.1,1.1,{}]", n / 2);
+        let solid = ball(&fine);
+        assert_eq!(
+            ball(&same).places,
+            solid.places,
+            "the smallest cell is taken"
+        );
+        let cell = 2.2 / f64::from(n);
+        for triangle in &solid.triangles {
+            let [a, b] = [triangle[0], triangle[1]].map(|corner| solid.places[corner]);
+            // The vertices of neighbouring cells.
+            assert!((a - b).abs().max_element() < 2.0 * cell + 1e-9);
+        }
+        solid.triangles.len()
+    });
+    for pair in sizes.windows(2) {
+        let ratio = pair[1] as f64 / pair[0] as f64;
+        assert!((3.5..4.5).contains(&ratio), "{sizes:?}");
+    }
+    assert!(sizes[2] < usual && usual < sizes[3]);
+
+    // A part's cells are scaled with it.
+    let part = "solid p(x,y,z) = x^2+y^2+z^2-1, x : [-1.1,1.1,40]; solid s = p @ scale 3;";
+    assert_eq!(Solid::of_obj(&exported(part)).triangles.len(), sizes[1]);
+    let set = "solid p(x,y,z) = x^2+y^2+z^2-1; solid s = p, x : [-1.1,1.1,40], y : [-1.1,1.1];";
+    assert_eq!(Solid::of_obj(&exported(set)).triangles.len(), sizes[1]);
+}
+
+#[test]
+fn a_count_that_is_too_large_is_told() {
+    let bar = |count: u32| {
+        let source = format!("solid b(x,y,z) = max(abs y, abs z) - 0.005, x : [0, 1, {count}];");
+        let model = exported(&source);
+        (Solid::of_obj(&model).triangles.len(), model.notes)
+    };
+    let (most, notes) = bar(MOST_CELLS);
+    assert_eq!(notes, [] as [&str; 0]);
+    assert_eq!(
+        bar(4000),
+        (
+            most,
+            vec![
+                "`b` has 512 cells along its longest side, the most there may be: its counts ask for 4000"
+                    .to_owned()
+            ]
+        )
+    );
+}
+
+#[test]
+fn what_is_thinner_than_a_cell_is_told() {
+    let plate = "solid plate(x,y,z) = max(abs x - 5, abs y - 5, abs z - 0.02); \
+        solid hole(x,y) = x^2+y^2-0.09; solid s = plate \\ hole @ (1,0,0)";
+    let model = exported(&format!("{plate};"));
+    let told = "`s` has no mesh: it is thinner than a cell of 0.078 everywhere; counts make cells smaller: `x : [-5.1, 5.1, 512]`";
+    assert_eq!(model.notes, [told]);
+    let error = model
+        .write(MeshFormat::Obj, &mut Vec::new())
+        .expect_err("nothing");
+    assert_eq!(
+        error.to_string(),
+        format!("there is nothing to be exported: {told}")
+    );
+    // Smaller cells help.
+    let model = exported(&format!("{plate}, x : [-5.1, 5.1, 300];"));
+    assert_eq!(model.notes, [] as [&str; 0]);
+    let solid = Solid::of_obj(&model);
+    assert!(solid.is_watertight());
+    assert_eq!(solid.euler(), 0, "a plate with a hole");
+    let volume = 0.04 * (100.0 - PI * 0.09);
+    assert!((solid.volume() / volume - 1.0).abs() < 1e-3);
+
+    let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
+    assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
+
+    for (source, is_partly_thin) in [
+        // A brim, a shell, and a plate that no axis is normal to.
+        ("solid t = ball | brim", true),
+        ("solid t(x,y,z) = abs(x^2+y^2+z^2-1) - 0.005", true),
+        ("solid t = plate @ rotate (0.5,0.7,0)", true),
+        ("solid t = ball", false),
+        (
+            "solid t = ball @ scale (3,1,1) @ rotate (0.3,0.4,0.5)",
+            false,
+        ),
+        ("solid t = cube", false),
+        ("solid t = cube @ rotate (0,0,pi/4)", false),
+        ("solid t = cube @ rotate (0.3,0.4,0.5)", false),
+        ("solid t = cube \\ ball @ scale 1.2", false),
+        ("solid t(x,y,z) = x^2+y^2-1, z : [-1,1]", false),
+        ("solid t(x,y,z) = x^2+y^2-z^2, z : [-1,1]", false),
+        ("solid t(x,y,z) = (sqrt(x^2+y^2)-2)^2+z^2-1/4", false),
+        (
+            "solid t = ball & ball @ (1,0,0) & ball @ (0.4,0.3,0.8)",
+            false,
+        ),
+        ("solid t(x,y,z) = abs x + abs y + abs z - 1", false),
+        // Rods that are three cells thick.
+        ("solid t = rod", false),
+        ("solid t = rod @ rotate (0.3,0.4,0.5)", false),
+    ] {
+        let source = format!(
+            "function brim(x,y,z) = max(x^2+y^2-9, abs z - 0.01); \
+            function plate(x,y,z) = max(abs x - 5, abs y - 5, abs z - 0.02); \
+            function ball(x,y,z) = x^2+y^2+z^2-1; \
+            function cube(x,y,z) = max(abs x, abs y, abs z) - 1; \
+            function rod(x,y,z) = max(x^2+y^2-0.005, abs z - 3); {source};"
+        );
+        let model = exported(&source);
+        assert!(model.parts[0].triangles() > 0, "{source}");
+        let notes = &model.notes;
+        let told = "parts of `t` are thinner than a cell (0.";
+        assert!(
+            notes.iter().all(|note| note.starts_with(told)),
+            "{source}: {notes:?}"
+        );
+        assert_eq!(notes.len(), usize::from(is_partly_thin), "{source}");
+    }
 }

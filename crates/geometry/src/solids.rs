@@ -75,6 +75,8 @@ pub struct RayScene {
 struct RayContent {
     glass: Vec<Option<Glass>>,
     opaque: Vec<bool>,
+    /// For each solid of the world, the length of a mesh cell that its intervals state.
+    cells: Vec<Option<f64>>,
     objects: Vec<RayObject>,
     /// The object of each solid of the world.
     solids: Vec<usize>,
@@ -269,6 +271,12 @@ impl RayScene {
     /// The objects that rays may meet.
     pub fn objects(&self) -> &[RayObject] {
         &self.content.objects
+    }
+
+    /// The largest cell that a mesh of a solid of the world may have: the smallest that a counted interval of one of its
+    /// leaves asks for. `None` where no interval has a count.
+    pub fn stated_cell(&self, solid: usize) -> Option<f64> {
+        self.content.cells[solid]
     }
 
     /// The object of a solid of the world.
@@ -595,6 +603,7 @@ impl<'a> Draft<'a> {
         }
         let number = self.object(id, object);
         self.content.solids.push(number);
+        self.content.cells.push(expanded.stated_cell(solid));
         let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
         let first_look = self.content.looks.len() as u32;
         let first_name = self.content.names.len() as u32;
@@ -674,6 +683,7 @@ impl<'a> Draft<'a> {
         }
         let number = self.object(Some(id), object);
         self.content.solids.push(number);
+        self.content.cells.push(None);
         self.content.glass.push(None);
         let color = (self.options.color)(id);
         let look = LookProgram::new(

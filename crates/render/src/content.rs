@@ -264,8 +264,11 @@ impl<'a> Writer<'a> {
             // Notes name the leaf.
             self.text(&leaf.name);
             for cut in &leaf.cuts {
-                let words = cut.as_ref().map_or([u64::MAX; 3], sampling_words);
-                self.words.extend(words);
+                let words = cut.map(|cut| {
+                    let [min, max] = [cut.range.min, cut.range.max].map(f64::to_bits);
+                    [min, max, cut.cells.map_or(0, u64::from)]
+                });
+                self.words.extend(words.unwrap_or([u64::MAX; 3]));
             }
             for attribute in &*leaf.attributes {
                 self.text(attribute.word);

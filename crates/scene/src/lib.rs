@@ -44,7 +44,7 @@ pub use scene::{
     SpacePath,
 };
 pub use solid::{
-    AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Light, Solid, SolidLeaf,
-    SolidStep, stated_word,
+    AffineNodes, Attribute, AttributeValue, Background, BoundGrid, Camera, Cut, Light, Solid,
+    SolidLeaf, SolidStep, stated_word,
 };
 pub use stated_picture::{StatedPicture, StatedSetting};

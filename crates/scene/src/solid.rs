@@ -6,7 +6,7 @@ use expr::{Graph, NodeId};
 use syntax::span::Span;
 
 use crate::ids::GridId;
-use crate::range::Sampling;
+use crate::range::Range;
 
 /// A set of points: leaves, joined by set operations.
 #[derive(Clone, Debug, Default)]
@@ -56,14 +56,23 @@ pub struct SolidLeaf {
     pub name_span: Span,
     /// The function over `Variable(0)`, `Variable(1)`, `Variable(2)`: the leaf's own x, y, z.
     pub field: NodeId,
-    /// The intervals that cut it, in its own x, y, z. Their counts are numbers of mesh cells. A set that states intervals has
-    /// a leaf for them, whose field is -1 everywhere.
-    pub cuts: [Option<Sampling>; 3],
+    /// The intervals that cut it, in its own x, y, z. A set that states intervals has a leaf for them, whose field is -1
+    /// everywhere.
+    pub cuts: [Option<Cut>; 3],
     /// From its own coordinates to the scene's.
     pub map: AffineNodes,
     /// The attributes of its faces: those of the outermost set that states one, else its own. Leaves of one material share
     /// them.
     pub attributes: Arc<Vec<Attribute>>,
+}
+
+/// An interval that cuts a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// The interval.
+    pub range: Range,
+    /// The number of mesh cells along it, where it is stated.
+    pub cells: Option<u32>,
 }
 
 /// An affine map: rows of a 3 × 3 matrix, each with its translation last. Its nodes read no `Variable`.
@@ -126,6 +135,14 @@ impl Solid {
             && self.front == other.front
             && self.leaves.len() == other.leaves.len()
             && pairs.all(|(a, b)| a.is_same(b))
+    }
+}
+
+impl Cut {
+    /// The length of a mesh cell along the interval, where a number of cells is stated.
+    pub fn cell(&self) -> Option<f64> {
+        let Range { min, max } = self.range;
+        Some((max - min) / f64::from(self.cells?))
     }
 }
 

@@ -280,14 +280,15 @@ fn intervals_cut_solids_and_sets() {
     let cut = solid(&scene, "s").leaves[0].cuts;
     assert!(cut[0].is_none() && cut[2].is_none());
     assert_eq!(
-        cut[1].map(|cut| (cut.range.max, cut.count)),
-        Some((1.0, 30))
+        cut[1].map(|cut| (cut.range.max, cut.cells)),
+        Some((1.0, Some(30)))
     );
     let set = solid(&scene, "t");
     assert_eq!(set.leaves.len(), 3);
     assert_eq!(set.steps.last(), Some(&SolidStep::Intersection));
     let cuts = set.leaves[2].cuts;
-    assert!(cuts[0].is_some() && cuts[1].is_none() && cuts[2].is_some());
+    assert!(cuts[0].is_some() && cuts[1].is_none());
+    assert_eq!(cuts[2].map(|cut| cut.cells), Some(None));
     assert_eq!(scene.graph.value(set.leaves[2].field), Some(-1.0));
     assert_eq!(&*set.leaves[2].name, "t");
 }

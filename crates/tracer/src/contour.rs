@@ -23,8 +23,12 @@ pub struct SolidMesh {
     pub positions: Vec<DVec3>,
     /// For each vertex the mean of the normals around it, a unit vector that leads out.
     pub normals: Vec<DVec3>,
+    /// For each vertex a leaf whose surface it lies on; `None` where no ray has met one.
+    pub leaves: Vec<Option<usize>>,
     /// The vertices of each triangle, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// True if parts of the solid are thinner than a cell, so that the mesh lacks them or has holes there.
+    pub is_thin: bool,
 }
 
 /// Planes whose singular value is below this share of the largest do not place a vertex.
@@ -33,6 +37,12 @@ const LEAST_SINGULAR: f64 = 0.1;
 /// numbers are round lies in a plane of the grid.
 const BEFORE: f64 = 0.377;
 const BEHIND: f64 = 0.623;
+/// A solid is thin where a line passes through it and no corner within so many cells is inside. Beside an edge or a
+/// silhouette there is one, unless the solid comes to an edge of less than about 20 degrees.
+const NEAR: usize = 3;
+/// A solid is thin, too, if along an axis more than this share of its chords contain no corner. Edges and silhouettes of
+/// solids a few cells thick have fewer.
+const MOST_LOST: f64 = 0.25;
 /// The number of halvings that look for the place where an edge crosses, if no ray has found it.
 const HALVINGS: u32 = 40;
 
@@ -45,6 +55,7 @@ struct EdgeCrossing {
     position: DVec3,
     /// 0 if it is not known.
     normal: DVec3,
+    leaf: Option<usize>,
 }
 
 /// A place where a line of the grid crosses the surface.
@@ -159,6 +170,7 @@ impl Contour<'_> {
                         place: EdgeCrossing {
                             position: it.position,
                             normal: it.normal,
+                            leaf: Some(it.leaf),
                         },
                     });
                     let found: Vec<LineCrossing> = found.collect();
@@ -180,7 +192,43 @@ impl Contour<'_> {
                 self.inside[corner] = inside;
             }
         }
+        self.mesh.is_thin = self.is_thin(&lines);
         self.read_edges(&lines);
+    }
+
+    /// True if parts of the solid are thinner than a cell.
+    fn is_thin(&self, lines: &[(usize, [usize; 3], Vec<LineCrossing>)]) -> bool {
+        let (mut chords, mut lost) = ([0; 3], [0; 3]);
+        for (axis, first, found) in lines {
+            for pair in found.windows(2).filter(|pair| pair[0].entering) {
+                chords[*axis] += 1;
+                let [from, to] = [pair[0].along, pair[1].along];
+                if from.ceil() < to {
+                    continue;
+                }
+                lost[*axis] += 1;
+                let mut low = *first;
+                low[*axis] = from.max(0.0) as usize;
+                if !self.has_corner_near(low) {
+                    return true;
+                }
+            }
+        }
+        let mut shares = lost.iter().zip(chords);
+        shares.any(|(&lost, chords)| f64::from(lost) > MOST_LOST * f64::from(chords))
+    }
+
+    /// True if a corner near this one is inside.
+    fn has_corner_near(&self, at: [usize; 3]) -> bool {
+        let [x, y, z] = [0, 1, 2].map(|k| {
+            let last = self.cells[k];
+            at[k].saturating_sub(NEAR)..=(at[k] + NEAR).min(last)
+        });
+        let mut rows = x.flat_map(|i| y.clone().map(move |j| [i, j]));
+        rows.any(|[i, j]| {
+            let row = self.corner([i, j, 0]);
+            self.inside[row + z.start()..=row + z.end()].contains(&true)
+        })
     }
 
     /// Finds the places on the edges whose ends differ.
@@ -254,6 +302,7 @@ impl Contour<'_> {
         EdgeCrossing {
             position: 0.5 * (a + b),
             normal: DVec3::ZERO,
+            leaf: None,
         }
     }
 
@@ -384,6 +433,8 @@ impl Contour<'_> {
         let normal: DVec3 = planes.iter().map(|plane| plane.normal).sum();
         self.mesh.positions.push(position);
         self.mesh.normals.push(normal.normalize_or(DVec3::Z));
+        let leaf = planes.iter().find_map(|plane| plane.leaf);
+        self.mesh.leaves.push(leaf);
         self.mesh.positions.len() as u32 - 1
     }
 

@@ -19,7 +19,7 @@ use crate::registry::Context;
 ///
 /// Places are in the program's units, as exact as the format allows. Where a surface closes (a sphere's poles, a
 /// torus' seams) its triangles close too; where it is undefined they leave a hole. The mesh of a solid is closed and keeps
-/// sharp edges.
+/// sharp edges; PLY and glTF have its colours.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -33,7 +33,8 @@ ply   binary: places in double precision, normals, the picture's colours at the 
 stl   binary: the triangles of surfaces, and nothing else
 gltf  JSON with everything in it: materials, images, lines and points; glb is the same, binary
 
-How fine a surface is, its intervals say: `u : [0, 1, 200]` takes 200 samples. The file is written whole or not at all.")]
+How fine a surface or a solid is, its intervals say: `u : [0, 1, 200]` takes 200 samples, `x : [0, 1, 200]` cells of 1/200.
+The file is written whole or not at all.")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,

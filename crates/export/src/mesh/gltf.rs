@@ -144,6 +144,11 @@ impl GltfDocument {
                 attributes.insert(Checked::Valid(Semantic::Normals), normals);
                 let coordinates = self.numbers(vertices.iter().flat_map(|v| v.uv), Type::Vec2);
                 attributes.insert(Checked::Valid(Semantic::TexCoords(0)), coordinates);
+                if !mesh.colours.is_empty() {
+                    let colours = vertices.iter().map(|v| mesh.colours[v.place as usize]);
+                    let colours = self.numbers(colours.flat_map(style::linear), Type::Vec3);
+                    attributes.insert(Checked::Valid(Semantic::Colors(0)), colours);
+                }
                 let indices = self.indices(mesh.triangles.iter().flatten().copied());
                 (Some(indices), Mode::Triangles, Some(texture))
             }
@@ -184,7 +189,11 @@ impl GltfDocument {
         part: &Part,
         texture: Option<&Arc<Texture>>,
     ) -> Result<Index<Material>, ExportError> {
-        let [r, g, b] = style::linear(part.colour);
+        // It multiplies the colours of vertices.
+        let [r, g, b] = match &part.geometry {
+            Geometry::Surface(mesh, _) if !mesh.colours.is_empty() => [1.0; 3],
+            _ => style::linear(part.colour),
+        };
         let texture = match texture {
             Some(texture) => Some(Info {
                 index: self.texture(texture)?,

@@ -126,9 +126,12 @@ fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     .collect()
 }
 
-/// The colours of the places: the image at the first vertex of a place, averaged over the distance to its neighbours,
+/// The colours of the places: the mesh's, or the image at the first vertex of a place, averaged over the distance to its neighbours,
 /// times the colour of the object.
 fn colours(mesh: &Mesh, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
+    if !mesh.colours.is_empty() {
+        return mesh.colours.clone();
+    }
     let tint = style::linear(colour);
     // About how far apart vertices are: there are as many as in a square grid.
     let step = 1.0 / (mesh.vertices.len() as f32).sqrt().max(1.0);

@@ -1,23 +1,30 @@
 //! Solids as meshes, by dual contouring.
 
-use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR};
+use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
+use glam::DVec3;
 use scene::{Object, ParamValues, Scene};
-use tracer::contour;
+use tracer::shade::{Face, FaceObject};
+use tracer::{BoundingBox, SolidMesh, SurfaceId, contour, encoded};
 
 use super::weld::{Mesh, Vertex};
 
-/// The most cells along the longest side of a solid's box.
-pub const MOST_CELLS: u32 = 128;
+/// The most cells along the longest side of the box of a solid whose intervals state no counts.
+pub const USUAL_CELLS: u32 = 128;
 /// The least.
 pub const LEAST_CELLS: u32 = 8;
-/// So many solids have the most cells; more of them have fewer, so that all together have about as many triangles.
+/// The most cells along the longest side where intervals state counts. The corners of a grid of so many take 128 MB, and a
+/// solid that fills its box has some three million triangles.
+pub const MOST_CELLS: u32 = 512;
+/// So many solids have the usual cells; more of them have fewer, so that all together have about as many triangles.
 pub const FINE_SOLIDS: usize = 32;
 /// A vertex has the normal of a triangle's plane where its own is farther from it than this cosine says: at edges.
 const SMOOTH: f32 = 0.9;
+/// The share by which a cell may be too large, for rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// The size of the meshes of a file's solids.
 pub(super) struct Fineness {
-    /// The number of cells along the longest side of a solid's box.
+    /// The number of cells along the longest side of a solid's box, unless its intervals state counts.
     pub(super) cells: u32,
     /// The work that is left to read their shapes.
     work: u64,
@@ -27,46 +34,72 @@ impl Fineness {
     /// That of so many solids. The number of triangles of a mesh goes with the square of that of its cells.
     pub(super) fn of(solids: usize) -> Self {
         let share = FINE_SOLIDS as f64 / solids.max(1) as f64;
-        let cells = f64::from(MOST_CELLS) * share.sqrt();
+        let cells = f64::from(USUAL_CELLS) * share.sqrt();
         Self {
-            cells: (cells as u32).clamp(LEAST_CELLS, MOST_CELLS),
+            cells: (cells as u32).clamp(LEAST_CELLS, USUAL_CELLS),
             work: MAX_SHAPE_WORK,
         }
     }
 }
 
-/// Meshes a solid with all its instances. The sentences are for the user.
+/// Meshes a solid with all its instances; `colour`, sRGB, is that of faces that state none. The sentences are for the user.
 pub(super) fn meshed(
     scene: &Scene,
     params: &ParamValues,
     object: &Object,
+    colour: [u8; 3],
     fineness: &mut Fineness,
 ) -> (Option<Mesh>, Vec<String>) {
+    let unstated = DVec3::from_array(colour.map(f64::from)) / 255.0;
     let options = RaySceneOptions {
         shown: &|_| true,
-        color: &|_| SOLID_COLOR,
+        color: &|_| unstated,
         thickness: None,
         picture_look: Default::default(),
     };
     let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.work);
-    let mut notes: Vec<String> = rays.notes().iter().map(ToString::to_string).collect();
+    let told = || -> Vec<String> {
+        // Vertices lie a little off curved surfaces: attributes may leave their ranges there and nowhere else.
+        let notes = rays.notes().into_iter();
+        let notes = notes.filter(|note| !matches!(note.fault, RayFault::ClampedAttribute(_)));
+        notes.map(|note| note.to_string()).collect()
+    };
     if rays.world().solid_count() == 0 {
-        return (None, notes);
+        return (None, told());
     }
+    let name = &object.name;
     let Some(bounds) = rays.world().bounds(0) else {
-        let name = &object.name;
+        let mut notes = told();
         notes.push(format!(
             "`{name}` is endless and has no mesh: intervals cut it, such as `x : [-3, 3]` behind it"
         ));
         return (None, notes);
     };
-    let found = contour(rays.world(), 0, &bounds, fineness.cells);
+    let longest = (bounds.upper - bounds.lower).max_element();
+    let stated = rays.stated_cell(0);
+    let asked = stated.map(|cell| (longest / cell * (1.0 - ROUNDING)).ceil());
+    let cells = asked.map_or(fineness.cells, |cells| (cells as u32).clamp(1, MOST_CELLS));
+    let found = contour(rays.world(), 0, &bounds, cells);
+    let mesh = of_contour(&found, colours(&rays, &found, colour));
+    // The attributes have been read: it is known where they are undefined.
+    let mut notes = told();
+    if let Some(asked) = asked.filter(|asked| *asked > f64::from(MOST_CELLS)) {
+        notes.push(format!(
+            "`{name}` has {MOST_CELLS} cells along its longest side, the most there may be: its counts ask for {asked}"
+        ));
+    }
+    notes.extend(thin(name, &bounds, cells, &found));
+    (Some(mesh), notes)
+}
+
+fn of_contour(found: &SolidMesh, colours: Vec<[u8; 3]>) -> Mesh {
     let mut mesh = Mesh {
         places: found.positions.iter().map(|at| at.to_array()).collect(),
+        colours,
         ..Mesh::default()
     };
     // Each place has the vertex of its own normal at its index; those of edges follow.
-    let vertex = |(place, normal): (usize, &glam::DVec3)| Vertex {
+    let vertex = |(place, normal): (usize, &DVec3)| Vertex {
         place: place as u32,
         normal: normal.as_vec3().to_array(),
         uv: [0.0; 2],
@@ -89,5 +122,77 @@ pub(super) fn meshed(
         });
         mesh.triangles.push(corners);
     }
-    (Some(mesh), notes)
+    mesh
+}
+
+/// The sRGB colours of the places: those of the leaves that own them, without images.
+fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]> {
+    let mut leaves = found.leaves.clone();
+    // A place whose leaf is not known has that of a neighbour.
+    for triangle in &found.triangles {
+        let corners = triangle.map(|corner| corner as usize);
+        if let Some(known) = corners.iter().find_map(|corner| found.leaves[*corner]) {
+            for corner in corners {
+                leaves[corner].get_or_insert(known);
+            }
+        }
+    }
+    let places = found.positions.iter().zip(&found.normals).zip(leaves);
+    let colour = |((position, normal), leaf): ((&DVec3, &DVec3), Option<usize>)| {
+        let Some(leaf) = leaf else {
+            return unstated;
+        };
+        let face = Face {
+            t: 0.0,
+            position: *position,
+            normal: *normal,
+            of: FaceObject::Solid {
+                solid: 0,
+                leaf,
+                surface: SurfaceId::of_leaf(leaf),
+                entering: true,
+            },
+        };
+        encoded(rays.look(&face, &|_, _| None).color)
+    };
+    places.map(colour).collect()
+}
+
+/// A sentence about what a mesh lacks because it is thinner than a cell.
+fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Option<String> {
+    let sides = bounds.upper - bounds.lower;
+    let longest = sides.max_element();
+    let cell = brief(longest / f64::from(cells));
+    let text = match (found.triangles.is_empty(), found.is_thin) {
+        (true, _) if bounds.is_empty() => {
+            return Some(format!("`{name}` has no mesh: it is empty"));
+        }
+        (true, true) => {
+            format!("`{name}` has no mesh: it is thinner than a cell of {cell} everywhere")
+        }
+        (true, false) => {
+            format!("`{name}` has no mesh: it is empty, or smaller than a cell of {cell}")
+        }
+        (false, true) => {
+            format!("parts of `{name}` are thinner than a cell ({cell}) and may be missing")
+        }
+        (false, false) => return None,
+    };
+    if cells >= MOST_CELLS {
+        return Some(text);
+    }
+    let axis = (0..3).find(|&k| sides[k] >= longest).unwrap_or(0);
+    // The interval contains the box, but for rounding, with three digits.
+    let unit = 10f64.powi(2 - longest.log10().floor() as i32);
+    let low = (bounds.lower[axis] * unit + ROUNDING).floor() / unit;
+    let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
+    let axis = ["x", "y", "z"][axis];
+    Some(format!(
+        "{text}; counts make cells smaller: `{axis} : [{low}, {high}, {MOST_CELLS}]`"
+    ))
+}
+
+/// A length with two digits.
+fn brief(length: f64) -> f64 {
+    format!("{length:.1e}").parse().unwrap_or(length)
 }

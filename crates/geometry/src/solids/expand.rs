@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use expr::{Input, NodeId};
 use glam::{DAffine3, DVec3};
-use scene::{BoundGrid, Object, ParamValues, Sampling, Scene, Solid, SolidStep};
+use scene::{BoundGrid, Cut, Object, ParamValues, Scene, Solid, SolidStep};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
 
 use super::attributes::AffineTape;
@@ -215,7 +215,7 @@ impl ShapeTable {
         builder: &mut WorldBuilder<'_>,
         inputs: &[u32],
         field: NodeId,
-        cuts: &[Option<Sampling>; 3],
+        cuts: &[Option<Cut>; 3],
         uniforms: &[f64],
     ) -> Result<ShapeId, BuildError> {
         let cuts = cuts.map(|cut| cut.map(|cut| [cut.range.min, cut.range.max]));
@@ -236,6 +236,18 @@ impl ShapeTable {
 }
 
 impl ExpandedSolid {
+    /// The smallest length of a mesh cell that the intervals of its leaves state, as it is in the scene.
+    pub(super) fn stated_cell(&self, solid: &Solid) -> Option<f64> {
+        let cells = self.leaves.iter().flat_map(|expanded| {
+            let cuts = &solid.leaves[expanded.leaf as usize].cuts;
+            cuts.iter().enumerate().filter_map(move |(axis, cut)| {
+                let cell = (*cut)?.cell()?;
+                Some(cell * expanded.map.matrix3.col(axis).length())
+            })
+        });
+        cells.reduce(f64::min)
+    }
+
     /// Adds the solid to a world.
     pub(super) fn build(
         &self,

@@ -13,12 +13,11 @@ use syntax::span::Span;
 
 use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vector};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
-use crate::limits::DEFAULT_SAMPLES;
-use crate::range::{Range, Sampling};
+use crate::range::Range;
 use crate::scene::{Object, Param, Scene, Shape};
 use crate::solid;
 use crate::solid::{
-    AffineNodes, Attribute, AttributeValue, EVERYWHERE, Solid, SolidLeaf, SolidStep,
+    AffineNodes, Attribute, AttributeValue, Cut, EVERYWHERE, Solid, SolidLeaf, SolidStep,
 };
 use crate::stated_picture::StatedPicture;
 
@@ -147,11 +146,11 @@ impl SceneBuilder {
     }
 
     /// The field and the cuts of a shape in its own coordinates.
-    fn shape(&mut self, shape: UnitShape) -> (NodeId, [Option<Sampling>; 3]) {
+    fn shape(&mut self, shape: UnitShape) -> (NodeId, [Option<Cut>; 3]) {
         let cut = |min: f64| {
-            Some(Sampling {
+            Some(Cut {
                 range: Range { min, max: 1.0 },
-                count: DEFAULT_SAMPLES,
+                cells: None,
             })
         };
         let (kind, tube, cuts) = match shape {

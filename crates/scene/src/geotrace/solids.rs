@@ -15,12 +15,12 @@ use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::interval::{DeclaredInterval, Purpose};
 use crate::geotrace::sets::{ClosedGrid, DeclaredSolid, PointSet, too_many_leaves};
 use crate::geotrace::symbol::Meaning;
-use crate::limits::{DEFAULT_SAMPLES, MAX_LEAVES};
-use crate::scene::{Sampling, Shape};
-use crate::solid::{AffineNodes, BoundGrid, EVERYWHERE, Solid, SolidLeaf, SolidStep};
+use crate::limits::MAX_LEAVES;
+use crate::scene::Shape;
+use crate::solid::{AffineNodes, BoundGrid, Cut, EVERYWHERE, Solid, SolidLeaf, SolidStep};
 
 /// The intervals of x, y and z.
-type Cuts = [Option<Sampling>; 3];
+type Cuts = [Option<Cut>; 3];
 
 impl Declarations {
     /// `solid b(x,y,z) = f;` or `solid s = a & b;`
@@ -176,7 +176,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         intervals: &[DeclaredInterval],
     ) -> Option<Cuts> {
-        let mut cuts: [Option<(Sampling, &DeclaredInterval)>; 3] = [None; 3];
+        let mut cuts: [Option<(Cut, &DeclaredInterval)>; 3] = [None; 3];
         let mut is_sound = true;
         for interval in intervals {
             let lowerer = &mut self.lowerer;
@@ -205,9 +205,13 @@ impl Declarations {
                 is_sound = false;
                 continue;
             }
-            *place = Some((bounds.sampling(DEFAULT_SAMPLES), interval));
+            let cut = Cut {
+                range: bounds.range,
+                cells: bounds.count,
+            };
+            *place = Some((cut, interval));
         }
-        is_sound.then(|| cuts.map(|cut| cut.map(|(sampling, _)| sampling)))
+        is_sound.then(|| cuts.map(|cut| cut.map(|(cut, _)| cut)))
     }
 
     /// A set as the union of its instances.
