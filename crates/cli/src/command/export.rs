@@ -33,8 +33,8 @@ ply   binary: places in double precision, normals, the picture's colours at the 
 stl   binary: the triangles of surfaces, and nothing else
 gltf  JSON with everything in it: materials, images, lines and points; glb is the same, binary
 
-How fine a surface or a solid is, its intervals say: `u : [0, 1, 200]` takes 200 samples, `x : [0, 1, 200]` cells of 1/200.
-The file is written whole or not at all.")]
+How fine a surface is, its intervals say: `u : [0, 1, 200]` takes 200 samples. Of a solid, `x : [0, 1, 200]` takes cells of
+1/200. The file is written whole or not at all.")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,

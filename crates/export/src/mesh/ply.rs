@@ -126,8 +126,8 @@ fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     .collect()
 }
 
-/// The colours of the places: the mesh's, or the image at the first vertex of a place, averaged over the distance to its neighbours,
-/// times the colour of the object.
+/// The colours of the places: the mesh's, or the image at the first vertex of a place, averaged over the distance to its
+/// neighbours, times the colour of the object.
 fn colours(mesh: &Mesh, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
     if !mesh.colours.is_empty() {
         return mesh.colours.clone();
