@@ -13,6 +13,10 @@ use crate::trie::Trie;
 /// The length of the longest name, in bytes.
 pub const MAX_NAME_LENGTH: usize = 255;
 
+/// The hint at a condition of another language.
+pub const NO_CONDITIONS: &str =
+    "there are no conditions: `abs`, `min` and `max` are the functions with a kink";
+
 /// The names defined at a place of a text.
 pub type SymbolTrie = Trie<SymbolId>;
 
@@ -241,6 +245,19 @@ impl Symbol {
             words: None,
             is_weak: false,
         }
+    }
+
+    /// The parameters that a text is made of, one after the other; `None` if it is not made of parameters alone.
+    pub(crate) fn split_parameters<'t>(&self, text: &'t str) -> Option<Vec<&'t str>> {
+        let mut names = Vec::new();
+        let mut rest = text;
+        while !rest.is_empty() {
+            let (length, _) = self.longest_parameter(rest)?;
+            let (name, behind) = rest.split_at(length);
+            names.push(name);
+            rest = behind;
+        }
+        Some(names)
     }
 
     /// The longest parameter that a word begins with, of equal ones the first: its length in bytes and its position.

@@ -2,8 +2,9 @@
 //! hands its steps to the hooks in postfix order and returns where it stands.
 
 use super::lints::{Argument, Touching};
-use super::names::Mode;
+use super::names::{Mode, in_braces};
 use super::{MAX_DEPTH, Parse, Parser, Stop};
+use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Operator};
 use crate::geotrace::codes;
 use crate::geotrace::symbols::NameScope;
@@ -51,7 +52,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     fn jux_tail(&mut self, mut span: Span) -> Parse {
         while self.starts_app() {
-            self.warn_number_argument();
+            self.warn_short_argument();
             span = span.to(self.mult2()?);
             self.operator(Operator::Juxtapose, span);
         }
@@ -151,7 +152,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let operand = self.unary()?;
         let span = function.to(operand);
         self.operator(Operator::Apply, span);
-        if let TokenKind::Number(_) = self.previous.kind {
+        if matches!(
+            self.previous.kind,
+            TokenKind::Number(_) | TokenKind::Variable(_) | TokenKind::Constant(_)
+        ) {
             self.lints.argument = Some(Argument { function, operand });
         }
         Ok(span)
@@ -188,7 +192,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     match self.current.kind {
                         TokenKind::Variable(parameter) => {
                             self.operator(Operator::Partial(parameter), span);
+                            let ends_word = self.lexer.word().end == span.end;
                             self.advance(Mode::Expression);
+                            if !ends_word {
+                                self.check_second_derivative(id, span);
+                            }
                         }
                         _ => self.no_such_parameter(id)?,
                     }
@@ -336,6 +344,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let value = super::messages::quote(value.text(self.source));
             let hint = format!("{value} is not a function: only a function is derived by `_`");
             diagnostic = diagnostic.with_hint(hint);
+        }
+        let start = self.current.span.start;
+        if let Some((inside, length)) = in_braces(&self.source[start as usize..])
+            && !inside.is_empty()
+            && inside.bytes().all(|byte| byte.is_ascii_digit())
+        {
+            let written = super::messages::quote(&format!("{}_{inside}", value.text(self.source)));
+            let place = Span::new(start, start + length);
+            diagnostic = diagnostic
+                .with_hint(format!("write {written}, without braces"))
+                .with_fix(Fix::change(place, inside, true).with_all());
         }
         self.reject(diagnostic)
     }

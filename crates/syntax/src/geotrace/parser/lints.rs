@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::Parser;
 use super::messages::quote;
+use super::names::Mode;
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::document::ShadowedSplit;
 use crate::geotrace::actions::Actions;
@@ -19,8 +20,10 @@ use crate::symbol::SymbolId;
 pub(super) struct LintState {
     /// The last bracket that opens right behind a function. The operand that begins with it takes it.
     pub(super) touching: Option<Touching>,
-    /// The last application whose operand ended with a number.
+    /// The last application whose operand ended with a number or a name.
     pub(super) argument: Option<Argument>,
+    /// The end of the last word that looks like a derivative by several parameters.
+    derivative_end: u32,
     splits: Vec<Split>,
 }
 
@@ -90,36 +93,49 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `sin 2x`: the current token is a factor that touches the number before it.
+    /// `sin 2x`, `sin 2 x`, `sin nt`: the current token is a factor behind an operand, and may be meant to be a part of it.
     #[inline]
-    pub(super) fn warn_number_argument(&mut self) {
+    pub(super) fn warn_short_argument(&mut self) {
         if let Some(argument) = self.lints.argument
-            && argument.operand.end == self.current.span.start
+            && argument.operand.end == self.previous.span.end
         {
-            self.warn_touched_number(argument);
+            self.warn_factor_behind(argument);
         }
     }
 
     #[cold]
-    fn warn_touched_number(&mut self, Argument { function, operand }: Argument) {
+    fn warn_factor_behind(&mut self, Argument { function, operand }: Argument) {
         let signs = Span::new(operand.start, self.previous.span.start).text(self.source);
         let is_literal = |c: char| c.is_ascii_whitespace() || "+-*/".contains(c);
-        let means_nothing = matches!(self.current.kind, TokenKind::Undefined | TokenKind::Error);
-        if means_nothing || !signs.chars().all(is_literal) {
+        let between = Span::new(operand.end, self.current.span.start).text(self.source);
+        let is_number = matches!(self.previous.kind, TokenKind::Number(_));
+        let is_value = self.is_value();
+        let looks_joined = match (is_number, between) {
+            (true, "") => !matches!(self.current.kind, TokenKind::Undefined | TokenKind::Error),
+            (true, between) => is_value && between.bytes().all(|byte| byte == b' '),
+            (false, between) => is_value && between.is_empty(),
+        };
+        // `f_xyz` has been warned of as a whole.
+        let is_known = operand.end <= self.lints.derivative_end;
+        if !looks_joined || is_known || !signs.chars().all(is_literal) {
             return;
         }
+        let last = match is_value {
+            true => Span::new(self.current.span.start, self.end_of_values()),
+            false => self.current.span,
+        };
         let next = match self.current.kind {
             TokenKind::ParenOpen => "(…)",
             TokenKind::BracketOpen => "[…]",
             TokenKind::BraceOpen => "{…}",
-            _ => self.current.span.text(self.source),
+            _ => last.text(self.source),
         };
         let (name, number) = (function.text(self.source), operand.text(self.source));
-        let span = function.to(self.current.span);
-        let written = quote(&format!("{name} {number}{next}"));
+        let span = function.to(last);
+        let written = quote(&format!("{name} {number}{between}{next}"));
         let (read, meant) = (
             format!("({name} {number}) {next}"),
-            format!("{name}({number}{next})"),
+            format!("{name}({number}{between}{next})"),
         );
         // A bracket is not read to its end yet.
         let fixes = [meant.as_str(), read.as_str()];
@@ -143,6 +159,45 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             format!("write {meant}, or {read} if that is meant"),
             fixes,
         );
+    }
+
+    /// `f_xy`: looks like a derivative by x and y. `derivative` is `f_x`, and the current token begins the rest of the word.
+    #[cold]
+    pub(super) fn check_second_derivative(&mut self, id: SymbolId, derivative: Span) {
+        let rest = Span::new(derivative.end, self.lexer.word().end);
+        let Some(names) = self
+            .parsed
+            .symbol(id)
+            .split_parameters(rest.text(self.source))
+        else {
+            return;
+        };
+        self.lints.derivative_end = rest.end;
+        let first = derivative.text(self.source);
+        let meant = format!("{first}_{}", names.join("_"));
+        let read = format!("{first} {}", names.join(" "));
+        let place = derivative.to(rest);
+        let message = format!(
+            "{} is read as {}",
+            quote(place.text(self.source)),
+            quote(&read)
+        );
+        let which = match (first.matches('_').count(), names.len()) {
+            (1, 1) => "the second derivative",
+            _ => "the higher derivative",
+        };
+        let hint = format!("write {} for {which}", quote(&meant));
+        if self.current.kind != TokenKind::Undefined {
+            let hint = format!("{hint}, or {} if that is meant", quote(&read));
+            self.warn_of_argument(place, message, hint, &[&meant, &read]);
+            return;
+        }
+        let message = format!("{} is not defined: {message}", self.found());
+        let fix = Fix::change(place, &meant, true).with_all();
+        let diagnostic = Diagnostic::error(codes::UNDEFINED_NAME, place, message);
+        self.report(diagnostic.with_hint(hint).with_fix(fix));
+        self.state.silent = true;
+        self.advance(Mode::Expression);
     }
 
     /// `a**b`: looks like a power. The current token is the second star, and touches the first.

@@ -4,13 +4,13 @@ use super::deferred::{Deferred, Undefined};
 use super::messages::quote;
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, Parameter};
 use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexeme, Word};
-use crate::geotrace::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, SymbolKind};
+use crate::geotrace::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, Symbol, SymbolKind};
 use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -127,6 +127,35 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 }
             }
             _ => lexeme,
+        }
+    }
+
+    /// Returns true if the current token is the name of a value.
+    pub(super) fn is_value(&self) -> bool {
+        matches!(
+            self.current.kind,
+            TokenKind::Variable(_) | TokenKind::Constant(_)
+        )
+    }
+
+    /// The end of the values that the current token and the rest of its word are.
+    pub(super) fn end_of_values(&self) -> u32 {
+        let whole = self.lexer.word();
+        let mut end = self.current.span.end;
+        loop {
+            let rest = Span::new(end, whole.end.max(end)).text(self.source);
+            if !rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
+                return end;
+            }
+            let word = Word {
+                rest,
+                start: end,
+                word_start: whole.start,
+            };
+            match expression_word(&self.parsed, &self.state, word) {
+                (length, TokenKind::Variable(_) | TokenKind::Constant(_)) => end += length as u32,
+                _ => return end,
+            }
         }
     }
 
@@ -399,6 +428,17 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         None
     }
 
+    /// The parameters between braces that open at the current token, as in `f_{xy}`: the place of the braces, and what is
+    /// written here in their place.
+    fn parameters_in_braces(&self, function: &Symbol) -> Option<(Span, String)> {
+        let start = self.current.span.start;
+        let (inside, length) = in_braces(&self.source[start as usize..])?;
+        let letters = inside.replace([' ', ','], "");
+        let names = function.split_parameters(&letters)?;
+        let place = Span::new(start, start + length);
+        (!names.is_empty()).then(|| (place, names.join("_")))
+    }
+
     /// Reports the current token, which follows `f_` and is not a parameter of `f`. Passes it if it is a word.
     #[cold]
     pub(super) fn no_such_parameter(&mut self, function: SymbolId) -> Result<(), Stop> {
@@ -421,6 +461,11 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 let hint = format!("a component of its value is written `({name}(…))_1`");
                 diagnostic = diagnostic.with_hint(hint);
             }
+            if let Some((place, written)) = self.parameters_in_braces(symbol) {
+                diagnostic = diagnostic
+                    .with_hint(format!("write `{name}_{written}`, without braces"))
+                    .with_fix(Fix::change(place, &written, true).with_all());
+            }
             diagnostic
         };
         let deferred = Deferred::Declared(function);
@@ -436,6 +481,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.advance(Mode::Expression);
         Ok(())
     }
+}
+
+/// The words and numbers between braces with which a text begins, and the length with the braces.
+pub(super) fn in_braces(text: &str) -> Option<(&str, u32)> {
+    let inside = text.strip_prefix('{')?;
+    let end = inside.find(|c: char| !c.is_ascii_alphanumeric() && !" ,".contains(c))?;
+    let is_closed = inside[end..].starts_with('}');
+    is_closed.then(|| (inside[..end].trim(), end as u32 + 2))
 }
 
 /// The parameters of a function, as the end of a sentence.
