@@ -250,8 +250,9 @@ fn number(bytes: &[u8]) -> (usize, Result<f64, Fault>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Fault, Lexeme, Lexer};
+    use super::{Fault, Lexeme, Lexer, quoted_name};
     use crate::geotrace::token::TokenKind;
+    use crate::span::Span;
 
     /// The lexemes of a text whose words are never split.
     fn lex(source: &str) -> Vec<Lexeme> {
@@ -269,6 +270,28 @@ mod tests {
     fn texts(source: &str) -> Vec<&str> {
         let lexemes = lex(source);
         lexemes.iter().map(|l| l.token.span.text(source)).collect()
+    }
+
+    #[test]
+    fn a_name_in_quotes_is_one_word_and_its_ending() {
+        for (source, expected) in [
+            ("\"earth\"", Some("\"earth\"")),
+            ("\"earth.png\" \"", Some("\"earth.png\"")),
+            ("\"e1\"\"e2\"", Some("\"e1\"")),
+            ("\"\"", None),
+            ("\"earth", None),
+            ("\"earth;\"", None),
+            ("\"two words\"", None),
+            ("\"a.b.c\"", None),
+            ("earth\"", None),
+        ] {
+            let found = quoted_name(source, Span::new(0, 1));
+            assert_eq!(found.map(|span| span.text(source)), expected, "{source}");
+        }
+        assert_eq!(
+            quoted_name("a \"b\"", Span::new(2, 3)),
+            Some(Span::new(2, 5))
+        );
     }
 
     #[test]

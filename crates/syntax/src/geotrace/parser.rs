@@ -163,6 +163,8 @@ struct DeclarationState<'s> {
     is_of_space: bool,
     /// The attributes that have been read, with their places.
     attributes: Vec<(AttributeWord, Span)>,
+    /// The expression over the parameters, once it has been read.
+    body: Span,
     /// The undefined words that have been reported.
     undefined: Vec<&'s str>,
     /// A syntax error has been reported: one is enough for a declaration.
@@ -249,7 +251,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
 
     #[cold]
     fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
-        // A run of bad characters is reported once, at its end, and so is a name in quotes.
+        // A run of bad characters is reported once, at its end, and so is a name in quotes, `<1, 2, 3>`, or the `.x` of `v.x`.
         let mut run: Option<(Span, char)> = None;
         loop {
             let token = lexeme.token;
@@ -261,19 +263,18 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                     run = Some((span.to(token.span), first));
                 }
                 (ended, fault) => {
-                    if let Some((span, first)) = ended
-                        && !self.state.quiet
-                    {
-                        let mut diagnostic = messages::bad_characters(self.source, span, first);
-                        if self.state.is_of_space && matches!(first, '|' | '&' | '\\') {
-                            diagnostic.hint = Some(messages::SET_HINT.to_owned());
-                        }
-                        self.report(diagnostic);
+                    if let Some((span, first)) = ended {
+                        self.report_characters(span, first);
                     }
                     run = match fault {
                         Some(Fault::Character(first)) => {
-                            let quoted = quoted_name(self.source, token.span);
-                            Some((quoted.unwrap_or(token.span), first))
+                            let known = quoted_name(self.source, token.span)
+                                .or_else(|| self.angle_vector(token.span));
+                            Some((known.unwrap_or(token.span), first))
+                        }
+                        Some(Fault::LonePoint) => {
+                            let component = self.lettered_component(token.span);
+                            component.map(|span| (span, '.'))
                         }
                         _ => None,
                     };

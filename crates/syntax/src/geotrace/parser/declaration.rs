@@ -5,8 +5,9 @@ use super::messages::quote;
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
-use crate::diagnostic::Fix;
+use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, Declaration, Operator};
+use crate::geotrace::codes;
 use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
 use crate::geotrace::token::TokenKind;
@@ -211,8 +212,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             Syntax::InSurface => {
                 self.head(keyword)?;
                 self.surface()?;
-                self.expression()?;
-                if self.current.kind != TokenKind::Comma {
+                let place = self.expression()?;
+                if self.current.kind == TokenKind::Comma {
+                    self.reject_loose_place(place)?;
+                } else {
                     let what =
                         "the parameters where it starts, or `,` and an interval after two places";
                     self.origin(what, GEODESIC)?;
@@ -358,6 +361,26 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
+    /// Rejects the second of two places of a geodesic, if it stands behind the current comma and not in one bracket with the
+    /// first: `(a, b), (c, d)`.
+    fn reject_loose_place(&mut self, first: Span) -> Result<(), Stop> {
+        let comma = self.current.span.end;
+        let behind = &self.source[comma as usize..];
+        let item = foreign::first_item(behind.trim_start());
+        let is_pair = item.starts_with('(') && item.ends_with(')');
+        if !is_pair || first.text(self.source).starts_with("((") {
+            return Ok(());
+        }
+        let blanks = behind.len() - behind.trim_start().len();
+        let place = first.to(Span::new(comma, comma + (blanks + item.len()) as u32));
+        let written = format!("({})", place.text(self.source));
+        let message = "the two places of a geodesic stand in one bracket";
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
+            .with_hint(format!("write {}", quote(&written)))
+            .with_fix(Fix::change(place, &written, true).with_all());
+        Err(self.reject(diagnostic))
+    }
+
     /// `SET` of a solid, and the `=` before it.
     fn set_body(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
@@ -412,7 +435,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         self.state.in_body = true;
         self.advance(Mode::Expression);
-        self.expression()?;
+        self.state.body = self.expression()?;
         self.state.in_body = false;
         Ok(())
     }

@@ -127,7 +127,11 @@ impl Undefined {
         diagnostic.hint = self.hint.clone();
         if let Some((length, text)) = self.replacement {
             let end = diagnostic.span.end;
-            let fix = Fix::change(Span::new(end - length, end), text, true);
+            let place = Span::new(end - length, end);
+            let fix = match text {
+                "" => Fix::remove(place, &self.whole),
+                text => Fix::change(place, text, true),
+            };
             diagnostic.fixes.push(fix.with_all());
         }
         if self.hint.is_none() && searches < MAX_SEARCHES {

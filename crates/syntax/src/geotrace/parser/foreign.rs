@@ -3,6 +3,7 @@
 //! In: the text from a place on, that means nothing there. Out: what is meant. Names of other notations come with the
 //! vocabulary.
 
+use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
 
 /// An interval in another notation.
@@ -125,7 +126,50 @@ pub(super) fn round_interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
+/// The vector with which a text begins, if it is written as `<1, 2, 3>`.
+pub(super) fn angle_vector(text: &str) -> Option<&str> {
+    /// The longest vector that is looked at.
+    const LONGEST: usize = 200;
+    let inside = text.strip_prefix('<')?;
+    let mut depth = 0;
+    let mut commas = 0;
+    for (at, sign) in inside.char_indices().take(LONGEST) {
+        match sign {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            ',' if depth == 0 => commas += 1,
+            '>' => return (depth == 0 && commas > 0).then(|| &text[..at + "<>".len()]),
+            ';' | '\n' | '#' | '<' | ':' => return None,
+            _ => {}
+        }
+        if depth < 0 {
+            return None;
+        }
+    }
+    None
+}
+
+/// The attribute for a word that sets the same in other languages.
+pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
+    Some(match word {
+        "colour" | "pigment" => AttributeWord::Color,
+        "reflection" | "reflectivity" => AttributeWord::Mirror,
+        "transparency" => AttributeWord::Glass,
+        "texture" => AttributeWord::Image,
+        _ => return None,
+    })
+}
+
 impl ForeignInterval<'_> {
+    /// The number of whole numbers from one end to the other, where both are such numbers.
+    pub(super) fn count(&self) -> Option<i64> {
+        /// More values are hardly meant.
+        const MOST: i64 = 1000;
+        let [a, b] = self.ends.map(|end| end.parse::<i64>().ok());
+        let count = b?.checked_sub(a?)?.checked_add(1)?;
+        (2..=MOST).contains(&count).then_some(count)
+    }
+
     /// The interval as it is written here.
     pub(super) fn written(&self) -> String {
         let [a, b] = self.ends;
@@ -142,7 +186,7 @@ fn is_word(text: &str) -> bool {
 }
 
 /// The text up to the first comma outside brackets, or to the end of the line or of the declaration.
-fn first_item(text: &str) -> &str {
+pub(super) fn first_item(text: &str) -> &str {
     /// The longest item that is looked at.
     const LONGEST: usize = 200;
     let mut depth = 0;
@@ -163,7 +207,7 @@ fn first_item(text: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{block_comment, interval, round_interval};
+    use super::{angle_vector, block_comment, interval, round_interval};
 
     #[test]
     fn intervals_of_other_notations_are_read() {
@@ -201,6 +245,34 @@ mod tests {
         assert_eq!(written("(-1,1), v : [0, 1]").as_deref(), Some("[-1, 1]"));
         for text in ["(0, 1, 5)", "(0)", "(0, )", "0, 1", ""] {
             assert_eq!(written(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_grid_counts_whole_numbers() {
+        let count = |text| interval(text).and_then(|found| found.count());
+        assert_eq!(count("1..5;"), Some(5));
+        assert_eq!(count("i in [-1, 1]"), Some(3));
+        for text in ["0..2pi", "5..1", "1..1", "0..1e9", "0..5000"] {
+            assert_eq!(count(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn angles_around_components_are_a_vector() {
+        assert_eq!(
+            angle_vector("<1, (2, 3)_1, 3>, t"),
+            Some("<1, (2, 3)_1, 3>")
+        );
+        for text in [
+            "<1>",
+            "< 1, 2;",
+            "<1, 2",
+            "<(1, 2>",
+            "< 1, 2 < 3>",
+            "(1, 2)",
+        ] {
+            assert_eq!(angle_vector(text), None, "{text}");
         }
     }
 

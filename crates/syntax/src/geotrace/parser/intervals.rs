@@ -1,5 +1,6 @@
 //! Intervals: `INTS`, `GRIDS`, `INT`, `GRID` and those of domains.
 
+use super::foreign::ForeignInterval;
 use super::messages::quote;
 use super::names::Mode;
 use super::{Parser, Stop, foreign};
@@ -21,7 +22,7 @@ pub(super) enum IntervalOwner {
     Domain,
 }
 
-impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
+impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// `INTS` of a param, `GRIDS` of a grid.
     pub(super) fn intervals(&mut self, owner: IntervalOwner) -> Result<(), Stop> {
         self.interval(owner, None)?;
@@ -34,13 +35,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// Rejects an interval that has one end, or two that are written `a..b`.
     #[cold]
-    fn missing_end(&mut self, opening: Span) -> Stop {
+    fn missing_end(&mut self, opening: Span, owner: IntervalOwner) -> Stop {
         let inside = Span::new(opening.end, self.current.span.start);
+        let place = opening.to(self.current.span);
         match foreign::interval(inside.text(self.source)) {
-            Some(found) => {
-                let written = found.written();
-                self.foreign_interval(opening.to(self.current.span), &written)
-            }
+            Some(found) if owner == IntervalOwner::Grid => self.foreign_grid(place, found),
+            Some(found) => self.foreign_interval(place, &found.written()),
             None => self.expected("`,` and the interval's other end"),
         }
     }
@@ -61,8 +61,34 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         stop
     }
 
+    /// Rejects an interval in another notation in the place of a grid's.
+    #[cold]
+    fn foreign_grid(&mut self, place: Span, interval: ForeignInterval<'_>) -> Stop {
+        let found = quote(place.text(self.source));
+        let message = format!("an interval of a grid is written `[min, max, n]`, found {found}");
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message);
+        let [a, b] = interval.ends;
+        let diagnostic = match interval.count() {
+            Some(count) => {
+                let written = format!("[{a}, {b}, {count}]");
+                diagnostic
+                    .with_hint(format!("write {} for {count} values", quote(&written)))
+                    .with_fix(Fix::change(place, &written, true))
+            }
+            None => {
+                let written = quote(&format!("[{a}, {b}, 5]"));
+                diagnostic.with_hint(format!(
+                    "write {written} for 5 values, both ends among them"
+                ))
+            }
+        };
+        let stop = self.reject(diagnostic);
+        self.state.quiet = true;
+        stop
+    }
+
     /// The interval in another notation that begins with the current token, which is none of this one.
-    fn interval_here(&self) -> Option<(Span, String)> {
+    fn interval_here(&self) -> Option<(Span, ForeignInterval<'s>)> {
         let start = self.current.span.start;
         let text = &self.source[start as usize..];
         let found = match self.current.kind {
@@ -73,13 +99,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.state.parameter_trie.get(name).is_some() || name == self.state.name
         });
         let place = Span::new(start, start + found.text.len() as u32);
-        names_parameter.then(|| (place, found.written()))
+        names_parameter.then_some((place, found))
     }
 
     /// Rejects what stands here in the place of an item, if it is an interval in another notation.
     pub(super) fn reject_foreign_interval(&mut self) -> Result<(), Stop> {
         match self.interval_here() {
-            Some((place, written)) => Err(self.foreign_interval(place, &written)),
+            Some((place, found)) => Err(self.foreign_interval(place, &found.written())),
             None => Ok(()),
         }
     }
@@ -89,9 +115,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     pub(super) fn interval(&mut self, owner: IntervalOwner, tag: Tag) -> Result<(), Stop> {
         let opening = self.current.span;
         if self.current.kind != TokenKind::BracketOpen {
-            if let Some((place, written)) = self.interval_here() {
-                let interval = written.rsplit(" : ").next().unwrap_or_default();
-                return Err(self.foreign_interval(place, interval));
+            if let Some((place, found)) = self.interval_here() {
+                let [a, b] = found.ends;
+                return Err(match owner {
+                    IntervalOwner::Grid => self.foreign_grid(place, found),
+                    _ => self.foreign_interval(place, &format!("[{a}, {b}]")),
+                });
             }
             let form = match owner {
                 IntervalOwner::Grid => "an interval `[a, b, n]`",
@@ -103,7 +132,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.expression()?;
         if !self.is_separator() {
             return Err(match self.current.kind {
-                TokenKind::BracketClose => self.missing_end(opening),
+                TokenKind::BracketClose => self.missing_end(opening, owner),
                 _ => self.unclosed(opening, ']', "`,` or "),
             });
         }

@@ -3,7 +3,7 @@
 use super::intervals::IntervalOwner;
 use super::messages::quote;
 use super::names::{Mode, list};
-use super::{Parser, Stop};
+use super::{Parser, Stop, foreign};
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, StatedAttribute};
 use crate::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
@@ -111,6 +111,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         if self.current.kind != TokenKind::BracketOpen && self.following(span.end) != Some(b':') {
             self.reject_foreign_interval()?;
+            self.reject_loose_components(span.start)?;
         }
         let tag = match self.current.kind {
             TokenKind::Variable(parameter) => Some((Some(parameter), span)),
@@ -124,7 +125,18 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     self.found(),
                     quote(self.state.name)
                 );
-                let diagnostic = self.here(codes::UNKNOWN_TAG, message);
+                let mut diagnostic = self.here(codes::UNKNOWN_TAG, message);
+                if self.state.is_of_space
+                    && let [first, second] = &self.state.parameters[..]
+                    && span.text(self.source) == "z"
+                {
+                    let name = self.state.name;
+                    let form = format!("solid {name}({}, {}, z)", first.name, second.name);
+                    let end = second.span.end;
+                    diagnostic = diagnostic
+                        .with_hint(format!("name it too: {}", quote(&form)))
+                        .with_fix(Fix::insert("Insert `, z`", end, ", z"));
+                }
                 self.report(diagnostic);
                 Some((None, span))
             }
@@ -159,6 +171,54 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.advance(Mode::Expression);
         }
         self.interval(IntervalOwner::Domain, tag)
+    }
+
+    /// Rejects what stands behind the value of a curve, a surface or a metric, if it is no item: the value's components are
+    /// meant to be in brackets.
+    fn reject_loose_components(&mut self, start: u32) -> Result<(), Stop> {
+        let body = self.state.body;
+        let has_components = matches!(
+            self.state.keyword,
+            Some(
+                DeclarationKeyword::Curve
+                    | DeclarationKeyword::Surface
+                    | DeclarationKeyword::Metric
+            )
+        );
+        let before = Span::new(body.end, start.max(body.end)).text(self.source);
+        let is_next = before.trim() == "," && body.end > body.start;
+        let value = body.text(self.source);
+        let is_bracket = value.starts_with('(') && value.ends_with(')');
+        if !has_components || !is_next || !self.starts_operand() || is_bracket {
+            return Ok(());
+        }
+        let mut count = 1;
+        let mut end = body.end;
+        let mut next = &self.source[start as usize..];
+        loop {
+            let item = foreign::first_item(next);
+            if item.is_empty() || item.contains([':', '[']) {
+                break;
+            }
+            count += 1;
+            end = (self.source.len() - next.len() + item.len()) as u32;
+            match self.source[end as usize..].trim_start().strip_prefix(',') {
+                Some(behind) => next = behind.trim_start(),
+                None => break,
+            }
+        }
+        // `c(t) = f t, t [0, 1]` lacks a colon.
+        let may_be_parameter = matches!(self.current.kind, TokenKind::Variable(_));
+        if count != 3 && (count != 2 || may_be_parameter) {
+            return Ok(());
+        }
+        let components = Span::new(body.start, end);
+        let written = format!("({})", components.text(self.source));
+        let message = "the components of a value stand in brackets";
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, components, message)
+            .with_hint(format!("write {}", quote(&written)))
+            .with_fix(Fix::change(components, &written, true).with_all());
+        Err(self.reject(diagnostic))
     }
 
     /// Returns true if a `:` and an interval follow at a place, or what may become one: no value of an attribute.
@@ -278,9 +338,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         );
         let mut diagnostic = self.here(codes::UNKNOWN_ATTRIBUTE, message);
         let known: Vec<&str> = attributes::of(keyword).map(|row| row.text).collect();
-        let meant = match text {
-            "colour" => Some("color".to_owned()).filter(|_| known.contains(&"color")),
-            _ => nearest(text, known.iter().copied()),
+        let meant = match foreign::attribute(text).map(AttributeWord::text) {
+            Some(word) => Some(word.to_owned()).filter(|_| known.contains(&word)),
+            None => nearest(text, known.iter().copied()),
         };
         diagnostic = match meant {
             Some(meant) => diagnostic

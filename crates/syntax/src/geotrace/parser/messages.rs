@@ -9,7 +9,7 @@ use crate::geotrace::codes;
 use crate::geotrace::cut::separators;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::Fault;
-use crate::geotrace::symbols::NameScope;
+use crate::geotrace::symbols::{NO_CONDITIONS, NameScope};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 
@@ -35,7 +35,7 @@ pub(super) fn describe(source: &str, token: Token) -> String {
 }
 
 /// An error of a run of characters that begin no token.
-pub(super) fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
+fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
     let text = span.text(source);
     let single = text.len() == first.len_utf8();
     let shown = match first {
@@ -69,7 +69,13 @@ pub(super) fn bad_characters(source: &str, span: Span, first: char) -> Diagnosti
 }
 
 /// The hint at a sign of sets in an expression of a solid.
-pub(super) const SET_HINT: &str = "a set names solids and lists no parameters: `solid s = a | b;`; functions are joined by `min(f, g)` and `max(f, g)`";
+const SET_HINT: &str = "a set names solids and lists no parameters: `solid s = a | b;`; functions are joined by `min(f, g)` and `max(f, g)`";
+
+/// The hint at a comparison where an interval may stand.
+const INTERVAL: &str = "an interval is written `t : [a, b]`";
+
+/// The hint at a comparison in the expression of a solid.
+const SOLID: &str = "a solid is where its function is at most 0";
 
 /// The hint at a comment of another language.
 const COMMENT: &str = "a comment begins with `#`";
@@ -143,12 +149,15 @@ fn substitute(character: char) -> Option<&'static str> {
         }
         'π' => "write `pi`",
         'τ' => "write `2pi`",
-        '<' | '>' | '≤' | '≥' => "an interval is written `t : [a, b]`",
+        '<' | '>' | '≤' | '≥' => INTERVAL,
         '√' => "write `sqrt`",
         '|' => "write `abs x` for a number, and `sqrt*v` for the length of a vector",
         '\\' => "names have no backslash before them: `cos`, `pi`",
         '&' => "write `max(a, b)` for what both functions bound; `a & b` is a set of solids",
         '!' | '%' | '?' | '~' | '$' => "the operators are `+ - * / ^ _ '`",
+        '∪' | '∩' | '∖' => {
+            "a set is written `a | b`, `a & b` or `a \\ b`, in a `solid` without parameters"
+        }
         '\u{FEFF}' | '\u{200B}'..='\u{200F}' => "remove it",
         _ if character.is_whitespace() => "use an ordinary space",
         _ => return None,
@@ -156,6 +165,155 @@ fn substitute(character: char) -> Option<&'static str> {
 }
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
+    /// Reports a run of characters that begin no token.
+    pub(super) fn report_characters(&mut self, span: Span, first: char) {
+        if self.state.quiet {
+            return;
+        }
+        let text = span.text(self.source);
+        let mut diagnostic = bad_characters(self.source, span, first);
+        match first {
+            '.' => {
+                diagnostic = self.bad_component(span);
+                self.state.silent = true;
+            }
+            '<' if text.contains(',') => {
+                let written = format!("({})", &text[1..text.len() - 1]);
+                diagnostic = diagnostic
+                    .with_hint(format!("a vector is written {}", quote(&written)))
+                    .with_fix(Fix::change(span, &written, true).with_all());
+            }
+            '<' | '>' | '≤' | '≥' => return self.report_comparison(diagnostic),
+            '?' => return self.report_condition(diagnostic),
+            '|' | '&' | '\\' if self.state.is_of_space => {
+                diagnostic.hint = Some(SET_HINT.to_owned());
+            }
+            '∪' | '∩' | '∖' if self.state.in_set && text.len() == first.len_utf8() => {
+                let sign = match first {
+                    '∪' => "|",
+                    '∩' => "&",
+                    _ => "\\",
+                };
+                diagnostic = diagnostic
+                    .with_hint(format!("write `{sign}`"))
+                    .with_fix(Fix::change(span, sign, true).with_all());
+            }
+            _ => {}
+        }
+        self.report(diagnostic);
+    }
+
+    /// The error of a component that is chosen by a letter, `.x`.
+    fn bad_component(&self, span: Span) -> Diagnostic {
+        let number = match span.text(self.source) {
+            ".x" => 1,
+            ".y" => 2,
+            _ => 3,
+        };
+        let written = format!("_{number}");
+        let value = match self.previous.kind {
+            TokenKind::ParenClose => "",
+            _ => self.previous.span.text(self.source),
+        };
+        let message = "a component is chosen by its number, after a `_`";
+        Diagnostic::error(codes::BAD_NUMBER, span, message)
+            .with_hint(format!("write {}", quote(&format!("{value}{written}"))))
+            .with_fix(Fix::change(span, &written, true).with_all())
+    }
+
+    /// The place of `.x`, `.y` or `.z` right behind a value, if it begins with this point.
+    pub(super) fn lettered_component(&self, point: Span) -> Option<Span> {
+        let rest = self.source[point.end as usize..].as_bytes();
+        let is_letter = matches!(rest, [b'x' | b'y' | b'z', ..]);
+        let is_whole = !rest.get(1).is_some_and(u8::is_ascii_alphanumeric);
+        let is_behind_value = self.previous.span.end == point.start
+            && matches!(
+                self.previous.kind,
+                TokenKind::Constant(_) | TokenKind::Variable(_) | TokenKind::ParenClose
+            );
+        let place = Span::new(point.start, point.end + 1);
+        (is_letter && is_whole && is_behind_value).then_some(place)
+    }
+
+    /// The place of `<1, 2, 3>` where an operand is expected, if it begins with this character.
+    pub(super) fn angle_vector(&self, first: Span) -> Option<Span> {
+        let is_before_operand = matches!(
+            self.previous.kind,
+            TokenKind::Equals
+                | TokenKind::Colon
+                | TokenKind::Comma
+                | TokenKind::At
+                | TokenKind::ParenOpen
+                | TokenKind::Plus
+                | TokenKind::Minus
+                | TokenKind::Star
+                | TokenKind::Slash
+        );
+        let found = foreign::angle_vector(&self.source[first.start as usize..])?;
+        is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
+    }
+
+    /// Reports a comparison, and says what is written in its place here.
+    fn report_comparison(&mut self, mut diagnostic: Diagnostic) {
+        let in_items = |keyword: DeclarationKeyword| {
+            keyword.has_domain() && !self.state.in_body
+                || matches!(
+                    keyword,
+                    DeclarationKeyword::Param | DeclarationKeyword::Grid
+                )
+        };
+        match self.state.keyword {
+            Some(DeclarationKeyword::Solid) if self.state.attributes.is_empty() => {
+                diagnostic = self.with_bound(diagnostic);
+                self.report(diagnostic);
+                self.state.quiet = true;
+            }
+            Some(keyword) if in_items(keyword) => self.report(diagnostic),
+            _ => self.report_condition(diagnostic),
+        }
+    }
+
+    /// Reports a sign of a condition, which is the one report of its declaration.
+    fn report_condition(&mut self, diagnostic: Diagnostic) {
+        self.report(diagnostic.with_hint(NO_CONDITIONS));
+        self.state.quiet = true;
+        self.state.rejected = true;
+    }
+
+    /// Returns the error of a comparison in the expression of a solid, which it marks, with what is written there.
+    fn with_bound(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let start = diagnostic.span.start;
+        let rest = &self.source[start as usize..];
+        let behind = rest.trim_start_matches(['<', '>', '≤', '≥', '=']);
+        let sign = &rest[..rest.len() - behind.len()];
+        let bound = foreign::first_item(behind).trim();
+        let item = &rest[..rest.len() - behind.len() + foreign::first_item(behind).len()];
+        let place = Span::new(start, start + item.len() as u32);
+        let is_plain = bound
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || ".^_".contains(c));
+        let is_upper = matches!(sign, "<" | "<=" | "≤" | "=" | "==");
+        match bound {
+            "0" if is_upper => diagnostic
+                .with_hint(format!("{SOLID}: leave out {}", quote(item)))
+                .with_fix(Fix::remove(place, item)),
+            _ if bound.is_empty() || bound.contains(['<', '>', '≤', '≥', '=']) => {
+                diagnostic.with_hint(SOLID)
+            }
+            _ if is_upper => {
+                let written = match is_plain {
+                    true => format!("- {bound}"),
+                    false => format!("- ({bound})"),
+                };
+                let hint = format!("{SOLID}: write {} for {}", quote(&written), quote(item));
+                diagnostic
+                    .with_hint(hint)
+                    .with_fix(Fix::change(place, &written, true))
+            }
+            _ => diagnostic.with_hint(format!("{SOLID}: write `b - f` for `f {sign} b`")),
+        }
+    }
+
     /// Reports that the current token was not accepted, unless what stands before it has been reported, or
     /// it is itself reported already.
     pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {
@@ -360,6 +518,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 };
                 return self.reject_deferred(diagnostic, Some(deferred));
             }
+            TokenKind::Equals if keyword == DeclarationKeyword::Solid => {
+                let diagnostic = self.expected_diagnostic("`;`");
+                self.with_bound(diagnostic)
+            }
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),
@@ -375,6 +537,21 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             TokenKind::Comma if keyword == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
                 .with_hint("a function has no intervals: a `curve` or a `surface` has"),
+            TokenKind::Equals if self.source[self.current.span.end as usize..].starts_with('=') => {
+                self.expected_diagnostic("`;`").with_hint(NO_CONDITIONS)
+            }
+            TokenKind::Plus | TokenKind::Minus | TokenKind::Star
+                if keyword == DeclarationKeyword::Solid && self.state.parameters.is_empty() =>
+            {
+                let (sign, hint) = match self.current.kind {
+                    TokenKind::Plus => ("|", "the points of either are `a | b`"),
+                    TokenKind::Minus => ("\\", "the points of a that are not of b are `a \\ b`"),
+                    _ => ("&", "the points of both are `a & b`"),
+                };
+                let fix = Fix::change(self.current.span, sign, true);
+                let diagnostic = self.expected_diagnostic("`;`");
+                diagnostic.with_hint(hint).with_fix(fix.with_all())
+            }
             TokenKind::Comma => self
                 .expected_diagnostic("`;`")
                 .with_hint("a tuple is written in brackets: `(1, 2)`"),
