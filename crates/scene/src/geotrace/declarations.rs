@@ -419,13 +419,26 @@ impl Declarations {
         {
             return Some(position);
         }
-        let error = SemanticError::new(
+        let mut error = SemanticError::new(
             error::NOT_IN_SPACE,
             format!(
                 "{what} lies in space and needs 3 components, but this is {}",
                 kind_of(value)
             ),
         );
+        let hint = match (value, what) {
+            (Value::Number(_), "a surface") => {
+                Some("the graph of f is the surface `(x, y, f(x, y))`")
+            }
+            (Value::Number(_), "a curve") => Some("the graph of f is the curve `(t, f t, 0)`"),
+            (Value::Vector(nodes), _) if nodes.len() == 2 => {
+                Some("add a third component: `(x, y, 0)` lies in the plane z = 0")
+            }
+            _ => None,
+        };
+        if let Some(hint) = hint {
+            error = error.with_hint(hint);
+        }
         let span = self.lowerer.code.span(expression);
         self.found.push(error.at(span));
         None

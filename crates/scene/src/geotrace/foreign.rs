@@ -1,6 +1,6 @@
 //! Words of other notations, with what is written here in their place.
 
-use syntax::geotrace::symbols::ForeignWord;
+use syntax::geotrace::symbols::{ForeignWord, NO_CONDITIONS};
 
 const fn written(word: &'static str, hint: &'static str, replacement: &'static str) -> ForeignWord {
     ForeignWord {
@@ -47,8 +47,8 @@ const DIFFERENCE: &str =
 const MOVED: &str = "a solid is moved by a vector: `a @ (1, 0, 0)`";
 const SHAPE: &str =
     "a solid is where a function is not positive: `solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;`";
-const CONDITION: &str =
-    "there are no conditions: `abs`, `min` and `max` are the functions with a kink";
+const DERIVATIVE: &str =
+    "a function is derived by its name: `f' x`, or `f_x(x, y)` by one of several parameters";
 
 /// The table.
 pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
@@ -71,6 +71,19 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
         "log2",
         "`log` is the natural logarithm: write `log(x)/log 2` for base 2",
     ),
+    explained("asinh", "write `log(x + sqrt(x^2 + 1))`"),
+    explained("acosh", "write `log(x + sqrt(x^2 - 1))`"),
+    explained("atanh", "write `log((1 + x)/(1 - x))/2`"),
+    explained("sech", "write `1/cosh x`"),
+    explained("csch", "write `1/sinh x`"),
+    explained("coth", "write `1/tanh x`"),
+    explained("pow", "a power is written `a^b`"),
+    explained("cbrt", "write `x^(1/3)`, which is undefined below 0"),
+    explained("hypot", "write `sqrt(x^2 + y^2)`"),
+    explained("diff", DERIVATIVE),
+    explained("derivative", DERIVATIVE),
+    explained("dx", DERIVATIVE),
+    explained("dt", DERIVATIVE),
     explained("sec", "write `1/cos x`"),
     explained("csc", "write `1/sin x`"),
     explained("cosec", "write `1/sin x`"),
@@ -120,9 +133,21 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
     explained("ceil", ROUNDS),
     explained("round", ROUNDS),
     explained("mod", ROUNDS),
-    explained("if", CONDITION),
-    explained("then", CONDITION),
-    explained("else", CONDITION),
+    explained("if", NO_CONDITIONS),
+    explained("then", NO_CONDITIONS),
+    explained("else", NO_CONDITIONS),
+    ForeignWord {
+        is_applied: Some(true),
+        ..written(
+            "rgb",
+            "a colour is a vector: write `(1, 0, 0)`, each part from 0 to 1",
+            "",
+        )
+    },
+    ForeignWord {
+        is_applied: Some(true),
+        ..written("vec3", "a vector is written `(1, 2, 3)`", "")
+    },
     color!("red", "(1, 0, 0)"),
     color!("green", "(0, 0.5, 0)"),
     color!("blue", "(0, 0, 1)"),
