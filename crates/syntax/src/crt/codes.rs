@@ -9,6 +9,7 @@ codes! {
     BAD_ESCAPE = "bad-escape", "After the `\\` of a string stands one of Java's escapes.";
     BAD_NUMBER = "bad-number", "A `.` without digits.";
     CONTINUES_LINE = "continues-line", "A line that begins with `+`, `-`, `^`, `[` or `(` goes on with the one above.";
+    DROPPED_FRACTION = "dropped-fraction", "`/` of two whole numbers is a whole number.";
     DUPLICATE_ATTRIBUTE = "duplicate-attribute", "An object states an attribute twice: the last one counts.";
     DUPLICATE_PARAMETER = "duplicate-parameter", "A macro names the same parameter twice.";
     INTEGER_TOO_LARGE = "integer-too-large", "A whole number is at most 2147483647.";

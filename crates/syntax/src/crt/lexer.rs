@@ -29,6 +29,8 @@ pub enum Fault {
     UnclosedString,
     /// A `\` of a string that begins no escape, with its place. The token is a string.
     Escape(Span),
+    /// A comment of another language, which begins with `//`. The token is a comment.
+    ForeignComment,
 }
 
 /// Reads a text from left to right.
@@ -69,6 +71,10 @@ impl<'s> Lexer<'s> {
                 (length, kind)
             }
             [b'-', b'-', ..] => (line_length(rest), TokenKind::Comment),
+            [b'/', b'/', ..] => {
+                fault = Some(Fault::ForeignComment);
+                (line_length(rest), TokenKind::Comment)
+            }
             [b'"', ..] => {
                 let (length, is_closed) = string(rest);
                 if is_closed {
@@ -298,6 +304,17 @@ mod tests {
         assert_eq!(texts("a --b\r\n c"), ["a", "--b", "c"]);
         assert_eq!(kinds("a---b"), [Identifier, Comment]);
         assert_eq!(kinds("a - -b"), [Identifier, Minus, Minus, Identifier]);
+    }
+
+    #[test]
+    fn two_slashes_are_a_comment_of_another_language() {
+        let expected = [
+            ("a", Identifier, None),
+            ("// b", Comment, Some(Fault::ForeignComment)),
+            ("c", Identifier, None),
+        ];
+        assert_eq!(lex("a // b\nc"), expected);
+        assert_eq!(kinds("a / / b"), [Identifier, Slash, Slash, Identifier]);
     }
 
     #[test]

@@ -83,8 +83,9 @@ pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Dia
     if parser.current.kind != TokenKind::Eoi {
         parser.unexpected("the end of the expression");
     }
+    let is_sound = parser.errors == 0;
     match findings.builder.expression() {
-        Some(expression) if findings.found.is_empty() => Ok(expression),
+        Some(expression) if is_sound => Ok(expression),
         _ => Err(findings.found),
     }
 }

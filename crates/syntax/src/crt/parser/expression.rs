@@ -1,10 +1,12 @@
 //! Expressions.
 
 use super::Parser;
+use super::messages::quote;
+use super::object::uncapitalized;
 use crate::crt::actions::{Actions, ParseStep};
 use crate::crt::codes;
 use crate::crt::lexer::string_value;
-use crate::crt::token::TokenKind;
+use crate::crt::token::{Token, TokenKind};
 use crate::crt::tree::{BinaryOperator, ModifierKind, PrefixOperator};
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::span::Span;
@@ -70,14 +72,20 @@ impl<A: Actions> Parser<'_, '_, A> {
     /// The chains of operators from one level on: `Or`, `And`, `Cmp`, `Sum` and `Prod` with their tails.
     fn binary(&mut self, least: u8) {
         let start = self.current.span.start;
+        let first = self.current;
         self.sign();
         while let Some(operator) = binary_operator(self.current.kind)
             && operator.level() >= least
         {
             self.check_continued_line();
             let span = self.current.span;
+            let left = self.previous;
             self.advance();
+            let right = self.current;
             self.binary(operator.level() + 1);
+            if operator == BinaryOperator::Divide && left == first && right == self.previous {
+                self.check_fraction(left, right);
+            }
             self.step(ParseStep::Binary(operator, span), start);
         }
     }
@@ -230,6 +238,11 @@ impl<A: Actions> Parser<'_, '_, A> {
             }
             TokenKind::True => self.operand(ParseStep::Boolean(true)),
             TokenKind::False => self.operand(ParseStep::Boolean(false)),
+            TokenKind::Identifier
+                if uncapitalized(text).is_some() && self.lexer.peek() == TokenKind::BraceOpen =>
+            {
+                self.object();
+            }
             TokenKind::Identifier => self.operand(ParseStep::Identifier(text)),
             TokenKind::Name => self.object(),
             TokenKind::Macro => self.macro_literal(),
@@ -237,9 +250,13 @@ impl<A: Actions> Parser<'_, '_, A> {
                 self.advance();
                 self.brackets += 1;
                 self.expression();
-                self.close(TokenKind::ParenClose, token.span);
+                if self.at(TokenKind::Comma) {
+                    self.bare_vector(token.span);
+                } else {
+                    self.close(TokenKind::ParenClose, token.span);
+                    self.step(ParseStep::Group, start);
+                }
                 self.brackets -= 1;
-                self.step(ParseStep::Group, start);
             }
             TokenKind::BracketOpen => {
                 let count = self.arguments(TokenKind::BracketClose);
@@ -247,8 +264,72 @@ impl<A: Actions> Parser<'_, '_, A> {
             }
             // A malformed number or string has been reported.
             TokenKind::Error => self.operand(ParseStep::Missing),
-            _ => self.missing(),
+            _ => match self.angle_vector() {
+                Some(place) => self.pass_angle_vector(place),
+                None => self.missing(),
+            },
         }
+    }
+
+    /// Reads what follows the first component of a vector without a name, `(1, 2, 3)`, from the `,` on.
+    fn bare_vector(&mut self, open: Span) {
+        let mut count = 1;
+        while self.at(TokenKind::Comma) {
+            self.advance();
+            self.expression();
+            count += 1;
+        }
+        let is_closed = self.at(TokenKind::ParenClose);
+        self.close(TokenKind::ParenClose, open);
+        let place = Span::new(open.start, self.previous.span.end);
+        if is_closed {
+            self.report(self.bare_vector_error(place, count));
+        }
+        self.step(ParseStep::List(count), open.start);
+    }
+
+    fn bare_vector_error(&self, place: Span, count: usize) -> Diagnostic {
+        let message = "brackets alone are no vector";
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message);
+        if count != 3 {
+            return diagnostic.with_hint("a vector is `vec3(1, 2, 3)`, a list `[1, 2]`");
+        }
+        let before = &self.source[..place.start as usize];
+        let touches = before.ends_with(|c: char| c.is_ascii_alphanumeric());
+        let written = if touches { " vec3" } else { "vec3" };
+        let fix = Fix::insert("Insert `vec3`", place.start, written);
+        let vector = quote(&format!("vec3{}", place.text(self.source)));
+        diagnostic
+            .with_hint(format!("write {vector}"))
+            .with_fix(fix.with_all())
+    }
+
+    /// The place of `<1, 2, 3>`, if it begins with the current token and ends in its line.
+    fn angle_vector(&self) -> Option<Span> {
+        let start = self.current.span.start;
+        let rest = &self.source[start as usize..];
+        let end = rest.find(['>', '\n', '{', '}', '"'])?;
+        let is_vector = rest[..end].matches(',').count() == 2
+            && !rest[..end].contains("--")
+            && rest[end..].starts_with('>');
+        let place = Span::new(start, start + end as u32 + 1);
+        (self.at(TokenKind::Less) && is_vector).then_some(place)
+    }
+
+    /// Passes `<1, 2, 3>`, with a report.
+    fn pass_angle_vector(&mut self, place: Span) {
+        let text = place.text(self.source);
+        let written = format!("vec3({})", &text[1..text.len() - 1]);
+        let message = "angles hold no vector";
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
+            let fix = Fix::change(place, &written, true).with_all();
+            let found = found.with_hint(format!("write {}", quote(&written)));
+            self.report(found.with_fix(fix));
+        }
+        while self.current.span.start < place.end && !self.at(TokenKind::Eoi) {
+            self.advance();
+        }
+        self.step(ParseStep::Missing, place.start);
     }
 
     fn operand(&mut self, step: ParseStep<'_>) {
@@ -284,6 +365,27 @@ impl<A: Actions> Parser<'_, '_, A> {
         }
         self.body();
         self.step(ParseStep::Macro(names.len()), start);
+    }
+
+    /// Warns of a quotient of two whole numbers whose fraction is dropped.
+    fn check_fraction(&mut self, left: Token, right: Token) {
+        let [a, b] = [left, right].map(|token| match token.kind {
+            TokenKind::Integer => token.span.text(self.source).parse::<i32>().ok(),
+            _ => None,
+        });
+        let (Some(a), Some(b)) = (a, b) else {
+            return;
+        };
+        if b == 0 || a % b == 0 {
+            return;
+        }
+        let place = left.span.to(right.span);
+        let (text, quotient) = (quote(place.text(self.source)), a / b);
+        let message = format!("{text} is {quotient}: `/` of whole numbers drops the fraction");
+        let diagnostic = Diagnostic::warning(codes::DROPPED_FRACTION, place, message)
+            .with_hint(format!("write `{a} / {b}.0` for the number"))
+            .with_fix(Fix::insert("Insert `.0`", right.span.end, ".0"));
+        self.report(diagnostic);
     }
 
     /// Warns of a line that goes on with the statement above, though it may be meant to begin one.

@@ -11,7 +11,10 @@ use crate::span::Span;
 /// The number of characters of the text that a sentence quotes at most.
 const QUOTE_LENGTH: usize = 40;
 
-fn quote(text: &str) -> String {
+/// The hint at a comment of another language.
+const COMMENT: &str = "a comment begins with `--`";
+
+pub(super) fn quote(text: &str) -> String {
     let mut cut: String = text.chars().take(QUOTE_LENGTH).collect();
     if cut.len() < text.len() {
         cut.push('…');
@@ -46,6 +49,9 @@ impl<A: Actions> Parser<'_, '_, A> {
             }
             if run.is_none() && token.kind != TokenKind::Comment {
                 break;
+            }
+            if lexeme.fault == Some(Fault::ForeignComment) {
+                self.report(bad_comment(token.span));
             }
             self.actions.act_advance(token);
             lexeme = self.lexer.read();
@@ -130,9 +136,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
         ';' => diagnostic
             .with_hint("a statement ends without a sign")
             .with_fix(Fix::remove(span, ";").with_all()),
-        '#' => diagnostic
-            .with_hint("a comment begins with `--`")
-            .with_fix(change("--")),
+        '#' => diagnostic.with_hint(COMMENT).with_fix(change("--")),
         '\'' => diagnostic.with_hint("a string stands between `\"`"),
         '−' | '–' if is_single => diagnostic.with_fix(change("-").with_all()),
         _ if first.is_alphabetic() || first == '_' => {
@@ -142,10 +146,19 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
     }
 }
 
+/// The error of a comment that begins with `//`.
+fn bad_comment(comment: Span) -> Diagnostic {
+    let sign = Span::new(comment.start, comment.start + 2);
+    Diagnostic::error(codes::BAD_CHARACTER, sign, "`//` begins no comment")
+        .with_hint(COMMENT)
+        .with_fix(Fix::change(sign, "--", true).with_all())
+}
+
 /// The error of a malformed number or string.
 fn bad_token(text: &str, span: Span, fault: Fault) -> Diagnostic {
     match fault {
         Fault::Character(first) => bad_characters(text, span, first),
+        Fault::ForeignComment => bad_comment(span),
         Fault::LonePoint => {
             let message = "a `.` without digits is no number";
             Diagnostic::error(codes::BAD_NUMBER, span, message)

@@ -12,12 +12,24 @@ use crate::spelling::nearest;
 /// The attributes that an object states, each with the place of its name.
 type Stated<'s> = Vec<(&'s str, Span)>;
 
+/// The name of the object that a word is without its capital letters.
+pub(super) fn uncapitalized(word: &str) -> Option<&'static str> {
+    let mut names = ObjectName::objects().map(ObjectName::text);
+    names.find(|name| name.eq_ignore_ascii_case(word) && *name != word)
+}
+
 impl<'s, A: Actions> Parser<'s, '_, A> {
     /// `Prim = name "{" Attrs "}"`
     pub(super) fn object(&mut self) {
         let (text, name) = (self.text(), self.current.span);
         let object = ObjectName::from_text(text);
-        if object.is_none() {
+        if let Some(meant) = uncapitalized(text) {
+            let message = format!("there is no object `{text}`");
+            let diagnostic = Diagnostic::error(codes::UNKNOWN_OBJECT, name, message)
+                .with_hint(format!("write `{meant}`, with a capital letter"))
+                .with_fix(Fix::change(name, meant, true).with_all());
+            self.report(diagnostic);
+        } else if object.is_none() {
             let message = format!("there is no object `{text}`");
             let mut diagnostic = Diagnostic::error(codes::UNKNOWN_OBJECT, name, message);
             if let Some(near) = nearest(text, ObjectName::objects().map(ObjectName::text)) {
