@@ -82,7 +82,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             (None, None) => {
                 self.recover();
                 if self.current.kind == TokenKind::Semicolon {
-                    self.advance(Mode::Start);
+                    self.accept();
+                    // What stands behind is read as at the start of a text.
+                    self.state = DeclarationState::default();
+                    self.fetch(Mode::Start);
                 }
             }
         }

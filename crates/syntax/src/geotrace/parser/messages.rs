@@ -223,7 +223,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// The place of `.x`, `.y` or `.z` right behind a value, if it begins with this point.
     pub(super) fn lettered_component(&self, point: Span) -> Option<Span> {
-        let rest = self.source[point.end as usize..].as_bytes();
+        let rest = &self.source.as_bytes()[point.end as usize..];
         let is_letter = matches!(rest, [b'x' | b'y' | b'z', ..]);
         let is_whole = !rest.get(1).is_some_and(u8::is_ascii_alphanumeric);
         let is_behind_value = self.previous.span.end == point.start
