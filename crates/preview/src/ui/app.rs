@@ -16,7 +16,7 @@ use render::gpu::Gpu;
 use session::StatusMessage;
 
 use crate::io::report::Report;
-use crate::ui::event_loop::{EndSignal, Shown, WindowLoop};
+use crate::ui::event_loop::{EndSignal, WindowEnd, WindowLoop};
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
 use crate::{Ending, Failure, Faults, Options, Source};
@@ -85,18 +85,18 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
             })
         };
         let mut shown = show(drivers);
-        if matches!(shown, Shown::Refused) && drivers == FIRST_DRIVERS {
+        if matches!(shown, WindowEnd::Refused) && drivers == FIRST_DRIVERS {
             drivers = Backends::PRIMARY | Backends::GL;
             shown = show(drivers);
         }
         let mut window = slot.borrow_mut();
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
         match shown {
-            Shown::Refused => Ended::Refused(refusal()),
+            WindowEnd::Refused => Ended::Refused(refusal()),
             // The code that draws the controls may meet the loss first, and panics: the window goes on.
-            Shown::Ended | Shown::Panicked { .. } if lost => Ended::Lost,
-            Shown::Ended => Ended::Closed,
-            Shown::Panicked { panic, message } => {
+            WindowEnd::Ended | WindowEnd::Panicked { .. } if lost => Ended::Lost,
+            WindowEnd::Ended => Ended::Closed,
+            WindowEnd::Panicked { panic, message } => {
                 eprintln!("{message}");
                 Ended::Broken(panic)
             }
@@ -166,7 +166,7 @@ fn native(size: Option<egui::Vec2>, drivers: Backends) -> NativeOptions {
     }
 }
 
-/// Why a display that is there shows no window.
+/// Returns the reason why a display that is there shows no window.
 fn refusal() -> Failure {
     let reason = match Gpu::shared() {
         Err(error) => error.to_string(),

@@ -25,7 +25,7 @@ pub(crate) struct WindowLoop {
 }
 
 /// The way in which a window has ended.
-pub(crate) enum Shown {
+pub(crate) enum WindowEnd {
     /// It was closed, or has ended itself.
     Ended,
     /// It was never opened: the display refuses it, or no driver can draw it. eframe keeps the reason to itself.
@@ -64,7 +64,7 @@ impl WindowLoop {
         &mut self,
         options: NativeOptions,
         create: impl FnOnce(&CreationContext<'_>, EndSignal) -> Box<dyn App>,
-    ) -> Shown {
+    ) -> WindowEnd {
         let end = EndSignal::default();
         let opened = Cell::new(false);
         let create = |context: &CreationContext<'_>| {
@@ -85,9 +85,9 @@ impl WindowLoop {
             panic.or(dropped.err()).map_or(Ok(ended), Err)
         });
         match ended {
-            Err(panic) => Shown::Panicked { panic, message },
-            Ok(Ok(())) if opened.get() => Shown::Ended,
-            Ok(_) => Shown::Refused,
+            Err(panic) => WindowEnd::Panicked { panic, message },
+            Ok(Ok(())) if opened.get() => WindowEnd::Ended,
+            Ok(_) => WindowEnd::Refused,
         }
     }
 }
