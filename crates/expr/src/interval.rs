@@ -111,8 +111,8 @@ impl Interval {
     /// The least interval that contains both.
     pub fn union(self, other: Self) -> Self {
         Self {
-            lower: self.lower.min(other.lower),
-            upper: self.upper.max(other.upper),
+            lower: lower_bound(f64::min, self.lower, other.lower),
+            upper: upper_bound(f64::max, self.upper, other.upper),
             partial: self.partial || other.partial,
         }
     }
@@ -136,8 +136,14 @@ impl Interval {
             // A power is defined where only one of its operands is, so what `of` adds does not hold.
             Binary::Pow => return a.power(b).partially(a.partial || b.partial),
             Binary::Zmul => return a.annihilating(b),
-            Binary::Min => Self::exact(a.lower.min(b.lower), a.upper.min(b.upper)),
-            Binary::Max => Self::exact(a.lower.max(b.lower), a.upper.max(b.upper)),
+            Binary::Min => Self::exact(
+                lower_bound(f64::min, a.lower, b.lower),
+                upper_bound(f64::min, a.upper, b.upper),
+            ),
+            Binary::Max => Self::exact(
+                lower_bound(f64::max, a.lower, b.lower),
+                upper_bound(f64::max, a.upper, b.upper),
+            ),
             Binary::AtMost => Self::exact(
                 if a.upper <= b.lower { 1.0 } else { 0.0 },
                 if a.lower > b.upper { 0.0 } else { 1.0 },
@@ -521,5 +527,25 @@ impl Arithmetic for Rules {
 
     fn unary(&mut self, op: Unary, a: Named) -> Named {
         self.name(Interval::unary(op, a.interval))
+    }
+}
+
+/// One of two lower bounds. Of two zeros it is the negative one: the library may choose either.
+#[inline]
+fn lower_bound(choice: fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
+    match a == 0.0 && b == 0.0 {
+        true if a.is_sign_negative() => a,
+        true => b,
+        false => choice(a, b),
+    }
+}
+
+/// One of two upper bounds. Of two zeros it is the positive one.
+#[inline]
+fn upper_bound(choice: fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
+    match a == 0.0 && b == 0.0 {
+        true if a.is_sign_positive() => a,
+        true => b,
+        false => choice(a, b),
     }
 }

@@ -185,6 +185,29 @@ fn undefined_values_empty_results_and_poles_are_seen() {
     assert!(empty.is_empty() && empty.is_partial());
 }
 
+#[test]
+fn the_sign_of_a_zero_is_kept_by_minimum_and_maximum() {
+    // Squares are never −0.
+    let square = Interval::new(-1.0, 1.0).square();
+    let below = Interval::unary(Unary::Neg, square);
+    let one = Interval::point(1.0);
+    let over = |range: Interval| Interval::binary(Binary::Div, one, range);
+    let [minus, plus] = [-0.0, 0.0].map(Interval::point);
+    for (a, b) in [(square, minus), (minus, square), (plus, minus)] {
+        let least = Interval::binary(Binary::Min, a, b);
+        assert!(over(least).contains(1.0 / -0.0), "{a:?} {b:?}: {least:?}");
+        assert!(over(a.union(b)).contains(1.0 / -0.0), "{a:?} {b:?}");
+    }
+    for (a, b) in [(below, plus), (plus, below), (minus, plus)] {
+        let greatest = Interval::binary(Binary::Max, a, b);
+        assert!(
+            over(greatest).contains(1.0 / 0.0),
+            "{a:?} {b:?}: {greatest:?}"
+        );
+        assert!(over(a.union(b)).contains(1.0 / 0.0), "{a:?} {b:?}");
+    }
+}
+
 /// A random expression in three variables, as instructions on a stack.
 fn programs() -> impl Strategy<Value = Vec<(Operation, usize, usize)>> {
     let moderate: Vec<Operation> = Operation::all()
