@@ -126,11 +126,12 @@ fn ends(
     to: Uv,
 ) -> Result<(RaySource<'_>, AimedPlace<'_>), MeasureError> {
     let source = RaySource::at(surface, from)?;
-    let mut target = AimedPlace::new(surface, to)?;
-    if is_one_place(surface, from, to) {
-        target = AimedPlace::new(surface, from)?;
-    }
-    Ok((source, target))
+    let to = if is_one_place(surface, from, to) {
+        from
+    } else {
+        to
+    };
+    Ok((source, AimedPlace::new(surface, to)?))
 }
 
 impl Connection {

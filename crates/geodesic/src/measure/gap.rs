@@ -241,15 +241,13 @@ pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -
         let off = |axis: usize| (a[axis] - other[axis]).abs();
         (0..2).all(|axis| off(axis) <= ROUNDING * widths[axis])
     };
-    let [_, beyond_sides @ ..] = &copies(surface, Uv(b))[..] else {
-        return false;
-    };
     let is_at = |at: [f64; 2], axis: usize, end: usize| {
         (at[axis] - domain[axis][end]).abs() <= AT_TIP * widths[axis]
     };
     let mut ends = (0..2).flat_map(|axis| [(axis, 0), (axis, 1)]);
     a == b
-        || beyond_sides.iter().any(is_near)
+        // The first copy is the place itself.
+        || copies(surface, Uv(b)).iter().skip(1).any(is_near)
         || ends.any(|(axis, end)| {
             let is_point = surface.apex(axis, end).is_some();
             is_point && is_at(a, axis, end) && is_at(b, axis, end)

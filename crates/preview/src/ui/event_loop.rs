@@ -78,9 +78,10 @@ impl WindowLoop {
             panic: None,
         };
         let (ended, message) = without_printing(|| {
-            let ended = self.event_loop.run_app_on_demand(&mut guard);
-            // It gives up its screen.
+            let run = || self.event_loop.run_app_on_demand(&mut guard);
+            let ended = catch_unwind(AssertUnwindSafe(run))?;
             let panic = guard.panic.take();
+            // It gives up its screen.
             let dropped = catch_unwind(AssertUnwindSafe(|| drop(guard)));
             panic.or(dropped.err()).map_or(Ok(ended), Err)
         });

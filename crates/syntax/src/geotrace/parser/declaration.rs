@@ -5,9 +5,8 @@ use super::messages::quote;
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
-use crate::diagnostic::{Diagnostic, Fix};
+use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Declaration, Operator};
-use crate::geotrace::codes;
 use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
 use crate::geotrace::token::TokenKind;
@@ -376,12 +375,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let blanks = behind.len() - behind.trim_start().len();
         let place = first.to(Span::new(comma, comma + (blanks + item.len()) as u32));
-        let written = format!("({})", place.text(self.source));
         let message = "the two places of a geodesic stand in one bracket";
-        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
-            .with_hint(format!("write {}", quote(&written)))
-            .with_fix(Fix::change(place, &written, true).with_all());
-        Err(self.reject(diagnostic))
+        Err(self.reject_unbracketed(place, message))
     }
 
     /// `SET` of a solid, and the `=` before it.

@@ -213,12 +213,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             return Ok(());
         }
         let components = Span::new(body.start, end);
-        let written = format!("({})", components.text(self.source));
         let message = "the components of a value stand in brackets";
-        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, components, message)
+        Err(self.reject_unbracketed(components, message))
+    }
+
+    /// Rejects a list that lacks the brackets around it.
+    pub(super) fn reject_unbracketed(&mut self, list: Span, message: &str) -> Stop {
+        let written = format!("({})", list.text(self.source));
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, list, message)
             .with_hint(format!("write {}", quote(&written)))
-            .with_fix(Fix::change(components, &written, true).with_all());
-        Err(self.reject(diagnostic))
+            .with_fix(Fix::change(list, &written, true).with_all());
+        self.reject(diagnostic)
     }
 
     /// Returns true if a `:` and an interval follow at a place, or what may become one: no value of an attribute.
