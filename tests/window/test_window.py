@@ -130,6 +130,20 @@ class Controls(OnScreen):
         window.settle()
         self.assertEqual(window.take()["eye"], rest)
 
+    def test_a_key_that_is_tapped_within_a_slow_frame_moves_the_camera(self):
+        window = self.open(SPHERE)
+        window.click_at(*window.middle("Image: 3D view"))
+        eye = window.settle()["eye"]
+        # What a window that stands still is sent arrives in one frame.
+        window.process.send_signal(signal.SIGSTOP)
+        try:
+            window.xdotool("key", "w")
+        finally:
+            window.process.send_signal(signal.SIGCONT)
+        window.until("W goes nearer", lambda now: now["eye"] != eye)
+        rest = window.settle()["eye"]
+        self.assertEqual(window.settle()["eye"], rest)
+
     def test_a_triangle_is_measured_by_clicks_and_its_excess_is_its_area(self):
         window = self.open(SPHERE)
         x, y = window.middle("Image: Geodesic view of s")

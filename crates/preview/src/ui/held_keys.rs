@@ -2,7 +2,8 @@
 //!
 //! A key may come up under another name than it went down with: that of Shift and = is +, and where Shift is let go first,
 //! what comes up is =. So a key is known by its place until it comes up. It moves a camera only where a view had the
-//! keys when it went down, and has had them since.
+//! keys when it went down, and has had them since. A key that goes down and comes up within one frame, which a slow
+//! frame makes of a short press, is held for that frame.
 
 use std::collections::BTreeMap;
 
@@ -22,11 +23,15 @@ struct HeldKey {
     name: Key,
     /// It belongs to a view.
     moves: bool,
+    /// It has come up in the frame in which it went down.
+    is_tapped: bool,
 }
 
 impl HeldKeys {
     /// Takes the events of a frame. A key that goes down belongs to a view where `has_key` says that views have it.
     pub(crate) fn update(&mut self, events: &[Event], has_key: impl Fn(Key) -> bool) {
+        self.down.retain(|_, held| !held.is_tapped);
+        let before: Vec<Key> = self.down.keys().copied().collect();
         for event in events {
             match *event {
                 Event::Key {
@@ -41,9 +46,12 @@ impl HeldKeys {
                         self.down.entry(place).or_insert(HeldKey {
                             name: key,
                             moves: true,
+                            is_tapped: false,
                         });
-                    } else {
+                    } else if before.contains(&place) {
                         self.down.remove(&place);
+                    } else if let Some(held) = self.down.get_mut(&place) {
+                        held.is_tapped = true;
                     }
                 }
                 // Of what comes up elsewhere nothing is heard.
@@ -108,6 +116,24 @@ mod tests {
             held.update(&[event(up, Some(place), false)], |_| true);
             assert!(!held.any(), "{held:?}");
         }
+    }
+
+    #[test]
+    fn a_key_that_is_tapped_within_a_frame_is_held_for_that_frame() {
+        let mut held = HeldKeys::default();
+        let tap = [true, false].map(|pressed| event(Key::W, None, pressed));
+        held.update(&tap, |_| true);
+        assert!(held.moves(Key::W));
+        held.update(&tap, |_| true);
+        assert!(held.moves(Key::W), "it is tapped again");
+        held.update(&[], |_| true);
+        assert!(!held.any());
+        held.update(&tap, |_| false);
+        assert!(!held.moves(Key::W), "a text has the keys");
+        held.update(&[], |_| true);
+        held.update(&tap[..1], |_| true);
+        held.update(&tap[1..], |_| true);
+        assert!(!held.any(), "it was held before");
     }
 
     #[test]
