@@ -131,9 +131,15 @@ impl Core {
 
     /// Moves a camera while keys are held, from now on.
     pub(super) fn hold(&mut self, view: ViewId, keys: Vec<CameraKey>, [shift, alt]: [bool; 2]) {
-        let was_held = self.motions.held.take().is_some();
+        let held = self.motions.held.take();
+        let was_held = held.is_some();
         if keys.is_empty() {
-            if was_held {
+            if let Some(keys) = held {
+                // A key that is tapped between two frames moves the camera too.
+                if self.motions.last.is_none() {
+                    self.move_by_keys(&keys, FRAME);
+                    self.note_motion();
+                }
                 self.model.history.settle();
             }
             return;

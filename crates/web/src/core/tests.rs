@@ -323,6 +323,23 @@ fn keys_that_are_held_move_the_camera_with_the_time() {
 }
 
 #[test]
+fn a_key_that_is_tapped_between_two_frames_moves_the_camera_once() {
+    let mut page = Page::open(TORUS);
+    page.panes(&["geodesic:s"]);
+    page.work();
+    let at = |page: &mut Page| page.settings()["inside"]["s"]["at"].clone();
+    let before = at(&mut page);
+    for keys in [json!(["w"]), json!([])] {
+        let hold = json!({ "view": "geodesic:s", "keys": keys, "shift": false, "alt": false });
+        page.tell("hold", hold);
+    }
+    let after = at(&mut page);
+    assert_ne!(before, after);
+    page.rest();
+    assert_eq!(at(&mut page), after);
+}
+
+#[test]
 fn a_view_without_a_picture_says_why() {
     let mut page = Page::open("metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];");
     page.panes(&["geodesic:h", "geodesic:none"]);
