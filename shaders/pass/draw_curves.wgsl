@@ -7,13 +7,18 @@ const MITRE: f32 = 0.8;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
-// Position, and in w 1 where it is defined.
+// Position, and in w 0 where it is undefined, 2 where the curve breaks off behind it, else 1.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
 
-// A sample in view space, in w 1 where it is defined.
+// A sample in view space, with w as it is.
 fn sample_at(index: u32) -> vec4f {
     let sample = samples[index];
     return vec4f(seen(sample.xyz, view), sample.w);
+}
+
+// Whether the curve goes on from a sample to the next.
+fn has_piece(a: vec4f, b: vec4f) -> bool {
+    return a.w == 1.0 && b.w != 0.0;
 }
 
 // The unit vector across the piece from sample `index` to the next; 0 where there is no such piece.
@@ -23,7 +28,7 @@ fn across_from(index: u32) -> vec2f {
     }
     let a = sample_at(index);
     let b = sample_at(index + 1u);
-    if a.w == 0.0 || b.w == 0.0 || !is_in_front(a.xyz, view) || !is_in_front(b.xyz, view) {
+    if !has_piece(a, b) || !is_in_front(a.xyz, view) || !is_in_front(b.xyz, view) {
         return vec2f();
     }
     return across_piece(a.xyz, b.xyz, view);
@@ -64,7 +69,7 @@ fn place_curves(@builtin(vertex_index) vertex: u32) -> GlyphVertex {
         return NO_VERTEX;
     }
     let next = sample_at(index + 1u);
-    if next.w == 0.0 || (!is_in_front(here.xyz, view) && !is_in_front(next.xyz, view)) {
+    if !has_piece(here, next) || (!is_in_front(here.xyz, view) && !is_in_front(next.xyz, view)) {
         return NO_VERTEX;
     }
     let a = cut_at_near(here.xyz, next.xyz, view);

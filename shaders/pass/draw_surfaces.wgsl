@@ -12,7 +12,7 @@ struct Patch {
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> patch_: Patch;
-// Two for each sample: position (w: 1 where defined), normal.
+// Two for each sample: position (w: 1 where defined, 0 where not, -1 where left out), normal.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
 @group(0) @binding(3) var image: texture_2d<f32>;
 @group(0) @binding(4) var image_sampler: sampler;
@@ -24,7 +24,8 @@ struct PatchVertex {
     @location(1) normal: vec3f,
     // 0 to 1 over the domain, v downwards in the image as in the domain.
     @location(2) place: vec2f,
-    // 1 where all corners of the triangle are defined, less elsewhere.
+    // 1 where all corners of the triangle are defined. An undefined one changes it by so much that it is 1 nowhere else in
+    // a triangle, however large; beside the triangle, where a pixel's middle may lie, it is more than 1.
     @location(3) defined: f32,
 }
 
@@ -36,14 +37,15 @@ fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     let place = vec2f(along) / vec2f(patch_.count - vec2u(1u));
     let here = seen(sample.xyz, view);
     let normal = (view.view_from_world * vec4f(samples[at + 1u].xyz, 0.0)).xyz;
-    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, sample.w);
+    let defined = select(-1e6, 1.0, sample.w > 0.0);
+    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, defined);
 }
 
 @fragment
 fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = filtered(image, image_sampler, vertex.place, dpdx(vertex.place), dpdy(vertex.place));
-    // An undefined corner takes its whole triangle away; interpolation of ones is 1 up to rounding.
-    if vertex.defined < 0.9999 {
+    // Interpolation of ones is 1 up to rounding.
+    if abs(vertex.defined - 1.0) > 1e-4 {
         discard;
     }
     let to_eye = to_eye_from(vertex.at, view);

@@ -365,7 +365,10 @@ fn geometry(
             let count = *count as usize;
             for (places, samples) in places.chunks(count).zip(samples.chunks(count)) {
                 let pairs = places.iter().zip(samples);
-                let line = pairs.map(|(place, sample)| (sample.defined != 0.0).then_some(*place));
+                let line = pairs.flat_map(|(place, sample)| {
+                    let end = sample.is_last().then_some(None);
+                    std::iter::once((sample.defined != 0.0).then_some(*place)).chain(end)
+                });
                 lines.add(&line.collect::<Vec<_>>());
             }
             Geometry::Lines(lines)

@@ -30,6 +30,7 @@
 
 mod arithmetic;
 pub mod conformance;
+mod continuity;
 pub mod elementary;
 pub mod graph;
 pub mod interval;

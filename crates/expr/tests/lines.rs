@@ -269,6 +269,50 @@ fn what_is_not_known_or_not_bounded_is_left_to_single_lines() {
 }
 
 #[test]
+fn slopes_are_rounded_outward() {
+    let mut graph = Graph::default();
+    let [x, y] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+    let product = graph.mul(x, y);
+    let tape = Tape::new(&graph, &[product]);
+    // Both terms of the slope x'y + xy' have more digits than an f64, at sizes above, at and below 1.
+    for scale in [1e6, 1.0, 1e-6] {
+        let [a, b] = [scale * (1.0 + 2f64.powi(-29)), 1.0 + 2f64.powi(-29)];
+        let (a, b) = ([a; MOST_LANES], [b; MOST_LANES]);
+        let line = |x| LineInput::Coordinate {
+            origin: x,
+            direction: x,
+        };
+        let inputs = [line(&a), line(&b)];
+        for processor in [Processor::here(), Processor::least()] {
+            let t = [[0.0; MOST_LANES]; 2];
+            let found = tape.eval_slopes_on_lines(processor, &inputs, &t)[0].unwrap();
+            let nearest = a[0] * b[0] + a[0] * b[0];
+            let Slope { slope, .. } = found;
+            assert!(
+                slope.lower() < nearest && nearest < slope.upper(),
+                "{slope:?}"
+            );
+            assert!(slope.width() < 1e-14 * nearest, "{slope:?}");
+        }
+    }
+}
+
+#[test]
+fn exponentials_roots_and_arcs_have_no_negative_values() {
+    for op in [Unary::Exp, Unary::Sqrt, Unary::Acos] {
+        let mut graph = Graph::default();
+        let x = graph.input(Input::Variable(0));
+        let root = graph.unary(op, x);
+        let tape = Tape::new(&graph, &[root]);
+        // From 1 down to −2000, and to the other side of 1.
+        for (direction, ends) in [(-1.0, [0.0, 2000.0]), (-1.0, [0.5, 1.0]), (1.0, [0.0, 0.0])] {
+            let found = first(&tape, direction, ends).unwrap();
+            assert!(found.value.lower() >= 0.0, "{op:?} {ends:?}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn a_bundle_has_the_values_of_all_its_lines() {
     let mut random = Random(9);
     let mut registers = Registers::default();

@@ -1,8 +1,11 @@
 //! Operations on vectors against the same operations on numbers, for each kind of processor.
 
 use expr::elementary;
+use expr::ops::Operation;
 use expr::processor::Processor;
+use expr::tape::{Registers, Tape, VectorRegisters};
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
+use expr::{Graph, Input};
 
 type Block = [f64; MOST_LANES];
 
@@ -133,7 +136,8 @@ fn every_lane_is_computed_as_a_number_alone() {
         f64::NEG_INFINITY,
         f64::NAN,
     ];
-    let odd = Lanes::of(|lane| lane % 2 == 1);
+    // A pattern that differs between the parts of a block.
+    let odd = Lanes::of(|lane| lane % 3 == 1);
     for processor in [Processor::here(), Processor::least()] {
         for first in 0..numbers.len() {
             for second in 0..numbers.len() {
@@ -158,6 +162,76 @@ fn every_lane_is_computed_as_a_number_alone() {
                     let least = a.iter().copied().fold(f64::INFINITY, f64::min);
                     let greatest = a.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                     assert_eq!([found.least, found.greatest], [least, greatest]);
+                }
+            }
+        }
+    }
+}
+
+/// The values of a tape at pairs of numbers.
+struct Values<'a> {
+    tape: &'a Tape,
+    inputs: &'a [Block; 2],
+}
+
+impl VectorWork for Values<'_> {
+    type Output = Block;
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) -> Block {
+        let mut registers = VectorRegisters::new(s, self.tape);
+        let mut values = [0.0; MOST_LANES];
+        for part in 0..Vector::<S>::PARTS {
+            let input = |input: &Input| match *input {
+                Input::Variable(k) => Vector::load(s, &self.inputs[k as usize], part),
+                Input::Uniform(_) => Vector::splat(s, f64::NAN),
+            };
+            let inputs: Vec<Vector<S>> = self.tape.inputs().iter().map(input).collect();
+            let value = self.tape.eval_vector(s, &mut registers, &inputs);
+            value.store(&mut values, part);
+        }
+        values
+    }
+}
+
+#[test]
+fn a_tape_has_the_values_of_numbers_in_every_lane() {
+    let inputs: [Block; 2] = [
+        [0.3, -1.7, 2.5, 0.0, -0.4, 11.0, -3.0, 0.9],
+        [1.1, 0.6, -2.0, 5.0, -0.7, 0.2, 3.0, -8.0],
+    ];
+    let mut registers = Registers::default();
+    for operation in Operation::all() {
+        let mut graph = Graph::default();
+        let [a, b] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+        let node = operation.node(&mut graph, a, b);
+        // A sum with an input, and a product of results: registers are used anew.
+        let sum = graph.add(node, b);
+        let product = graph.mul(sum, node);
+        for root in [node, product] {
+            let tape = Tape::new(&graph, &[root]);
+            for processor in [Processor::here(), Processor::least()] {
+                let found = processor.run_vectors(Values {
+                    tape: &tape,
+                    inputs: &inputs,
+                });
+                for (lane, found) in found.into_iter().enumerate() {
+                    let inputs = tape.inputs().iter().map(|input| match *input {
+                        Input::Variable(k) => inputs[k as usize][lane],
+                        Input::Uniform(_) => f64::NAN,
+                    });
+                    let inputs: Vec<f64> = inputs.collect();
+                    let mut expected = [f64::NAN];
+                    tape.eval(&mut registers, &inputs, &mut expected);
+                    let [expected] = expected;
+                    // Sine and cosine may differ in the last place.
+                    let is_near = (found - expected).abs() <= 1e-14 * expected.abs();
+                    let name = operation.name();
+                    let is_wave = matches!(name, "sin" | "cos");
+                    assert!(
+                        same(found, expected) || is_wave && is_near,
+                        "{name} of {inputs:?}: {found}, not {expected}"
+                    );
                 }
             }
         }

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Scene + ObjectId + uniforms ──manifold.rs──▶ Manifold: a surface or a metric with its numbers in place
+//! curve or surface + uniforms ──breaks.rs──▶ Breaks: the samples between which it breaks off, at poles and jumps
 //! Scene + ParamValues ──declared.rs──▶ the declared geodesics, as knots
 //! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
 //! Scene + ParamValues + ObjectId ──solid_surface.rs──▶ SolidSurface: a solid for geodesics in space
@@ -10,6 +11,7 @@
 //!
 //! Knows nothing of pictures, of text, or of its callers.
 
+mod breaks;
 mod declared;
 mod manifold;
 mod polyline;
@@ -17,6 +19,7 @@ mod polyline_cache;
 mod solid_surface;
 pub mod solids;
 
+pub use breaks::Breaks;
 pub use declared::{
     FollowedGeodesic, MAX_DECLARED_EVALUATIONS, MAX_POINTS, cut_note, evaluations_per_line,
     follow_declared, follow_declared_over, lies_in_space,

@@ -5,6 +5,7 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
+use geometry::Breaks;
 use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,6 +34,11 @@ const SAMPLES: usize = 40_000;
 /// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
 /// what lies further is an outlier and does not shrink the rest of the picture.
 const REACH: f64 = 2.0;
+/// The same for an object with poles, whose inner box is that of 10 % to 90 % of its samples: what leads to a pole takes
+/// some per cent of them.
+const REACH_TO_POLES: f64 = 1.0;
+/// The number of an object's instances that are searched for poles.
+const SEARCHED: u64 = 16;
 
 /// The place and extent of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,8 +212,9 @@ impl ObjectCloud {
             let middle = middle.copied().filter(finite);
             (places.into_iter().filter(finite).collect(), middle)
         };
+        let has_poles = breaks_off(scene, params, object);
         let limits: [[f64; 2]; 3] =
-            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
+            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect(), has_poles));
         points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
         Self {
             points,
@@ -260,18 +267,40 @@ fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
     points
 }
 
+/// Returns whether an object breaks off somewhere, at a pole or a jump.
+fn breaks_off(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
+    let Some(breaks) = Breaks::of(scene, object) else {
+        return false;
+    };
+    let mut instances = 0..params.instance_count(scene, object).min(SEARCHED);
+    instances.any(|instance| {
+        let uniforms = params.instance(scene, object, instance);
+        match object.shape.domain() {
+            [domain] => !breaks.along(domain, &uniforms).is_empty(),
+            [u, v] => !breaks.between(&[*u, *v], &uniforms).is_empty(),
+            _ => false,
+        }
+    })
+}
+
 /// The interval of the values without outliers.
-fn robust(mut values: Vec<f64>) -> [f64; 2] {
+fn robust(mut values: Vec<f64>, has_poles: bool) -> [f64; 2] {
     if values.is_empty() {
         return [0.0, 0.0];
     }
     values.sort_unstable_by(f64::total_cmp);
     let last = values.len() - 1;
-    let [low, high] = [0.02, 0.98].map(|share| values[(share * last as f64).round() as usize]);
+    let (outer, reach) = if has_poles {
+        (0.1, REACH_TO_POLES)
+    } else {
+        (0.02, REACH)
+    };
+    let [low, high] =
+        [outer, 1.0 - outer].map(|share| values[(share * last as f64).round() as usize]);
     let reach = if values.len() < 50 {
         f64::INFINITY
     } else {
-        REACH * (high - low)
+        reach * (high - low)
     };
     // A box without inner extent (most samples in one plane) has no measure for outliers.
     let reach = if reach > 0.0 { reach } else { f64::INFINITY };

@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 use expr::tape::Tape;
 use expr::{Input, NodeId};
+use geometry::Breaks;
+use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
@@ -208,8 +210,6 @@ pub(crate) fn object_plan(
     let roots = object.shape.roots();
     let operations = count(&scene.graph, &roots);
     let with_normals = operations_with_normals(scene, object);
-    // A geodesic has no expression, nor has a curve along one: it is followed in f64.
-    let followed = object.shape.is_geodesic() || !object.shape.followed().is_empty();
     let samples = instances.saturating_mul(object.shape.sample_count());
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
@@ -222,7 +222,7 @@ pub(crate) fn object_plan(
         painter,
         instances,
         samples,
-        source: if gpu && work >= KERNEL_PAYS && !followed {
+        source: if gpu && work >= KERNEL_PAYS && may_have_kernel(scene, params, object) {
             SampleSource::Kernel
         } else {
             SampleSource::Blocks
@@ -246,6 +246,22 @@ pub(crate) fn samples(scene: &Scene, params: &ParamValues, id: ObjectId) -> u64 
     params
         .instance_count(scene, object)
         .saturating_mul(object.shape.sample_count())
+}
+
+/// Returns whether a kernel could give the samples of an object. A geodesic has no expression, nor has a curve along one:
+/// it is followed in f64. Where an object breaks off is found by intervals.
+pub(crate) fn may_have_kernel(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
+    let follows = object.shape.is_geodesic() || !object.shape.followed().is_empty();
+    !follows && !may_break(scene, params, object)
+}
+
+fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
+    let Some(breaks) = Breaks::of(scene, object) else {
+        return false;
+    };
+    let domain = object.shape.domain();
+    let instances = (0..params.instance_count(scene, object)).into_par_iter();
+    instances.any(|instance| breaks.may_occur(domain, &params.instance(scene, object, instance)))
 }
 
 /// Operations of one sample of an object, of a surface with its normal.

@@ -14,7 +14,8 @@ use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::placement::Placement;
 use crate::point::{DrawingPoint, WorldPoint};
-use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
+use geometry::{Breaks, FollowedGeodesic, Knot, follow_declared, lies_in_space};
+use rayon::prelude::*;
 
 mod sampler;
 mod surface;
@@ -29,14 +30,26 @@ pub const DEGENERATE: f64 = 1e-7;
 /// Points further than this from the scene's centre, in drawing units, are taken as undefined.
 pub const HORIZON: f64 = 1e6;
 
+/// [`PositionSample::defined`] of a sample behind which a curve breaks off before the next one, at a pole or a jump.
+const LAST: f32 = 2.0;
+/// [`SurfaceSample::defined`] of a sample beside which a surface breaks off, and which is left out therefore.
+const LEFT_OUT: f32 = -1.0;
+
 /// A place in drawing units: a point, or a sample of a curve. 16 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PositionSample {
     /// The place in drawing units; zero where undefined.
     pub position: [f32; 3],
-    /// 1 where defined, else 0.
+    /// 0 where undefined, else 1; 2 where a curve breaks off behind it.
     pub defined: f32,
+}
+
+impl PositionSample {
+    /// Returns whether a curve breaks off behind it.
+    pub fn is_last(&self) -> bool {
+        self.defined == LAST
+    }
 }
 
 /// A vector in drawing units. 32 bytes.
@@ -60,7 +73,7 @@ pub struct VectorSample {
 pub struct SurfaceSample {
     /// The place in drawing units; zero where undefined.
     pub position: [f32; 3],
-    /// 1 where defined, else 0.
+    /// 1 where defined, 0 where undefined; −1 where the surface breaks off beside it, and it is left out.
     pub defined: f32,
     /// The unit vector along σu×σv, or zero where it is undefined.
     pub normal: [f32; 3],
@@ -253,7 +266,16 @@ pub fn sample(
             position, domain, ..
         } => {
             let sampler = Sampler::full(scene, params, object, position);
-            let samples = sampler.map(|_, out: &[f64; 3]| placed(placement, out));
+            let mut samples = sampler.map(|_, out: &[f64; 3]| placed(placement, out));
+            if let Some(breaks) = Breaks::of(scene, object) {
+                let instances = samples.par_chunks_mut(domain.count as usize).enumerate();
+                instances.for_each(|(k, samples)| {
+                    let uniforms = params.instance(scene, object, k as u64);
+                    for last in breaks.along(domain, &uniforms) {
+                        break_behind(samples, last as usize);
+                    }
+                });
+            }
             Samples::Curves {
                 count: domain.count,
                 samples,
@@ -261,7 +283,22 @@ pub fn sample(
         }
         Shape::Surface {
             position, domain, ..
-        } => surface::surface(scene, params, object, placement, position, domain),
+        } => {
+            let mut samples = surface::surface(scene, params, object, placement, position, domain);
+            if let (Some(breaks), Samples::Surfaces { count, samples }) =
+                (Breaks::of(scene, object), &mut samples)
+            {
+                let size = count[0] as usize * count[1] as usize;
+                let instances = samples.par_chunks_mut(size).enumerate();
+                instances.for_each(|(k, samples)| {
+                    let uniforms = params.instance(scene, object, k as u64);
+                    for pair in breaks.between(domain, &uniforms) {
+                        leave_out(samples, pair.map(|[i, j]| (j * count[0] + i) as usize));
+                    }
+                });
+            }
+            samples
+        }
         Shape::Metric { .. }
         | Shape::Solid(_)
         | Shape::Light(_)
@@ -273,6 +310,29 @@ pub fn sample(
             line_samples(placement, count, &lines)
         }
     }
+}
+
+/// Lets a curve break off behind a sample, if that is defined.
+fn break_behind(samples: &mut [PositionSample], last: usize) {
+    if samples[last].defined != 0.0 {
+        samples[last].defined = LAST;
+    }
+}
+
+/// Leaves out the farther one of two samples between which a surface breaks off: it is nearer to a pole. What is left out
+/// once is enough for its other neighbours.
+fn leave_out(samples: &mut [SurfaceSample], pair: [usize; 2]) {
+    if pair.iter().any(|at| samples[*at].defined <= 0.0) {
+        return;
+    }
+    let far = |at: usize| {
+        samples[at]
+            .position
+            .iter()
+            .fold(0.0, |far: f32, x| far.hypot(*x))
+    };
+    let [a, b] = pair;
+    samples[if far(a) > far(b) { a } else { b }].defined = LEFT_OUT;
 }
 
 /// Lines of `count` points each, as curves.

@@ -218,6 +218,24 @@ fn both_backends_draw_the_same_picture_in_space() {
 }
 
 #[test]
+fn both_backends_leave_poles_and_what_is_undefined_open() {
+    let text = "curve c(t) = (t, tan t, 3), t : [-4, 4, 200];
+        curve d(t) = (t, t/abs(t), 2), t : [-4, 4, 200];
+        surface s(u,v) = (u, v, 1/(u + v)), u : [-2, 2, 61], v : [-2, 2, 61];
+        surface w(u,v) = (u, v, -3 + sqrt(1 - u v)), u : [-2, 2, 61], v : [-2, 2, 61];";
+    let (scene, params) = compiled(text);
+    let draw = |backend| {
+        with(Wanted::space([256, 256]), backend)
+            .draw(&scene, &params)
+            .expect("a picture")
+    };
+    let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
+    assert_eq!(gpu.notes, software.notes);
+    let (mean, far) = difference(&gpu.image, &software.image);
+    assert!(mean < 0.8 && far < 0.012, "mean {mean}, far {far}");
+}
+
+#[test]
 fn a_picture_of_several_tiles_has_no_seams() {
     let (scene, params) = compiled(SCENE);
     let size = [2200, 40];

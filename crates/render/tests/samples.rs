@@ -5,7 +5,7 @@ mod scenes;
 use glam::Vec3;
 use render::bounds::Bounds;
 use render::point::WorldPoint;
-use render::sample::{Samples, sample};
+use render::sample::{PositionSample, Samples, SurfaceSample, sample};
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::scene;
@@ -92,4 +92,37 @@ fn a_distant_scene_keeps_its_digits() {
     for (place, expected) in places.iter().zip([-1.0, -0.5, 0.0, 0.5, 1.0]) {
         assert!((place - expected).abs() < 1e-6, "{places:?}");
     }
+}
+
+#[test]
+fn a_pole_ends_a_curve_and_takes_samples_from_a_surface() {
+    let (bounds, found) = samples("curve c(t) = (t, tan t, 0), t : [-4, 4, 200];");
+    let Samples::Curves { samples: curve, .. } = found else {
+        panic!("a curve")
+    };
+    let is_last = |(index, sample): (usize, &PositionSample)| sample.is_last().then_some(index);
+    let last: Vec<usize> = curve.iter().enumerate().filter_map(is_last).collect();
+    // The poles are at ±π/2, and samples 8/199 apart.
+    assert_eq!(last, [60, 138]);
+    // The slopes that lead to a pole do not make the rest of the picture small: its box is that of |y| < 10.
+    let reach = bounds.half.map(|half| half * bounds.placement.radius);
+    assert!(
+        reach[0] > 3.9 && 4.0 < reach[1] && reach[1] < 10.0,
+        "{reach:?}"
+    );
+
+    let (_, found) = samples("surface s(u,v) = (u, v, 1/u), u : [-1, 1, 40], v : [0, 1, 10];");
+    let Samples::Surfaces {
+        samples: surface, ..
+    } = found
+    else {
+        panic!("a surface")
+    };
+    for (index, sample) in surface.iter().enumerate() {
+        let is_beside = (19..=20).contains(&(index % 40));
+        assert!(sample.defined > 0.0 || is_beside, "sample {index}");
+    }
+    let mut rows = surface.chunks(40);
+    let is_open = |row: &[SurfaceSample]| row[19..=20].iter().any(|it| it.defined <= 0.0);
+    assert!(rows.all(is_open));
 }

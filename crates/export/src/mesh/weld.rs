@@ -157,7 +157,7 @@ impl<'a> SampleGrid<'a> {
         let mut grid = Self {
             places,
             defined: both
-                .map(|(place, sample)| sample.defined != 0.0 && held(place))
+                .map(|(place, sample)| sample.defined > 0.0 && held(place))
                 .collect(),
             size: count.map(|n| n as usize),
             class: (0..places.len() as u32).collect(),

@@ -10,6 +10,7 @@ use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
 
 use super::attributes::{AttributeSet, NumberAttribute, evaluated};
+use crate::breaks::Breaks;
 use crate::declared::follow_declared;
 
 /// The most balls, cylinders and cones of all points, arrows and curves of a scene; what is beyond is not drawn.
@@ -158,14 +159,18 @@ pub(super) fn parts(
             position, domain, ..
         } => {
             let tape = Tape::new(graph, position);
+            let finder = Breaks::of(scene, object);
             while let Some(k) = next(&mut instances, &body, room) {
                 let uniforms = params.instance(scene, object, k);
                 body.instance = k;
-                let places = (0..domain.count).map(|i| {
+                let breaks = finder.as_ref().map(|it| it.along(domain, &uniforms));
+                let breaks = breaks.unwrap_or_default();
+                let places = (0..domain.count).flat_map(|i| {
                     let t = domain.value(i);
                     let variables = scene.curve_variables(&object.shape, &uniforms, t);
                     let at = evaluated(&tape, &variables, &uniforms, DVec3::from_slice);
-                    (t, Some(at).filter(|at| at.is_finite()))
+                    let end = breaks.binary_search(&i).is_ok().then_some((t, None));
+                    std::iter::once((t, Some(at).filter(|at| at.is_finite()))).chain(end)
                 });
                 body.line(places, &uniforms);
             }

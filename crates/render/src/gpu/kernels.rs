@@ -130,7 +130,10 @@ impl Kernels {
                 operations: plan::operations(scene, wanted.object),
                 kernel: None,
             });
-        if samples.saturating_mul(state.operations) < pays {
+        let object = &scene.objects[wanted.object.0 as usize];
+        if samples.saturating_mul(state.operations) < pays
+            || !plan::may_have_kernel(scene, wanted.params, object)
+        {
             return Ok(ObjectSamples::Blocks(None));
         }
         let kernel = state
@@ -139,7 +142,6 @@ impl Kernels {
         if wanted.waits {
             kernel.wait();
         }
-        let object = &scene.objects[wanted.object.0 as usize];
         match kernel.get() {
             None | Some(Made::TooLarge) => Ok(ObjectSamples::Blocks(None)),
             Some(Made::Refused(message)) => {

@@ -10,7 +10,7 @@ use crate::style;
 /// The cosine of the turn up to which two pieces share their end (a mitre); sharper turns get a round join.
 const MITRE: f32 = 0.8;
 
-/// The strips of the instances in `instances`, `count` samples each. Undefined samples leave gaps.
+/// The strips of the instances in `instances`, `count` samples each. Undefined samples and breaks leave gaps.
 pub(super) fn mesh(
     eye: &Eye,
     material: u32,
@@ -58,6 +58,9 @@ pub(super) fn runs(eye: &Eye, samples: &[PositionSample]) -> Vec<Vec<Vec3>> {
                 run.clear();
                 run.push(at);
             }
+        }
+        if sample.is_last() {
+            runs.push(std::mem::take(&mut run));
         }
     }
     runs.push(run);

@@ -310,6 +310,9 @@ fn along(eye: &Eye, samples: &[PositionSample], at: Vec2) -> f64 {
         let (Some((a, wa)), Some((b, wb))) = (seen(&pair[0]), seen(&pair[1])) else {
             continue;
         };
+        if pair[0].is_last() {
+            continue;
+        }
         let step = b - a;
         let length = step.length_squared();
         let t = if length > 0.0 {

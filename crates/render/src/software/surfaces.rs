@@ -38,7 +38,7 @@ pub(super) fn mesh(
                 .map(|i| {
                     let i = (i * stride).min(columns - 1);
                     let sample = &samples[first + i];
-                    (sample.defined != 0.0).then(|| {
+                    (sample.defined > 0.0).then(|| {
                         builder.vertex(Vertex {
                             clip: eye.clip(eye.see(sample.position), 0.0),
                             normal: eye.view.transform_vector3(Vec3::from(sample.normal)),
