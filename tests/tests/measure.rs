@@ -309,3 +309,27 @@ fn the_commands_of_the_page_run() {
     }
     assert_eq!(count, 8);
 }
+
+#[test]
+fn a_place_is_named_by_the_parameters_of_its_surface() {
+    let run = measure(HALF_PLANE, "--at 0,2");
+    let text = &run.expect_status(0).stdout;
+    assert!(text.contains("at (x, y) = (0, 2)"), "{text}");
+    let run = measure(HALF_PLANE, "--between 0,1 1,1");
+    let text = &run.expect_status(0).stdout;
+    assert!(text.contains(" in (x, y)"), "{text}");
+    let traced = geotrace([
+        "trace",
+        "-",
+        "--from",
+        "0,1",
+        "--heading",
+        "0",
+        "--length",
+        "1",
+    ]);
+    let run = traced.input(HALF_PLANE).run();
+    let text = &run.expect_status(0).stdout;
+    assert!(text.contains("from       (x, y) = (0, 1)"), "{text}");
+    assert!(!text.contains("(u, v)"), "{text}");
+}

@@ -1,4 +1,4 @@
-//! Where the value of an expression may jump, or has no bound.
+//! The places at which the value of an expression may jump, or has no bound.
 
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{Binary, Unary};

@@ -1,4 +1,4 @@
-//! Where a curve or a surface breaks off between two of its samples: at poles and jumps.
+//! The samples between which a curve or a surface breaks off, at poles and jumps.
 //!
 //! Intervals of the guards of its formula ([`expr::Graph::guards`]) say where there is none. Where one may be zero, the
 //! piece between two samples is halved until the place is known, and what lies on both sides of it decides: the object
@@ -14,14 +14,14 @@ use scene::{Object, Sampling, Scene, Shape};
 const HALVINGS: i32 = 14;
 /// The most evaluations on intervals in one piece; where they do not find its break, it has none.
 const MOST_EVALUATIONS: u32 = 100;
-/// How far the sides of the place may be from each other, as a share of the distance of the samples.
+/// The largest distance of the two sides of the place, as a share of the distance of the samples.
 const MOST_STEP: f64 = 0.125;
-/// How far each side of the place may be from its sample, as a share of the distance of the samples.
+/// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
 const MOST_AWAY: f64 = 2.0;
 /// Places within this share of their coordinates are one.
 const ROUNDING: f64 = 1e-9;
 
-/// What finds the breaks of an object.
+/// Finds the breaks of an object.
 #[derive(Debug)]
 pub struct Breaks {
     guards: Tape,
@@ -85,8 +85,8 @@ impl Breaks {
         !self.search(uniforms).is_continuous(ends)
     }
 
-    fn search<'a>(&'a self, uniforms: &'a [f64]) -> Search<'a> {
-        Search {
+    fn search<'a>(&'a self, uniforms: &'a [f64]) -> BreakSearch<'a> {
+        BreakSearch {
             breaks: self,
             uniforms,
             registers: Registers::default(),
@@ -95,13 +95,13 @@ impl Breaks {
 }
 
 /// The search in one instance.
-struct Search<'a> {
+struct BreakSearch<'a> {
     breaks: &'a Breaks,
     uniforms: &'a [f64],
     registers: Registers,
 }
 
-impl Search<'_> {
+impl BreakSearch<'_> {
     /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero.
     fn cells(&mut self, domain: [Option<&Sampling>; 2]) -> Vec<[u32; 2]> {
         let mut found = Vec::new();

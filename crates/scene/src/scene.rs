@@ -385,6 +385,11 @@ impl Shape {
         }
     }
 
+    /// Returns the names of its parameters as a place is written: "(u, v)".
+    pub fn chart_label(&self) -> String {
+        format!("({})", self.parameters().join(", "))
+    }
+
     /// The names of its parameters, as many as [`Shape::domain`] has intervals.
     pub fn parameters(&self) -> &[String] {
         match self {

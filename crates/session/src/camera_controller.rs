@@ -161,6 +161,12 @@ impl Subject {
         self.is_of_scene(other) && self.settings == other.settings
     }
 
+    /// Returns the names of its parameters as a place is written: "(u, v)".
+    pub(crate) fn chart_label(&self) -> String {
+        let object = self.scene.objects.get(self.surface.0 as usize);
+        object.map_or_else(String::new, |object| object.shape.chart_label())
+    }
+
     /// Makes the surface, ready for geodesics.
     ///
     /// # Errors

@@ -144,8 +144,11 @@ impl<'a> ClickedObject<'a> {
         let title = self.title();
         let [u, v] = self.hit.parameters;
         match self.object.shape.domain() {
-            [_, _] => format!("{title} at (u, v) = ({u:.4}, {v:.4})"),
-            [_] => format!("{title} at t = {u:.4}"),
+            [_, _] => {
+                let chart = self.object.shape.chart_label();
+                format!("{title} at {chart} = ({u:.4}, {v:.4})")
+            }
+            [_] => format!("{title} at {} = {u:.4}", self.object.shape.parameters()[0]),
             _ => title,
         }
     }

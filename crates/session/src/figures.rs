@@ -7,20 +7,20 @@ use geodesic::measure::{Circle, Connections, PlaceMeasures, RayStop, Triangle};
 use geodesic::surface::Surface;
 use render::figure::Figure;
 use render::measured::{FigureMeasures, lines, measure};
-use scene::ObjectId;
 
+use crate::camera_controller::Subject;
 use crate::measuring::{Measured, Quantity, angle, number, place};
 
 /// The most geodesics that are listed.
 const MOST_LISTED: usize = 8;
 
 /// Measures a figure. What cannot be measured is a note; of a figure that lacks places, these are marked.
-pub fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> Measured {
+pub fn measured(surface: &dyn Surface, subject: &Subject, figure: &Figure) -> Measured {
     let figure = Arc::new(figure.clone());
     let finding = measure(surface, &figure);
-    let lines = lines(surface, id, &figure, finding.as_ref().ok());
+    let lines = lines(surface, subject.surface, &figure, finding.as_ref().ok());
     let told = match &finding {
-        Ok(FigureMeasures::Place(found)) => place_rows(surface, found),
+        Ok(FigureMeasures::Place(found)) => place_rows(surface, subject.chart_label(), found),
         Ok(FigureMeasures::Distance(all)) => distance_rows(all),
         Ok(FigureMeasures::Circle(radius, found)) => circle_rows(*radius, found),
         Ok(FigureMeasures::Triangle(found)) => triangle_rows(found),
@@ -37,10 +37,10 @@ pub fn measured(surface: &dyn Surface, id: ObjectId, figure: &Figure) -> Measure
     Measured { lines, ..told }
 }
 
-fn place_rows(surface: &dyn Surface, found: &PlaceMeasures) -> Measured {
+fn place_rows(surface: &dyn Surface, chart: String, found: &PlaceMeasures) -> Measured {
     let value = |value: Option<f64>| value.map_or_else(|| "undefined".to_owned(), number);
     let mut rows = vec![
-        Quantity::new("(u, v)", place(found.uv.0)),
+        Quantity::new(chart, place(found.uv.0)),
         Quantity::new("K", value(found.gaussian)),
     ];
     if surface.is_embedded() {

@@ -137,19 +137,23 @@ fn answer(
     question: &MeasureQuestion,
 ) -> Option<MeasureAnswer> {
     Some(match question {
-        MeasureQuestion::Pointer(place, polar) => {
-            let PointedPlace::InChart(uv, camera) = place else {
+        MeasureQuestion::Pointer(pointed, polar) => {
+            let PointedPlace::InChart(uv, camera) = pointed else {
                 return None;
             };
             let [u, v] = uv.map(short);
             let curvature = measure::place(surface, *uv).ok();
             let curvature = curvature.and_then(|found| found.gaussian);
-            let (rows, distance) = pointer(surface, *uv, *polar, curvature, camera.as_ref());
-            let place = format!("(u, v) = ({u}, {v})");
-            MeasureAnswer::Pointer(rows, in_short(place, curvature, distance))
+            let chart = subject.chart_label();
+            let shown = format!("{chart} = ({u}, {v})");
+            let mut rows = vec![Quantity::new(chart, place(*uv))];
+            rows.extend(curvature.map(|k| Quantity::new("K", number(k))));
+            let (way, distance) = way_to(surface, *uv, *polar, camera.as_ref());
+            rows.extend(way);
+            MeasureAnswer::Pointer(rows, in_short(shown, curvature, distance))
         }
         MeasureQuestion::Figure(figure) => {
-            let measured = figures::measured(surface, subject.surface, &figure.figure);
+            let measured = figures::measured(surface, subject, &figure.figure);
             MeasureAnswer::Figure(figure.clone(), measured)
         }
         MeasureQuestion::Walk {
@@ -209,17 +213,15 @@ fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
-/// Returns the quantities at a place, and its distance from the camera: the length of the geodesic that is seen there in
-/// a geodesic view, else of the shortest one.
-fn pointer(
+/// Returns the distance of a place from the camera and the direction in which it is seen, as quantities, and the distance: the
+/// length of the geodesic that is seen there in a geodesic view, else of the shortest one.
+fn way_to(
     surface: &dyn Surface,
     uv: [f64; 2],
     polar: Option<[f64; 2]>,
-    curvature: Option<f64>,
     camera: Option<&Frame>,
 ) -> (Vec<Quantity>, Option<f64>) {
-    let mut rows = vec![Quantity::new("(u, v)", place(uv))];
-    rows.extend(curvature.map(|k| Quantity::new("K", number(k))));
+    let mut rows = Vec::new();
     let name = match polar {
         Some(_) => SEEN,
         None => "distance from the camera",

@@ -140,10 +140,11 @@ struct TriangleJson {
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let params = program.params(&arguments.set)?;
-    let (id, _) = program.surface(arguments.surface.as_deref())?;
+    let (id, object) = program.surface(arguments.surface.as_deref())?;
     let manifold = program.manifold(id, &params)?;
     let measuring = Measuring {
         surface: manifold.surface(),
+        chart: object.shape.chart_label(),
         program: &program,
         params: &params,
         format: arguments.format,
@@ -164,6 +165,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 /// A surface with what the numbers of the arguments mean, and the format of the answer.
 struct Measuring<'a> {
     surface: &'a dyn Surface,
+    /// The names of its parameters.
+    chart: String,
     program: &'a LoadedProgram,
     params: &'a ParamValues,
     format: Format,
@@ -220,7 +223,10 @@ impl Measuring<'_> {
             f,
             g,
         };
-        self.print(&document, &text::place(&found, self.surface.is_embedded()))
+        self.print(
+            &document,
+            &text::place(&found, self.surface.is_embedded(), &self.chart),
+        )
     }
 
     fn circle(&self, at: &Pair, radius: &Quantity) -> Result<(), Failure> {
@@ -271,7 +277,7 @@ impl Measuring<'_> {
             note: note(&found),
         };
         let one_place = measure::is_one_place(self.surface, from, to);
-        let mut text = text::between(&found, from, one_place);
+        let mut text = text::between(&found, from, one_place, &self.chart);
         if let Some(note) = &document.note {
             text.push_str(&format!("{note}\n"));
         }

@@ -112,7 +112,7 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = argument::choice(&THEMES), default_value = "screen", value_name = "THEME")]
     theme: Theme,
     /// A colour for an object, such as c=#1a2b3c; a surface's colour multiplies its image. May be given several times
-    #[arg(long, value_name = "OBJECT=COLOUR", value_parser = argument::object_colour)]
+    #[arg(long, alias = "color", value_name = "OBJECT=COLOUR", value_parser = argument::object_colour)]
     colour: Vec<ObjectColour>,
     /// How many times as large as usual lines, points and words are
     #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true)]

@@ -10,7 +10,7 @@ use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
 use geometry::SolidSurface;
 use render::PictureMethod;
-use scene::{ObjectId, ParamValues};
+use scene::{ObjectId, ParamValues, Shape};
 use serde::Serialize;
 
 use crate::argument::{self, Assignment, Choice, Format, PlaceArgument, Quantity};
@@ -161,7 +161,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Err(error) => stopped_at_start(error, surface)?,
     };
     drop(progress);
-    let (document, text) = (document(&trace), text(&trace, from, surface));
+    let (document, text) = (document(&trace), text(&trace, from, surface, &object.shape));
     print(arguments, document, text, (trace.conjugates, trace.jacobi))
 }
 
@@ -372,7 +372,7 @@ fn used_up() -> &'static str {
 const VANISHING: f64 = 1e-3;
 
 /// The reason why σu and σv span no plane at the end of a trace, and what helps where one of them is zero.
-fn lost_rank(surface: &dyn Surface, uv: Uv) -> String {
+fn lost_rank(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
     let jet = surface.jet(uv);
     let domain = surface.domain();
     // The lengths of coordinate lines, which do not depend on the parameters' units.
@@ -380,13 +380,14 @@ fn lost_rank(surface: &dyn Surface, uv: Uv) -> String {
         let largest = tangent.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         largest * (high - low)
     });
-    let (axis, name, tangent) = if lengths[0] < VANISHING * lengths[1] {
-        (0, "u", "σu")
+    let (axis, tangent) = if lengths[0] < VANISHING * lengths[1] {
+        (0, "σu")
     } else if lengths[1] < VANISHING * lengths[0] {
-        (1, "v", "σv")
+        (1, "σv")
     } else {
         return "σu and σv are parallel there".into();
     };
+    let name = &shape.parameters()[axis];
     // The geodesic ends just before the line.
     let unit = VANISHING * (domain[axis][1] - domain[axis][0]);
     let line = show_measured((uv[axis] / unit).round() * unit);
@@ -395,8 +396,9 @@ fn lost_rank(surface: &dyn Surface, uv: Uv) -> String {
     )
 }
 
-fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface) -> String {
+fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface, shape: &Shape) -> String {
     let [u, v] = trace.uv.0;
+    let chart = shape.chart_label();
     let length = show(trace.length);
     let end = match trace.status {
         Status::Complete => format!("it has its full length, {length}"),
@@ -404,7 +406,7 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface) -> String {
         Status::ConePoint => format!("it ran into the tip of a cone after {length}"),
         Status::Degenerate => format!(
             "after {length} the parametrisation lost its rank: {}",
-            lost_rank(surface, trace.uv)
+            lost_rank(surface, trace.uv, shape)
         ),
         Status::Undefined => format!("after {length} the surface is undefined"),
         Status::WorkLimit => format!("{} after {length}", used_up()),
@@ -412,8 +414,8 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface) -> String {
     format!(
         "\
 {}: {end}
-  from       (u, v) = {}
-  to         (u, v) = {}
+  from       {chart} = {}
+  to         {chart} = {}
   position   {}
   direction  {}
   trust      error estimate {}, speed drift {}
@@ -429,7 +431,7 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface) -> String {
             "none".to_owned()
         } else {
             format!(
-                "{} in (u, v), at unit speed",
+                "{} in {chart}, at unit speed",
                 number::show_all(&trace.direction.0)
             )
         },

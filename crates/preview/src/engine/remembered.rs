@@ -71,7 +71,7 @@ fn trails(model: &mut Model, id: &ViewId, drawn: &Drawn) -> Vec<Shared<Trail>> {
         && let Some(subject) = model.subject(&surface)
         && let Ok(manifold) = subject.manifold()
     {
-        let measured = figures::measured(manifold.surface(), subject.surface, &figure);
+        let measured = figures::measured(manifold.surface(), &subject, &figure);
         all.extend(measured.lines.into_iter().map(Shared::from));
     }
     all

@@ -46,8 +46,9 @@ pub fn place(model: &Model, surface: &str) -> Option<String> {
     let zoom = camera.zoom();
     let place = match camera {
         InsideCamera::Chart(camera) => {
+            let (_, object) = model.scene.as_ref()?.object(surface)?;
             let [u, v] = camera.at;
-            format!("(u, v) = ({u:.3}, {v:.3})")
+            format!("{} = ({u:.3}, {v:.3})", object.shape.chart_label())
         }
         InsideCamera::Solid(camera) => {
             let [x, y, z] = model.scene.as_ref()?.stated(camera.at);

@@ -7,7 +7,8 @@ use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
 use super::pair_text;
 use crate::number::{count, show_all, show_measured};
 
-pub(super) fn place(found: &PlaceMeasures, embedded: bool) -> String {
+/// What is measured at a place; `chart` names the parameters.
+pub(super) fn place(found: &PlaceMeasures, embedded: bool, chart: &str) -> String {
     let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show_measured);
     let mean = match (found.mean, embedded) {
         (None, false) => "none: a metric bends in no space".into(),
@@ -16,7 +17,7 @@ pub(super) fn place(found: &PlaceMeasures, embedded: bool) -> String {
     let [e, f, g] = found.form.map(show_measured);
     let mut text = format!(
         "\
-at (u, v) = {}
+at {chart} = {}
   Gaussian curvature  K = {}
   mean curvature      H = {mean}
   first form          E = {e}, F = {f}, G = {g}
@@ -64,8 +65,8 @@ circle of radius {}
     )
 }
 
-/// The geodesics from one place to another, which are loops where both are `one_place`.
-pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool) -> String {
+/// The geodesics from one place to another, which are loops where both are `one_place`; `chart` names the parameters.
+pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool, chart: &str) -> String {
     let Some(first) = found.found.first() else {
         return String::new();
     };
@@ -88,7 +89,7 @@ pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool) -> S
         let start = super::other_start(it, from);
         let start = start.map_or_else(String::new, |at| format!(" from {}", show_all(&at)));
         text.push_str(&format!(
-            "  length {:<20} direction {} in (u, v){start}{family}\n",
+            "  length {:<20} direction {} in {chart}{start}{family}\n",
             show_measured(it.length),
             show_all(&it.direction.0)
         ));

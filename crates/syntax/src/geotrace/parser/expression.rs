@@ -53,6 +53,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     fn jux_tail(&mut self, mut span: Span) -> Parse {
         while self.starts_app() {
             self.warn_short_argument();
+            self.warn_index();
             span = span.to(self.mult2()?);
             self.operator(Operator::Juxtapose, span);
         }

@@ -161,6 +161,44 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         );
     }
 
+    /// `v[1]`: looks like a component. The current token is a factor behind an operand.
+    #[inline]
+    pub(super) fn warn_index(&mut self) {
+        if self.current.kind == TokenKind::BracketOpen
+            && matches!(
+                self.previous.kind,
+                TokenKind::Variable(_) | TokenKind::Constant(_)
+            )
+            && self.previous.span.end == self.current.span.start
+        {
+            self.warn_brackets_behind(self.previous.span);
+        }
+    }
+
+    #[cold]
+    fn warn_brackets_behind(&mut self, value: Span) {
+        let bracket = self.current.span;
+        let behind = &self.source[bracket.end as usize..];
+        let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
+        if digits == 0 || behind.as_bytes().get(digits) != Some(&b']') {
+            return;
+        }
+        let (name, index) = (value.text(self.source), &behind[..digits]);
+        let (meant, read) = (format!("{name}_{index}"), format!("{name} {index}"));
+        let place = Span::new(value.start, bracket.end + digits as u32 + 1);
+        let written = quote(place.text(self.source));
+        let (read_as, component) = (quote(&read), quote(&meant));
+        let message = format!("{written} is read as {read_as}, a product");
+        if index.bytes().all(|digit| digit == b'0') {
+            let first = quote(&format!("{name}_1"));
+            let hint = format!("components count from 1: write {first} for the first one");
+            self.warn(place, message, hint, &[]);
+            return;
+        }
+        let hint = format!("write {component} for the component, or {read_as} if that is meant");
+        self.warn(place, message, hint, &[&meant, &read]);
+    }
+
     /// `f_xy`: looks like a derivative by x and y. `derivative` is `f_x`, and the current token begins the rest of the word.
     #[cold]
     pub(super) fn check_second_derivative(&mut self, id: SymbolId, derivative: Span) {
