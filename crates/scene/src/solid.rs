@@ -136,6 +136,31 @@ impl Solid {
             && self.leaves.len() == other.leaves.len()
             && pairs.all(|(a, b)| a.is_same(b))
     }
+
+    /// Returns for each leaf whether its points are taken away: it is behind an odd number of differences.
+    pub(crate) fn taken_away(&self) -> Vec<bool> {
+        let mut taken = vec![false; self.leaves.len()];
+        // The leaves of each operand: steps name all leaves in their order.
+        let mut operands: Vec<std::ops::Range<usize>> = Vec::new();
+        for step in &self.steps {
+            match *step {
+                SolidStep::Leaf(leaf) => operands.push(leaf as usize..leaf as usize + 1),
+                SolidStep::Instances(_) => {}
+                SolidStep::Union | SolidStep::Intersection | SolidStep::Difference => {
+                    let (Some(second), Some(first)) = (operands.pop(), operands.pop()) else {
+                        break;
+                    };
+                    if *step == SolidStep::Difference {
+                        for leaf in &mut taken[second.clone()] {
+                            *leaf = !*leaf;
+                        }
+                    }
+                    operands.push(first.start..second.end);
+                }
+            }
+        }
+        taken
+    }
 }
 
 impl Cut {
@@ -160,6 +185,12 @@ impl SolidLeaf {
     /// Returns true if its cuts are all that it is: those of a set.
     pub(crate) fn is_cut_alone(&self, graph: &Graph) -> bool {
         self.cuts.iter().any(Option::is_some) && graph.value(self.field) == Some(EVERYWHERE)
+    }
+
+    /// The nodes that its points depend on.
+    pub(crate) fn point_nodes(&self) -> Vec<NodeId> {
+        let map = self.map.0.as_flattened();
+        std::iter::once(&self.field).chain(map).copied().collect()
     }
 
     pub(crate) fn nodes_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {

@@ -69,6 +69,8 @@ pub(crate) const SINGULAR_MAP: Code = Code("singular-map");
 pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
 /// A parallel light shines upwards along a vector that looks like a place.
 pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
+/// The instances of a set fill each other's holes.
+pub(crate) const FILLED_HOLES: Code = Code("filled-holes");
 /// There is a background already.
 pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
 /// The value of an attribute, or a background, has not the dimension that it must have.
@@ -204,6 +206,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         LIGHT_FROM_BELOW,
         "A parallel light shines upwards, along a vector so long that a place is meant, which stands behind an `@`.",
+    ),
+    (
+        FILLED_HOLES,
+        "A set is the union of its instances: where a grid moves only what is taken away, each instance fills the holes of the others.",
     ),
     (SECOND_BACKGROUND, "A program has one background."),
     (

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use expr::Input;
 use expr::value::Value;
-use syntax::diagnostic::Related;
+use syntax::diagnostic::{Diagnostic, Related};
 use syntax::geotrace::actions::Declaration;
 use syntax::geotrace::declarations::COORDINATES;
 
@@ -75,6 +76,8 @@ impl Declarations {
         if !attributes.is_empty() {
             set.state(&attributes);
         }
+        let warning = self.filled_holes(declaration, &set.solid, dependencies);
+        self.found.extend(warning);
         let uncut = uncut.map(|solid| self.closed_at(solid, dependencies));
         let named = std::mem::take(&mut set.named);
         set.solid = self.closed_at(set.solid, dependencies);
@@ -229,6 +232,42 @@ impl Declarations {
             Arc::make_mut(&mut solid).steps.push(closed);
         }
         solid
+    }
+
+    /// Returns a warning about a set of which a grid moves only what is taken away: each of its instances fills the holes of
+    /// the others.
+    fn filled_holes(
+        &self,
+        declaration: &Declaration<'_>,
+        solid: &Solid,
+        dependencies: Dependencies,
+    ) -> Option<Diagnostic> {
+        let taken_away = solid.taken_away();
+        if !taken_away.contains(&true) {
+            return None;
+        }
+        let (_, grids) = self.sources_of(dependencies);
+        let grids = grids.into_iter();
+        let mut grids = grids.filter_map(|id| self.scene.grids.get(id.0 as usize));
+        let graph = &self.lowerer.graph;
+        let grid = grids.find(|grid| {
+            let count = grid.axes.len() as u32;
+            let own = grid.first_uniform..grid.first_uniform + count;
+            let is_own = |input: &Input| matches!(input, Input::Uniform(k) if own.contains(k));
+            let reads = |leaf: &SolidLeaf| graph.inputs(&leaf.point_nodes()).iter().any(is_own);
+            let leaves = taken_away.iter().zip(&solid.leaves);
+            let mut moved = leaves.filter(|(_, leaf)| reads(leaf)).peekable();
+            moved.peek().is_some() && moved.all(|(taken, _)| *taken)
+        })?;
+        let (name, grid) = (&declaration.name, &grid.name);
+        let message = format!(
+            "`{name}` is the union of its instances for the values of `{grid}`, and each fills the holes of the others"
+        );
+        let hint = format!(
+            "declare what is taken away as a solid of its own, which then is one with all values of `{grid}`, and write its name behind the `\\`"
+        );
+        let warning = Diagnostic::warning(error::FILLED_HOLES, declaration.name_span, message);
+        Some(warning.with_hint(hint))
     }
 
     /// Returns true if a part of a set closes at a grid that the set itself reads, in the grid's own uniforms.
