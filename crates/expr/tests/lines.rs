@@ -24,6 +24,28 @@ impl Random {
     }
 }
 
+/// The operations that are computed in vectors.
+const UNARY: [Unary; 10] = [
+    Unary::Sin,
+    Unary::Cos,
+    Unary::Neg,
+    Unary::Abs,
+    Unary::Sqrt,
+    Unary::Exp,
+    Unary::Log,
+    Unary::Asin,
+    Unary::Acos,
+    Unary::Atan,
+];
+const BINARY: [Binary; 6] = [
+    Binary::Add,
+    Binary::Sub,
+    Binary::Mul,
+    Binary::Div,
+    Binary::Min,
+    Binary::Max,
+];
+
 /// An expression of operations that are computed in vectors.
 fn expression(graph: &mut Graph, random: &mut Random, depth: usize) -> NodeId {
     if depth == 0 {
@@ -34,26 +56,6 @@ fn expression(graph: &mut Graph, random: &mut Random, depth: usize) -> NodeId {
         };
     }
     let a = expression(graph, random, depth - 1);
-    const UNARY: [Unary; 10] = [
-        Unary::Sin,
-        Unary::Cos,
-        Unary::Neg,
-        Unary::Abs,
-        Unary::Sqrt,
-        Unary::Exp,
-        Unary::Log,
-        Unary::Asin,
-        Unary::Acos,
-        Unary::Atan,
-    ];
-    const BINARY: [Binary; 6] = [
-        Binary::Add,
-        Binary::Sub,
-        Binary::Mul,
-        Binary::Div,
-        Binary::Min,
-        Binary::Max,
-    ];
     match random.below(8) {
         0 | 1 => graph.unary(UNARY[random.below(UNARY.len())], a),
         2 => graph.mul(a, a),
@@ -266,6 +268,38 @@ fn what_is_not_known_or_not_bounded_is_left_to_single_lines() {
     assert!(part.value.is_partial() && !part.value.is_empty() && part.slope == Interval::WHOLE);
     let none = first(&root, -1.0, [1.5, 2.0]).unwrap();
     assert!(none.value.is_empty());
+}
+
+#[test]
+fn each_operation_has_bounds() {
+    // Where all of them are defined and have a slope.
+    let [a, b] = [0.3, 0.4].map(|x| [x; MOST_LANES]);
+    let line = |x| LineInput::Coordinate {
+        origin: x,
+        direction: x,
+    };
+    let mut roots = Vec::new();
+    let mut graph = Graph::default();
+    let [x, y] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+    roots.extend(UNARY.map(|op| graph.unary(op, x)));
+    roots.extend(BINARY.map(|op| graph.binary(op, x, y)));
+    roots.extend([3, 4].map(|n| graph.integer_power(x, n)));
+    for root in roots {
+        let tape = Tape::new(&graph, &[root]);
+        let own = |input: &Input| match *input {
+            Input::Variable(0) => line(&a),
+            _ => line(&b),
+        };
+        let inputs: Vec<LineInput<'_>> = tape.inputs().iter().map(own).collect();
+        for processor in [Processor::here(), Processor::least()] {
+            let t = [[0.0; MOST_LANES], [0.01; MOST_LANES]];
+            let found = tape.eval_slopes_on_lines(processor, &inputs, &t);
+            for range in found {
+                let Slope { value, slope } = range.expect("bounds");
+                assert!(value.width() < 0.1 && slope.width() < 0.1, "{range:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -26,6 +26,7 @@ struct Results {
     least: f64,
     greatest: f64,
     any: bool,
+    any_below_itself: bool,
 }
 
 impl VectorWork for All<'_> {
@@ -77,6 +78,7 @@ impl VectorWork for All<'_> {
             results.least = results.least.min(a.least_lane());
             results.greatest = results.greatest.max(a.greatest_lane());
             results.any |= less.any();
+            results.any_below_itself |= a.lt(a).any();
         }
         results
     }
@@ -158,6 +160,7 @@ fn every_lane_is_computed_as_a_number_alone() {
                     }
                 }
                 assert_eq!(found.any, a.iter().zip(&b).any(|(a, b)| a < b));
+                assert!(!found.any_below_itself);
                 if a.iter().all(|a| !a.is_nan()) {
                     let least = a.iter().copied().fold(f64::INFINITY, f64::min);
                     let greatest = a.iter().copied().fold(f64::NEG_INFINITY, f64::max);

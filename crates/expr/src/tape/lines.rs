@@ -60,7 +60,7 @@ impl Tape {
                 op,
                 Binary::Add | Binary::Sub | Binary::Mul | Binary::Div | Binary::Min | Binary::Max
             ),
-            TapeOperation::Power(_, n) => (2..=4).contains(&n),
+            TapeOperation::Power(_, n) => matches!(n, 3 | 4),
             TapeOperation::Copy(_) => true,
         };
         let mut operations = self.instructions.iter().map(|it| it.operation);
@@ -219,7 +219,6 @@ impl VectorWork for OnLines<'_> {
                     TapeOperation::Power(a, n) => {
                         let a = read(s, &registers, &inputs, a);
                         match n {
-                            2 => a.square(s),
                             3 => a.cube(s),
                             4 => a.square(s).square(s),
                             _ => LineRanges::number(s, f64::NAN),

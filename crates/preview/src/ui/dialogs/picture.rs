@@ -84,9 +84,14 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     window.dialogs.wants_name = true;
 }
 
-/// Opens the dialog for a mesh.
+/// Opens the dialog for a mesh, which has the program's name at first.
 pub(crate) fn ask_for_mesh(window: &mut Window) {
-    window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+    let file = window.text.file();
+    let name = match file.as_deref().and_then(Path::file_stem) {
+        Some(program) => format!("{}.glb", program.display()),
+        None => "scene.glb".to_owned(),
+    };
+    window.dialogs.mesh = Some(in_folder(window, &name));
     window.dialogs.wants_name = true;
 }
 
