@@ -8,12 +8,17 @@ use expr::interval::Interval;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input};
 use rayon::prelude::*;
-use scene::{Object, Sampling, Scene, Shape};
+use scene::{Object, ParamValues, Sampling, Scene, Shape};
 
 /// The number of times that a piece is halved. Nearer to a removable singularity, rounding could look like a jump.
 const HALVINGS: i32 = 14;
 /// The most evaluations on intervals in one piece; where they do not find its break, it has none.
 const MOST_EVALUATIONS: u32 = 100;
+/// The most cells of all instances together in which breaks are looked for. An object with more of them changes faster than
+/// its samples can tell, and breaks off nowhere.
+const MOST_CELLS: u64 = 8192;
+/// The most evaluations on intervals that look for such a cell, for each of them.
+const EVALUATIONS_FOR_CELL: u64 = 64;
 /// The largest distance of the two sides of the place, as a share of the distance of the samples.
 const MOST_STEP: f64 = 0.125;
 /// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
@@ -26,12 +31,14 @@ const ROUNDING: f64 = 1e-9;
 pub struct Breaks {
     guards: Tape,
     position: Tape,
+    /// The most cells of an instance.
+    most_cells: u64,
 }
 
 impl Breaks {
     /// Returns what finds the breaks of an object; `None` if it is no curve and no surface, or one that is continuous
     /// wherever it is defined, or that needs values of geodesics.
-    pub fn of(scene: &Scene, object: &Object) -> Option<Self> {
+    pub fn of(scene: &Scene, params: &ParamValues, object: &Object) -> Option<Self> {
         let (Shape::Curve { position, .. } | Shape::Surface { position, .. }) = &object.shape
         else {
             return None;
@@ -44,6 +51,7 @@ impl Breaks {
         (!guards.is_empty()).then(|| Self {
             guards: Tape::new(&graph, &guards),
             position: Tape::new(&graph, &roots),
+            most_cells: MOST_CELLS / params.instance_count(scene, object).max(1),
         })
     }
 
@@ -102,15 +110,21 @@ struct BreakSearch<'a> {
 }
 
 impl BreakSearch<'_> {
-    /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero.
+    /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero; none if there are
+    /// too many.
     fn cells(&mut self, domain: [Option<&Sampling>; 2]) -> Vec<[u32; 2]> {
         let mut found = Vec::new();
+        let mut evaluations = EVALUATIONS_FOR_CELL * self.breaks.most_cells;
         let mut boxes = vec![domain.map(|domain| [0, domain.map_or(1, |it| it.count - 1)])];
         while let Some(cell) = boxes.pop() {
             let ends = [0, 1].map(|k| {
                 let value = |index| domain[k].map_or(0.0, |domain| domain.value(index));
                 cell[k].map(value)
             });
+            if evaluations == 0 {
+                return Vec::new();
+            }
+            evaluations -= 1;
             if self.is_continuous(ends) {
                 continue;
             }
@@ -118,6 +132,9 @@ impl BreakSearch<'_> {
             let longer = usize::from(sizes[1] > sizes[0]);
             let [first, last] = cell[longer];
             if last - first <= 1 {
+                if found.len() as u64 == self.breaks.most_cells {
+                    return Vec::new();
+                }
                 found.push(cell.map(|[first, _]| first));
                 continue;
             }

@@ -15,9 +15,10 @@ fn scene(text: &str) -> Scene {
 /// The first object's breaks, its sampling, and the numbers of its first instance.
 fn breaks(scene: &Scene) -> (Option<Breaks>, Vec<Sampling>, Vec<f64>) {
     let object = &scene.objects[0];
-    let uniforms = ParamValues::initial(scene).first_instance(scene, object);
+    let params = ParamValues::initial(scene);
+    let uniforms = params.first_instance(scene, object);
     (
-        Breaks::of(scene, object),
+        Breaks::of(scene, &params, object),
         object.shape.domain().to_vec(),
         uniforms,
     )
@@ -98,6 +99,16 @@ fn each_of_many_poles_is_found() {
         let (found, domain) = along(&position, "[-10, 10, 777]");
         assert_eq!(found, before(&domain, &poles), "{position}");
     }
+}
+
+#[test]
+fn what_changes_faster_than_its_samples_breaks_off_nowhere() {
+    let (found, _) = along("(t, tan(1000000 t), 0)", "[0, 1, 100000]");
+    assert!(found.is_empty(), "{}", found.len());
+    let (found, domain) = along("(t, tan(1000 t), 0)", "[0, 1, 100000]");
+    let pole = |n: i32| (f64::from(n) + 0.5) * 2.0 * FRAC_PI_2 / 1000.0;
+    let poles: Vec<f64> = (0..400).map(pole).collect();
+    assert_eq!(found, before(&domain, &poles));
 }
 
 /// The pairs of samples between which a surface breaks off, sorted, the lesser place first.

@@ -269,7 +269,7 @@ fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
 
 /// Returns whether an object breaks off somewhere, at a pole or a jump.
 fn breaks_off(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
-    let Some(breaks) = Breaks::of(scene, object) else {
+    let Some(breaks) = Breaks::of(scene, params, object) else {
         return false;
     };
     let mut instances = 0..params.instance_count(scene, object).min(SEARCHED);

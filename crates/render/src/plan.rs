@@ -256,7 +256,7 @@ pub(crate) fn may_have_kernel(scene: &Scene, params: &ParamValues, object: &Obje
 }
 
 fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
-    let Some(breaks) = Breaks::of(scene, object) else {
+    let Some(breaks) = Breaks::of(scene, params, object) else {
         return false;
     };
     let domain = object.shape.domain();

@@ -267,7 +267,7 @@ pub fn sample(
         } => {
             let sampler = Sampler::full(scene, params, object, position);
             let mut samples = sampler.map(|_, out: &[f64; 3]| placed(placement, out));
-            if let Some(breaks) = Breaks::of(scene, object) {
+            if let Some(breaks) = Breaks::of(scene, params, object) {
                 let instances = samples.par_chunks_mut(domain.count as usize).enumerate();
                 instances.for_each(|(k, samples)| {
                     let uniforms = params.instance(scene, object, k as u64);
@@ -286,7 +286,7 @@ pub fn sample(
         } => {
             let mut samples = surface::surface(scene, params, object, placement, position, domain);
             if let (Some(breaks), Samples::Surfaces { count, samples }) =
-                (Breaks::of(scene, object), &mut samples)
+                (Breaks::of(scene, params, object), &mut samples)
             {
                 let size = count[0] as usize * count[1] as usize;
                 let instances = samples.par_chunks_mut(size).enumerate();

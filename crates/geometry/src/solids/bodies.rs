@@ -159,7 +159,7 @@ pub(super) fn parts(
             position, domain, ..
         } => {
             let tape = Tape::new(graph, position);
-            let finder = Breaks::of(scene, object);
+            let finder = Breaks::of(scene, params, object);
             while let Some(k) = next(&mut instances, &body, room) {
                 let uniforms = params.instance(scene, object, k);
                 body.instance = k;
