@@ -220,6 +220,13 @@ fn pictures() -> Vec<Limit> {
             "`--samples`, up to this",
         ),
         limit(
+            "cells between samples in which a curve or a surface may have a pole or a jump, of all its instances together; beyond, what is on both sides is joined",
+            grouped(geometry::MOST_BREAK_CELLS),
+            "run time",
+            "",
+            "shorter intervals",
+        ),
+        limit(
             "parts of a ray on which a function that is no polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
             grouped(tracer::MOST_RAY_EVALUATIONS as u64),
             "run time",

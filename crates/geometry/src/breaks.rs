@@ -16,7 +16,7 @@ const HALVINGS: i32 = 14;
 const MOST_EVALUATIONS: u32 = 100;
 /// The most cells of all instances together in which breaks are looked for. An object with more of them changes faster than
 /// its samples can tell, and breaks off nowhere.
-const MOST_CELLS: u64 = 8192;
+pub const MOST_BREAK_CELLS: u64 = 8192;
 /// The most evaluations on intervals that look for such a cell, for each of them.
 const EVALUATIONS_FOR_CELL: u64 = 64;
 /// The largest distance of the two sides of the place, as a share of the distance of the samples.
@@ -51,7 +51,7 @@ impl Breaks {
         (!guards.is_empty()).then(|| Self {
             guards: Tape::new(&graph, &guards),
             position: Tape::new(&graph, &roots),
-            most_cells: MOST_CELLS / params.instance_count(scene, object).max(1),
+            most_cells: MOST_BREAK_CELLS / params.instance_count(scene, object).max(1),
         })
     }
 
