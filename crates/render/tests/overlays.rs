@@ -94,6 +94,66 @@ fn a_sphere_s_conjugate_points_are_half_a_turn_away() {
     assert_eq!(marked(&plane), Vec::<f64>::new());
 }
 
+/// The share of the pixels that lie beyond the cut locus, in per cent.
+fn share_beyond(picture: &RenderedImage<RgbaImage>) -> f64 {
+    let told = picture.notes.iter().find_map(|note| {
+        let share = note.split_once(" % of the pixels lie beyond the cut locus")?;
+        share.0.parse::<f64>().ok()
+    });
+    told.unwrap_or_else(|| panic!("{:?}", picture.notes))
+}
+
+#[test]
+fn the_hyperbolic_plane_has_no_cut_locus_however_coarse_the_picture_is() {
+    let disc = "metric s(u, v) = 4(1, 0, 1)/(1 - u^2 - v^2)^2, u : [-0.7, 0.7], v : [-0.7, 0.7];";
+    let strip = "metric s(u, v) = (1, 0.0001u, 1)/v^2, u : [-4, 4], v : [0.02, 8];";
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    for (source, at) in [(disc, [0.1, 0.0]), (strip, [0.0, 0.5])] {
+        for zoom in [2.0, 4.0, 6.0] {
+            let share = share_beyond(&draw(source, at, zoom, overlays));
+            assert!(share == 0.0, "{share} % at zoom {zoom} in {source}");
+        }
+    }
+}
+
+#[test]
+fn nothing_but_what_lies_behind_it_is_cut_off_by_a_sphere_s_pole() {
+    let source = "surface s(u, v) = (cos u sqrt(1 - v^2), sin u sqrt(1 - v^2), v), \
+        u : [0, 2pi], v : [-1, 1];";
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    let told = share_beyond(&draw(source, [1.0, 0.7], 4.0, overlays));
+    let share = 100.0 * (1.0 - PI.powi(3) / 64.0);
+    assert!((told - share).abs() < 0.5, "{told} %, not {share} %");
+}
+
+#[test]
+fn the_cut_locus_lies_nowhere_behind_the_first_conjugate_point() {
+    // An oblate spheroid: along its equator the first conjugate point is πc away, and the cut locus begins there.
+    let source = "surface s(u, v) = (cos u cos v, sin u cos v, 0.8 sin v), \
+        u : [0, 2pi], v : [-pi/2, pi/2];";
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    let picture = draw(source, [1.0, 0.0], 4.0, overlays);
+    let mut ends = 0;
+    for (x, y, pixel) in picture.image.enumerate_pixels() {
+        if pixel.0[2] < 60 && (63..65).contains(&y) {
+            let distance = 4.0 * ((f64::from(x) + 0.5) / 64.0 - 1.0).abs();
+            let off = (distance - 0.8 * PI) / (4.0 / 64.0);
+            assert!(off.abs() < 3.5, "{off} pixels off");
+            ends += 1;
+        }
+    }
+    assert!(ends > 1, "{ends}");
+}
+
 #[test]
 fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
     let overlays = Overlays {
@@ -102,11 +162,7 @@ fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
     };
     let picture = draw(CYLINDER, [0.5, 0.0], 5.0, overlays);
     let share = 100.0 * (1.0 - PI / 5.0);
-    let told = picture.notes.iter().find_map(|note| {
-        let share = note.split_once(" % of the pixels lie beyond the cut locus")?;
-        share.0.parse::<f64>().ok()
-    });
-    let told = told.unwrap_or_else(|| panic!("{:?}", picture.notes));
+    let told = share_beyond(&picture);
     assert!((told - share).abs() < 2.0, "{told} %, not {share} %");
     for (x, _, pixel) in picture.image.enumerate_pixels() {
         if pixel.0[2] < 60 {

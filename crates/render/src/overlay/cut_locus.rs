@@ -11,7 +11,7 @@ use geodesic::pixels::Map;
 use geodesic::point::Uv;
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use image::RgbaImage;
 use rayon::prelude::*;
 
@@ -27,6 +27,10 @@ const THRESHOLD: f64 = 1.0;
 const FARTHEST: f64 = 10.0;
 /// The distance from the centre, in pixels, within which no other geodesic is shorter.
 const NEAR: f64 = 6.0;
+/// The least cosine of the angle between two ways in the picture that are taken for one.
+const ALONG: f64 = 0.5;
+/// The largest ratio of such a way to what its ends say of it.
+const LONGER: f64 = 2.0;
 /// The largest sine of the angle between a surface and a step in space from one of its places to another: a longer way out of
 /// the tangent plane leads to another sheet.
 const STEEP: f64 = 0.5;
@@ -64,20 +68,48 @@ impl<const N: usize> PixelEnd<N> {
         })
     }
 
+    /// The way in the picture of a step of the end, to first order.
+    fn way_of(&self, step: [f64; N]) -> DVec2 {
+        let ways = step.iter().zip(self.by_at);
+        ways.map(|(step, by)| *step * DVec2::from(by)).sum()
+    }
+
     /// Returns true if another pixel's way is surely shorter, of which `kept` shows the end that lies a step before this one.
     fn lies_beyond(&self, kept: &Self, step: [f64; N]) -> bool {
-        // The kept pixel, moved by this step to first order, is where the other way shows this point.
-        let mut off = [0.0; 2];
-        for (step, by) in step.iter().zip(kept.by_at) {
-            off = [0, 1].map(|k| off[k] + step * by[k]);
-        }
-        let predicted = (kept.place[0] + off[0]).hypot(kept.place[1] + off[1]);
+        // The kept pixel, moved by this step, is where the other way shows this point.
+        let off = kept.way_of(step);
+        let predicted = (DVec2::from(kept.place) + off).length();
         // To first order only a short step can be trusted.
-        off[0].hypot(off[1]) < FARTHEST && self.distance > predicted + THRESHOLD
+        off.length() < FARTHEST
+            && self.distance > predicted + THRESHOLD
+            && !self.is_same_way(kept, off, self.way_of(step))
+    }
+
+    /// Returns true if both are ends of neighbouring geodesics, `kept_way` and `own_way` being what each of them says of the way
+    /// from one to the other in the picture: both lead along that way, and not much less far.
+    fn is_same_way(&self, kept: &Self, kept_way: DVec2, own_way: DVec2) -> bool {
+        let way = DVec2::from(self.place) - DVec2::from(kept.place);
+        let leads_there = |it: DVec2| it.dot(way) > ALONG * it.length() * way.length();
+        let length = kept_way.length().max(own_way.length());
+        leads_there(kept_way) && leads_there(own_way) && way.length() <= LONGER * length
     }
 }
 
-/// Draws the border of the pixels that lie beyond the cut locus; gives their share.
+/// Notes the pixels that lie behind a conjugate point, where no geodesic is the shortest. `degeneracy` is 0 there, and has at
+/// each pixel the sign of the Jacobi field.
+pub(super) fn add_conjugate(beyond: &mut [bool], size: [u32; 2], degeneracy: &[f32]) {
+    let signs = degeneracy
+        .iter()
+        .enumerate()
+        .filter(|(_, it)| **it != 0.0 && it.is_finite());
+    let nearest = signs.min_by(|(a, _), (b, _)| reach(size, *a).total_cmp(&reach(size, *b)));
+    let Some((_, first)) = nearest else { return };
+    for (beyond, degeneracy) in beyond.iter_mut().zip(degeneracy) {
+        *beyond |= degeneracy * first < 0.0;
+    }
+}
+
+/// Draws the border of the pixels that lie beyond the cut locus; gives the share of those that show the surface.
 pub(super) fn draw(image: &mut RgbaImage, status: &[Status], beyond: &[bool], scale: f32) -> f64 {
     let size = [image.width(), image.height()];
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
@@ -117,7 +149,9 @@ pub(super) fn draw(image: &mut RgbaImage, status: &[Status], beyond: &[bool], sc
         let seen = status[index] == Status::Complete;
         (seen && distance < 2.4).then_some(distance)
     });
-    let count = found.iter().filter(|&&share| share > 0.0).count();
+    let seen = found.iter().zip(status);
+    let count = seen.filter(|(share, status)| **share > 0.0 && **status == Status::Complete);
+    let count = count.count();
     count as f64 / found.len().max(1) as f64
 }
 

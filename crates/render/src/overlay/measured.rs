@@ -26,7 +26,7 @@ pub(super) struct MeasuredEnds<'a> {
     pub(super) errors: Option<Vec<f32>>,
     /// True for each pixel that lies beyond the cut locus; empty where that is not selected.
     pub(super) beyond: Vec<bool>,
-    /// The function that is 0 at conjugate points; empty where they are not selected.
+    /// The function that is 0 at conjugate points; empty where neither they nor the cut locus are selected.
     pub(super) degeneracy: Vec<f32>,
 }
 
@@ -52,16 +52,19 @@ impl<'a> MeasuredEnds<'a> {
         let domain = camera.domain();
         let beyond = map.filter(|_| overlays.cut_locus);
         let beyond = beyond.map(|map| cut_locus::beyond_in_chart(map, domain, camera.sides()));
-        let degeneracy = map.filter(|_| overlays.conjugate_points);
+        let mut beyond = beyond.unwrap_or_default();
         let degeneracy =
-            degeneracy.map(|map| lines::degeneracy_in_chart(map, camera.manifold().surface()));
+            map.map(|map| lines::degeneracy_in_chart(map, camera.manifold().surface()));
+        if let (Some(map), Some(degeneracy)) = (map, &degeneracy) {
+            cut_locus::add_conjugate(&mut beyond, map.size, degeneracy);
+        }
         let errors = overlays.error.then(|| camera.errors(lines::STEP));
         Self {
             object: camera.surface,
             zoom: camera.zoom,
             status,
             errors: errors.flatten(),
-            beyond: beyond.unwrap_or_default(),
+            beyond,
             degeneracy: degeneracy.unwrap_or_default(),
         }
     }
@@ -72,24 +75,23 @@ impl<'a> MeasuredEnds<'a> {
         camera: &PlacedSolidCamera,
         map: &'a Map<3>,
     ) -> Self {
-        let needs_normals = overlays.cut_locus || overlays.conjugate_points;
-        let normals = match needs_normals {
-            true => normals(camera, map),
-            false => Vec::new(),
-        };
-        let beyond = overlays
-            .cut_locus
-            .then(|| cut_locus::beyond_in_space(map, &normals));
-        let degeneracy = overlays.conjugate_points;
-        let degeneracy = degeneracy.then(|| lines::degeneracy_in_space(map, &normals));
+        let (mut beyond, mut degeneracy) = (Vec::new(), Vec::new());
+        if overlays.cut_locus || overlays.conjugate_points {
+            let normals = normals(camera, map);
+            degeneracy = lines::degeneracy_in_space(map, &normals);
+            if overlays.cut_locus {
+                beyond = cut_locus::beyond_in_space(map, &normals);
+                cut_locus::add_conjugate(&mut beyond, map.size, &degeneracy);
+            }
+        }
         let errors = overlays.error.then(|| camera.errors(lines::STEP));
         Self {
             object: camera.object,
             zoom: camera.frame.zoom(),
             status: Cow::Borrowed(&map.status),
             errors: errors.flatten(),
-            beyond: beyond.unwrap_or_default(),
-            degeneracy: degeneracy.unwrap_or_default(),
+            beyond,
+            degeneracy,
         }
     }
 }
