@@ -205,7 +205,8 @@ fn with_room_for_axes(
     let corners = corners.filter(|_| request.overlays.axes);
     Ok(match corners {
         Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
-            AxesBox::new(camera, corners, request.scene.stated_axes()).extent(camera, request.scale)
+            let axes = AxesBox::new(camera, corners, request.scene.stated_axes(), request.scale);
+            axes.extent(camera, request.scale)
         }),
         None => camera,
     })
@@ -307,7 +308,7 @@ mod tests {
                 request.overlays.axes = true;
                 let camera = first_camera(&bounds, &viewpoint, &request).expect("a camera");
                 let corners = [bounds.half.map(|half| -half), bounds.half];
-                let axes = AxesBox::new(&camera, corners, [0, 1, 2]);
+                let axes = AxesBox::new(&camera, corners, [0, 1, 2], request.scale);
                 for place in axes.extent(&camera, request.scale) {
                     let at = camera.pixel_of(DrawingPoint(place.to_array()));
                     let at = at.expect("before the eye").0;

@@ -1,6 +1,7 @@
 //! A box around the scene with ticks at round numbers.
 //!
 //! The box's edges that lie behind the scene and the ticks are curves in space; the numbers are written over the picture.
+//! An axis whose numbers would lie over each other has fewer ticks, and its name stands beyond its numbers.
 
 use std::sync::Arc;
 
@@ -10,17 +11,24 @@ use super::labels::{self, TextLabel};
 use super::space::OverlayObject;
 use super::text;
 use crate::camera::Camera;
-use crate::point::DrawingPoint;
+use crate::point::{DrawingPoint, PixelPoint};
 use crate::sample::{Painter, PositionSample, Samples};
 use crate::style;
 
-/// The number of ticks that an axis has, about.
-const TICKS: f64 = 5.0;
+/// The greatest number of ticks that an axis has, about.
+const TICKS: u32 = 5;
 /// The length of a tick, in drawing units.
 const TICK: f64 = 0.035;
-/// The distance of numbers from their edge, and of an axis' name, in drawing units.
+/// The least distance of numbers from their edge, and of an axis' name, in drawing units.
 const NUMBER: f64 = 0.075;
 const NAME: f64 = 0.19;
+/// The gap between a tick and its number, in heights of the words.
+const GAP: f64 = 0.2;
+/// The places along an edge at which its axis may have its name, as shares of it, the best one first.
+const NAME_SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
+/// The steps by which a name leaves its axis' numbers, in heights of the words, and how many of them it takes at most.
+const NAME_STEP: f64 = 0.25;
+const NAME_STEPS: u32 = 24;
 /// Half the width of the lines, of that of curves.
 const WIDTH: f32 = 0.45;
 /// The samples of each edge.
@@ -32,14 +40,27 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 pub(crate) struct AxesBox {
     /// The edges and ticks, in drawing units.
     lines: Vec<[DVec3; 2]>,
-    /// The numbers and the names of the axes, and where they are.
-    words: Vec<(DVec3, String)>,
+    /// The numbers, and where they are.
+    numbers: Vec<(DVec3, String)>,
+    names: Vec<AxisName>,
+}
+
+/// The name of an axis.
+struct AxisName {
+    name: &'static str,
+    /// The places at which it may be, each with the place of its axis' edge beside it; the best one first.
+    places: [[DVec3; 2]; NAME_SHARES.len()],
 }
 
 impl AxesBox {
     /// The box between two corners in drawing units; `names` are the axes of the text that the scene's are. An axis along which
-    /// it has no extent has no ticks.
-    pub(crate) fn new(camera: &Camera, [low, high]: [[f64; 3]; 2], names: [usize; 3]) -> Self {
+    /// it has no extent has no ticks. Words are `scale` times as large as usual.
+    pub(crate) fn new(
+        camera: &Camera,
+        [low, high]: [[f64; 3]; 2],
+        names: [usize; 3],
+        scale: f32,
+    ) -> Self {
         let (low, high) = (DVec3::from(low), DVec3::from(high));
         let middle = 0.5 * (low + high);
         let towards = match camera.parallel {
@@ -48,8 +69,10 @@ impl AxesBox {
         };
         let mut axes = Self {
             lines: Vec::new(),
-            words: Vec::new(),
+            numbers: Vec::new(),
+            names: Vec::new(),
         };
+        let lettering = Lettering::new(camera, scale);
         // The coordinates of the faces behind the scene, and of those before it.
         let pick = |back: bool| {
             let end = |k: usize| {
@@ -81,10 +104,9 @@ impl AxesBox {
             axes.lines.extend(outline);
             let side = [b, c][Self::marked(camera, axis, b, &outline)];
             let ends = outline[usize::from(side == c)];
-            let outwards = (before[side] - middle[side]).signum();
-            let away = axes.mark(camera, axis, ends, side, outwards);
-            let at = 0.5 * (ends[0] + ends[1]) + away * NAME;
-            axes.words.push((at, NAMES[names[axis]].to_owned()));
+            let mut away = DVec3::ZERO;
+            away[side] = (before[side] - middle[side]).signum();
+            axes.mark(&lettering, axis, ends, away, NAMES[names[axis]]);
         }
         axes
     }
@@ -102,26 +124,51 @@ impl AxesBox {
         usize::from(left(&outline[1]) < left(&outline[0]))
     }
 
-    /// Adds the ticks of an axis along an edge, with their numbers; returns the direction in which they point.
+    /// Adds the ticks of an axis along an edge, which point `away` from the box, with their numbers and the axis' name.
     fn mark(
         &mut self,
-        camera: &Camera,
+        lettering: &Lettering<'_>,
         axis: usize,
         ends: [DVec3; 2],
-        side: usize,
-        outwards: f64,
-    ) -> DVec3 {
-        let placement = camera.placement;
-        let world = |place: f64| placement.centre[axis] + place * placement.radius;
-        let mut away = DVec3::ZERO;
-        away[side] = outwards;
-        for tick in ticks([world(ends[0][axis]), world(ends[1][axis])]) {
-            let mut at = ends[0];
-            at[axis] = (tick.value - placement.centre[axis]) / placement.radius;
-            self.lines.push([at, at + away * TICK]);
-            self.words.push((at + away * NUMBER, tick.words));
+        away: DVec3,
+        name: &'static str,
+    ) {
+        let placement = lettering.camera.placement;
+        let world = |place: DVec3| placement.centre[axis] + place[axis] * placement.radius;
+        let interval = ends.map(world);
+        let marked = |count: u32| -> Vec<(DVec3, String)> {
+            let place = |tick: Tick| {
+                let mut at = ends[0];
+                at[axis] = (tick.value - placement.centre[axis]) / placement.radius;
+                (at, tick.words)
+            };
+            ticks(interval, count).into_iter().map(place).collect()
+        };
+        let numbered = |marks: &[(DVec3, String)]| -> Vec<(DVec3, String)> {
+            let number =
+                |(at, words): &(DVec3, String)| (lettering.number(*at, away, words), words.clone());
+            marks.iter().map(number).collect()
+        };
+        let mut marks = marked(TICKS);
+        let mut numbers = numbered(&marks);
+        for count in (1..TICKS).rev() {
+            if !lettering.overlap(&numbers) {
+                break;
+            }
+            let fewer = marked(count);
+            if !fewer.is_empty() {
+                numbers = numbered(&fewer);
+                marks = fewer;
+            }
         }
-        away
+        let lines = marks.iter().map(|(at, _)| [*at, *at + away * TICK]);
+        self.lines.extend(lines);
+        let places = NAME_SHARES.map(|share| {
+            let at = ends[0].lerp(ends[1], share);
+            [lettering.name(at, away, name, &numbers), at]
+        });
+        self.names.push(AxisName { name, places });
+        self.numbers.extend(numbers);
     }
 
     /// The lines as an object of the picture; `colour` is linear light.
@@ -149,33 +196,154 @@ impl AxesBox {
     /// Returns the places that a camera must see so that it sees all of it, in drawing units: the ends of the lines, and
     /// the corners of the words, which are `scale` times as large as usual.
     pub(crate) fn extent(&self, camera: &Camera, scale: f32) -> Vec<DVec3> {
-        let height = labels::axis_height(camera.size, scale);
-        let [right, up, back] = camera.axes;
-        let corners = |(place, words): &(DVec3, String)| {
-            let distance = (camera.eye - *place).dot(back);
-            let distance = camera.parallel.map_or(distance, |it| it.distance);
-            let pixel = distance / f64::from(camera.pixels_per_unit());
-            let across = right * (0.5 * pixel * f64::from(text::width(words, height)));
-            let along = up * (0.5 * pixel * f64::from(height));
-            [
-                across + along,
-                across - along,
-                along - across,
-                -across - along,
-            ]
-            .map(|by| *place + by)
+        let lettering = Lettering::new(camera, scale);
+        let numbers = self.numbers.iter();
+        let numbers = numbers.map(|(place, words)| (*place, words.as_str()));
+        let names = self.names.iter();
+        let names = names.map(|it| (it.places[0][0], it.name));
+        let corners = |(place, words): (DVec3, &str)| {
+            let [x, y] = lettering.size(words).map(|side| 0.5 * side);
+            [[x, y], [x, -y], [-x, y], [-x, -y]].map(|by| lettering.shifted(place, by))
         };
         let ends = self.lines.iter().flatten().copied();
-        ends.chain(self.words.iter().flat_map(corners)).collect()
+        ends.chain(numbers.chain(names).flat_map(corners)).collect()
     }
 
-    /// The numbers and names, where the camera sees them.
-    pub(crate) fn labels(&self, camera: &Camera) -> Vec<TextLabel> {
-        let words = self.words.iter().filter_map(|(place, words)| {
-            let at = camera.pixel_of(DrawingPoint(place.to_array()))?;
+    /// The names and the numbers, where the camera sees them. A name is moved into the picture where its edge is in it.
+    pub(crate) fn labels(&self, camera: &Camera, scale: f32) -> Vec<TextLabel> {
+        let lettering = Lettering::new(camera, scale);
+        let pixel = |place: DVec3| camera.pixel_of(DrawingPoint(place.to_array()));
+        let names = self.names.iter().filter_map(|AxisName { name, places }| {
+            let half = lettering.size(name).map(|side| 0.5 * side + 1.0);
+            let inside = |place: PixelPoint, margin: [f64; 2]| {
+                PixelPoint([0, 1].map(|k| {
+                    let side = f64::from(camera.size[k]);
+                    let margin = margin[k].min(0.5 * side);
+                    place.0[k].clamp(margin, side - margin)
+                }))
+            };
+            let moved = |[place, edge]: &[DVec3; 2]| {
+                let edge = pixel(*edge)?;
+                let is_seen = inside(edge, [0.0; 2]) == edge;
+                if !is_seen {
+                    return None;
+                }
+                Some(inside(pixel(*place)?, half))
+            };
+            let mut places = places.iter().filter_map(moved);
+            let label = TextLabel::centred(places.next()?, (*name).to_owned());
+            Some(label.or_at(places.collect()))
+        });
+        let numbers = self.numbers.iter().filter_map(|(place, words)| {
+            let at = pixel(*place)?;
             Some(TextLabel::centred(at, words.clone()))
         });
-        words.collect()
+        names.chain(numbers).collect()
+    }
+}
+
+/// The words of a picture's axes: how large they are, and where they have room.
+struct Lettering<'a> {
+    camera: &'a Camera,
+    /// The height of the words in pixels.
+    height: f32,
+}
+
+impl<'a> Lettering<'a> {
+    fn new(camera: &'a Camera, scale: f32) -> Self {
+        let height = labels::axis_height(camera.size, scale);
+        Self { camera, height }
+    }
+
+    /// Returns the width and height of words in pixels.
+    fn size(&self, words: &str) -> [f64; 2] {
+        [text::width(words, self.height), self.height].map(f64::from)
+    }
+
+    /// Returns a place so many pixels to the right and up, as far from the eye.
+    fn shifted(&self, place: DVec3, [across, along]: [f64; 2]) -> DVec3 {
+        let [right, up, _] = self.camera.axes;
+        let pixel = self.depth(place) / f64::from(self.camera.pixels_per_unit());
+        place + pixel * (across * right + along * up)
+    }
+
+    /// Returns the distance at which a place is seen.
+    fn depth(&self, place: DVec3) -> f64 {
+        let distance = (self.camera.eye - place).dot(self.camera.axes[2]);
+        self.camera.parallel.map_or(distance, |it| it.distance)
+    }
+
+    /// Returns the way in the picture, to the right and up in pixels, of a step by one drawing unit from a place.
+    fn way(&self, place: DVec3, step: DVec3) -> [f64; 2] {
+        let [right, up, back] = self.camera.axes;
+        let depth = self.depth(place);
+        let nearer = match self.camera.parallel {
+            Some(_) => 0.0,
+            None => step.dot(back) / depth,
+        };
+        let scale = f64::from(self.camera.pixels_per_unit()) / depth;
+        [right, up].map(|axis| {
+            let off = (place - self.camera.eye).dot(axis);
+            scale * (step.dot(axis) + off * nearer)
+        })
+    }
+
+    /// Returns the place of a number beside a place of an edge whose tick points `away`: clear of the tick.
+    fn number(&self, at: DVec3, away: DVec3, words: &str) -> DVec3 {
+        let end = at + away * TICK;
+        let [x, y] = self.way(end, away);
+        let length = x.hypot(y);
+        // A tick that points to the eye has its number below it.
+        let direction = match length > 1e-9 {
+            true => [x, y].map(|part| part / length),
+            false => [0.0, -1.0],
+        };
+        // The way from the middle of the words to their border.
+        let size = self.size(words);
+        let [across, along] = [0, 1].map(|k| 0.5 * size[k] / direction[k].abs());
+        let least = across.min(along) + GAP * f64::from(self.height);
+        match (NUMBER - TICK) * length >= least {
+            true => at + away * NUMBER,
+            false => self.shifted(end, direction.map(|part| part * least)),
+        }
+    }
+
+    /// Returns the place of an axis' name beside a place of its edge, beyond its numbers.
+    fn name(&self, at: DVec3, away: DVec3, name: &str, numbers: &[(DVec3, String)]) -> DVec3 {
+        let [x, y] = self.way(at, away);
+        let length = x.hypot(y).max(1e-9);
+        let step = [x, y].map(|part| part / length * NAME_STEP * f64::from(self.height));
+        let taken: Vec<[f32; 4]> = numbers
+            .iter()
+            .filter_map(|(place, words)| self.room(*place, words))
+            .collect();
+        let nearest = at + away * NAME;
+        let steps = (0..NAME_STEPS).map(|k| {
+            let by = step.map(|part| part * f64::from(k));
+            self.shifted(nearest, by)
+        });
+        let is_free = |place: &DVec3| {
+            let room = self.room(*place, name);
+            room.is_some_and(|room| !taken.iter().any(|other| labels::overlap(&room, other)))
+        };
+        steps.clone().find(is_free).unwrap_or(nearest)
+    }
+
+    /// Returns whether any of an axis' numbers lies over the next one.
+    fn overlap(&self, numbers: &[(DVec3, String)]) -> bool {
+        numbers.windows(2).any(|pair| {
+            let [a, b] = [0, 1].map(|k| self.room(pair[k].0, &pair[k].1));
+            a.zip(b).is_some_and(|(a, b)| labels::overlap(&a, &b))
+        })
+    }
+
+    /// Returns the part of the picture that words at a place take, with a gap beside them.
+    fn room(&self, place: DVec3, words: &str) -> Option<[f32; 4]> {
+        let PixelPoint([x, y]) = self.camera.pixel_of(DrawingPoint(place.to_array()))?;
+        let [x, y] = [x, y].map(|part| part as f32);
+        let half = [0.5 * text::width(words, self.height), 0.5 * self.height];
+        let corners = [x - half[0], y - half[1], x + half[0], y + half[1]];
+        Some(labels::with_gap(corners, self.height))
     }
 }
 
@@ -186,16 +354,16 @@ struct Tick {
     words: String,
 }
 
-/// The round numbers in an interval, about [`TICKS`] of them, equally far apart, with as many digits as tell them apart.
-fn ticks([low, high]: [f64; 2]) -> Vec<Tick> {
-    let rough = (high - low) / TICKS;
+/// The round numbers in an interval, about so many of them, equally far apart, with as many digits as tell them apart.
+fn ticks([low, high]: [f64; 2], count: u32) -> Vec<Tick> {
+    let rough = (high - low) / f64::from(count);
     if !(rough > 0.0 && rough.is_finite()) {
         return Vec::new();
     }
     let unit = 10_f64.powf(rough.log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|n| n * unit);
+    let round = [1.0, 2.0, 5.0, 10.0].map(|n| n * unit);
     let nearest = |a: &&f64, b: &&f64| (*a / rough).ln().abs().total_cmp(&(*b / rough).ln().abs());
-    let step = *steps.iter().min_by(nearest).unwrap_or(&unit);
+    let step = *round.iter().min_by(nearest).unwrap_or(&unit);
     // Numbers that doubles cannot tell apart have no ticks.
     let most = low.abs().max(high.abs());
     if step < 1e-12 * most {
@@ -203,10 +371,10 @@ fn ticks([low, high]: [f64; 2]) -> Vec<Tick> {
     }
     let slack = 1e-9 * step;
     let first = ((low - slack) / step).ceil();
-    let count = ((high + slack) / step - first).floor().max(0.0);
+    let steps = ((high + slack) / step - first).floor().max(0.0);
     let decimals = (-step.log10()).ceil().max(0.0);
     let is_long = !(1e-4..1e6).contains(&most);
-    (0..=count as u32)
+    (0..=steps as u32)
         .map(|k| {
             let value = (first + f64::from(k)) * step;
             let words = match (value == 0.0, is_long) {
@@ -224,10 +392,25 @@ fn ticks([low, high]: [f64; 2]) -> Vec<Tick> {
 
 #[cfg(test)]
 mod tests {
-    use super::ticks;
+    use scene::ParamValues;
+
+    use super::super::labels::{overlap, placed};
+    use super::{AxesBox, TICKS, ticks};
+    use crate::framing::first_camera;
+    use crate::request::{PictureRequest, part::SpaceOptions};
+    use crate::view::space;
+    use crate::viewpoint::Viewpoint;
+
+    const TORUS: &str =
+        "surface s(u, v) = ((1 + 0.4 cos v) cos u, (1 + 0.4 cos v) sin u, 0.4 sin v),
+        u : [0, 2 pi], v : [0, 2 pi];";
+    const HELICOID: &str = "surface s(u, v) = (v cos u, v sin u, u), u : [-3, 3], v : [-2, 2];";
 
     fn words(interval: [f64; 2]) -> Vec<String> {
-        ticks(interval).into_iter().map(|tick| tick.words).collect()
+        ticks(interval, TICKS)
+            .into_iter()
+            .map(|tick| tick.words)
+            .collect()
     }
 
     #[test]
@@ -249,5 +432,75 @@ mod tests {
             "doubles do not tell these apart"
         );
         assert_eq!(words([f64::NAN, 1.0]), [""; 0]);
+    }
+
+    /// The words of the axes in a picture of a size, each with its left, top, right and bottom end.
+    fn lettered(text: &str, size: [u32; 2], eye: Option<[f64; 3]>) -> Vec<(String, [f32; 4])> {
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let mut request = PictureRequest::new(scene, params, SpaceOptions::default(), size);
+        request.overlays.axes = true;
+        let viewpoint = match eye {
+            Some(eye) => Viewpoint::new(eye, [0.0; 3]),
+            None => Viewpoint::default(),
+        };
+        let bounds = space::bounds(&request);
+        let camera = first_camera(&bounds, &viewpoint, &request).expect("a camera");
+        let corners = [bounds.half.map(|half| -half), bounds.half];
+        let axes = AxesBox::new(&camera, corners, [0, 1, 2], request.scale);
+        let labels = axes.labels(&camera, request.scale);
+        let words = placed(&labels, &request, None).into_iter().map(|it| {
+            let [left, top] = it.corner;
+            (it.words, [left, top, left + it.width, top + it.height])
+        });
+        words.collect()
+    }
+
+    #[test]
+    fn axes_have_names_and_numbers_apart_from_each_other_in_small_pictures() {
+        let far = [None, Some([14.0, 8.0, 6.0])];
+        for (text, eye) in [TORUS, HELICOID]
+            .into_iter()
+            .flat_map(|text| far.map(|eye| (text, eye)))
+        {
+            for size in [[200, 150], [300, 600], [640, 480], [120, 90]] {
+                let words = lettered(text, size, eye);
+                let case = format!("{text} in {size:?} from {eye:?}: {words:?}");
+                for name in ["x", "y", "z"] {
+                    assert!(
+                        words.iter().any(|(word, _)| word == name),
+                        "{name} of {case}"
+                    );
+                }
+                assert!(words.len() > 3, "no number of {case}");
+                for (k, (_, place)) in words.iter().enumerate() {
+                    let [left, top, right, bottom] = *place;
+                    assert!(left >= 0.0 && top >= 0.0, "{case}");
+                    assert!(
+                        right <= size[0] as f32 && bottom <= size[1] as f32,
+                        "{case}"
+                    );
+                    // Two pixels between words tell them apart.
+                    let wider = [left - 2.0, top, right + 2.0, bottom];
+                    let others = &words[k + 1..];
+                    assert!(
+                        !others.iter().any(|(_, other)| overlap(&wider, other)),
+                        "{case}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_name_is_moved_into_the_picture_that_its_edge_is_in() {
+        // The foot of the box is in the picture, and the places beyond its numbers are not.
+        let words = lettered(TORUS, [300, 200], Some([3.6, 1.44, 0.72]));
+        for name in ["x", "y"] {
+            assert!(
+                words.iter().any(|(word, _)| word == name),
+                "{name} of {words:?}"
+            );
+        }
     }
 }

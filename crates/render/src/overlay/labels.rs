@@ -20,6 +20,8 @@ const HEIGHT: f32 = 20.0;
 const LEAST_HEIGHT: f32 = 10.0;
 /// The distance of words from what they name, in their heights.
 const GAP: f32 = 0.45;
+/// The gap beside numbers and names of axes, on either side, in their heights.
+const AXIS_GAP: f32 = 0.3;
 /// The direction in the picture of the place at which a surface has its name: to the right and up.
 const SURFACE_SIDE: [f64; 2] = [0.5, 0.87];
 
@@ -35,6 +37,8 @@ pub(crate) const HERE: &str = "You are here";
 #[derive(Clone, Debug)]
 pub(crate) struct TextLabel {
     at: PixelPoint,
+    /// Further places at which they may be, where something else is at that one.
+    others: Vec<PixelPoint>,
     words: String,
     /// True if their middle is the place; otherwise they are beside it.
     is_centred: bool,
@@ -47,6 +51,7 @@ impl TextLabel {
     pub(super) fn centred(at: PixelPoint, words: String) -> Self {
         Self {
             at,
+            others: Vec::new(),
             words,
             is_centred: true,
             is_hidden: false,
@@ -57,10 +62,17 @@ impl TextLabel {
     pub(crate) fn beside(at: PixelPoint, words: impl Into<String>) -> Self {
         Self {
             at,
+            others: Vec::new(),
             words: words.into(),
             is_centred: false,
             is_hidden: false,
         }
+    }
+
+    /// Returns them with further places.
+    #[must_use]
+    pub(super) fn or_at(self, others: Vec<PixelPoint>) -> Self {
+        Self { others, ..self }
     }
 
     /// Returns them dim, if what they name is hidden.
@@ -182,7 +194,7 @@ pub(crate) fn placed(
             false => HEIGHT / AXIS_HEIGHT * axis_height,
         };
         let width = text::width(&label.words, height);
-        let [x, y] = label.at.0.map(|x| x as f32);
+        let places = std::iter::once(&label.at).chain(&label.others);
         let gap = GAP * height;
         let corners: &[[f32; 2]] = if label.is_centred {
             &[[-0.5 * width, -0.5 * height]]
@@ -196,14 +208,23 @@ pub(crate) fn placed(
                 [-0.5 * width, 1.2 * height],
             ]
         };
-        let boxes = corners.iter().map(|[dx, dy]| {
-            let corner = [x + dx, y + dy];
-            [corner[0], corner[1], corner[0] + width, corner[1] + height]
+        let boxes = places.flat_map(|place| {
+            let [x, y] = place.0.map(|x| x as f32);
+            corners.iter().map(move |[dx, dy]| {
+                let corner = [x + dx, y + dy];
+                [corner[0], corner[1], corner[0] + width, corner[1] + height]
+            })
         });
         let is_inside = |b: &[f32; 4]| {
             b[0] >= 0.0 && b[1] >= 0.0 && b[2] <= size[0] as f32 && b[3] <= size[1] as f32
         };
-        let is_free = |b: &[f32; 4]| !taken.iter().any(|other| overlap(b, other));
+        let is_free = |b: &[f32; 4]| {
+            let room = match label.is_centred {
+                true => with_gap(*b, height),
+                false => *b,
+            };
+            !taken.iter().any(|other| overlap(&room, other))
+        };
         let mut boxes = boxes.filter(is_inside);
         let Some(place) = boxes.clone().find(is_free).or_else(|| boxes.next()) else {
             continue;
@@ -212,7 +233,10 @@ pub(crate) fn placed(
         if label.is_centred && !is_free(&place) {
             continue;
         }
-        taken.push(place);
+        taken.push(match label.is_centred {
+            true => with_gap(place, height),
+            false => place,
+        });
         let corner = [place[0], place[1]];
         let share = if label.is_hidden { HIDDEN } else { 1.0 };
         all.push(PlacedWords {
@@ -237,6 +261,13 @@ fn mixed(from: [u8; 3], to: [u8; 3], share: f32) -> [u8; 3] {
     [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
-fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {
+/// Returns the part of the picture that the words of an axis take, with the gap beside them; `height` is theirs.
+pub(super) fn with_gap([left, top, right, bottom]: [f32; 4], height: f32) -> [f32; 4] {
+    let gap = AXIS_GAP * height;
+    [left - gap, top, right + gap, bottom]
+}
+
+/// Returns whether two parts of the picture have a pixel in common.
+pub(super) fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }

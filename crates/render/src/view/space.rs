@@ -256,7 +256,7 @@ impl ViewRenderer for SpaceRenderer {
             (Pixels::Image(image), notes)
         };
         notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
-        let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
+        let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera, request.scale));
         if is_labelled(request, &overlay) {
             labels.extend(self::labels(
                 shared, request, options, &framed, &camera, &overlay,
@@ -352,7 +352,9 @@ impl SpaceRenderer {
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request)?;
         let axes = request.overlays.axes.then(|| framed.corners()).flatten();
-        let axes = axes.map(|corners| AxesBox::new(&camera, corners, request.scene.stated_axes()));
+        let axes = axes.map(|corners| {
+            AxesBox::new(&camera, corners, request.scene.stated_axes(), request.scale)
+        });
         let overlay = self.overlay(request, options, &structures, &camera.placement)?;
         let overlay = match &axes {
             Some(axes) => {

@@ -59,7 +59,7 @@ impl SpaceRenderer {
         let mut words = stage
             .axes
             .as_ref()
-            .map_or_else(Vec::new, |axes| axes.labels(camera));
+            .map_or_else(Vec::new, |axes| axes.labels(camera, request.scale));
         if is_labelled(request, &stage.overlay) {
             let extras = &stage.overlay;
             words.extend(labels(
