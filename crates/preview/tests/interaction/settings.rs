@@ -34,6 +34,34 @@ fn a_slider_moves_its_param_and_compiles_and_builds_nothing() {
 }
 
 #[test]
+fn the_rows_of_params_stand_in_columns_whatever_their_names_and_values() {
+    let mut hand = Hand::on(
+        "param r : [0, 1]; param alongname : [-1000, 1000]; param half : [-0.125, 0.5];
+        param o : [0, 1], [0, 300]; point p = (r, alongname, half + o_1 + o_2);",
+    );
+    hand.keep("params");
+    let names = ["r", "alongname", "half", "o_1", "o_2"];
+    let left = |role, name: &str| {
+        let found = hand.harness.query_all_by_role_and_label(role, name);
+        found.map(|node| node.rect().left()).collect::<Vec<f32>>()
+    };
+    for role in [Role::Label, Role::Slider, Role::SpinButton] {
+        let places = names.map(|name| left(role, name));
+        assert_eq!(places[0].len(), 1, "{role:?}");
+        for place in &places {
+            assert_eq!(place, &places[0], "{role:?}: {places:?}");
+        }
+    }
+    for button in ["Animate", "More for"] {
+        let places = names.map(|name| left(Role::Button, &format!("{button} {name}")));
+        assert_eq!(places[0].len(), 1, "{button}");
+        for place in &places {
+            assert_eq!(place, &places[0], "{button}: {places:?}");
+        }
+    }
+}
+
+#[test]
 fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_told_to() {
     let mut hand = Hand::on(SPHERE);
     hand.click("Animate r");

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Button, Grid, Slider, Ui};
+use egui::{Align, Button, Color32, Grid, Layout, Slider, TextStyle, Ui};
 use scene::{Param, ParamValues};
 use session::{Model, Step};
 
@@ -12,8 +12,20 @@ use crate::ui::window::Window;
 
 /// The least and the greatest width of a slider.
 const SLIDER: [f32; 2] = [20.0, 300.0];
-/// The room for a value, the button that animates and the menu.
-const BESIDE: f32 = 125.0;
+/// The room for the button that animates, the menu and the gaps between the columns.
+const BESIDE: f32 = 72.0;
+/// The greatest share of the pane that names take.
+const NAMES: f32 = 0.3;
+/// The greatest width of the column of values.
+const WIDEST_VALUE: f32 = 120.0;
+
+/// The widths of the columns that the rows have in common.
+#[derive(Clone, Copy, Debug)]
+struct Columns {
+    name: f32,
+    slider: f32,
+    value: f32,
+}
 
 /// The values of defines that depend on params.
 #[derive(Debug)]
@@ -34,18 +46,50 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         ui.weak("A param in the program has a slider here: param a : [0, 1];");
         return;
     }
-    let names = scene.params.iter().flat_map(|param| {
-        let components = 0..param.ranges.len();
-        components.map(|k| name_of(param, k).chars().count())
-    });
-    let longest = names.max().unwrap_or(1);
+    let columns = Columns::new(ui, &scene.params);
     for param in &scene.params {
         let values = settings.param(param).to_vec();
         for (k, value) in values.into_iter().enumerate() {
-            row(window, ui, param, k, value, longest);
+            row(window, ui, param, k, value, columns);
         }
     }
     defines(window, ui, settings);
+}
+
+impl Columns {
+    /// Returns the columns that have room for all names and values of some params, as far as the pane has it.
+    fn new(ui: &Ui, params: &[Param]) -> Self {
+        let (mut name, mut value) = (0.0_f32, ui.spacing().interact_size.x);
+        for param in params {
+            for (k, range) in param.ranges.iter().enumerate() {
+                name = name.max(text_width(ui, name_of(param, k), TextStyle::Body));
+                let decimals = decimals(range.max - range.min);
+                for end in [range.min, range.max] {
+                    let text = format!("{end:.decimals$}");
+                    let field = text_width(ui, text, ui.style().drag_value_text_style.clone());
+                    value = value.max(field + 2.0 * ui.spacing().button_padding.x);
+                }
+            }
+        }
+        let room = ui.available_width();
+        let name = (name + 4.0).min(NAMES * room);
+        // In a narrow pane the slider and the buttons come before the longest value.
+        let widest = (room - name - BESIDE - SLIDER[0]).min(WIDEST_VALUE);
+        let value = value.min(widest).max(ui.spacing().interact_size.x);
+        let slider = (room - name - value - BESIDE).clamp(SLIDER[0], SLIDER[1]);
+        Self {
+            name,
+            slider,
+            value,
+        }
+    }
+}
+
+/// Returns the width of a text in one line.
+fn text_width(ui: &Ui, text: String, style: TextStyle) -> f32 {
+    let font = style.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text, font, Color32::WHITE);
+    galley.size().x
 }
 
 /// Shows the defines that depend on params, with their values.
@@ -79,19 +123,24 @@ fn name_of(param: &Param, k: usize) -> String {
     }
 }
 
-/// Shows the row of a component with a value; the longest name has so many characters.
-fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, longest: usize) {
+/// Shows the row of a component with a value.
+fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, columns: Columns) {
     let name = name_of(param, k);
     let range = param.ranges[k];
     let mut moved = value;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        // Short names stand in a column, so that the sliders do; a long one is cut off.
-        let width = (8.0 * longest as f32 + 4.0).min(0.3 * ui.available_width());
         let height = ui.spacing().interact_size.y;
-        let label = egui::Label::new(&name).truncate();
-        ui.add_sized([width, height], label).on_hover_text(&name);
-        ui.spacing_mut().slider_width = (ui.available_width() - BESIDE).clamp(SLIDER[0], SLIDER[1]);
+        let size = egui::vec2(columns.name, height);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_width(columns.name);
+            // A name that is longer than its column is cut off.
+            ui.add(egui::Label::new(&name).truncate())
+                .on_hover_text(&name);
+        });
+        let before = ui.spacing().interact_size.x;
+        ui.spacing_mut().slider_width = columns.slider;
+        ui.spacing_mut().interact_size.x = columns.value;
         // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut moved, range.min..=range.max)
@@ -101,6 +150,7 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, lo
             .smart_aim(false);
         let slider = number_field::of_slider(ui, slider);
         let slider = ui.add(slider).accessible_name(&name);
+        ui.spacing_mut().interact_size.x = before;
         take_value(window, ui, param, k, moved, &slider);
         animated(&mut window.model, ui, param, k, &name);
         menu(window, ui, param, k, &name);
