@@ -135,7 +135,7 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
 }
 
 /// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
-/// the trails' lengths; over all of that labels. Returns the names of what was drawn.
+/// the trails' lengths; over all of that labels. Returns the names of what was drawn, and the place of the key.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
@@ -144,18 +144,14 @@ pub(crate) fn over_space(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
     labels: &[TextLabel],
-) -> Result<Vec<&'static str>, RenderError> {
+) -> Result<(Vec<&'static str>, Option<[f32; 4]>), RenderError> {
     let (key, legend) = space_key(request, camera)?;
-    labels::write(
-        image,
-        labels,
-        request,
-        key.place(request.size, request.scale),
-    );
+    let place = key.place(request.size, request.scale);
+    labels::write(image, labels, request, place);
     key.draw(image, request.scale);
     let drawn = [("legend", legend), ("labels", request.overlays.labels)];
     let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
-    Ok(drawn.map(|(name, _)| name).collect())
+    Ok((drawn.map(|(name, _)| name).collect(), place))
 }
 
 /// Returns the place of the key over a 3D picture, left, top, right and bottom in pixels, if it has one.

@@ -26,6 +26,8 @@ pub struct RenderedImage<P = Pixels> {
     pub overlays: Vec<&'static str>,
     /// The work that a geodesic view took, and the greatest estimated error of its geodesics, in pixels.
     pub geodesics: Option<(GeodesicWork, Option<Estimate>)>,
+    /// Of a 3D picture or a traced one: the place of its legend, left, top, right and bottom in pixels, if it has one.
+    pub legend: Option<[f32; 4]>,
     /// Of a traced picture: the samples of each pixel, and those of them that are new.
     pub samples: Option<[u32; 2]>,
     /// The time from the request to the picture (on a GPU: until it was handed over).
@@ -41,6 +43,7 @@ impl<P> RenderedImage<P> {
             notes: Vec::new(),
             overlays: Vec::new(),
             geodesics: None,
+            legend: None,
             samples: None,
             took: Duration::ZERO,
         }
@@ -63,6 +66,7 @@ impl<P> RenderedImage<P> {
             notes: self.notes,
             overlays: self.overlays,
             geodesics: self.geodesics,
+            legend: self.legend,
             samples: self.samples,
             took: self.took,
         }

@@ -264,16 +264,20 @@ impl ViewRenderer for SpaceRenderer {
         }
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
+        let mut legend = None;
         let shown = options.show_camera.as_ref();
         if overlay::any_space(request, shown) {
             // Words are written over pictures in memory.
             let mut image = shared.read(pixels)?;
-            overlays.extend(overlay::over_space(&mut image, request, shown, &labels)?);
+            let names;
+            (names, legend) = overlay::over_space(&mut image, request, shown, &labels)?;
+            overlays.extend(names);
             pixels = Pixels::Image(image);
         }
         Ok(RenderedImage {
             notes,
             overlays,
+            legend,
             ..RenderedImage::new(pixels)
         })
     }

@@ -388,18 +388,19 @@ impl ViewRenderer for TracedRenderer {
         }
         let partial = (!is_done)
             .then(|| format!("interrupted: each pixel has {done} of its {wanted} samples"));
-        let mut overlays = Vec::new();
+        let (mut overlays, mut legend) = (Vec::new(), None);
         // Through a lens that bends or turns the picture, names would be elsewhere.
         let is_straight = camera.projection == LensProjection::Pinhole && camera.roll == 0.0;
         if request.overlays.labels && is_straight && space_camera.parallel.is_none() {
             let labels =
                 space::labels(shared, request, &options.space, &framed, &space_camera, &[]);
-            overlays = overlay::over_space(&mut image, request, None, &labels)?;
+            (overlays, legend) = overlay::over_space(&mut image, request, None, &labels)?;
             shared.samples.next();
         }
         Ok(RenderedImage {
             backend,
             overlays,
+            legend,
             samples: Some([done, added]),
             notes: scene
                 .rays()

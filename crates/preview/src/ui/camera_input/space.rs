@@ -1,6 +1,6 @@
 //! The camera in space: keys, drags and the wheel move it; clicks find what is under them.
 
-use egui::{Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Ui};
+use egui::{Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use render::ViewId;
 use session::Model;
 use session::camera_input::space::{Grip, dragged, moved_by_keys, neared, place};
@@ -9,6 +9,11 @@ use super::{CameraInput, held, modifiers, numbers, pixel, scroll, shorter_side};
 use crate::engine::render_thread::Purpose;
 use crate::ui::navigation;
 use crate::ui::window::Window;
+
+/// The room between the hint and the edges of its picture, in points.
+const HINT_MARGIN: f32 = 8.0;
+/// The least width in which it stands beside a legend, in points.
+const LEAST_HINT: f32 = 110.0;
 
 /// Keys and pointer of the camera in space.
 pub(super) struct SpaceInput;
@@ -43,7 +48,9 @@ impl CameraInput for SpaceInput {
                 let scene = window.model.scene.as_ref();
                 let mut objects = scene.iter().flat_map(|scene| &scene.objects);
                 let has_surface = objects.any(|object| object.shape.manifold().is_some());
-                hint(ui, response.rect, fly, has_surface);
+                let picture = window.pictures.shown(id);
+                let legend = picture.and_then(|picture| picture.legend);
+                hint(ui, response.rect, legend, fly, has_surface);
             }
             let by = response.drag_delta();
             if let Some(grip) = grip(ui, response, fly)
@@ -109,25 +116,73 @@ fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
     is_dragged.then(|| Grip::of(!others, ui.input(modifiers), fly))
 }
 
-/// Says faintly what the pointer does, to those who have not moved the camera yet.
-fn hint(ui: &Ui, rect: Rect, fly: bool, has_surface: bool) {
+/// Says faintly what the pointer does, to those who have not moved the camera yet. `legend` is the place of the legend in the
+/// picture, which fills `rect`, in shares of its sides.
+fn hint(ui: &Ui, rect: Rect, legend: Option<Rect>, fly: bool, has_surface: bool) {
     let verb = if fly { "look around" } else { "turn" };
     let last = match has_surface {
         true => "click a surface to stand there",
         false => "F to fit",
     };
     let text = format!("drag to {verb}, wheel to zoom, {last}");
-    // The legend is in the other corner.
     let (font, colour) = (FontId::proportional(12.0), Color32::from_gray(128));
     let painter = ui.painter_at(rect);
-    let galley = painter.layout(text, font, colour, rect.width() - 16.0);
-    let at = rect.right_bottom() - egui::vec2(8.0, 8.0) - galley.size();
-    painter.galley(at, galley, colour);
+    let layout = |width| painter.layout(text.clone(), font.clone(), colour, width);
+    let size = layout(rect.width() - 2.0 * HINT_MARGIN).size();
+    let room = hint_room(rect, size, legend);
+    let galley = layout(room.width());
+    painter.galley(room.right_bottom() - galley.size(), galley, colour);
+}
+
+/// Returns the room in whose lower right corner a hint stands that is of a size in lines as long as its picture is wide: the
+/// picture, or if the legend would lie under the hint, the part of it beside the legend, or above the legend.
+fn hint_room(rect: Rect, size: Vec2, legend: Option<Rect>) -> Rect {
+    let room = rect.shrink(HINT_MARGIN);
+    let place = Rect::from_min_max(room.max - size, room.max);
+    let legend = legend.map(|legend| {
+        let on_screen = |share: Pos2| rect.lerp_inside(share.to_vec2());
+        Rect::from_min_max(on_screen(legend.min), on_screen(legend.max)).expand(HINT_MARGIN)
+    });
+    match legend {
+        Some(legend) if legend.intersects(place) => {
+            if room.right() - legend.right() >= LEAST_HINT {
+                room.with_min_x(legend.right())
+            } else {
+                room.with_max_y(legend.top())
+            }
+        }
+        _ => room,
+    }
 }
 
 /// A ring about the place that Enter means.
 fn aim(ui: &Ui, at: Pos2) {
     for (width, colour) in [(3.0, Color32::BLACK), (1.5, Color32::WHITE)] {
         ui.painter().circle_stroke(at, 6.0, (width, colour));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Rect, pos2, vec2};
+
+    use super::hint_room;
+
+    #[test]
+    fn a_hint_stands_beside_the_legend_or_above_it() {
+        let (size, legend) = (vec2(280.0, 15.0), vec2(140.0, 60.0));
+        for width in [200.0, 300.0, 400.0, 900.0] {
+            let rect = Rect::from_min_size(pos2(20.0, 50.0), vec2(width, 200.0));
+            let least = pos2(0.0, 1.0 - legend.y / 200.0);
+            let shares = Rect::from_min_max(least, pos2(legend.x / width, 1.0));
+            let legend = Rect::from_min_size(pos2(20.0, 190.0), legend);
+            let [with, without] = [Some(shares), None].map(|it| hint_room(rect, size, it));
+            assert!(rect.contains_rect(with) && rect.contains_rect(without));
+            let place = Rect::from_min_max(without.max - size.min(without.size()), without.max);
+            assert_eq!(place.intersects(legend), width < 900.0);
+            assert_eq!(with == without, width == 900.0);
+            let is_clear = with == without || !with.intersects(legend);
+            assert!(is_clear, "{legend} under {with}");
+        }
     }
 }

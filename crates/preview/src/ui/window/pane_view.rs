@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use egui::{Rect, pos2};
 use geodesic::ends::{Estimate, GeodesicWork};
 use render::PictureRequest;
 use render::gpu::Pixels;
@@ -50,6 +51,8 @@ pub(crate) struct Picture {
     /// Of a geodesic view: its cost, and how exact it is.
     pub(crate) geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     pub(crate) took: Duration,
+    /// The place of its legend, if it has one, in shares of its sides.
+    pub(crate) legend: Option<Rect>,
     /// Its cost, and how fine it is.
     pub(crate) detail: PictureDetail,
     /// The reason why there is no newer one.
@@ -89,6 +92,12 @@ impl PaneView {
             Pixels::Texture(canvas) => canvas.size(),
         };
         picture.detail = PictureDetail::new(size, drawn.took.as_secs_f64(), drawn.samples);
+        let [width, height] = size.map(|side| side as f32);
+        picture.legend = drawn.legend.map(|[left, top, right, bottom]| {
+            let [from, to] = [[left, top], [right, bottom]];
+            let share = |[x, y]: [f32; 2]| pos2(x / width, y / height);
+            Rect::from_min_max(share(from), share(to))
+        });
         picture.notes = drawn.remarks().map(str::to_owned).collect();
         picture.fresh = Some(drawn.image);
         picture.geodesics = drawn.geodesics.or(picture.geodesics);

@@ -73,10 +73,12 @@ impl SpaceRenderer {
         }
         shared.samples.next();
         let mut overlays = overlay::names(stage.overlay.iter());
-        overlays.extend(overlay::over_space(&mut image, request, shown, &[])?);
+        let (names, legend) = overlay::over_space(&mut image, request, shown, &[])?;
+        overlays.extend(names);
         let below = RenderedImage {
             notes,
             overlays,
+            legend,
             backend: SOFTWARE.to_owned(),
             ..RenderedImage::new(Pixels::Image(image.clone()))
         };
