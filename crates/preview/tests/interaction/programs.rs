@@ -312,6 +312,10 @@ fn help_has_the_language_on_one_page_and_says_what_this_is() {
     for part in ["surface s(u,v) = ", "geodesic g(t) : s", "sin cos tan"] {
         assert!(hand.shows(part), "{part}: {:?}", hand.names());
     }
+    hand.keep("language");
+    // Samples have letters about as large as those of the text beside them.
+    let [sample, text] = ["pi   e", "constants"].map(|part| hand.rects(part)[0].height());
+    assert!((sample - text).abs() < 2.0, "{sample}, {text}");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
     assert!(!hand.shows("sin cos tan"));

@@ -44,7 +44,7 @@ fn language(window: &Window, ui: &mut Ui) {
             .max_col_width(0.48 * width)
             .show(ui, |ui| {
                 for row in window.text.language().overview() {
-                    ui.add(egui::Label::new(RichText::new(row.code).monospace().small()).wrap());
+                    ui.add(egui::Label::new(RichText::new(row.code).monospace()).wrap());
                     ui.add(egui::Label::new(row.text.replace('`', "")).wrap());
                     ui.end_row();
                 }
