@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{Color32, Grid, Rect, Response, Stroke, Ui};
+use egui::{Color32, Grid, Label, Rect, Response, Stroke, TextStyle, TextWrapMode, Ui};
 use render::figure::{Figure, FigureKind};
 use render::view::Hit;
 use render::{PictureRequest, ViewId};
@@ -28,6 +28,15 @@ use crate::ui::{key_names, number_field};
 
 /// The time for which the pointer rests before the status line has the place under it, in seconds.
 const POINTER_RESTS: f64 = 0.15;
+/// The width of what the window shows, and of its column of names, in points.
+const WIDTH: f32 = 300.0;
+const NAME_WIDTH: f32 = 96.0;
+/// The gap between rows, in points.
+const ROW_GAP: f32 = 2.0;
+/// The width of a field for a parameter of a place, in points.
+const FIELD_WIDTH: f32 = 112.0;
+/// The lines for which the place under the pointer has room: four quantities, one of which has a name of two lines.
+const POINTER_LINES: f32 = 5.0;
 /// The radius of the ring around the place to which a click would snap, in points.
 const RING: f32 = 7.0;
 
@@ -337,15 +346,22 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     ask_walk(window);
     let mut open = true;
     let screen = ui.ctx().content_rect();
-    // It grows upwards from the lower left corner of the first view, beside the program and the settings.
-    let place = window.panes.first_view().unwrap_or(screen);
+    // It grows upwards from the lower left corner of the view in use, beside the program and the settings.
+    let place = window.panes.place_of(&window.focus.view);
+    let place = place.unwrap_or(screen);
+    let width = WIDTH.min(screen.width() - 48.0);
     egui::Window::new("Measure")
         .open(&mut open)
         .resizable(false)
         .pivot(egui::Align2::LEFT_BOTTOM)
         .default_pos(place.left_bottom() + egui::vec2(8.0, -8.0))
-        .max_width(360.0_f32.min(screen.width() - 48.0))
-        .show(ui.ctx(), |ui| contents(window, ui));
+        // Otherwise it would be as wide as the screen before it is shown, and make room for that.
+        .default_size([width, 0.0])
+        .show(ui.ctx(), |ui| {
+            // No value that changes makes it wider.
+            ui.set_width(width);
+            contents(window, ui);
+        });
     if !open {
         close(window);
     }
@@ -390,7 +406,7 @@ fn answers(window: &mut Window, ui: &mut Ui) {
         ui.strong(format!("{} on {surface}", title(figure.kind)));
         places(ui, figure);
         if let Some(found) = &measuring.found {
-            rows(ui, "figure", &found.rows);
+            rows(ui, "figure", &found.rows, TextWrapMode::Wrap);
             if let Some(note) = &found.note {
                 ui.label(note);
             }
@@ -415,15 +431,12 @@ fn answers(window: &mut Window, ui: &mut Ui) {
         }
     }
     let measuring = &window.dialogs.measuring;
-    if !measuring.pointer.rows.is_empty() {
-        ui.separator();
-        ui.strong(format!("Pointer on {}", measuring.pointer.surface));
-        rows(ui, "pointer", &measuring.pointer.rows);
-    }
+    ui.separator();
+    pointer(ui, &measuring.pointer);
     if measuring.walk.is_some() && !measuring.walked.is_empty() {
         ui.separator();
         ui.strong("Walk");
-        rows(ui, "walk", &measuring.walked);
+        rows(ui, "walk", &measuring.walked, TextWrapMode::Wrap);
         let hint = "Walks along the shortest geodesic to where the trail begins";
         if ui.button("Close the walk").on_hover_text(hint).clicked() {
             walk_back(window);
@@ -434,6 +447,7 @@ fn answers(window: &mut Window, ui: &mut Ui) {
 /// Shows the places of a figure, each with fields for its parameters.
 fn places(ui: &mut Ui, figure: &mut Figure) {
     Grid::new("places").num_columns(3).show(ui, |ui| {
+        ui.spacing_mut().interact_size.x = FIELD_WIDTH;
         for (letter, place) in ('A'..='Z').zip(&mut figure.places) {
             ui.label(letter.to_string());
             for (name, value) in ["u", "v"].into_iter().zip(place) {
@@ -446,13 +460,39 @@ fn places(ui: &mut Ui, figure: &mut Figure) {
     });
 }
 
-fn rows(ui: &mut Ui, id: &str, rows: &[Quantity]) {
-    Grid::new(id).num_columns(2).show(ui, |ui| {
+/// Shows the place under the pointer, in as much room whatever is known of it.
+fn pointer(ui: &mut Ui, pointer: &Pointer) {
+    match pointer.rows.is_empty() {
+        true => ui.weak("The pointer is on no surface."),
+        false => ui.strong(format!("Pointer on {}", pointer.surface)),
+    };
+    let height = POINTER_LINES * (ui.text_style_height(&TextStyle::Body) + ROW_GAP);
+    ui.scope(|ui| {
+        ui.set_min_height(height);
+        rows(ui, "pointer", &pointer.rows, TextWrapMode::Truncate);
+    });
+}
+
+/// Shows quantities in a column of names and one of values; `wrap_mode` says what becomes of a value that is wider.
+fn rows(ui: &mut Ui, id: &str, rows: &[Quantity], wrap_mode: TextWrapMode) {
+    let value_width = ui.available_width() - NAME_WIDTH - ui.spacing().item_spacing.x;
+    // Rows of text are as high as their text.
+    let grid = Grid::new(id).num_columns(2).min_row_height(0.0);
+    let grid = grid.spacing([ui.spacing().item_spacing.x, ROW_GAP]);
+    grid.show(ui, |ui| {
         for Quantity { name, value } in rows {
-            ui.label(name);
-            ui.label(value);
+            cell(ui, NAME_WIDTH, Label::new(name).wrap().selectable(false));
+            cell(ui, value_width, Label::new(value).wrap_mode(wrap_mode));
             ui.end_row();
         }
+    });
+}
+
+/// Shows a label in a cell of a grid that is as wide whatever it holds.
+fn cell(ui: &mut Ui, width: f32, label: Label) {
+    ui.vertical(|ui| {
+        ui.set_width(width);
+        ui.add(label);
     });
 }
 

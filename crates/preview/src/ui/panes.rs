@@ -160,17 +160,21 @@ impl Panes {
         panes.filter_map(Pane::view).cloned().collect()
     }
 
-    /// Returns the place on the screen of the first view that can be seen, in the order in which they are laid out.
-    pub(crate) fn first_view(&self) -> Option<egui::Rect> {
+    /// Returns the place on the screen of a view; if it cannot be seen, that of the first one that can, in the order in which
+    /// they are laid out.
+    pub(crate) fn place_of(&self, view: &ViewId) -> Option<egui::Rect> {
         let tiles = &self.tree.tiles;
-        let is_view = |tile: &TileId| tiles.get_pane(tile).is_some_and(|it| it.view().is_some());
-        let active = self.tree.active_tiles().into_iter().filter(is_view);
-        let places = active.filter_map(|tile| tiles.rect(tile));
-        places.min_by(|a, b| {
-            a.left()
-                .total_cmp(&b.left())
-                .then(a.top().total_cmp(&b.top()))
-        })
+        let view_of = |tile: &TileId| tiles.get_pane(tile).and_then(Pane::view);
+        let active = self.tree.active_tiles().into_iter();
+        let seen = active.filter_map(|tile| Some((view_of(&tile)?, tiles.rect(tile)?)));
+        let first = seen.min_by(|(a, a_place), (b, b_place)| {
+            // The view itself comes before all others.
+            let order = (*b == view).cmp(&(*a == view));
+            order
+                .then(a_place.left().total_cmp(&b_place.left()))
+                .then(a_place.top().total_cmp(&b_place.top()))
+        });
+        first.map(|(_, place)| place)
     }
 
     /// Shows a pane, wherever it is.

@@ -227,6 +227,36 @@ fn places_take_expressions_and_what_is_no_number_keeps_the_old_value() {
 }
 
 #[test]
+fn the_window_keeps_its_size_and_its_place_while_the_pointer_moves() {
+    let mut hand = measuring("Place");
+    let place = |hand: &Hand| {
+        let window = (Role::Window, "Measure");
+        hand.harness
+            .get_by_role_and_label(window.0, window.1)
+            .rect()
+    };
+    // In one picture the length of the geodesic seen has more words than the distance in the other.
+    let inside = [[0.4, 0.1], [-0.3, 0.4], [0.0, 0.0], [0.123, -0.456]];
+    let inside = inside.map(|share| at(&hand, "s", share));
+    let space = hand.space();
+    let others = [0.35, 0.5].map(|share| space.lerp_inside(Vec2::new(0.5, share)));
+    let beside = space.left_top() + Vec2::new(2.0, 120.0);
+    let before = place(&hand);
+    hand.keep("measure-before");
+    for pointer in inside.into_iter().chain(others).chain([beside]) {
+        hand.harness.hover_at(pointer);
+        hand.settle();
+        for _ in 0..8 {
+            std::thread::sleep(Duration::from_millis(5));
+            hand.harness.step();
+        }
+        assert_eq!(place(&hand), before, "{pointer}");
+    }
+    assert!(hand.shows("Pointer on s"));
+    hand.keep("measure-after");
+}
+
+#[test]
 fn the_window_covers_a_view_and_neither_the_settings_nor_the_program() {
     for size in [[1200.0, 800.0], [900.0, 500.0]] {
         let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
@@ -247,6 +277,31 @@ fn the_window_covers_a_view_and_neither_the_settings_nor_the_program() {
         );
         assert!(measure.min.y >= 0.0 && measure.max.x <= size[0] && measure.max.y <= size[1]);
         hand.keep(&format!("measure-{}", size[0]));
+    }
+}
+
+#[test]
+fn the_window_opens_in_the_lower_left_corner_of_the_view_in_use() {
+    for inside in [false, true] {
+        let mut hand = Hand::on(SPHERE);
+        let view = match inside {
+            true => hand.inside("s"),
+            false => hand.space(),
+        };
+        hand.click_at(view.center());
+        hand.settle();
+        open(&mut hand);
+        hand.settle();
+        let window = (Role::Window, "Measure");
+        let window = hand
+            .harness
+            .get_by_role_and_label(window.0, window.1)
+            .rect();
+        let off = window.left_bottom() - view.left_bottom();
+        assert!(
+            off.x.abs() < 20.0 && off.y.abs() < 20.0,
+            "{window} in {view}"
+        );
     }
 }
 
