@@ -12,7 +12,7 @@ struct Patch {
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> patch_: Patch;
-// Two for each sample: position (w: 1 where defined, 0 where not, -1 where left out), normal.
+// Two for each sample: position (w: 0 where undefined, 2 where the cell behind it is left open, else 1), normal.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
 @group(0) @binding(3) var image: texture_2d<f32>;
 @group(0) @binding(4) var image_sampler: sampler;
@@ -27,6 +27,8 @@ struct PatchVertex {
     // 1 where all corners of the triangle are defined. An undefined one changes it by so much that it is 1 nowhere else in
     // a triangle, however large; beside the triangle, where a pixel's middle may lie, it is more than 1.
     @location(3) defined: f32,
+    // 1 where the cell of the triangle is left open: its first corner says so.
+    @location(4) @interpolate(flat, first) open: u32,
 }
 
 @vertex
@@ -38,14 +40,14 @@ fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     let here = seen(sample.xyz, view);
     let normal = (view.view_from_world * vec4f(samples[at + 1u].xyz, 0.0)).xyz;
     let defined = select(-1e6, 1.0, sample.w > 0.0);
-    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, defined);
+    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, defined, u32(sample.w == 2.0));
 }
 
 @fragment
 fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = filtered(image, image_sampler, vertex.place, dpdx(vertex.place), dpdy(vertex.place));
     // Interpolation of ones is 1 up to rounding.
-    if abs(vertex.defined - 1.0) > 1e-4 {
+    if vertex.open == 1u || abs(vertex.defined - 1.0) > 1e-4 {
         discard;
     }
     let to_eye = to_eye_from(vertex.at, view);

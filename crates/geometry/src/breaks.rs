@@ -8,10 +8,11 @@ use expr::interval::Interval;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input};
 use rayon::prelude::*;
-use scene::{Object, ParamValues, Sampling, Scene, Shape};
+use scene::{Object, ParamValues, Range, Sampling, Scene, Shape};
 
-/// The number of times that a piece is halved. Nearer to a removable singularity, rounding could look like a jump.
-const HALVINGS: i32 = 14;
+/// The numbers of times that a piece is halved: at first, since nearer to a removable singularity rounding could look like a jump,
+/// and where there may be a break.
+const HALVINGS: [i32; 3] = [14, 21, 28];
 /// The most evaluations on intervals in one piece; where they do not find its break, it has none.
 const MOST_EVALUATIONS: u32 = 100;
 /// The most cells of all instances together in which breaks are looked for. An object with more of them changes faster than
@@ -23,8 +24,26 @@ const EVALUATIONS_FOR_CELL: u64 = 64;
 const MOST_STEP: f64 = 0.125;
 /// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
 const MOST_AWAY: f64 = 2.0;
+/// The least share of a step, or of a way, that is left where one is much nearer to a break.
+const STEEPEST: f64 = 0.95;
+/// The number of halvings of the step between samples that leads to where a limit is looked for.
+const STEP_HALVINGS: i32 = 10;
+/// Half the step is to change what converges to a limit by less than this share of what the whole step does.
+const STEADY: f64 = 0.75;
+/// A limit is known to this share of its coordinates.
+const SLACK: f64 = 1e-6;
 /// Places within this share of their coordinates are one.
 const ROUNDING: f64 = 1e-9;
+
+/// A place between samples at which an object breaks off.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Break {
+    /// The place in the grid of samples of the first sample of the cell: a curve breaks off between it and the next one, a surface
+    /// on a side of the cell.
+    pub first: [u32; 2],
+    /// True if what leads to it has no bound.
+    pub is_pole: bool,
+}
 
 /// Finds the breaks of an object.
 #[derive(Debug)]
@@ -55,32 +74,70 @@ impl Breaks {
         })
     }
 
-    /// Returns the indices, ascending, of the samples of a curve behind which an instance breaks off before the next
-    /// one. `uniforms` are those of [`scene::ParamValues::instance`].
-    pub fn along(&self, domain: &Sampling, uniforms: &[f64]) -> Vec<u32> {
-        let mut search = self.search(uniforms);
-        let cells = search.cells([Some(domain), None]);
-        let cells = cells.into_iter().map(|[index, _]| index);
-        cells
-            .filter(|index| {
-                search.breaks_between([*index, index + 1].map(|i| [domain.value(i), 0.0]))
-            })
-            .collect()
-    }
-
-    /// Returns the pairs of neighbouring samples of a surface, by their places in the grid, between which an instance
-    /// breaks off. `uniforms` are those of [`scene::ParamValues::instance`].
-    pub fn between(&self, domain: &[Sampling; 2], uniforms: &[f64]) -> Vec<[[u32; 2]; 2]> {
-        let cells = self.search(uniforms).cells(domain.each_ref().map(Some));
-        let value = |at: [u32; 2]| [0, 1].map(|k| domain[k].value(at[k]));
+    /// Returns the breaks of an instance, ascending; `None` if it changes too fast for its samples. `domain` is that of the
+    /// object, and `uniforms` are those of [`scene::ParamValues::instance`].
+    pub fn find(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Vec<Break>> {
+        let cells = self
+            .search(uniforms)
+            .cells([domain.first(), domain.get(1)])?;
+        let value = |at: [u32; 2]| [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(at[k])));
         let of_cell = |[i, j]: [u32; 2]| {
             let mut search = self.search(uniforms);
             let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
-            let sides = (0..4).map(|k| [corners[k], corners[(k + 1) % 4]]);
-            let breaks = sides.filter(|side| search.breaks_between(side.map(value)));
-            breaks.collect::<Vec<_>>()
+            let sides = if domain.len() == 1 { 1 } else { 4 };
+            let sides = (0..sides).map(|k| [corners[k], corners[(k + 1) % 4]]);
+            let found = sides.filter_map(|side| search.break_between(side.map(value)));
+            let is_pole = found.reduce(|a, b| a || b)?;
+            Some(Break {
+                first: [i, j],
+                is_pole,
+            })
         };
-        cells.into_par_iter().flat_map_iter(of_cell).collect()
+        let mut found: Vec<Break> = cells.into_par_iter().filter_map(of_cell).collect();
+        found.sort_unstable_by_key(|it| [it.first[1], it.first[0]]);
+        Some(found)
+    }
+
+    /// Returns the limit of an instance at parameters at which it is undefined, where a formula such as sin t/t has one.
+    pub fn limit(&self, domain: &[Sampling], uniforms: &[f64], at: [f64; 2]) -> Option<[f64; 3]> {
+        let mut search = self.search(uniforms);
+        if search.is_continuous(at.map(|x| [x; 2])) {
+            return None;
+        }
+        let mut limit: Option<[f64; 3]> = None;
+        for (axis, sampling) in domain.iter().enumerate() {
+            let Range { min, max } = sampling.range;
+            let step = (max - min) / f64::from(sampling.count - 1) * f64::powi(0.5, STEP_HALVINGS);
+            let mut sides = |step: f64| {
+                let side = |step: f64| {
+                    let mut at = at;
+                    at[axis] += step;
+                    search.place(at)
+                };
+                let [before, behind] = [-step, step].map(side);
+                Some([before?, behind?])
+            };
+            let Some(all) = [1.0, 2.0, 4.0]
+                .map(|k| sides(k * step))
+                .into_iter()
+                .collect()
+            else {
+                continue;
+            };
+            let all: Vec<[[f64; 3]; 2]> = all;
+            let middle = |[a, b]: [[f64; 3]; 2]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+            let [near, next, far] = [0, 1, 2].map(|k| middle(all[k]));
+            let slack = SLACK * (1.0 + distance(near, [0.0; 3]));
+            // Both sides come together, and what is between them comes to rest.
+            let meets =
+                distance(all[0][0], all[0][1]) <= STEADY * distance(all[1][0], all[1][1]) + slack;
+            let rests = distance(near, next) <= STEADY * distance(next, far) + slack;
+            if !(meets && rests) || limit.is_some_and(|other| distance(other, near) > slack) {
+                return None;
+            }
+            limit = limit.or(Some(near));
+        }
+        limit
     }
 
     /// Returns whether an instance may break off anywhere.
@@ -110,9 +167,9 @@ struct BreakSearch<'a> {
 }
 
 impl BreakSearch<'_> {
-    /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero; none if there are
+    /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero; `None` if there are
     /// too many.
-    fn cells(&mut self, domain: [Option<&Sampling>; 2]) -> Vec<[u32; 2]> {
+    fn cells(&mut self, domain: [Option<&Sampling>; 2]) -> Option<Vec<[u32; 2]>> {
         let mut found = Vec::new();
         let mut evaluations = EVALUATIONS_FOR_CELL * self.breaks.most_cells;
         let mut boxes = vec![domain.map(|domain| [0, domain.map_or(1, |it| it.count - 1)])];
@@ -122,7 +179,7 @@ impl BreakSearch<'_> {
                 cell[k].map(value)
             });
             if evaluations == 0 {
-                return Vec::new();
+                return None;
             }
             evaluations -= 1;
             if self.is_continuous(ends) {
@@ -133,7 +190,7 @@ impl BreakSearch<'_> {
             let [first, last] = cell[longer];
             if last - first <= 1 {
                 if found.len() as u64 == self.breaks.most_cells {
-                    return Vec::new();
+                    return None;
                 }
                 found.push(cell.map(|[first, _]| first));
                 continue;
@@ -145,7 +202,7 @@ impl BreakSearch<'_> {
                 boxes.push(part);
             }
         }
-        found
+        Some(found)
     }
 
     fn input(&self, input: &Input, at: [f64; 2]) -> f64 {
@@ -181,48 +238,78 @@ impl BreakSearch<'_> {
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
 
-    /// Returns whether the object breaks off between two samples, at both of which it is defined.
-    fn breaks_between(&mut self, samples: [[f64; 2]; 2]) -> bool {
-        let [Some(first), Some(last)] = samples.map(|at| self.place(at)) else {
-            return false;
-        };
-        let size = distance(first, [0.0; 3]) + distance(last, [0.0; 3]);
-        let (apart, slack) = (distance(first, last), ROUNDING * size);
+    /// Returns whether there is a break between two samples, at both of which the object is defined, and whether it is a pole.
+    fn break_between(&mut self, samples: [[f64; 2]; 2]) -> Option<bool> {
+        let [first, last] = samples.map(|at| self.place(at));
+        let ends: Sides = [first?, last?];
         let at =
             |share: f64| [0, 1].map(|k| samples[0][k] + share * (samples[1][k] - samples[0][k]));
-        let least = f64::powi(0.5, HALVINGS);
-        let mut parts = vec![[0.0, 1.0]];
+        let widths = HALVINGS.map(|n| f64::powi(0.5, n));
+        let mut parts: Vec<([f64; 2], [Option<Sides>; 2])> = vec![([0.0, 1.0], [None; 2])];
         let mut evaluations = 0;
-        while let Some([from, to]) = parts.pop() {
+        while let Some(([from, to], mut seen)) = parts.pop() {
             evaluations += 1;
             if evaluations > MOST_EVALUATIONS {
-                return false;
+                return None;
             }
             let (a, b) = (at(from), at(to));
-            let ends = [0, 1].map(|k| [a[k].min(b[k]), a[k].max(b[k])]);
-            if self.is_continuous(ends) {
+            let part = [0, 1].map(|k| [a[k].min(b[k]), a[k].max(b[k])]);
+            if self.is_continuous(part) {
                 continue;
             }
-            if to - from > least {
-                let middle = 0.5 * (from + to);
-                parts.extend([[middle, to], [from, middle]]);
-                continue;
+            let width = to - from;
+            if width <= widths[seen.iter().flatten().count()] {
+                let sides = [(from - width).max(0.0), (to + width).min(1.0)];
+                let [before, behind] = sides.map(|share| self.place(at(share)));
+                let (Some(before), Some(behind)) = (before, behind) else {
+                    return Some(true);
+                };
+                let sides = [before, behind];
+                seen = match seen {
+                    [None, _] if !is_doubtful(ends, sides) => continue,
+                    [None, _] => [Some(sides), None],
+                    [first, None] => [first, Some(sides)],
+                    [Some(first), Some(next)] => match kind_of_break([first, next, sides]) {
+                        None => continue,
+                        kind => return kind,
+                    },
+                };
             }
-            let sides = [(from - least).max(0.0), (to + least).min(1.0)];
-            let goes_on = match sides.map(|share| self.place(at(share))) {
-                [Some(before), Some(behind)] => {
-                    let away = distance(before, first).max(distance(behind, last));
-                    distance(before, behind) <= MOST_STEP * apart + slack
-                        && away <= MOST_AWAY * apart + slack
-                }
-                _ => false,
-            };
-            if !goes_on {
-                return true;
-            }
+            let middle = 0.5 * (from + to);
+            parts.extend([([middle, to], seen), ([from, middle], seen)]);
         }
-        false
+        None
     }
+}
+
+/// The places of an object on both sides of a parameter.
+type Sides = [[f64; 3]; 2];
+
+/// Returns whether there may be a break between two samples, of which `sides` are on both sides.
+fn is_doubtful(ends: Sides, sides: Sides) -> bool {
+    let (apart, slack) = (distance(ends[0], ends[1]), rounding(ends));
+    let away = [0, 1].map(|k| distance(sides[k], ends[k]));
+    distance(sides[0], sides[1]) > MOST_STEP * apart + slack
+        || away[0].max(away[1]) > MOST_AWAY * apart + slack
+}
+
+/// Returns whether there is a break that is a pole, or one that is none, of which `seen` are on both sides, nearer and nearer to
+/// it. What is continuous, however steep, comes together there.
+fn kind_of_break(seen: [Sides; 3]) -> Option<bool> {
+    let [first, next, last] = seen;
+    let slack = rounding(last);
+    let goes_on = |before: f64, then: f64| then > slack && then >= STEEPEST * before;
+    let is_pole = |k: usize| goes_on(distance(first[k], next[k]), distance(next[k], last[k]));
+    let gap = |sides: Sides| distance(sides[0], sides[1]);
+    if is_pole(0) || is_pole(1) {
+        return Some(true);
+    }
+    goes_on(gap(next), gap(last)).then_some(false)
+}
+
+/// The distance up to which places of this size are one.
+fn rounding([a, b]: Sides) -> f64 {
+    ROUNDING * (distance(a, [0.0; 3]) + distance(b, [0.0; 3]))
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

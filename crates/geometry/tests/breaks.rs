@@ -30,8 +30,9 @@ fn along(position: &str, domain: &str) -> (Vec<u32>, Sampling) {
         "param k = 1 : [-3, 3]; curve c(t) = {position}, t : {domain};"
     ));
     let (breaks, domain, uniforms) = breaks(&scene);
-    let found = breaks.map(|breaks| breaks.along(&domain[0], &uniforms));
-    (found.unwrap_or_default(), domain[0])
+    let found = breaks.and_then(|breaks| breaks.find(&domain, &uniforms));
+    let found = found.into_iter().flatten().map(|it| it.first[0]);
+    (found.collect(), domain[0])
 }
 
 /// The samples before some parameters.
@@ -111,51 +112,113 @@ fn what_changes_faster_than_its_samples_breaks_off_nowhere() {
     assert_eq!(found, before(&domain, &poles));
 }
 
-/// The pairs of samples between which a surface breaks off, sorted, the lesser place first.
-fn between(position: &str) -> (Vec<[[u32; 2]; 2]>, Vec<Sampling>) {
+/// The cells in which a surface breaks off, sorted.
+fn cells(position: &str) -> (Vec<[u32; 2]>, Vec<Sampling>) {
     let scene = scene(&format!(
         "surface s(u, v) = (u, v, {position}), u : [-2, 2, 40], v : [-1, 3, 30];"
     ));
     let (breaks, domain, uniforms) = breaks(&scene);
-    let mut found = breaks
+    let found = breaks.and_then(|breaks| breaks.find(&domain, &uniforms));
+    let mut found: Vec<[u32; 2]> = found
         .expect("a divisor")
-        .between(&[domain[0], domain[1]], &uniforms);
-    for pair in &mut found {
-        pair.sort_unstable();
-    }
+        .iter()
+        .map(|it| it.first)
+        .collect();
     found.sort_unstable();
-    found.dedup();
     (found, domain)
 }
 
 #[test]
 fn a_surface_breaks_off_where_its_divisor_changes_sign() {
     type Divisor = fn(f64, f64) -> f64;
-    let cases: [(&str, Divisor); 4] = [
+    let cases: [(&str, Divisor); 5] = [
         ("1/(u + v)", |u, v| u + v),
         ("1/(u^2 + v^2 - 1.1)", |u, v| u * u + v * v - 1.1),
         ("atan(1/(u - v^2))", |u, v| u - v * v),
         ("tan u", |u, _| u.cos()),
+        ("u/abs u", |u, _| u),
     ];
     for (position, divisor) in cases {
-        let (found, domain) = between(position);
+        let (found, domain) = cells(position);
         let at = |[i, j]: [u32; 2]| divisor(domain[0].value(i), domain[1].value(j));
         let mut expected = Vec::new();
-        for i in 0..domain[0].count {
-            for j in 0..domain[1].count {
-                for next in [[i + 1, j], [i, j + 1]] {
-                    let is_there = next[0] < domain[0].count && next[1] < domain[1].count;
-                    if is_there && at([i, j]) * at(next) < 0.0 {
-                        expected.push([[i, j], next]);
-                    }
+        for i in 0..domain[0].count - 1 {
+            for j in 0..domain[1].count - 1 {
+                let corners = [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(at);
+                let [least, most] = [f64::min, f64::max].map(|of| corners.into_iter().reduce(of));
+                if least < Some(0.0) && most > Some(0.0) {
+                    expected.push([i, j]);
                 }
             }
         }
-        expected.sort_unstable();
         assert!(expected.len() > 20, "{position}");
         assert_eq!(found, expected, "{position}");
     }
     for position in ["u v/(1 + u^2 + v^2)", "sin(u + v)/(u + v)"] {
-        assert!(between(position).0.is_empty(), "{position}");
+        assert!(cells(position).0.is_empty(), "{position}");
     }
+}
+
+#[test]
+fn a_pole_is_known_from_a_jump_and_a_cusp_is_no_break() {
+    let kinds = |position: &str| -> Vec<bool> {
+        let scene = scene(&format!("curve c(t) = (t, {position}, 0), t : [-3, 2.6];"));
+        let (breaks, domain, uniforms) = breaks(&scene);
+        let found = breaks.expect("a divisor").find(&domain, &uniforms);
+        found.expect("few").iter().map(|it| it.is_pole).collect()
+    };
+    for position in [
+        "1/t",
+        "1/t^2",
+        "log(abs t)",
+        "tan(t - pi/2)",
+        "(abs t)^(-0.3)",
+    ] {
+        assert_eq!(kinds(position), [true], "{position}");
+    }
+    for position in ["t/abs t", "atan(1/t)", "3t + 0.2t/abs t"] {
+        assert_eq!(kinds(position), [false], "{position}");
+    }
+    for position in [
+        "(abs t)^0.1",
+        "t/(abs t)^0.95",
+        "t/(abs t)^(2/3)",
+        "t sin(1/t)",
+        "(1 - cos t)/t^2",
+    ] {
+        assert!(kinds(position).is_empty(), "{position}");
+    }
+}
+
+#[test]
+fn a_gap_in_a_formula_has_its_limit() {
+    let limit = |position: &str, at: [f64; 2]| {
+        let scene = scene(&format!(
+            "surface s(u, v) = (u, v, {position}), u : [-1, 1, 41], v : [-1, 1, 41];"
+        ));
+        let (breaks, domain, uniforms) = breaks(&scene);
+        let limit = breaks.expect("a divisor").limit(&domain, &uniforms, at);
+        limit.map(|limit| limit[2])
+    };
+    let cases = [
+        ("sin u/u", [0.0, 0.3], 1.0),
+        ("(1 - cos u)/u^2", [0.0, 0.0], 0.5),
+        ("(u^3 - v^3)/(u - v)", [0.5, 0.5], 0.75),
+        ("sin(3sqrt(u^2 + v^2))/sqrt(u^2 + v^2)", [0.0, 0.0], 3.0),
+        ("u v/sqrt(u^2 + v^2)", [0.0, 0.0], 0.0),
+    ];
+    for (position, at, expected) in cases {
+        let found = limit(position, at).unwrap_or_else(|| panic!("{position}"));
+        assert!((found - expected).abs() < 1e-5, "{position}: {found}");
+    }
+    for position in [
+        "1/u",
+        "1/u^2",
+        "log(abs u)",
+        "u/abs u",
+        "(u^2 - v^2)/(u^2 + v^2)",
+    ] {
+        assert_eq!(limit(position, [0.0; 2]), None, "{position}");
+    }
+    assert_eq!(limit("sqrt(u - 2)/(1 + u)", [0.0; 2]), None);
 }

@@ -34,9 +34,8 @@ const SAMPLES: usize = 40_000;
 /// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
 /// what lies further is an outlier and does not shrink the rest of the picture.
 const REACH: f64 = 2.0;
-/// The same for an object with poles, whose inner box is that of 10 % to 90 % of its samples: what leads to a pole takes
-/// some per cent of them.
-const REACH_TO_POLES: f64 = 1.0;
+/// The same for an object with poles, whose inner box is that of 25 % to 75 % of its samples: a steep pole takes many of them.
+const REACH_TO_POLES: f64 = 1.5;
 /// The number of an object's instances that are searched for poles.
 const SEARCHED: u64 = 16;
 
@@ -212,9 +211,9 @@ impl ObjectCloud {
             let middle = middle.copied().filter(finite);
             (places.into_iter().filter(finite).collect(), middle)
         };
-        let has_poles = breaks_off(scene, params, object);
+        let outliers = Outliers::of(scene, params, object);
         let limits: [[f64; 2]; 3] =
-            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect(), has_poles));
+            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect(), outliers));
         points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
         Self {
             points,
@@ -267,33 +266,54 @@ fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
     points
 }
 
-/// Returns whether an object breaks off somewhere, at a pole or a jump.
-fn breaks_off(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
-    let Some(breaks) = Breaks::of(scene, params, object) else {
-        return false;
-    };
-    let mut instances = 0..params.instance_count(scene, object).min(SEARCHED);
-    instances.any(|instance| {
-        let uniforms = params.instance(scene, object, instance);
-        match object.shape.domain() {
-            [domain] => !breaks.along(domain, &uniforms).is_empty(),
-            [u, v] => !breaks.between(&[*u, *v], &uniforms).is_empty(),
-            _ => false,
+/// The meaning of places far from most of an object.
+#[derive(Clone, Copy, PartialEq)]
+enum Outliers {
+    /// They belong to it as any other: it is continuous.
+    None,
+    /// Some may lead to a place where it has no bound.
+    Some,
+    /// It has poles.
+    Poles,
+}
+
+impl Outliers {
+    fn of(scene: &Scene, params: &ParamValues, object: &Object) -> Self {
+        let domain = object.shape.domain();
+        if domain.is_empty() {
+            return Self::Some;
         }
-    })
+        let Some(breaks) = Breaks::of(scene, params, object) else {
+            let is_known = object.shape.followed().is_empty() && object.shape.position().is_some();
+            return if is_known { Self::None } else { Self::Some };
+        };
+        let mut outliers = Self::None;
+        for instance in 0..params.instance_count(scene, object).min(SEARCHED) {
+            let uniforms = params.instance(scene, object, instance);
+            let found = breaks.find(domain, &uniforms);
+            if found.iter().flatten().any(|it| it.is_pole) {
+                return Self::Poles;
+            }
+            // Within a cell of a surface there may be a pole that none of its sides meets.
+            if found.is_none() || domain.len() > 1 && breaks.may_occur(domain, &uniforms) {
+                outliers = Self::Some;
+            }
+        }
+        outliers
+    }
 }
 
 /// The interval of the values without outliers.
-fn robust(mut values: Vec<f64>, has_poles: bool) -> [f64; 2] {
+fn robust(mut values: Vec<f64>, outliers: Outliers) -> [f64; 2] {
     if values.is_empty() {
         return [0.0, 0.0];
     }
     values.sort_unstable_by(f64::total_cmp);
     let last = values.len() - 1;
-    let (outer, reach) = if has_poles {
-        (0.1, REACH_TO_POLES)
-    } else {
-        (0.02, REACH)
+    let (outer, reach) = match outliers {
+        Outliers::None => return [values[0], values[last]],
+        Outliers::Some => (0.02, REACH),
+        Outliers::Poles => (0.25, REACH_TO_POLES),
     };
     let [low, high] =
         [outer, 1.0 - outer].map(|share| values[(share * last as f64).round() as usize]);

@@ -30,10 +30,8 @@ pub const DEGENERATE: f64 = 1e-7;
 /// Points further than this from the scene's centre, in drawing units, are taken as undefined.
 pub const HORIZON: f64 = 1e6;
 
-/// [`PositionSample::defined`] of a sample behind which a curve breaks off before the next one, at a pole or a jump.
+/// The value of `defined` of a sample behind which a curve or a surface breaks off, at a pole or a jump.
 const LAST: f32 = 2.0;
-/// [`SurfaceSample::defined`] of a sample beside which a surface breaks off, and which is left out therefore.
-const LEFT_OUT: f32 = -1.0;
 
 /// A place in drawing units: a point, or a sample of a curve. 16 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -47,6 +45,13 @@ pub struct PositionSample {
 
 impl PositionSample {
     /// Returns whether a curve breaks off behind it.
+    pub fn is_last(&self) -> bool {
+        self.defined == LAST
+    }
+}
+
+impl SurfaceSample {
+    /// Returns whether the cell between it and the next samples is left open.
     pub fn is_last(&self) -> bool {
         self.defined == LAST
     }
@@ -73,7 +78,7 @@ pub struct VectorSample {
 pub struct SurfaceSample {
     /// The place in drawing units; zero where undefined.
     pub position: [f32; 3],
-    /// 1 where defined, 0 where undefined; −1 where the surface breaks off beside it, and it is left out.
+    /// 0 where undefined, else 1; 2 where the cell between it and the next samples is left open.
     pub defined: f32,
     /// The unit vector along σu×σv, or zero where it is undefined.
     pub normal: [f32; 3],
@@ -190,7 +195,8 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     }
 }
 
-/// Evaluates three expressions of an object at all its samples, in f64 and in the scene's units.
+/// Evaluates the position of an object at all its samples, in f64 and in the scene's units; where it is undefined and has a
+/// limit, that.
 pub fn positions(
     scene: &Scene,
     params: &ParamValues,
@@ -199,7 +205,24 @@ pub fn positions(
 ) -> Vec<[f64; 3]> {
     let tape = Tape::new(&scene.graph, position);
     let sampler = Sampler::new(scene, params, object, tape, Resolution::Full);
-    sampler.map(|_, out: &[f64; 3]| *out)
+    let mut all = sampler.map(|_, out: &[f64; 3]| *out);
+    if let Some(breaks) = Breaks::of(scene, params, object) {
+        let domain = object.shape.domain();
+        let counts = [0, 1].map(|k| domain.get(k).map_or(1, |it| it.count as usize));
+        let instances = all.par_chunks_mut(counts[0] * counts[1]).enumerate();
+        instances.for_each(|(k, places)| {
+            let uniforms = params.instance(scene, object, k as u64);
+            for (index, place) in places.iter_mut().enumerate() {
+                if place.iter().all(|x| x.is_finite()) {
+                    continue;
+                }
+                let grid = [index % counts[0], index / counts[0]];
+                let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(grid[k] as u32)));
+                *place = breaks.limit(domain, &uniforms, at).unwrap_or(*place);
+            }
+        });
+    }
+    all
 }
 
 /// Samples as [`sample`] does, and adds notes for a reader of the picture.
@@ -271,8 +294,15 @@ pub fn sample(
                 let instances = samples.par_chunks_mut(domain.count as usize).enumerate();
                 instances.for_each(|(k, samples)| {
                     let uniforms = params.instance(scene, object, k as u64);
-                    for last in breaks.along(domain, &uniforms) {
-                        break_behind(samples, last as usize);
+                    for (index, sample) in samples.iter_mut().enumerate() {
+                        let at = [domain.value(index as u32), 0.0];
+                        let limit = || breaks.limit(&[*domain], &uniforms, at);
+                        if let Some(limit) = (sample.defined == 0.0).then(limit).flatten() {
+                            *sample = placed(placement, &limit);
+                        }
+                    }
+                    for it in breaks.find(&[*domain], &uniforms).into_iter().flatten() {
+                        break_behind(&mut samples[it.first[0] as usize].defined);
                     }
                 });
             }
@@ -292,8 +322,12 @@ pub fn sample(
                 let instances = samples.par_chunks_mut(size).enumerate();
                 instances.for_each(|(k, samples)| {
                     let uniforms = params.instance(scene, object, k as u64);
-                    for pair in breaks.between(domain, &uniforms) {
-                        leave_out(samples, pair.map(|[i, j]| (j * count[0] + i) as usize));
+                    surface::fill_gaps(samples, domain, placement, |at| {
+                        breaks.limit(domain, &uniforms, at)
+                    });
+                    for it in breaks.find(domain, &uniforms).into_iter().flatten() {
+                        let [i, j] = it.first;
+                        break_behind(&mut samples[(j * count[0] + i) as usize].defined);
                     }
                 });
             }
@@ -312,27 +346,11 @@ pub fn sample(
     }
 }
 
-/// Lets a curve break off behind a sample, if that is defined.
-fn break_behind(samples: &mut [PositionSample], last: usize) {
-    if samples[last].defined != 0.0 {
-        samples[last].defined = LAST;
+/// Leaves open what lies behind a sample, if that is defined.
+fn break_behind(defined: &mut f32) {
+    if *defined != 0.0 {
+        *defined = LAST;
     }
-}
-
-/// Leaves out the farther one of two samples between which a surface breaks off: it is nearer to a pole. What is left out
-/// once is enough for its other neighbours.
-fn leave_out(samples: &mut [SurfaceSample], pair: [usize; 2]) {
-    if pair.iter().any(|at| samples[*at].defined <= 0.0) {
-        return;
-    }
-    let far = |at: usize| {
-        samples[at]
-            .position
-            .iter()
-            .fold(0.0, |far: f32, x| far.hypot(*x))
-    };
-    let [a, b] = pair;
-    samples[if far(a) > far(b) { a } else { b }].defined = LEFT_OUT;
 }
 
 /// Lines of `count` points each, as curves.

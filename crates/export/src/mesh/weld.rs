@@ -143,6 +143,8 @@ pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 struct SampleGrid<'a> {
     places: &'a [[f64; 3]],
     defined: Vec<bool>,
+    /// The samples whose quads are left open.
+    open: Vec<bool>,
     /// Columns (samples along u) and rows.
     size: [usize; 2],
     /// The first of the samples that coincide with each sample.
@@ -157,8 +159,9 @@ impl<'a> SampleGrid<'a> {
         let mut grid = Self {
             places,
             defined: both
-                .map(|(place, sample)| sample.defined > 0.0 && held(place))
+                .map(|(place, sample)| sample.defined != 0.0 && held(place))
                 .collect(),
+            open: samples.iter().map(SurfaceSample::is_last).collect(),
             size: count.map(|n| n as usize),
             class: (0..places.len() as u32).collect(),
         };
@@ -247,9 +250,11 @@ impl<'a> SampleGrid<'a> {
         [[a, b, c], [a, c, d]]
     }
 
-    /// Reports whether all corners are defined and the triangle has an area, or corners that coincide.
+    /// Reports whether a triangle of [`SampleGrid::quad`] is drawn: all corners are defined, its quad is not left open, and it has
+    /// an area, or corners that coincide.
     fn is_there(&self, triangle: [usize; 3]) -> bool {
-        triangle.iter().all(|&corner| self.defined[corner])
+        !self.open[triangle[0]]
+            && triangle.iter().all(|&corner| self.defined[corner])
             && (self.is_collapsed(triangle) || self.has_area(triangle))
     }
 

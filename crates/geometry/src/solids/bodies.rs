@@ -163,14 +163,20 @@ pub(super) fn parts(
             while let Some(k) = next(&mut instances, &body, room) {
                 let uniforms = params.instance(scene, object, k);
                 body.instance = k;
-                let breaks = finder.as_ref().map(|it| it.along(domain, &uniforms));
+                let breaks = finder
+                    .as_ref()
+                    .and_then(|it| it.find(&[*domain], &uniforms));
                 let breaks = breaks.unwrap_or_default();
                 let places = (0..domain.count).flat_map(|i| {
                     let t = domain.value(i);
                     let variables = scene.curve_variables(&object.shape, &uniforms, t);
                     let at = evaluated(&tape, &variables, &uniforms, DVec3::from_slice);
-                    let end = breaks.binary_search(&i).is_ok().then_some((t, None));
-                    std::iter::once((t, Some(at).filter(|at| at.is_finite()))).chain(end)
+                    let at = Some(at).filter(|at| at.is_finite()).or_else(|| {
+                        let limit = finder.as_ref()?.limit(&[*domain], &uniforms, [t, 0.0]);
+                        limit.map(DVec3::from_array)
+                    });
+                    let is_last = breaks.binary_search_by_key(&i, |it| it.first[0]).is_ok();
+                    std::iter::once((t, at)).chain(is_last.then_some((t, None)))
                 });
                 body.line(places, &uniforms);
             }

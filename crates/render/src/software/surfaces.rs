@@ -38,7 +38,7 @@ pub(super) fn mesh(
                 .map(|i| {
                     let i = (i * stride).min(columns - 1);
                     let sample = &samples[first + i];
-                    (sample.defined > 0.0).then(|| {
+                    (sample.defined != 0.0).then(|| {
                         builder.vertex(Vertex {
                             clip: eye.clip(eye.see(sample.position), 0.0),
                             normal: eye.view.transform_vector3(Vec3::from(sample.normal)),
@@ -55,6 +55,11 @@ pub(super) fn mesh(
         let far = line(&mut builder, j + 1);
         for i in 0..quad_columns {
             let (a, b, c, d) = (near[i], near[i + 1], far[i + 1], far[i]);
+            // No open cell is thinned out.
+            let first = (instance * lines + j * stride) * columns + i * stride;
+            if samples[first].is_last() {
+                continue;
+            }
             if let (Some(a), Some(b), Some(c)) = (a, b, c) {
                 builder.triangle(a, b, c);
             }

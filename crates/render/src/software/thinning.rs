@@ -51,7 +51,7 @@ fn neighbours(k: usize, all: usize) -> [usize; 2] {
 /// Returns true if nobody sees it where a sample moves to the middle of two others.
 fn is_between(eye: &Eye, sample: &SurfaceSample, ends: [&SurfaceSample; 2]) -> bool {
     let [a, b] = ends;
-    if [sample, a, b].iter().any(|it| it.defined <= 0.0) {
+    if [sample, a, b].iter().any(|it| it.defined != 1.0) {
         return false;
     }
     let turn = Vec3::from(sample.normal) - Vec3::from(a.normal).midpoint(b.normal.into());
