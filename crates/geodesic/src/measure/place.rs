@@ -57,12 +57,11 @@ fn rounded(number: f64, size: f64) -> f64 {
 /// [`MeasureError`] where the place lies outside the domain, or the surface is undefined.
 pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, MeasureError> {
     let given = uv.into();
-    // The tip of a cone has E, F and G.
-    let has_plane = match Frame::new(surface, given, 0.0, 1.0) {
-        Ok(_) => true,
-        Err(TraceError::DegenerateStart { .. }) => false,
+    match Frame::new(surface, given, 0.0, 1.0) {
+        // The tip of a cone has E, F and G.
+        Ok(_) | Err(TraceError::DegenerateStart { .. }) => {}
         Err(error) => return Err(error.into()),
-    };
+    }
     let mut at = given.0;
     surface.sides().bring_back(surface.domain(), &mut at);
     let [[u0, u1], [v0, v1]] = surface.domain();
@@ -71,13 +70,13 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let [e, g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
     let form = [e, rounded(dot(jet.du, jet.dv), (e * g).sqrt()), g];
     let [gaussian, mean] = curvatures_near(surface, uv);
-    let finite = |x: f64| (has_plane && x.is_finite()).then_some(x);
+    let finite = |x: f64| x.is_finite().then_some(x);
     Ok(PlaceMeasures {
         uv,
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
-        principal: principal(&jet).filter(|_| has_plane && surface.is_embedded()),
+        principal: principal(&jet).filter(|_| surface.is_embedded()),
     })
 }
 
