@@ -4,14 +4,14 @@
 //! piece between two samples is halved until the place is known, and what lies on both sides of it decides: the object
 //! goes on where both sides have a place and these are near each other (a removable singularity, as of sin t/t).
 
+use expr::Input;
 use expr::interval::Interval;
 use expr::tape::{Registers, Tape};
-use expr::{Graph, Input};
 use rayon::prelude::*;
 use scene::{Object, ParamValues, Range, Sampling, Scene, Shape};
 
-/// The numbers of times that a piece is halved: at first, since nearer to a removable singularity rounding could look like a jump,
-/// and where there may be a break.
+/// The numbers of halvings of a piece after which the two sides of a place are compared. Nearer to a removable singularity rounding
+/// could look like a jump, so the second and the third count only where the first leaves a doubt.
 const HALVINGS: [i32; 3] = [14, 21, 28];
 /// The most evaluations on intervals in one piece; where they do not find its break, it has none.
 const MOST_EVALUATIONS: u32 = 100;
@@ -24,7 +24,7 @@ const EVALUATIONS_FOR_CELL: u64 = 64;
 const MOST_STEP: f64 = 0.125;
 /// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
 const MOST_AWAY: f64 = 2.0;
-/// The least share of a step, or of a way, that is left where one is much nearer to a break.
+/// The least ratio of one comparison to the one before it, of the distance between the sides or of the way to them, at a break.
 const STEEPEST: f64 = 0.95;
 /// The number of halvings of the step between samples that leads to where a limit is looked for.
 const STEP_HALVINGS: i32 = 10;
@@ -65,7 +65,7 @@ impl Breaks {
         if !object.shape.followed().is_empty() {
             return None;
         }
-        let (mut graph, roots): (Graph, _) = scene.graph.extract(position);
+        let (mut graph, roots) = scene.graph.extract(position);
         let guards = graph.guards(&roots);
         (!guards.is_empty()).then(|| Self {
             guards: Tape::new(&graph, &guards),
@@ -96,6 +96,24 @@ impl Breaks {
         let mut found: Vec<Break> = cells.into_par_iter().filter_map(of_cell).collect();
         found.sort_unstable_by_key(|it| [it.first[1], it.first[0]]);
         Some(found)
+    }
+
+    /// Returns the limits of those samples of an instance that are undefined and have one, with their indices; the first parameter
+    /// is the fastest.
+    pub fn limits(
+        &self,
+        domain: &[Sampling],
+        uniforms: &[f64],
+        is_undefined: impl Fn(usize) -> bool,
+    ) -> Vec<(usize, [f64; 3])> {
+        let counts = [0, 1].map(|k| domain.get(k).map_or(1, |it| it.count as usize));
+        let undefined = (0..counts[0] * counts[1]).filter(|index| is_undefined(*index));
+        let limit = |index: usize| {
+            let grid = [index % counts[0], index / counts[0]];
+            let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(grid[k] as u32)));
+            Some((index, self.limit(domain, uniforms, at)?))
+        };
+        undefined.filter_map(limit).collect()
     }
 
     /// Returns the limit of an instance at parameters at which it is undefined, where a formula such as sin t/t has one.

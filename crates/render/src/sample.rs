@@ -208,17 +208,13 @@ pub fn positions(
     let mut all = sampler.map(|_, out: &[f64; 3]| *out);
     if let Some(breaks) = Breaks::of(scene, params, object) {
         let domain = object.shape.domain();
-        let counts = [0, 1].map(|k| domain.get(k).map_or(1, |it| it.count as usize));
-        let instances = all.par_chunks_mut(counts[0] * counts[1]).enumerate();
+        let size = object.shape.sample_count() as usize;
+        let instances = all.par_chunks_mut(size).enumerate();
         instances.for_each(|(k, places)| {
             let uniforms = params.instance(scene, object, k as u64);
-            for (index, place) in places.iter_mut().enumerate() {
-                if place.iter().all(|x| x.is_finite()) {
-                    continue;
-                }
-                let grid = [index % counts[0], index / counts[0]];
-                let at = [0, 1].map(|k| domain.get(k).map_or(0.0, |it| it.value(grid[k] as u32)));
-                *place = breaks.limit(domain, &uniforms, at).unwrap_or(*place);
+            let is_undefined = |index: usize| !places[index].iter().all(|x| x.is_finite());
+            for (index, limit) in breaks.limits(domain, &uniforms, is_undefined) {
+                places[index] = limit;
             }
         });
     }
@@ -294,12 +290,9 @@ pub fn sample(
                 let instances = samples.par_chunks_mut(domain.count as usize).enumerate();
                 instances.for_each(|(k, samples)| {
                     let uniforms = params.instance(scene, object, k as u64);
-                    for (index, sample) in samples.iter_mut().enumerate() {
-                        let at = [domain.value(index as u32), 0.0];
-                        let limit = || breaks.limit(&[*domain], &uniforms, at);
-                        if let Some(limit) = (sample.defined == 0.0).then(limit).flatten() {
-                            *sample = placed(placement, &limit);
-                        }
+                    let is_undefined = |index: usize| samples[index].defined == 0.0;
+                    for (index, limit) in breaks.limits(&[*domain], &uniforms, is_undefined) {
+                        samples[index] = placed(placement, &limit);
                     }
                     for it in breaks.find(&[*domain], &uniforms).into_iter().flatten() {
                         break_behind(&mut samples[it.first[0] as usize].defined);
@@ -322,9 +315,9 @@ pub fn sample(
                 let instances = samples.par_chunks_mut(size).enumerate();
                 instances.for_each(|(k, samples)| {
                     let uniforms = params.instance(scene, object, k as u64);
-                    surface::fill_gaps(samples, domain, placement, |at| {
-                        breaks.limit(domain, &uniforms, at)
-                    });
+                    let is_undefined = |index: usize| samples[index].defined == 0.0;
+                    let limits = breaks.limits(domain, &uniforms, is_undefined);
+                    surface::fill_gaps(samples, *count, placement, &limits);
                     for it in breaks.find(domain, &uniforms).into_iter().flatten() {
                         let [i, j] = it.first;
                         break_behind(&mut samples[(j * count[0] + i) as usize].defined);

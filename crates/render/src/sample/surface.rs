@@ -61,37 +61,31 @@ pub(super) fn surface(
     Samples::Surfaces { count, samples }
 }
 
-/// Puts the samples of an instance that are undefined at their limits, where they have any, with normals between those of
-/// their neighbours.
+/// Puts undefined samples of an instance at their limits, with normals between those of their neighbours.
 pub(super) fn fill_gaps(
     samples: &mut [SurfaceSample],
-    domain: &[Sampling; 2],
+    count: [u32; 2],
     placement: &Placement,
-    limit: impl Fn([f64; 2]) -> Option<[f64; 3]>,
+    limits: &[(usize, [f64; 3])],
 ) {
-    let [columns, rows] = [0, 1].map(|k| domain[k].count as usize);
-    let mut filled = Vec::new();
-    for (index, sample) in samples.iter_mut().enumerate() {
-        if sample.defined != 0.0 {
-            continue;
-        }
-        let [i, j] = [index % columns, index / columns];
-        let at = [domain[0].value(i as u32), domain[1].value(j as u32)];
-        if let Some(limit) = limit(at) {
-            let PositionSample { position, defined } = placed(placement, &limit);
-            (sample.position, sample.defined) = (position, defined);
-            sample.normal = [0.0; 3];
-            filled.push([i, j]);
-        }
+    let [columns, rows] = count.map(|n| n as usize);
+    for (index, limit) in limits {
+        let PositionSample { position, defined } = placed(placement, limit);
+        samples[*index] = SurfaceSample {
+            position,
+            defined,
+            ..SurfaceSample::default()
+        };
     }
-    for [i, j] in filled {
+    for (index, _) in limits {
+        let [i, j] = [index % columns, index / columns];
         let around = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(di, dj)| {
             let i = i.checked_add_signed(di).filter(|i| *i < columns)?;
             let j = j.checked_add_signed(dj).filter(|j| *j < rows)?;
             Some(Vec3::from(samples[j * columns + i].normal))
         });
         let sum: Vec3 = around.into_iter().flatten().sum();
-        samples[j * columns + i].normal = sum.normalize_or_zero().to_array();
+        samples[*index].normal = sum.normalize_or_zero().to_array();
     }
 }
 

@@ -52,6 +52,11 @@ macro_rules! token_kinds {
             pub(crate) const PLAIN: &[Self] =
                 &[$(Self::$symbol,)* Self::Comment, Self::Undefined, Self::Word, Self::Error, Self::Eoi];
 
+            /// Returns whether it is a name that stands for a value.
+            pub(crate) fn is_value(self) -> bool {
+                matches!(self, Self::Variable(_) | Self::Constant(_))
+            }
+
             /// The symbol that a byte is.
             pub(crate) fn from_byte(byte: u8) -> Option<Self> {
                 Some(match byte {

@@ -165,10 +165,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     #[inline]
     pub(super) fn warn_index(&mut self) {
         if self.current.kind == TokenKind::BracketOpen
-            && matches!(
-                self.previous.kind,
-                TokenKind::Variable(_) | TokenKind::Constant(_)
-            )
+            && self.previous.kind.is_value()
             && self.previous.span.end == self.current.span.start
         {
             self.warn_brackets_behind(self.previous.span);

@@ -132,10 +132,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
 
     /// Returns true if the current token is the name of a value.
     pub(super) fn is_value(&self) -> bool {
-        matches!(
-            self.current.kind,
-            TokenKind::Variable(_) | TokenKind::Constant(_)
-        )
+        self.current.kind.is_value()
     }
 
     /// The end of the values that the current token and the rest of its word are.
