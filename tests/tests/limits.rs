@@ -234,6 +234,20 @@ fn pictures() -> Vec<Limit> {
             "",
         ),
         limit(
+            "operations on functions that are no polynomials, for a ray of an 8 × 8 tile on the average; then rays are sampled, and behind twice as many meet none",
+            grouped(tracer::TILE_RAY_OPERATIONS),
+            "run time",
+            "took more work than there may be",
+            "",
+        ),
+        limit(
+            "operations on solids, lights and surfaces in a 3D picture, or in a sample of a traced one, and for each pixel 2,048 more",
+            grouped(render::MOST_OPERATIONS),
+            "run time: about ten seconds on two cores",
+            "the picture takes more work than there may be",
+            "a smaller `--size`; `--max-operations` for a traced picture",
+        ),
+        limit(
             "reflections and refractions in the traced view",
             traced::MAX_BOUNCES,
             "run time",

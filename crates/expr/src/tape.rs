@@ -140,6 +140,16 @@ impl Tape {
         self.instructions.len()
     }
 
+    /// The work of one evaluation, in sums and products: a function of one number counts as four.
+    pub fn work(&self) -> u64 {
+        let work = |instruction: &Instruction| match instruction.operation {
+            TapeOperation::Unary(Unary::Neg, _) => 1,
+            TapeOperation::Unary(..) => 4,
+            _ => 1,
+        };
+        self.instructions.iter().map(work).sum()
+    }
+
     /// The number of registers that an evaluation uses.
     pub fn register_count(&self) -> usize {
         self.register_count

@@ -29,6 +29,9 @@ fn rays_in_a_row(solids: usize) -> usize {
     }
 }
 
+/// The operations of those rays, of all solids together; each has an equal share.
+const MOST_OPERATIONS: u64 = 1 << 28;
+
 /// Coarse samples of one object.
 const SAMPLES: usize = 40_000;
 /// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
@@ -160,7 +163,9 @@ impl ObjectCloud {
             picture_look: Default::default(),
         };
         let is_solid = |object: &&Object| object.shape.solid().is_some();
-        let in_a_row = rays_in_a_row(scene.objects.iter().filter(is_solid).count());
+        let solids = scene.objects.iter().filter(is_solid).count();
+        let in_a_row = rays_in_a_row(solids);
+        let operations = MOST_OPERATIONS / solids.max(1) as u64;
         // In the order of the scene: what the work is enough for does not depend on threads.
         let mut work = MAX_SHAPE_WORK;
         let mut prepared = |object: &Object| {
@@ -172,7 +177,7 @@ impl ObjectCloud {
             .map(|(object, &wanted)| (object, wanted, wanted.then(|| prepared(object)).flatten()))
             .collect();
         let cloud = |(object, wanted, rays): &(&Object, bool, Option<RayScene>)| match rays {
-            Some(rays) => Some(Self::of_solid(rays, in_a_row)),
+            Some(rays) => Some(Self::of_solid(rays, in_a_row, operations)),
             None => wanted.then(|| Self::new(scene, params, object)),
         };
         objects.par_iter().map(cloud).collect()
@@ -225,18 +230,19 @@ impl ObjectCloud {
         }
     }
 
-    /// Casts rays along the axes into a solid, so many in a row.
-    fn of_solid(rays: &RayScene, in_a_row: usize) -> Self {
+    /// Casts rays along the axes into a solid, so many in a row, as long as they take no more operations.
+    fn of_solid(rays: &RayScene, in_a_row: usize, operations: u64) -> Self {
         Self {
-            points: solid_points(rays, in_a_row),
+            points: solid_points(rays, in_a_row, operations),
             is_omitted: rays.is_out_of_work(),
             ..Self::default()
         }
     }
 }
 
-/// Places on a solid that rays along the axes find; none on an endless one.
-fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
+/// Places on a solid that rays along the axes find; none on an endless one. Where they take more operations, two corners of
+/// its box stand for the others.
+fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 3]> {
     let world = rays.world();
     let Some(bounds) = (world.solid_count() > 0).then(|| world.bounds(0)).flatten() else {
         return Vec::new();
@@ -248,7 +254,12 @@ fn solid_points(rays: &RayScene, in_a_row: usize) -> Vec<[f64; 3]> {
     let cells = (0..3).flat_map(|axis| (0..in_a_row * in_a_row).map(move |cell| (axis, cell)));
     let mut points = Vec::new();
     let mut caster = world.caster();
+    caster.limit_fields(operations);
     for (axis, cell) in cells {
+        if caster.operations() > operations {
+            points.extend([bounds.lower, bounds.upper].map(|corner| corner.to_array()));
+            break;
+        }
         let share = |k: usize| (k as f64 + 0.5) / in_a_row as f64;
         let mut origin = bounds.lower;
         origin[axis] -= 0.5 * size[axis].max(f64::MIN_POSITIVE);

@@ -49,6 +49,8 @@ pub enum RenderError {
     Size([u32; 2]),
     /// The picture was given up for something newer.
     Interrupted,
+    /// The picture takes more operations on solids, lights and surfaces than this limit.
+    TooMuchWork(u64),
     /// The factor of widths and of words is not one of [`crate::request::SCALES`].
     Scale(f32),
     /// A fault of this program: generated text did not pass validation.
@@ -107,6 +109,12 @@ impl fmt::Display for RenderError {
                 write!(
                     f,
                     "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
+                )
+            }
+            Self::TooMuchWork(limit) => {
+                write!(
+                    f,
+                    "the picture takes more work than there may be: more than {limit} operations on solids, lights and surfaces"
                 )
             }
             Self::Scale(_) => {

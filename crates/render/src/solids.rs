@@ -16,12 +16,15 @@ pub(crate) use tables::SceneTables;
 
 pub(crate) use store::{SolidScene, SolidStore, TracedScene};
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{DVec3, Vec3};
 use tracer::shade::Face;
 use tracer::{BoundingBox, Caster, Crossing, Ray, World};
 
 use crate::camera::Camera;
 use crate::counters::PixelCounters;
+use crate::error::RenderError;
 use crate::point::WorldPoint;
 use crate::style;
 
@@ -76,6 +79,10 @@ pub(crate) struct SolidPainter<'a> {
     /// True if pixels at edges get a ray for each sample.
     is_smooth: bool,
     counters: &'a PixelCounters,
+    /// The number of rays that took more work than there may be.
+    cut_short: AtomicU64,
+    /// The operations so far.
+    operations: AtomicU64,
     /// The parts of the picture in which solids are seen: left, top, right and bottom in pixels.
     boxes: Vec<[f64; 4]>,
 }
@@ -108,8 +115,29 @@ impl<'a> SolidPainter<'a> {
             tints,
             is_smooth,
             counters,
+            cut_short: AtomicU64::new(0),
+            operations: AtomicU64::new(0),
             boxes: boxes.collect(),
         }
+    }
+
+    /// True once the tiles have taken more than [`most_operations`]: then no more are drawn.
+    fn is_out_of_work(&self) -> bool {
+        self.operations.load(Ordering::Relaxed) > most_operations(self.camera.size)
+    }
+
+    /// The notes on the solids, once all tiles are drawn.
+    ///
+    /// # Errors
+    /// [`RenderError::TooMuchWork`] if they are not.
+    pub(crate) fn notes(&self) -> Result<Vec<String>, RenderError> {
+        if self.is_out_of_work() {
+            let most = most_operations(self.camera.size);
+            return Err(RenderError::TooMuchWork(most));
+        }
+        let notes = self.scene.notes();
+        let cut_short = cut_short_note(self.cut_short.load(Ordering::Relaxed));
+        Ok(notes.chain(cut_short).collect())
     }
 
     /// Draws the tile that begins at a pixel; `None` if no solid is seen in it.
@@ -123,7 +151,8 @@ impl<'a> SolidPainter<'a> {
                 && it[2] >= left as f64
                 && it[3] >= top as f64
         };
-        if left >= right || top >= bottom || !self.boxes.iter().any(touches) {
+        let is_empty = left >= right || top >= bottom || !self.boxes.iter().any(touches);
+        if is_empty || self.is_out_of_work() {
             return None;
         }
         // Neighbours in the next tiles decide too whether a pixel is at an edge.
@@ -221,6 +250,8 @@ struct RayCounter<'p, 'a> {
     caster: Caster<'a>,
     rays: Vec<Ray>,
     count: u64,
+    /// The operations of the caster that are counted.
+    operations: u64,
 }
 
 impl<'p, 'a> RayCounter<'p, 'a> {
@@ -230,18 +261,20 @@ impl<'p, 'a> RayCounter<'p, 'a> {
             caster: painter.world.caster(),
             rays: Vec::new(),
             count: 0,
+            operations: 0,
         }
     }
 
     /// Casts the rays through some places of the picture, which are read together.
     fn cast(&mut self, places: &[[f64; 2]], mut found: impl FnMut(usize, Option<SolidHit>)) {
-        if places.is_empty() {
+        if places.is_empty() || self.painter.is_out_of_work() {
             return;
         }
         let camera = self.painter.camera;
         self.rays.clear();
         self.rays
             .extend(places.iter().map(|&place| ray(camera, place)));
+        self.caster.begin_tile(places.len());
         self.caster.begin_bundle(&self.rays);
         self.count += places.len() as u64;
         for k in 0..places.len() {
@@ -252,13 +285,39 @@ impl<'p, 'a> RayCounter<'p, 'a> {
             });
             found(k, hit);
         }
+        let operations = self.caster.operations();
+        let new = operations - std::mem::replace(&mut self.operations, operations);
+        self.painter.operations.fetch_add(new, Ordering::Relaxed);
     }
 }
 
 impl Drop for RayCounter<'_, '_> {
     fn drop(&mut self) {
         self.painter.counters.count_rays(self.count);
+        let cut_short = self.caster.rays_cut_short();
+        self.painter
+            .cut_short
+            .fetch_add(cut_short, Ordering::Relaxed);
     }
+}
+
+/// The operations of a picture on solids, lights and surfaces, besides those of its pixels: about ten seconds of two cores.
+pub const MOST_OPERATIONS: u64 = 1 << 30;
+/// The operations that a picture may take more for each pixel.
+pub const MOST_PIXEL_OPERATIONS: u64 = 1 << 11;
+
+/// The operations that a picture of this size may take on solids, lights and surfaces: in the 3D view, and in the traced view
+/// for one sample of each pixel. See [`tracer::Caster::operations`].
+pub fn most_operations([width, height]: [u32; 2]) -> u64 {
+    MOST_OPERATIONS + u64::from(width) * u64::from(height) * MOST_PIXEL_OPERATIONS
+}
+
+/// The note on rays that took more work than there may be.
+pub(crate) fn cut_short_note(rays: u64) -> Option<String> {
+    let noun = if rays == 1 { "ray" } else { "rays" };
+    (rays > 0).then(|| {
+        format!("{rays} {noun} took more work than there may be: what is met there may be missing")
+    })
 }
 
 /// The blocks of a part of the picture, each with its pixels.

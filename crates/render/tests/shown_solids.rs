@@ -388,6 +388,25 @@ fn a_traced_picture_is_refined_by_the_samples_that_are_missing() {
 }
 
 #[test]
+fn a_traced_picture_that_takes_too_much_work_is_refused() {
+    let mut builder = Builder::of(OTHERS);
+    builder.bead();
+    let limited = |most: Option<u64>| {
+        let mut request = traced(&builder.scene, 4);
+        let options = request.view.get_mut::<TracedOptions>().expect("traced");
+        options.max_operations = most;
+        request
+    };
+    let mut renderer = Renderer::software();
+    let refused = renderer.draw(&limited(Some(1_000))).map(|_| ());
+    assert_eq!(refused, Err(RenderError::TooMuchWork(1_000)));
+    assert_eq!(renderer.counters().traced, 0);
+    let most = render::most_operations(SIZE);
+    let drawn = [Some(most), None].map(|most| drawn(&mut Renderer::software(), &limited(most)));
+    assert_eq!(drawn[0], drawn[1], "the same bytes");
+}
+
+#[test]
 fn a_traced_picture_is_given_up_when_something_newer_waits_unless_it_moves() {
     let mut builder = Builder::of("");
     builder.bead();

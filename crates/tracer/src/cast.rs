@@ -11,13 +11,16 @@
 
 mod events;
 
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
 use expr::processor::Processor;
 use expr::vectors::{Lanes, MOST_LANES};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use crate::bundle::{RayBlocks, RayBundle};
-use crate::field::{DividedBundle, FieldScratch};
+use crate::field::{DividedBundle, FieldScratch, TILE_RAY_OPERATIONS};
 use crate::first::FirstPlace;
 use crate::leaf::NearLeaf;
 use crate::line::{Ray, SurfaceId, UnitLine};
@@ -55,8 +58,8 @@ pub struct Caster<'w> {
     /// True for the pieces that the ray is inside of; of active leaves only.
     inside: Vec<bool>,
     candidates: Vec<Candidate>,
-    /// Those to come, the next one last.
-    events: Vec<SurfaceEvent>,
+    /// Those to come.
+    events: BinaryHeap<SurfaceEvent>,
     /// The sign changes of each group of shared polynomials, in t.
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
@@ -73,6 +76,8 @@ pub struct Caster<'w> {
     /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
     ray_number: u64,
     sweeps: u64,
+    /// The number of operations so far, without those of fields.
+    operations: u64,
     lines: [KnownLine; KNOWN_LINES],
     group: Vec<SurfaceEvent>,
     stack: Vec<u32>,
@@ -116,6 +121,11 @@ struct KnownLine {
     line: UnitLine,
 }
 
+/// The work of a ray by itself, of a leaf on it, and of a leaf for a block of rays, in operations: from their times.
+const RAY_OPERATIONS: u64 = 32;
+const LEAF_OPERATIONS: u64 = 16;
+const BLOCK_OPERATIONS: u64 = 32;
+
 /// The number of lines that are kept, a power of two.
 const KNOWN_LINES: usize = 16;
 
@@ -140,7 +150,7 @@ impl Candidate {
     }
 }
 
-/// A surface that the ray passes.
+/// A surface that the ray passes. Of two, the one with the smaller t is the greater: it comes first.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceEvent {
     t: f64,
@@ -149,6 +159,26 @@ struct SurfaceEvent {
     /// Of a field, the part of the ray in which its next event is sought once this one is passed.
     rest: Option<[f64; 2]>,
 }
+
+impl Ord for SurfaceEvent {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.t.total_cmp(&self.t)
+    }
+}
+
+impl PartialOrd for SurfaceEvent {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for SurfaceEvent {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for SurfaceEvent {}
 
 impl World {
     /// A caster of rays into this world.
@@ -159,7 +189,7 @@ impl World {
             field: FieldScratch::default(),
             inside: vec![false; self.surface_of_piece.len()],
             candidates: Vec::new(),
-            events: Vec::new(),
+            events: BinaryHeap::new(),
             shared: FxHashMap::default(),
             shared_fields: FxHashMap::default(),
             processor: Processor::here(),
@@ -170,6 +200,7 @@ impl World {
             near: NearLeaves::default(),
             ray_number: 0,
             sweeps: 0,
+            operations: 0,
             lines: [KnownLine::default(); KNOWN_LINES],
             group: Vec::new(),
             stack: Vec::new(),
@@ -290,6 +321,23 @@ impl Caster<'_> {
         self.sweep(&ray, sought, found);
     }
 
+    /// Limits the work on functions that are no polynomials from here on, in operations: rays that take more are sampled, and
+    /// once samples have taken as many again, rays meet no function's surface.
+    pub fn limit_fields(&mut self, operations: u64) {
+        self.field.limit(operations);
+    }
+
+    /// Begins a tile of a picture: the functions have [`TILE_RAY_OPERATIONS`] for each of so many rays, with all rays to which
+    /// they give rise.
+    pub fn begin_tile(&mut self, rays: usize) {
+        self.limit_fields(rays as u64 * TILE_RAY_OPERATIONS);
+    }
+
+    /// The number of rays so far that took more work than there may be, and may lack a crossing.
+    pub fn rays_cut_short(&self) -> u64 {
+        self.field.cut_short()
+    }
+
     /// Reads these rays, which all start on one surface or on none, together, until the next bundle:
     /// [`Caster::first_of_bundle`] then takes less time, the less the nearer they are to each other. The rays of a few pixels
     /// by a few make a good bundle.
@@ -319,6 +367,8 @@ impl Caster<'_> {
         self.divides_fields = false;
         let bundle = RayBundle::new(self.processor, &self.bundle, reach);
         self.near.find(self.world, &bundle, self.bundle.leaving);
+        let reads = (1 + self.near.all().len()) * self.bundle.blocks().len();
+        self.operations += reads as u64 * BLOCK_OPERATIONS;
         if !self.near.is_empty() {
             self.near
                 .find_first_places(self.processor, self.world, &self.bundle);
@@ -357,6 +407,11 @@ impl Caster<'_> {
         self.sweeps
     }
 
+    /// The work so far, in operations on numbers, some nanoseconds each: the same for the same rays, however long it takes.
+    pub fn operations(&self) -> u64 {
+        self.operations + self.state.operations() + self.field.operations()
+    }
+
     /// The number of evaluations on intervals so far.
     pub fn interval_evaluations(&self) -> u64 {
         self.field.evaluations
@@ -365,6 +420,7 @@ impl Caster<'_> {
     fn sweep(&mut self, ray: &Ray, sought: Sought, found: &mut dyn FnMut(&Crossing) -> bool) {
         let Sought { among, before, .. } = sought;
         let bundled = among != Among::World;
+        self.operations += self.state.operations();
         self.state.reset(&self.world.forest);
         self.crossings.clear();
         self.events.clear();
@@ -378,6 +434,10 @@ impl Caster<'_> {
             return;
         }
         self.find_candidates(ray, among);
+        // Among many leaves the order of their events takes longer, as their logarithm.
+        let leaves = self.candidates.len();
+        let of_leaf = LEAF_OPERATIONS + 4 * u64::from((leaves + 1).ilog2());
+        self.operations += RAY_OPERATIONS + leaves as u64 * of_leaf;
         let mut next = 0;
         while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
             self.activate(ray, self.candidates[next], bundled);
@@ -385,21 +445,22 @@ impl Caster<'_> {
         }
         self.read_start();
         loop {
-            let event = self.events.last().map_or(before, |event| event.t);
+            let event = self.events.peek().map_or(before, |event| event.t);
             if next < self.candidates.len() && self.candidates[next].entry <= event.min(before) {
                 self.activate(ray, self.candidates[next], bundled);
                 next += 1;
                 continue;
             }
-            let Some(event) = self.events.last().copied() else {
+            let Some(event) = self.events.peek().copied() else {
                 break;
             };
             if event.t >= before {
                 break;
             }
             self.group.clear();
-            while let Some(same) = self.events.pop_if(|next| next.t == event.t) {
-                self.group.push(same);
+            while let Some(same) = self.events.peek().filter(|next| next.t == event.t) {
+                self.group.push(*same);
+                self.events.pop();
             }
             let known = self.crossings.len();
             self.pass(ray);
@@ -524,9 +585,7 @@ impl Caster<'_> {
                 leaf: event.leaf,
                 piece: event.piece,
             };
-            let before = self.events.len();
             self.seek(ray, id, rest, inside, bundled);
-            self.sort_in(before);
         }
     }
 

@@ -146,6 +146,8 @@ impl Contour<'_> {
     /// Reads the corners and edges from rays along the lines of the grid; the corners from those along x.
     fn cast(&mut self) {
         let mut caster = self.world.caster();
+        let [nx, ny, nz] = self.cells;
+        caster.begin_tile(nx * ny + ny * nz + nz * nx);
         let mut lines: Vec<(usize, [usize; 3], Vec<LineCrossing>)> = Vec::new();
         for axis in 0..3 {
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -27,6 +27,9 @@ pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 /// The most evaluations on intervals that one ray may take: some thousand crossings of a function. The rest of the ray is
 /// sampled.
 pub const MOST_RAY_EVALUATIONS: usize = 1 << 15;
+/// The operations of functions, on intervals and numbers, that the rays of a picture's tile may take each on the average, with
+/// all rays to which they give rise. Behind that, rays are sampled, and behind twice as many they meet no function's surface.
+pub const TILE_RAY_OPERATIONS: u64 = 1 << 16;
 /// The number of samples of a segment whose evaluations are used up.
 const SAMPLES: usize = 64;
 /// Parts shorter than this share of 1 + t are not halved.
@@ -91,6 +94,8 @@ pub(crate) struct Field {
     shell: Option<Shell>,
     /// True if intervals of its values are computed in vectors.
     is_of_vectors: bool,
+    /// The work of an evaluation, in operations.
+    work: u64,
 }
 
 /// The finding about an open part, if it is not to be halved.
@@ -115,16 +120,83 @@ pub(crate) struct FieldScratch {
     processor: Processor,
     /// The parts of a segment with what is known of them, the first one last.
     known: Vec<BundlePart>,
-    /// The number of evaluations on intervals that are left to the ray.
-    budget: usize,
+    work: FieldWork,
     /// The number of evaluations on intervals so far.
     pub(crate) evaluations: u64,
+    /// The number of rays before this one that were cut short.
+    cut_short: u64,
+}
+
+/// The work that is left to a ray, and to those of its tile.
+#[derive(Debug)]
+struct FieldWork {
+    /// The number of evaluations on intervals that are left to the ray.
+    evaluations: usize,
+    /// True if a part of the ray was not divided as far as it takes.
+    is_cut_short: bool,
+    /// The numbers of operations that are left to the rays of the tile on intervals, and then on samples.
+    intervals: u64,
+    samples: u64,
+    /// The number of operations so far.
+    done: u64,
+}
+
+/// The evaluations in vectors, on intervals, that take as long as one on an interval by itself, and as one on a number.
+const ALONE: usize = 2 * MOST_LANES;
+const PLAIN: usize = 2;
+/// The work of an evaluation besides its operations.
+const EVALUATION: u64 = 4;
+
+impl Default for FieldWork {
+    fn default() -> Self {
+        Self {
+            evaluations: MOST_RAY_EVALUATIONS,
+            is_cut_short: false,
+            intervals: u64::MAX,
+            samples: u64::MAX,
+            done: 0,
+        }
+    }
+}
+
+impl FieldWork {
+    /// Takes so many evaluations in vectors, each of this work.
+    fn take(&mut self, evaluations: usize, work: u64) {
+        let operations = evaluations as u64 * (work + EVALUATION);
+        self.done += operations;
+        let rest = operations.saturating_sub(self.intervals);
+        self.intervals = self.intervals.saturating_sub(operations);
+        self.samples = self.samples.saturating_sub(rest);
+    }
 }
 
 impl FieldScratch {
     /// Begins a ray.
     pub(crate) fn begin(&mut self) {
-        self.budget = MOST_RAY_EVALUATIONS;
+        self.cut_short = self.cut_short();
+        self.work.evaluations = MOST_RAY_EVALUATIONS;
+        self.work.is_cut_short = false;
+    }
+
+    /// Limits the operations from here on: so many, and as many again on samples.
+    pub(crate) fn limit(&mut self, operations: u64) {
+        (self.work.intervals, self.work.samples) = (operations, operations);
+    }
+
+    /// The number of rays of which a part was not divided as far as it takes, so that a crossing may be missing.
+    pub(crate) fn cut_short(&self) -> u64 {
+        self.cut_short + u64::from(self.work.is_cut_short)
+    }
+
+    /// The number of operations so far.
+    pub(crate) fn operations(&self) -> u64 {
+        self.work.done
+    }
+
+    /// True if fields are still evaluated.
+    pub(crate) fn may_evaluate(&mut self) -> bool {
+        self.work.is_cut_short |= self.work.samples == 0;
+        self.work.samples > 0
     }
 }
 
@@ -150,6 +222,7 @@ impl Field {
         let tape = shell.as_ref().map_or(&code.value, |shell| &shell.inner);
         Ok(Self {
             is_of_vectors: tape.is_of_vectors(),
+            work: tape.work(),
             shell,
             uniforms: inputs.map(|&input| (input, uniform(input))).collect(),
             negated,
@@ -177,6 +250,7 @@ impl Field {
     /// The value at a point; NaN where it is undefined.
     pub(crate) fn value(&self, scratch: &mut FieldScratch, at: DVec3) -> f64 {
         let mut out = [f64::NAN];
+        scratch.work.take(PLAIN, self.work);
         self.inputs(&self.code.value, at, &mut scratch.numbers);
         self.code
             .value
@@ -314,14 +388,15 @@ impl Field {
                     }
                 }
                 PartFinding::Open => {
-                    if scratch.budget == 0 {
+                    if scratch.work.evaluations == 0 || scratch.work.intervals == 0 {
+                        scratch.work.is_cut_short = true;
                         return self.sampled(scratch, line, [a, to], inside);
                     }
                     if self.is_of_vectors {
                         self.find_in_parts(scratch, line, [a, b]);
                         continue;
                     }
-                    scratch.budget -= 1;
+                    scratch.work.evaluations -= 1;
                     let range = self.range_on(scratch, line, [a, b]);
                     let found = self.finding(range);
                     let Some(finding) = found.or(shortest([a, b])) else {
@@ -355,7 +430,7 @@ impl Field {
         let mut t = [[0.0; MOST_LANES]; 2];
         t[0].copy_from_slice(&ends[..MOST_LANES]);
         t[1].copy_from_slice(&ends[1..]);
-        scratch.budget = scratch.budget.saturating_sub(MOST_LANES);
+        scratch.work.evaluations = scratch.work.evaluations.saturating_sub(MOST_LANES);
         let ranges = self.ranges_on(scratch, line, &t);
         for lane in (0..MOST_LANES).rev() {
             let [from, to] = [t[0][lane], t[1][lane]];
@@ -384,6 +459,9 @@ impl Field {
     ) -> Option<(f64, f64)> {
         let step = (to - from) / SAMPLES as f64;
         for k in 0..SAMPLES {
+            if !scratch.may_evaluate() {
+                break;
+            }
             let [a, b] = [k, k + 1].map(|k| from + k as f64 * step);
             let at_b = self.value(scratch, line.at(b));
             if (at_b <= 0.0) != inside {
@@ -494,17 +572,18 @@ impl Field {
     /// they are not bounded.
     fn in_vectors(
         &self,
-        processor: Processor,
+        scratch: &mut FieldScratch,
         coordinates: [LineInput<'_>; 3],
         t: &[[f64; MOST_LANES]; 2],
     ) -> [Option<Slope>; MOST_LANES] {
         let tape = self.tape();
+        scratch.work.take(MOST_LANES, self.work);
         let input = |input: &Input| match *input {
             Input::Variable(k @ 0..3) => coordinates[k as usize],
             input => LineInput::Number(self.uniform(input)),
         };
         let inputs: Vec<LineInput<'_>> = tape.inputs().iter().map(input).collect();
-        let mut ranges = tape.eval_slopes_on_lines(processor, &inputs, t);
+        let mut ranges = tape.eval_slopes_on_lines(scratch.processor, &inputs, t);
         if self.negated {
             for range in ranges.iter_mut().flatten() {
                 *range = Slope::unary(expr::ops::Unary::Neg, *range);
@@ -527,7 +606,7 @@ impl Field {
             origin: &origins[k],
             direction: &directions[k],
         });
-        self.in_vectors(scratch.processor, coordinates, t)
+        self.in_vectors(scratch, coordinates, t)
     }
 
     /// The value and the slope on a part of a line.
@@ -542,6 +621,7 @@ impl Field {
     fn range(&self, scratch: &mut FieldScratch, coordinate: &dyn Fn(usize) -> Slope) -> Slope {
         let tape = self.tape();
         scratch.evaluations += 1;
+        scratch.work.take(ALONE, self.work);
         scratch.slopes.clear();
         for input in tape.inputs() {
             scratch.slopes.push(match *input {

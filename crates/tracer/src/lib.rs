@@ -82,7 +82,7 @@ mod world;
 pub use bounds::BoundingBox;
 pub use cast::{Caster, Crossing};
 pub use contour::{SolidMesh, contour};
-pub use field::MOST_RAY_EVALUATIONS;
+pub use field::{MOST_RAY_EVALUATIONS, TILE_RAY_OPERATIONS};
 pub use line::{Ray, SurfaceId};
 pub use look::{PictureLook, decoded, encoded, gamma_encoded};
 pub use sheet::{Sheet, SheetCounters, SheetHit, SheetScratch};

@@ -3,7 +3,7 @@
 //! Input: a scenery, a camera, a range of samples. Output: for each pixel the sum of its samples' light. A tile is drawn by
 //! one thread and depends on nothing but its place, so the sums are the same for any number of threads.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
@@ -25,6 +25,16 @@ pub struct LightSums {
     /// Row by row.
     sums: Vec<DVec3>,
     samples: u32,
+    rays_cut_short: u64,
+}
+
+/// How far a picture is.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureProgress {
+    /// The share of the tiles that are drawn.
+    pub share: f32,
+    /// The work on them, in operations, as [`Caster::operations`](crate::Caster::operations).
+    pub operations: u64,
 }
 
 /// The light of one tile, row by row, with its first pixel.
@@ -37,12 +47,18 @@ impl LightSums {
             size,
             sums: vec![DVec3::ZERO; size[0] as usize * size[1] as usize],
             samples: 0,
+            rays_cut_short: 0,
         }
     }
 
     /// The number of samples that each pixel has.
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// The number of rays that took more work than there may be, so that what they meet may be missing.
+    pub fn rays_cut_short(&self) -> u64 {
+        self.rays_cut_short
     }
 
     /// Adds the next samples, `count` for each pixel, whose light somebody else has summed: that of each pixel, row by row.
@@ -58,7 +74,7 @@ impl LightSums {
     }
 
     /// Adds the next samples, `count` for each pixel, on so many threads; `grid` is that of [`SampleAxes`]. `progress`
-    /// receives the share that is done, from any thread, and returns false to stop: then nothing is added.
+    /// is called after each tile, from any thread, and returns false to stop: then nothing is added.
     pub fn add(
         &mut self,
         scenery: &Scenery<'_>,
@@ -66,7 +82,7 @@ impl LightSums {
         grid: Option<u32>,
         count: u32,
         threads: usize,
-        progress: &(dyn Fn(f32) -> bool + Sync),
+        progress: &(dyn Fn(PictureProgress) -> bool + Sync),
     ) -> bool {
         let [columns, rows] = self.size.map(|side| side.div_ceil(TILE));
         let tiles = (columns * rows) as usize;
@@ -74,10 +90,12 @@ impl LightSums {
         let frame = camera.frame(self.size);
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
+        let [cut_short, operations] = [const { AtomicU64::new(0) }; 2];
         let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
         let work = || {
             let mut tracer = LightTracer::new(scenery);
             let mut own: Vec<Tile> = Vec::new();
+            let mut known = 0;
             while !stopped.load(Ordering::Relaxed) {
                 let tile = next.fetch_add(1, Ordering::Relaxed);
                 if tile >= tiles {
@@ -85,10 +103,17 @@ impl LightSums {
                 }
                 let corner = [tile as u32 % columns, tile as u32 / columns].map(|k| k * TILE);
                 own.push((corner, self.tile(&mut tracer, axes, &frame, corner, count)));
-                if !progress((tile + 1) as f32 / tiles as f32) {
+                let so_far = tracer.operations();
+                let new = so_far - std::mem::replace(&mut known, so_far);
+                let progress = progress(PictureProgress {
+                    share: (tile + 1) as f32 / tiles as f32,
+                    operations: operations.fetch_add(new, Ordering::Relaxed) + new,
+                });
+                if !progress {
                     stopped.store(true, Ordering::Relaxed);
                 }
             }
+            cut_short.fetch_add(tracer.rays_cut_short(), Ordering::Relaxed);
             drawn
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
@@ -109,6 +134,7 @@ impl LightSums {
             }
         }
         self.samples += count;
+        self.rays_cut_short += cut_short.into_inner();
         true
     }
 
@@ -139,6 +165,7 @@ impl LightSums {
                     light_samples.push(sample.light);
                 }
             }
+            tracer.begin_tile(rays.len());
             let lights = tracer.lights(&rays, &light_samples);
             for lights in lights.chunks(sums.len().max(1)) {
                 for (sum, light) in sums.iter_mut().zip(lights) {
@@ -167,10 +194,14 @@ pub fn sample_light(
         for (samples, light) in samples.chunks(share).zip(light.chunks_mut(share)) {
             scope.spawn(move || {
                 let mut tracer = LightTracer::new(scenery);
-                for (&(pixel, sample), light) in samples.iter().zip(light) {
-                    let sample = axes.sample(pixel, sample);
-                    let ray = ray(&frame, pixel, &sample);
-                    *light = tracer.light(&ray, sample.light);
+                let rays = (TILE * TILE) as usize;
+                for (samples, light) in samples.chunks(rays).zip(light.chunks_mut(rays)) {
+                    tracer.begin_tile(samples.len());
+                    for (&(pixel, sample), light) in samples.iter().zip(light) {
+                        let sample = axes.sample(pixel, sample);
+                        let ray = ray(&frame, pixel, &sample);
+                        *light = tracer.light(&ray, sample.light);
+                    }
                 }
             });
         }

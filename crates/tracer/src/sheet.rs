@@ -24,6 +24,8 @@ pub struct Sheet {
     position: Tape,
     /// σ, σu, σv.
     frame: Tape,
+    /// The work of evaluating it, in operations.
+    work: u64,
     uniforms: Vec<(Input, f64)>,
     /// The inputs of the frame: the uniforms have their values, and the variables stand at these positions.
     inputs: Vec<f64>,
@@ -67,6 +69,8 @@ pub struct SheetScratch {
     hits: Vec<SheetHit>,
     /// The numbers of evaluations of the surface so far.
     pub(crate) counters: SheetCounters,
+    /// The work so far, in operations.
+    pub(crate) operations: u64,
 }
 
 /// The work of casting.
@@ -84,6 +88,8 @@ pub struct SheetCounters {
 const CELLS: usize = 1 << 12;
 /// A cell whose box is smaller than this share of the whole is not divided before rays come.
 const SMALL: f64 = 1.0 / 48.0;
+/// The work of a cell besides evaluations of the surface, in operations.
+const CELL_OPERATIONS: u64 = 16;
 /// The number of times that a cell is halved for a ray.
 const DEEPEST: u32 = 44;
 /// The number of parts of cells that are looked at for a ray.
@@ -106,9 +112,11 @@ impl Sheet {
             all.extend(graph.derivatives(&roots, Input::Variable(k))?);
         }
         let inputs = graph.inputs(&roots).into_iter();
+        let frame = Tape::new(&graph, &all);
         let mut sheet = Self {
             position: Tape::new(&graph, &roots),
-            frame: Tape::new(&graph, &all),
+            work: frame.work(),
+            frame,
             uniforms: inputs.map(|input| (input, uniform(input))).collect(),
             inputs: Vec::new(),
             variables: [None; 2],
@@ -177,6 +185,7 @@ impl Sheet {
             self.hierarchy
                 .each_met(origin, direction, reach, &mut stack, &mut |k, mut reach| {
                     scratch.counters.met += 1;
+                    scratch.operations += CELL_OPERATIONS;
                     let before = scratch.hits.len();
                     self.meet(scratch, k, &ray, leaving, reach);
                     for k in before..scratch.hits.len() {
@@ -315,6 +324,7 @@ impl Sheet {
     /// Intervals that contain σ, σu and σv on a cell.
     fn frame_on(&self, scratch: &mut SheetScratch, cell: &Cell) -> [Interval; 9] {
         scratch.counters.cells += 1;
+        scratch.operations += 8 * self.work + CELL_OPERATIONS;
         let mut out = [Interval::WHOLE; 9];
         let inputs = self.intervals(&self.frame, cell);
         self.frame
@@ -446,6 +456,7 @@ impl Sheet {
     #[inline]
     fn frame_at(&self, scratch: &mut SheetScratch, uv: [f64; 2]) -> [DVec3; 3] {
         scratch.counters.places += 1;
+        scratch.operations += 4 * self.work + CELL_OPERATIONS;
         if scratch.inputs.len() != self.inputs.len() {
             scratch.inputs.clone_from(&self.inputs);
         }

@@ -97,6 +97,11 @@ impl PolynomialSurface {
         self.degree
     }
 
+    /// The work of finding its places on a ray, in operations, about.
+    pub(crate) fn operations(&self) -> u64 {
+        8 * (self.degree * self.degree) as u64
+    }
+
     /// The polynomial, if its degree is at most two.
     #[inline]
     pub(crate) fn quadratic(&self) -> Option<QuadraticForm> {

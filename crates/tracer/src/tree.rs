@@ -302,6 +302,11 @@ impl ForestState {
         self.changed.clear();
     }
 
+    /// The work since the last reset, in operations: that of a node is mostly waiting for memory.
+    pub(crate) fn operations(&self) -> u64 {
+        4 * self.touched.len() as u64
+    }
+
     /// Changes a literal to `inside`, which it was not.
     pub(crate) fn set(&mut self, forest: &Forest, literal: Literal, inside: bool) {
         let mut rises = inside != literal.complemented;

@@ -65,6 +65,39 @@ fn fields_that_are_undefined_or_constant_or_jump_have_answers() {
 }
 
 #[test]
+fn the_work_on_functions_is_limited_and_said_to_be() {
+    const LIMIT: u64 = 1 << 20;
+    let [x, y, z] = &variables();
+    let r2 = &(x.squared() + y.squared() + z.squared());
+    // The operations, the rays that are cut short, and the crossings of some rays.
+    let cast = |formula: &Formula, limit: u64| {
+        let graph = formula.graph().clone();
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+        let leaf = [SetStep::Leaf(shape, DAffine3::IDENTITY)];
+        builder.solid(&leaf).unwrap();
+        let world = builder.build().unwrap();
+        let mut caster = world.caster();
+        caster.limit_fields(limit);
+        let rays = (0..64).map(|k| caster.cast(&ray(0.03 * f64::from(k))).len());
+        let crossings: Vec<usize> = rays.collect();
+        (caster.operations(), caster.rays_cut_short(), crossings)
+    };
+    let ball = r2.sqrt() - 2.0;
+    let (operations, cut_short, crossings) = cast(&ball, LIMIT);
+    assert!(operations > 64 && operations < LIMIT, "{operations}");
+    assert_eq!(cut_short, 0);
+    assert_eq!(crossings, [2; 64]);
+    let wild = (1e9 * z).sin().max(&(r2 - 4.0));
+    let (operations, cut_short, crossings) = cast(&wild, LIMIT);
+    // A ray that is under way when the work is used up ends soon.
+    assert!(operations < 3 * LIMIT, "{operations}");
+    assert!(cut_short > 32, "{cut_short}");
+    assert_eq!(crossings[63], 0, "nothing is met any more");
+    assert_eq!(cast(&wild, LIMIT), (operations, cut_short, crossings));
+}
+
+#[test]
 fn rays_that_are_none_meet_nothing() {
     let [x, y, z] = &variables();
     let ball = x.squared() + y.squared() + z.squared() - 1.0;

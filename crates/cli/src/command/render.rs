@@ -209,6 +209,15 @@ pub(super) struct Arguments {
     /// own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
     bounces: Option<u32>,
+    /// At most how many operations a sample of all pixels may take on solids, lights and surfaces; unless given,
+    /// 1,073,741,824 and 2,048 for each pixel
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Traced view",
+        hide_short_help = true
+    )]
+    max_operations: Option<u64>,
     /// The formulas by which light becomes colours: geotrace, or crt, those of the CRT scene language; unless given
     /// geotrace, of a CRT script crt
     #[arg(long, value_name = "LOOK", value_parser = argument::choice(&LOOKS), help_heading = "Traced view")]
@@ -479,6 +488,13 @@ pub(super) fn failure(error: RenderError) -> Failure {
         RenderError::Interrupted => Failure::Input {
             message: "interrupted before every pixel had a sample: nothing is written".to_owned(),
             hint: None,
+        },
+        RenderError::TooMuchWork(_) => Failure::Input {
+            message,
+            hint: Some(
+                "a smaller `--size`, or fewer solids and lights; for a traced picture, a greater `--max-operations`"
+                    .into(),
+            ),
         },
         RenderError::Gpu(_) => Failure::Input {
             message,

@@ -255,7 +255,9 @@ impl ViewRenderer for SpaceRenderer {
             let image = software::draw_beside(&camera, &drawables, solids, background, &drawn);
             (Pixels::Image(image), notes)
         };
-        notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
+        if let Some(painter) = &painter {
+            notes.extend(painter.notes()?);
+        }
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera, request.scale));
         if is_labelled(request, &overlay) {
             labels.extend(self::labels(

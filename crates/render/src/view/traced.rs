@@ -11,13 +11,15 @@
 //! same picture adds those that are missing, so that a window refines a picture at rest.
 
 use std::num::NonZero;
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 use image::RgbaImage;
 use scene::{Object, ObjectId, Scene, Shape};
 use tracer::camera::{LensCamera, LensProjection, SampleAxes};
-use tracer::picture::{LightSums, sample_light};
+use tracer::picture::{LightSums, PictureProgress, sample_light};
 use tracer::shade::{Face, FaceObject, LightTracer};
 use tracer::{PictureLook, Ray, gamma_encoded};
 
@@ -35,7 +37,7 @@ use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::part::SpaceOptions;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
-use crate::solids::{SceneTables, TracedScene};
+use crate::solids::{SceneTables, TracedScene, cut_short_note};
 use crate::style;
 
 /// The view's name.
@@ -72,6 +74,9 @@ pub struct TracedOptions {
     pub look: Option<PictureLook>,
     /// The gamma of the look `crt`, positive; if not given, the one that the scene states, or 1.
     pub gamma: Option<f64>,
+    /// The operations that the first sample of all pixels may take where rays are followed in f64; if not given, any number:
+    /// then the picture is to be stopped where it takes too long. See [`tracer::Caster::operations`].
+    pub max_operations: Option<u64>,
 }
 
 /// The settings of a picture, those of the scene included.
@@ -294,6 +299,21 @@ impl TracedContent {
     }
 }
 
+/// The samples that are added at once: all, or each by itself where what is done so far may be wanted; where the work is
+/// limited, the first one by itself.
+fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Item = Range<u32>> {
+    let mut start = 0;
+    std::iter::from_fn(move || {
+        let end = match is_partial || (is_measured && start == 0) {
+            true => missing.min(start + 1),
+            false => missing,
+        };
+        let step = start..end;
+        start = end;
+        (!step.is_empty()).then_some(step)
+    })
+}
+
 /// The threads that follow rays.
 fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
@@ -329,16 +349,15 @@ impl ViewRenderer for TracedRenderer {
         let missing = wanted - sums.samples();
         let interrupt = &shared.interrupt;
         // The light of a pixel is added sample by sample: in one step or in many, its sum has the same bits.
-        let step = match shared.keeps_partial {
-            true => 1,
-            false => missing.max(1),
-        };
-        let mut steps = (0..missing).step_by(step as usize);
-        let goes_on = |first: u32, share: f32| {
-            progress((first as f32 + step as f32 * share) / missing as f32);
+        let is_measured = options.max_operations.is_some() && sums.samples() == 0;
+        let mut steps = steps(missing, shared.keeps_partial, is_measured);
+        let goes_on = |step: &Range<u32>, share: f32| {
+            let done = step.start as f32 + step.len() as f32 * share;
+            progress(done / missing as f32);
             // While something moves, each picture has something newer behind it.
             request.moving || !interrupt.is_wanted()
         };
+        let exceeded = AtomicBool::new(false);
         // The renderer has a name for its GPU.
         let mut backend = String::new();
         let is_single = shared.is_single;
@@ -359,28 +378,43 @@ impl ViewRenderer for TracedRenderer {
         let is_done = match by_gpu {
             _ if missing == 0 => true,
             Some((gpu, tables)) => loop {
-                let Some(first) = steps.next() else {
+                let Some(step) = steps.next() else {
                     break true;
                 };
-                let goes_on = |share| goes_on(first, share);
-                let left = content.add_by_gpu(gpu, tables, &mut sums, step, &goes_on)?;
+                let goes_on = |share| goes_on(&step, share);
+                let count = step.len() as u32;
+                let left = content.add_by_gpu(gpu, tables, &mut sums, count, &goes_on)?;
                 shared.pixels.count_retraced(left.unwrap_or(0));
                 if left.is_none() {
                     break false;
                 }
             },
             None => scene.with_scenery(&camera, content.bounces, |scenery| {
-                steps.all(|first| {
-                    let goes_on = |share| goes_on(first, share);
-                    sums.add(scenery, &camera, grid, step, threads(), &goes_on)
+                steps.all(|step| {
+                    let most = options
+                        .max_operations
+                        .filter(|_| is_measured && step.start == 0);
+                    let goes_on = |it: PictureProgress| {
+                        let is_too_much = most.is_some_and(|most| it.operations > most);
+                        exceeded.fetch_or(is_too_much, Ordering::Relaxed);
+                        goes_on(&step, it.share) && !is_too_much
+                    };
+                    let count = step.len() as u32;
+                    sums.add(scenery, &camera, grid, count, threads(), &goes_on)
                 })
             }),
         };
+        if exceeded.into_inner() {
+            return Err(RenderError::TooMuchWork(
+                options.max_operations.unwrap_or_default(),
+            ));
+        }
         let done = sums.samples();
         let added = done - (wanted - missing);
         let pixels = u64::from(request.size[0]) * u64::from(request.size[1]);
         shared.pixels.count_traced(u64::from(added) * pixels);
         let mut image = picture(request.size, &sums, &settings);
+        let cut_short = cut_short_note(sums.rays_cut_short());
         self.sums = Some((content, sums));
         let is_kept = shared.keeps_partial && done > 0;
         if !is_done && !is_kept {
@@ -407,6 +441,7 @@ impl ViewRenderer for TracedRenderer {
                 .notes()
                 .iter()
                 .map(ToString::to_string)
+                .chain(cut_short)
                 .chain(partial)
                 .collect(),
             ..RenderedImage::new(Pixels::Image(image))

@@ -3,8 +3,6 @@
 //! Input: a leaf that a ray comes to. Output: the membership there, and the places where the ray passes the surfaces of its
 //! pieces. A convex leaf has two events at most; the others have those of each piece. Fields give their next event alone.
 
-use std::cmp::Ordering;
-
 use super::{Candidate, Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
 use crate::bundle::RayBlocks;
 use crate::field::{DividedBundle, Field, FieldScratch};
@@ -30,7 +28,6 @@ impl Caster<'_> {
         self.state.set(&self.world.forest, leaf.gate, true);
         let from = candidate.entry.max(0.0);
         let to = candidate.exit;
-        let before = self.events.len();
         for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
             let surface = SurfaceId {
                 leaf: candidate.leaf,
@@ -47,6 +44,7 @@ impl Caster<'_> {
                         self.add_events(surface, changes.places(), [from, to]);
                         changes.inside_after(from) != low.opposite
                     } else {
+                        self.operations += polynomial.operations();
                         let range = leaf.bounded.then_some([from, to]);
                         let (changes, opposite) =
                             self.polynomial_changes(ray, &line, polynomial, surface, range);
@@ -54,6 +52,7 @@ impl Caster<'_> {
                         changes.inside_after(from) != opposite
                     }
                 }
+                LeafSurface::Field(..) if !self.field.may_evaluate() => false,
                 LeafSurface::Field(field, _) => {
                     let line = field_line(leaf, ray);
                     let leaving = from == 0.0 && self.leaves(ray, surface);
@@ -78,7 +77,6 @@ impl Caster<'_> {
                 self.state.set(&self.world.forest, leaf.pieces[k], true);
             }
         }
-        self.sort_in(before);
     }
 
     /// The sign changes of a piece; `None` where its frame is none for the ray.
@@ -136,7 +134,6 @@ impl Caster<'_> {
         if inside {
             self.state.set(&world.forest, leaf.gate, true);
         }
-        let before = self.events.len();
         for (t, piece) in [entry, exit] {
             let surface = SurfaceId {
                 leaf: candidate.leaf,
@@ -144,7 +141,6 @@ impl Caster<'_> {
             };
             self.add_events(surface, &[t], [from, candidate.exit]);
         }
-        self.sort_in(before);
     }
 
     fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
@@ -173,21 +169,6 @@ impl Caster<'_> {
             };
         }
         known.line
-    }
-
-    /// Puts the events from the index `sorted` on where they belong among those before it, the next one last: they are few,
-    /// while a ray through many leaves has many.
-    pub(super) fn sort_in(&mut self, sorted: usize) {
-        for k in sorted..self.events.len() {
-            let new = self.events[k];
-            let is_later = |other: &SurfaceEvent| {
-                let by_t = other.t.total_cmp(&new.t);
-                by_t.then((other.leaf, other.piece).cmp(&(new.leaf, new.piece)))
-                    == Ordering::Greater
-            };
-            let place = self.events[..k].partition_point(is_later);
-            self.events[place..=k].rotate_right(1);
-        }
     }
 
     /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.

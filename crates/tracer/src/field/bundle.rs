@@ -103,7 +103,7 @@ impl DividedBundle {
                 direction: &directions[k],
             });
             let part = [[node.from; MOST_LANES], [node.to; MOST_LANES]];
-            let ranges = field.in_vectors(scratch.processor, coordinates, &part);
+            let ranges = field.in_vectors(scratch, coordinates, &part);
             ranges.map(|range| range.and_then(|range| field.finding(range)))
         });
         found[lane]
@@ -201,6 +201,9 @@ pub(crate) struct LineBundle {
 /// The number of evaluations for a bundle and a field.
 const MOST_EVALUATIONS: usize = 128;
 
+/// The evaluations that finding the changes on a line takes, about.
+const BRACKETING: usize = 8;
+
 impl LineBundle {
     /// The rays.
     pub(crate) fn new(lines: impl Iterator<Item = Line>) -> Self {
@@ -254,6 +257,7 @@ impl Field {
     ) -> BlockChanges {
         let tape = self.tape();
         self.inputs(tape, DVec3::NAN, &mut scratch.numbers);
+        scratch.work.take(MOST_LANES * BRACKETING, self.work);
         scratch.processor.run_vectors(BlockSearch {
             tape,
             numbers: &scratch.numbers,
@@ -383,6 +387,6 @@ impl Field {
                 direction: bounds(bundle.direction[k]),
             }
         });
-        self.in_vectors(scratch.processor, coordinates, &t)
+        self.in_vectors(scratch, coordinates, &t)
     }
 }

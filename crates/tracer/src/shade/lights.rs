@@ -139,6 +139,9 @@ impl LitBlock {
     }
 }
 
+/// The work of a light for a block of faces, in operations.
+const LIGHT_OPERATIONS: u64 = 16;
+
 impl LightTracer<'_> {
     /// Adds what comes to the faces from lights.
     pub(super) fn add_lights(&mut self, paths: &[LightPath], faces: &mut [MetFace]) {
@@ -152,6 +155,7 @@ impl LightTracer<'_> {
                 }
             }
             lit.turn(light, self.processor);
+            self.operations += lit.blocks.len() as u64 * LIGHT_OPERATIONS;
             let (mut places, mut seen) = (&lit.places[..], &lit.seen[..]);
             for blocks in lit.blocks.chunk_by_mut(|_, next| !next.begins) {
                 let of_surface;

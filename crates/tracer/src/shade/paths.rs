@@ -24,6 +24,8 @@ pub struct LightTracer<'a> {
     pub(super) caster: Caster<'a>,
     pub(super) sheets: SheetScratch,
     pub(super) lit: LitFaces,
+    /// The work on lights so far, in operations.
+    pub(super) operations: u64,
 }
 
 /// Glass around a ray.
@@ -81,7 +83,23 @@ impl<'a> LightTracer<'a> {
             caster: scenery.world.caster(),
             lit: LitFaces::default(),
             sheets: SheetScratch::default(),
+            operations: 0,
         }
+    }
+
+    /// Begins a tile of a picture, as [`Caster::begin_tile`] does.
+    pub fn begin_tile(&mut self, rays: usize) {
+        self.caster.begin_tile(rays);
+    }
+
+    /// The work so far, in operations, as [`Caster::operations`].
+    pub fn operations(&self) -> u64 {
+        self.operations + self.caster.operations() + self.sheets.operations
+    }
+
+    /// The number of rays so far that took more work than there may be.
+    pub fn rays_cut_short(&self) -> u64 {
+        self.caster.rays_cut_short()
     }
 
     /// The light that comes to the start of the ray from its unit direction; `sample` is the place on lights that have a

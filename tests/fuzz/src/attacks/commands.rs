@@ -320,6 +320,16 @@ pub(super) const HUGE_COMMANDS: &[&[&str]] = &[
         "-o",
         "o.png",
     ],
+    &[
+        "render",
+        "-",
+        "--backend=software",
+        "--size=640x480",
+        "--view=traced",
+        "--samples=1",
+        "-o",
+        "o.png",
+    ],
     &["export", "-", "-o", "o.glb"],
     &[
         "trace",

@@ -281,6 +281,35 @@ pub(super) const HUGE: &[Huge] = &[
             each(499, |k| format!("s{k} | ")) + "s499"
         )
     }),
+    ("overlapping solids", || {
+        each(5_000, |k| {
+            format!("solid s{k}(x,y,z) = x^2 + (y - {k}/5000)^2 + z^2 - 1;\n")
+        })
+    }),
+    ("a long tree", || {
+        each(5_000, |k| {
+            format!("solid s{k}(x,y,z) = x^2 + (y - {k}/5000)^2 + z^2 - 1;\n")
+        }) + &format!(
+            "solid t = s0{};\n",
+            each(4_999, |k| format!(" \\ s{}", k + 1))
+        )
+    }),
+    ("lights", || {
+        "solid s(x,y,z) = x^2 + y^2 + z^2 - 1;\n".to_owned()
+            + &each(10_000, |k| format!("light l{k} = ({k}, 1, 5);\n"))
+    }),
+    ("a function without bounds", || {
+        "solid s(x,y,z) = x^21/0 + y^2 + z^2 - 1;\n".to_owned()
+    }),
+    ("a wave", || "solid s(x,y,z) = sin(1e9 x);\n".to_owned()),
+    ("waves", || {
+        each(2_000, |k| {
+            format!("solid s{k}(x,y,z) = x^2 + y^2 + z^2 + sin({k} x y) - 1;\n")
+        })
+    }),
+    ("a waving surface", || {
+        "surface s(u,v) = (u, v, sin(1e6 u v)), u : [-1, 1], v : [-1, 1];\n".to_owned()
+    }),
     ("a high degree", || {
         "solid s(x,y,z) = x^60 + y^60 + z^60 - 1;\n".to_owned()
     }),

@@ -13,7 +13,7 @@ use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
-use render::{PictureRequest, RenderError, ViewId, Views};
+use render::{PictureRequest, RenderError, ViewId, Views, most_operations};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
@@ -196,6 +196,8 @@ fn view(
         options.bounces = arguments.bounces;
         options.look = arguments.look;
         options.gamma = arguments.gamma;
+        let usual = most_operations(arguments.size(program.scene()));
+        options.max_operations = Some(arguments.max_operations.unwrap_or(usual));
     }
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
@@ -344,6 +346,7 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         ("--bounces", arguments.bounces.is_some()),
         ("--look", arguments.look.is_some()),
         ("--gamma", arguments.gamma.is_some()),
+        ("--max-operations", arguments.max_operations.is_some()),
     ];
     // Lines and words are not drawn over rays, and rays part at the eye.
     let drawn = [

@@ -20,7 +20,7 @@ use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
-use render::{Backend, PictureMethod, PictureRequest, Views};
+use render::{Backend, PictureMethod, PictureRequest, Views, most_operations};
 use scene::{ObjectId, ParamValues};
 
 use super::{Arguments, picture, textures};
@@ -187,6 +187,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
             bounces: (random.below(2) == 0).then_some(3),
             look: (random.below(2) == 0).then_some(tracer::PictureLook::Crt),
             gamma: (random.below(2) == 0).then_some(2.2),
+            max_operations: Some(most_operations(size)),
         }
         .into(),
         (_, true) => bench.views().first().options(None),
@@ -372,6 +373,7 @@ fn a_request_is_read_back_from_its_command_and_draws_the_same_bytes() {
         "course",
         "frames",
         "images",
+        "max-operations",
         "fps",
         "help",
     ];

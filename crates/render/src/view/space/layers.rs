@@ -48,7 +48,9 @@ impl SpaceRenderer {
             solids.map(|(solids, tints)| SolidPainter::new(camera, solids, tints, true, &counters));
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
-        notes.extend(solids.into_iter().flat_map(|(solids, _)| solids.notes()));
+        if let Some(painter) = &painter {
+            notes.extend(painter.notes()?);
+        }
         let shown = options.show_camera.as_ref();
         let key = overlay::space_key_place(request, shown)?;
         let before = LineCover::new(&depths, key);
