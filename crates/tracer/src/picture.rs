@@ -28,7 +28,7 @@ pub struct LightSums {
     rays_cut_short: u64,
 }
 
-/// How far a picture is.
+/// The progress of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureProgress {
     /// The share of the tiles that are drawn.

@@ -93,7 +93,7 @@ fn the_work_on_functions_is_limited_and_said_to_be() {
     // A ray that is under way when the work is used up ends soon.
     assert!(operations < 3 * LIMIT, "{operations}");
     assert!(cut_short > 32, "{cut_short}");
-    assert_eq!(crossings[63], 0, "nothing is met any more");
+    assert!(crossings[63] < crossings[0], "{crossings:?}");
     assert_eq!(cast(&wild, LIMIT), (operations, cut_short, crossings));
 }
 
