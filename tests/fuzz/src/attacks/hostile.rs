@@ -303,7 +303,7 @@ pub(super) const HUGE: &[Huge] = &[
     }),
     ("a wave", || "solid s(x,y,z) = sin(1e9 x);\n".to_owned()),
     ("waves", || {
-        each(2_000, |k| {
+        each(200, |k| {
             format!("solid s{k}(x,y,z) = x^2 + y^2 + z^2 + sin({k} x y) - 1;\n")
         })
     }),
