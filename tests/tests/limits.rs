@@ -234,18 +234,25 @@ fn pictures() -> Vec<Limit> {
             "",
         ),
         limit(
-            "operations on functions that are no polynomials, for a ray of an 8 × 8 tile on the average; then rays are sampled, and behind twice as many meet none",
+            "operations on functions that are no polynomials, for a ray of an 8 × 8 tile on the average; beyond, rays are sampled, and beyond twice as many they meet none",
             grouped(tracer::TILE_RAY_OPERATIONS),
             "run time",
             "took more work than there may be",
             "",
         ),
         limit(
-            "operations on solids, lights and surfaces in a 3D picture, or in a sample of a traced one, and for each pixel 2,048 more",
+            "operations on solids, lights and surfaces in a 3D picture, or in a sample of a traced one, besides those for its pixels",
             grouped(render::MOST_OPERATIONS),
-            "run time: about ten seconds on two cores",
+            "run time: seconds",
             "the picture takes more work than there may be",
             "a smaller `--size`; `--max-operations` for a traced picture",
+        ),
+        limit(
+            "the same, more for each pixel",
+            grouped(render::MOST_PIXEL_OPERATIONS),
+            "as above",
+            "",
+            "",
         ),
         limit(
             "reflections and refractions in the traced view",

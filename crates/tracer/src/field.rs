@@ -28,7 +28,7 @@ pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 /// sampled.
 pub const MOST_RAY_EVALUATIONS: usize = 1 << 15;
 /// The operations of functions, on intervals and numbers, that the rays of a picture's tile may take each on the average, with
-/// all rays to which they give rise. Behind that, rays are sampled, and behind twice as many they meet no function's surface.
+/// all rays to which they give rise. Beyond that, rays are sampled, and beyond twice as many they meet no function's surface.
 pub const TILE_RAY_OPERATIONS: u64 = 1 << 16;
 /// The number of samples of a segment whose evaluations are used up.
 const SAMPLES: usize = 64;

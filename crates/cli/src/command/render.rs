@@ -209,8 +209,8 @@ pub(super) struct Arguments {
     /// own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
     bounces: Option<u32>,
-    /// At most how many operations a sample of all pixels may take on solids, lights and surfaces; unless given,
-    /// 1,073,741,824 and 2,048 for each pixel
+    /// At most how many operations a sample of all pixels may take on solids, lights and surfaces; unless given, what
+    /// takes some seconds
     #[arg(
         long,
         value_name = "N",

@@ -93,6 +93,12 @@ fn each(count: usize, one: impl Fn(usize) -> String) -> String {
     (0..count).map(one).collect()
 }
 
+fn overlapping_solids() -> String {
+    each(5_000, |k| {
+        format!("solid s{k}(x,y,z) = x^2 + (y - {k}/5000)^2 + z^2 - 1;\n")
+    })
+}
+
 const SPHERE: &str =
     "surface s(u,v) = (cosv cosu, cosv sinu, sinv), u : [0, 2pi], v : [-pi/2, pi/2];\n";
 
@@ -281,18 +287,13 @@ pub(super) const HUGE: &[Huge] = &[
             each(499, |k| format!("s{k} | ")) + "s499"
         )
     }),
-    ("overlapping solids", || {
-        each(5_000, |k| {
-            format!("solid s{k}(x,y,z) = x^2 + (y - {k}/5000)^2 + z^2 - 1;\n")
-        })
-    }),
+    ("overlapping solids", overlapping_solids),
     ("a long tree", || {
-        each(5_000, |k| {
-            format!("solid s{k}(x,y,z) = x^2 + (y - {k}/5000)^2 + z^2 - 1;\n")
-        }) + &format!(
-            "solid t = s0{};\n",
-            each(4_999, |k| format!(" \\ s{}", k + 1))
-        )
+        overlapping_solids()
+            + &format!(
+                "solid t = s0{};\n",
+                each(4_999, |k| format!(" \\ s{}", k + 1))
+            )
     }),
     ("lights", || {
         "solid s(x,y,z) = x^2 + y^2 + z^2 - 1;\n".to_owned()
