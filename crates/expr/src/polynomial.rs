@@ -4,16 +4,16 @@
 //! positive, as unions and intersections of sets where polynomials are not positive (`polynomial/region.rs`).
 //! Coefficients that are nothing but rounding are zero.
 
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
 
 mod lattice;
 mod region;
 pub use region::{LARGEST_DEGREE, MOST_PIECES, Region, region};
 
-/// A polynomial: its terms by their exponents, none of them zero.
+/// A polynomial: its terms by their exponents, ascending, none of them zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polynomial {
-    terms: BTreeMap<[u8; 3], f64>,
+    terms: Vec<([u8; 3], f64)>,
 }
 
 /// A sum that is smaller than its largest part by this factor is zero: about eight roundings.
@@ -43,31 +43,31 @@ impl Polynomial {
 
     /// The terms in the order of their exponents, x first.
     pub fn terms(&self) -> impl ExactSizeIterator<Item = ([u8; 3], f64)> + '_ {
-        self.terms.iter().map(|(&exponents, &c)| (exponents, c))
+        self.terms.iter().copied()
     }
 
     /// The highest sum of exponents; 0 for a constant.
     pub fn degree(&self) -> usize {
-        let sum = |e: &[u8; 3]| e.iter().map(|&e| usize::from(e)).sum();
-        self.terms.keys().map(sum).max().unwrap_or(0)
+        let sum = |(e, _): ([u8; 3], f64)| e.iter().map(|&e| usize::from(e)).sum();
+        self.terms().map(sum).max().unwrap_or(0)
     }
 
     /// The value of a constant; `None` for any other polynomial.
     pub fn value(&self) -> Option<f64> {
         match self.degree() {
-            0 => Some(self.terms.values().sum()),
+            0 => Some(self.terms().map(|(_, c)| c).sum()),
             _ => None,
         }
     }
 
     /// The greatest absolute value of a coefficient.
     pub fn largest(&self) -> f64 {
-        self.terms.values().fold(0.0, |most, c| most.max(c.abs()))
+        self.terms().fold(0.0, |most, (_, c)| most.max(c.abs()))
     }
 
     /// True if all coefficients are numbers.
     pub fn is_finite(&self) -> bool {
-        self.terms.values().all(|c| c.is_finite())
+        self.terms().all(|(_, c)| c.is_finite())
     }
 
     /// The value at a point.
@@ -91,44 +91,66 @@ impl Polynomial {
 
     /// The product with a number.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self::from_terms(self.terms().map(|(e, c)| (e, c * factor)))
+        let terms = self.terms().map(|(e, c)| (e, c * factor));
+        Self {
+            terms: terms.filter(|(_, c)| *c != 0.0).collect(),
+        }
     }
 
     /// The sum.
     pub fn plus(&self, other: &Self) -> Self {
-        let mut sum = self.clone();
-        for (e, c) in other.terms() {
-            sum.add_term(e, c);
+        let mut terms = Vec::with_capacity(self.terms.len() + other.terms.len());
+        let (mut own, mut others) = (self.terms().peekable(), other.terms().peekable());
+        while let (Some((e, c)), Some((f, d))) = (own.peek().copied(), others.peek().copied()) {
+            match e.cmp(&f) {
+                Ordering::Less => terms.extend(own.next()),
+                Ordering::Greater => terms.extend(others.next()),
+                Ordering::Equal => {
+                    terms.extend(sum_of(c, d).map(|sum| (e, sum)));
+                    own.next();
+                    others.next();
+                }
+            }
         }
-        sum
+        terms.extend(own.chain(others));
+        Self { terms }
     }
 
     /// The product.
     ///
-    /// # Panics
-    /// May panic if the degrees together exceed 255.
+    /// Takes memory for all exponents up to the highest of each variable, which together are to be less than 256.
     pub fn times(&self, other: &Self) -> Self {
-        // Largest parts are kept apart, so that cancellation is seen whatever the order.
-        let mut sums: BTreeMap<[u8; 3], (f64, f64)> = BTreeMap::new();
+        let of = |k: usize, p: &Self| p.terms().map(|(e, _)| usize::from(e[k])).max().unwrap_or(0);
+        let [_, ny, nz] = [0, 1, 2].map(|k| of(k, self) + of(k, other) + 1);
+        let place = |e: [u8; 3]| {
+            let [x, y, z] = e.map(usize::from);
+            (x * ny + y) * nz + z
+        };
+        // The sum of each exponent's parts, and the size of the largest, so that cancellation is seen whatever the order.
+        let mut sums: Vec<(f64, f64)> = Vec::new();
         for (e, c) in self.terms() {
             for (f, d) in other.terms() {
-                let exponents = [e[0] + f[0], e[1] + f[1], e[2] + f[2]];
-                let (sum, largest) = sums.entry(exponents).or_insert((0.0, 0.0));
+                let k = place(e) + place(f);
+                if sums.len() <= k {
+                    sums.resize(k + 1, (0.0, 0.0));
+                }
+                let (sum, largest) = &mut sums[k];
                 *sum += c * d;
                 *largest = largest.max((c * d).abs());
             }
         }
-        let cancels = |sum: f64, largest: f64| sum.abs() <= CANCELLATION * largest;
-        sums.retain(|_, (sum, largest)| !cancels(*sum, *largest));
+        let exponents = |k: usize| [k / (ny * nz), k / nz % ny, k % nz].map(|e| e as u8);
+        let sums = sums.into_iter().enumerate();
+        let kept = sums.filter(|&(_, (sum, largest))| !is_rounding(sum, largest));
         Self {
-            terms: sums.into_iter().map(|(e, (sum, _))| (e, sum)).collect(),
+            terms: kept.map(|(k, (sum, _))| (exponents(k), sum)).collect(),
         }
     }
 
     /// The polynomial of other polynomials in the places of x, y and z.
     pub fn compose(&self, inner: &[Self; 3]) -> Self {
         let powers = [0, 1, 2].map(|k| {
-            let most = self.terms.keys().map(|e| e[k]).max().unwrap_or(0);
+            let most = self.terms().map(|(e, _)| e[k]).max().unwrap_or(0);
             let mut powers = vec![Self::constant(1.0)];
             for _ in 0..most {
                 let next = powers.last().map(|power: &Self| power.times(&inner[k]));
@@ -145,11 +167,25 @@ impl Polynomial {
     }
 
     fn add_term(&mut self, exponents: [u8; 3], coefficient: f64) {
-        let sum = self.terms.entry(exponents).or_insert(0.0);
-        let largest = sum.abs().max(coefficient.abs());
-        *sum += coefficient;
-        if sum.abs() <= CANCELLATION * largest {
-            self.terms.remove(&exponents);
+        match self.terms.binary_search_by_key(&exponents, |(e, _)| *e) {
+            Ok(place) => match sum_of(self.terms[place].1, coefficient) {
+                Some(sum) => self.terms[place].1 = sum,
+                None => {
+                    self.terms.remove(place);
+                }
+            },
+            Err(place) if coefficient != 0.0 => self.terms.insert(place, (exponents, coefficient)),
+            Err(_) => {}
         }
     }
+}
+
+/// The sum; `None` if it is zero but for rounding.
+fn sum_of(a: f64, b: f64) -> Option<f64> {
+    (!is_rounding(a + b, a.abs().max(b.abs()))).then_some(a + b)
+}
+
+/// True for a sum that is zero but for the rounding of its parts, the largest of which has this size.
+fn is_rounding(sum: f64, largest: f64) -> bool {
+    sum.abs() <= CANCELLATION * largest
 }

@@ -143,8 +143,7 @@ impl Tape {
     /// The work of one evaluation, in sums and products: a function of one number counts as four.
     pub fn work(&self) -> u64 {
         let work = |instruction: &Instruction| match instruction.operation {
-            TapeOperation::Unary(Unary::Neg, _) => 1,
-            TapeOperation::Unary(..) => 4,
+            TapeOperation::Unary(op, _) if op != Unary::Neg => 4,
             _ => 1,
         };
         self.instructions.iter().map(work).sum()

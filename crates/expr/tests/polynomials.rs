@@ -20,7 +20,7 @@ fn meaning(input: Input) -> Polynomial {
 }
 
 fn read(f: &Formula) -> Region {
-    region(&f.graph(), f.node(), &meaning)
+    region(&f.graph(), f.node(), &meaning).0
 }
 
 fn value(f: &Formula, node: expr::NodeId, at: [f64; 3]) -> f64 {
@@ -187,7 +187,7 @@ fn a_shape_far_away_is_read_about_its_place_without_loss() {
         Input::Variable(1) => Polynomial::linear(0.0, [0.0, 0.25, 0.0]),
         _ => Polynomial::linear(0.0, [0.0, 0.0, 0.25]),
     };
-    let Region::Polynomial(p) = region(&f.graph(), f.node(), &place) else {
+    let (Region::Polynomial(p), _) = region(&f.graph(), f.node(), &place) else {
         panic!("a polynomial");
     };
     let q = 0.25f64.powi(4);

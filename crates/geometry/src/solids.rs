@@ -47,7 +47,7 @@ pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
 pub const MAX_SHEETS: usize = 4096;
 
 /// The most work that reading the shapes of a scene's solids and looking for their boxes may take, in operations on intervals.
-pub const MAX_SHAPE_WORK: u64 = 100_000_000;
+pub const MAX_SHAPE_WORK: u64 = 50_000_000;
 
 /// The parts of a scene that become a [`RayScene`], and how they look where they do not say it themselves.
 #[derive(Clone, Copy)]

@@ -156,12 +156,13 @@ impl BoundingBox {
     }
 }
 
-/// The work that is left, in operations on intervals.
+/// The work that is left, in operations.
 #[derive(Debug)]
-pub(crate) struct WorkBudget(Cell<u64>);
+pub struct WorkBudget(Cell<u64>);
 
 impl WorkBudget {
-    pub(crate) fn new(most: u64) -> Self {
+    /// As much work as this.
+    pub fn new(most: u64) -> Self {
         Self(Cell::new(most))
     }
 
@@ -171,11 +172,13 @@ impl WorkBudget {
         !self.is_used_up()
     }
 
-    pub(crate) fn left(&self) -> u64 {
+    /// The work that is left.
+    pub fn left(&self) -> u64 {
         self.0.get()
     }
 
-    pub(crate) fn is_used_up(&self) -> bool {
+    /// True if none is left.
+    pub fn is_used_up(&self) -> bool {
         self.0.get() == 0
     }
 }
@@ -246,37 +249,35 @@ fn side(
         };
         slab
     };
-    // A place beyond which all is outside: on the way out from 0, or the limit itself.
+    // A place beyond which all is outside: the limit itself, or the least of some.
     let mut place = most;
     if most == f64::INFINITY {
         let places = (-LARGEST..=LARGEST).step_by(4).map(|k| f64::from(k).exp2());
-        place = places
-            .filter(|place| *place >= least)
-            .find(|&place| divided(outside, slab(place, most), axis))?;
+        let places: Vec<f64> = places.filter(|place| *place >= least).collect();
+        let first = places.partition_point(|&at| !divided(outside, slab(at, most), axis, upward));
+        place = *places.get(first)?;
     }
-    let mut inner = if least.is_finite() {
-        least
+    // Inward from there by growing steps, as long as all is outside.
+    let mut step = if least.is_finite() {
+        CLOSE * (place - least)
     } else {
-        let mut reach = place.abs().max(1.0);
-        let mut inner = place - reach;
-        let mut count = 0;
-        while divided(outside, slab(inner, place), axis) {
-            if count > LARGEST {
-                return Some(sign * place);
-            }
-            place = inner;
-            reach *= 2.0;
-            inner = place - reach;
-            count += 1;
-        }
-        inner
+        place.abs().max(1.0)
     };
+    let mut inner = (place - step).max(least);
+    while inner > least && divided(outside, slab(inner, place), axis, upward) {
+        if place < -f64::from(LARGEST).exp2() {
+            return Some(sign * place);
+        }
+        place = inner;
+        step *= 2.0;
+        inner = (place - step).max(least);
+    }
     for _ in 0..STEPS {
         let middle = 0.5 * (inner + place);
         if !(middle > inner && middle < place) || place - inner <= CLOSE * (place - least) {
             break;
         }
-        if divided(outside, slab(middle, place), axis) {
+        if divided(outside, slab(middle, place), axis, upward) {
             place = middle;
         } else {
             inner = middle;
@@ -287,12 +288,32 @@ fn side(
     Some(sign * (place + margin))
 }
 
-/// True if the slab is outside, as a whole or in parts across its longer sides.
+/// The middle of an interval; of an endless one its number nearest to 0.
+fn middle(side: Interval) -> f64 {
+    let middle = 0.5 * (side.lower() + side.upper());
+    if middle.is_finite() {
+        middle
+    } else {
+        0.0f64.max(side.lower()).min(side.upper())
+    }
+}
+
+/// True if the slab, which lies upward or downward along an axis, is outside, as a whole or in parts across its longer sides.
 fn divided(
     outside: &mut impl FnMut([Interval; 3]) -> bool,
     slab: [Interval; 3],
     axis: usize,
+    upward: bool,
 ) -> bool {
+    // With a point that is not outside, no division helps.
+    let point = [0, 1, 2].map(|k| match (k == axis, upward) {
+        (true, true) => slab[k].lower(),
+        (true, false) => slab[k].upper(),
+        (false, _) => middle(slab[k]),
+    });
+    if !outside(point.map(Interval::point)) {
+        return false;
+    }
     let mut rest = vec![slab];
     let mut budget = PARTS;
     while let Some(part) = rest.pop() {
@@ -313,12 +334,7 @@ fn divided(
         let Some(k) = longest else {
             return false;
         };
-        let [a, b] = [part[k].lower(), part[k].upper()];
-        let middle = if a.is_finite() && b.is_finite() {
-            0.5 * (a + b)
-        } else {
-            0.0
-        };
+        let ([a, b], middle) = ([part[k].lower(), part[k].upper()], middle(part[k]));
         if !(a < middle && middle < b) {
             return false;
         }

@@ -36,6 +36,13 @@ pub struct BoxRow {
     pub count: u32,
 }
 
+/// A part of a node, by its number.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum NodePart {
+    Node(u32),
+    Box(u32),
+}
+
 /// A part of the hierarchy that a ray meets, with the parameter at which it enters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetBox {
@@ -174,45 +181,13 @@ impl Hierarchy {
         stack: &mut Vec<u32>,
         found: &mut dyn FnMut(usize, &BoundingBox) -> bool,
     ) -> bool {
-        let meets = |bounds: &BoundingBox| bundle.may_meet(bounds).then_some(());
-        self.walk(stack, meets, |k, ()| found(k, &self.boxes[k]))
-    }
-
-    /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit; `reciprocal` is that of
-    /// its direction.
-    pub(crate) fn met(
-        &self,
-        origin: DVec3,
-        reciprocal: DVec3,
-        stack: &mut Vec<u32>,
-        found: &mut dyn FnMut(usize, [f64; 2]),
-    ) {
-        let meets = |bounds: &BoundingBox| {
-            let [a, b] = bounds.part(origin, reciprocal);
-            (a <= b && b >= 0.0).then_some([a, b])
-        };
-        self.walk(stack, meets, |k, part| {
-            found(k, part);
-            true
-        });
-    }
-
-    /// Hands the boxes that are met, with what `meets` says of them, to `found`, until that returns false: then it returns
-    /// false too.
-    #[inline]
-    fn walk<T>(
-        &self,
-        stack: &mut Vec<u32>,
-        meets: impl Fn(&BoundingBox) -> Option<T>,
-        mut found: impl FnMut(usize, T) -> bool,
-    ) -> bool {
         stack.clear();
         if !self.nodes.is_empty() {
             stack.push(0);
         }
         while let Some(id) = stack.pop() {
             let node = &self.nodes[id as usize];
-            if meets(&node.bounds).is_none() {
+            if !bundle.may_meet(&node.bounds) {
                 continue;
             }
             if node.count == 0 {
@@ -221,13 +196,29 @@ impl Hierarchy {
                 continue;
             }
             for &k in &self.order[node.place as usize..][..node.count as usize] {
-                if let Some(met) = meets(&self.boxes[k as usize])
-                    && !found(k as usize, met)
-                {
+                let bounds = &self.boxes[k as usize];
+                if bundle.may_meet(bounds) && !found(k as usize, bounds) {
                     return false;
                 }
             }
         }
         true
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The two nodes in a node, or the boxes; node 0 has all.
+    pub(crate) fn parts(&self, node: u32) -> impl Iterator<Item = (NodePart, &BoundingBox)> {
+        let BoxNode { place, count, .. } = self.nodes[node as usize];
+        let children = [node + 1, place];
+        let nodes = children.into_iter().filter(move |_| count == 0);
+        let boxes = &self.order[place as usize..][..count as usize];
+        let nodes = nodes.map(|id| (NodePart::Node(id), &self.nodes[id as usize].bounds));
+        let boxes = boxes
+            .iter()
+            .map(|&k| (NodePart::Box(k), &self.boxes[k as usize]));
+        nodes.chain(boxes)
     }
 }

@@ -10,16 +10,16 @@
 //! root there is divided out. `cast/events.rs` reads leaves.
 
 mod events;
-
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+mod queue;
 
 use expr::processor::Processor;
 use expr::vectors::{Lanes, MOST_LANES};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use crate::bounds::BoundingBox;
 use crate::bundle::{RayBlocks, RayBundle};
+use crate::bvh::NodePart;
 use crate::field::{DividedBundle, FieldScratch, TILE_RAY_OPERATIONS};
 use crate::first::FirstPlace;
 use crate::leaf::NearLeaf;
@@ -29,6 +29,8 @@ use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
 use crate::tree::ForestState;
 use crate::world::World;
+
+use queue::{Queue, RayOrder};
 
 /// A place where a ray enters or leaves a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,9 +59,14 @@ pub struct Caster<'w> {
     field: FieldScratch,
     /// True for the pieces that the ray is inside of; of active leaves only.
     inside: Vec<bool>,
-    candidates: Vec<Candidate>,
-    /// Those to come.
-    events: BinaryHeap<SurfaceEvent>,
+    /// The boxes to come that the ray meets, by entry, with the part of the ray in each.
+    candidates: Queue<(RayOrder, BoxOwner), [f64; 2]>,
+    /// That of the ray's direction.
+    reciprocal: DVec3,
+    /// The leaf that the ray leaves.
+    own: Option<BoxOwner>,
+    /// The surfaces to come, in the part of the ray that has been read.
+    events: Queue<RayOrder, SurfaceEvent>,
     /// The sign changes of each group of shared polynomials, in t.
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
@@ -80,7 +87,6 @@ pub struct Caster<'w> {
     operations: u64,
     lines: [KnownLine; KNOWN_LINES],
     group: Vec<SurfaceEvent>,
-    stack: Vec<u32>,
     crossings: Vec<Crossing>,
     start: Vec<usize>,
 }
@@ -121,36 +127,43 @@ struct KnownLine {
     line: UnitLine,
 }
 
-/// The work of a ray by itself, of a leaf on it, and of a leaf for a block of rays, in operations: from their times.
+/// The work of a ray by itself, of a leaf on it, of a box that it meets, and of a leaf for a block of rays, in operations: from
+/// their times.
 const RAY_OPERATIONS: u64 = 32;
 const LEAF_OPERATIONS: u64 = 16;
+const BOX_OPERATIONS: u64 = 8;
 const BLOCK_OPERATIONS: u64 = 32;
 
 /// The number of lines that are kept, a power of two.
 const KNOWN_LINES: usize = 16;
 
-/// A leaf whose box the ray meets.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    entry: f64,
-    exit: f64,
-    leaf: u32,
-}
+/// The owner of a box that a ray meets: a node of the hierarchy, or after all nodes a leaf.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+struct BoxOwner(u32);
 
-impl Candidate {
-    /// A leaf whose box the ray meets from `entry` to `exit`. Far from the start of the ray a box is thinner than the numbers
-    /// are dense, and its surface may lie a step of rounding outside: the part of the ray is larger by some.
-    fn new(leaf: u32, [entry, exit]: [f64; 2]) -> Self {
-        const ROUNDING: f64 = 8.0 * f64::EPSILON;
-        Self {
-            entry: entry - ROUNDING * entry.abs(),
-            exit: exit + ROUNDING * exit.abs(),
-            leaf,
-        }
+impl BoxOwner {
+    const LEAVES: u32 = 1 << 31;
+    /// The node of all boxes.
+    const ROOT: Self = Self(0);
+
+    fn leaf(leaf: u32) -> Self {
+        Self(Self::LEAVES | leaf)
+    }
+
+    /// The leaf, unless it is a node.
+    fn as_leaf(self) -> Option<u32> {
+        self.0.checked_sub(Self::LEAVES)
     }
 }
 
-/// A surface that the ray passes. Of two, the one with the smaller t is the greater: it comes first.
+/// The part of a ray in a box, made larger by some: far from the start of the ray a box is thinner than the numbers are
+/// dense, and its surface may lie a step of rounding outside.
+fn rounded([entry, exit]: [f64; 2]) -> [f64; 2] {
+    const ROUNDING: f64 = 8.0 * f64::EPSILON;
+    [entry - ROUNDING * entry.abs(), exit + ROUNDING * exit.abs()]
+}
+
+/// A surface that the ray passes.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceEvent {
     t: f64,
@@ -160,26 +173,6 @@ struct SurfaceEvent {
     rest: Option<[f64; 2]>,
 }
 
-impl Ord for SurfaceEvent {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.t.total_cmp(&self.t)
-    }
-}
-
-impl PartialOrd for SurfaceEvent {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for SurfaceEvent {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for SurfaceEvent {}
-
 impl World {
     /// A caster of rays into this world.
     pub fn caster(&self) -> Caster<'_> {
@@ -188,8 +181,10 @@ impl World {
             state: ForestState::default(),
             field: FieldScratch::default(),
             inside: vec![false; self.surface_of_piece.len()],
-            candidates: Vec::new(),
-            events: BinaryHeap::new(),
+            candidates: Queue::new(),
+            reciprocal: DVec3::ZERO,
+            own: None,
+            events: Queue::new(),
             shared: FxHashMap::default(),
             shared_fields: FxHashMap::default(),
             processor: Processor::here(),
@@ -203,7 +198,6 @@ impl World {
             operations: 0,
             lines: [KnownLine::default(); KNOWN_LINES],
             group: Vec::new(),
-            stack: Vec::new(),
             crossings: Vec::new(),
             start: Vec::new(),
         }
@@ -434,33 +428,23 @@ impl Caster<'_> {
             return;
         }
         self.find_candidates(ray, among);
-        // Among many leaves the order of their events takes longer, as their logarithm.
-        let leaves = self.candidates.len();
-        let of_leaf = LEAF_OPERATIONS + 4 * u64::from((leaves + 1).ilog2());
-        self.operations += RAY_OPERATIONS + leaves as u64 * of_leaf;
-        let mut next = 0;
-        while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
-            self.activate(ray, self.candidates[next], bundled);
-            next += 1;
+        self.operations += RAY_OPERATIONS;
+        while let Some((leaf, part)) = self.next_leaf(ray, 0.0) {
+            self.activate(ray, leaf, part, bundled);
         }
         self.read_start();
         loop {
-            let event = self.events.peek().map_or(before, |event| event.t);
-            if next < self.candidates.len() && self.candidates[next].entry <= event.min(before) {
-                self.activate(ray, self.candidates[next], bundled);
-                next += 1;
+            let event = self.events.first().map_or(before, |event| event.t);
+            if let Some((leaf, part)) = self.next_leaf(ray, event.min(before)) {
+                self.activate(ray, leaf, part, bundled);
                 continue;
             }
-            let Some(event) = self.events.peek().copied() else {
+            let Some(&event) = self.events.first().filter(|event| event.t < before) else {
                 break;
             };
-            if event.t >= before {
-                break;
-            }
             self.group.clear();
-            while let Some(same) = self.events.peek().filter(|next| next.t == event.t) {
-                self.group.push(*same);
-                self.events.pop();
+            while let Some((_, same)) = self.events.pop_if(|next| next.t == event.t) {
+                self.group.push(same);
             }
             let known = self.crossings.len();
             self.pass(ray);
@@ -474,56 +458,83 @@ impl Caster<'_> {
         }
     }
 
-    /// The leaves that the ray may meet, by entry.
+    /// Finds the leaves that the ray may meet, or the node of all their boxes.
     fn find_candidates(&mut self, ray: &Ray, among: Among) {
-        let Self {
-            world,
-            candidates,
-            stack,
-            near,
-            ..
-        } = self;
-        candidates.clear();
-        let endless = |leaf: u32| Candidate {
-            entry: f64::NEG_INFINITY,
-            exit: f64::INFINITY,
-            leaf,
-        };
-        let reciprocal = ray.direction.recip();
-        let of_bundle = match among {
-            Among::Bundle if !near.is_crowded() => near.all(),
-            Among::JoinedOfBundle => near.joined(),
+        self.candidates.clear();
+        self.reciprocal = ray.direction.recip();
+        let world = self.world;
+        self.own = ray.leaving.map(|own| BoxOwner::leaf(own.leaf));
+        let listed = match among {
+            Among::Bundle if !self.near.is_crowded() => self.near.all().len(),
+            Among::JoinedOfBundle => self.near.joined().len(),
             Among::World | Among::Bundle => {
-                candidates.extend(world.endless.iter().copied().map(endless));
-                world
-                    .hierarchy
-                    .met(ray.origin, reciprocal, stack, &mut |k, part| {
-                        candidates.push(Candidate::new(world.boxed[k], part));
-                    });
-                &[]
+                for &leaf in &world.endless {
+                    self.add_candidate(ray, BoxOwner::leaf(leaf), None);
+                }
+                if !world.hierarchy.is_empty() {
+                    self.add_candidate(ray, BoxOwner::ROOT, Some(&world.hierarchy.bounds()));
+                }
+                // The boxes around it may begin behind the start, by rounding.
+                if let Some(own) = ray.leaving
+                    && let Some(bounds) = &world.leaves[own.leaf as usize].bounds
+                {
+                    self.add_candidate(ray, BoxOwner::leaf(own.leaf), Some(bounds));
+                }
+                0
             }
         };
-        for &NearLeaf { leaf, bounds } in of_bundle {
-            let Some(bounds) = bounds else {
-                candidates.push(endless(leaf));
+        for k in 0..listed {
+            let NearLeaf { leaf, bounds } = self.near.all()[k];
+            self.add_candidate(ray, BoxOwner::leaf(leaf), bounds.as_ref());
+        }
+    }
+
+    /// Adds a box if the ray meets it; without bounds, it is everything.
+    #[inline]
+    fn add_candidate(&mut self, ray: &Ray, of: BoxOwner, bounds: Option<&BoundingBox>) {
+        let part = match bounds {
+            Some(bounds) => bounds.part(ray.origin, self.reciprocal),
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        if part[0] <= part[1] && part[1] >= 0.0 {
+            let [mut entry, exit] = rounded(part);
+            // A start on a leaf is in its box, whatever rounding says.
+            if self.own == Some(of) {
+                entry = entry.min(0.0);
+            }
+            self.operations += BOX_OPERATIONS;
+            self.candidates
+                .push((RayOrder::of(entry), of), [entry, exit]);
+        }
+    }
+
+    /// Takes the leaf whose box the ray enters first, if it does so up to this place, with the part of the ray in it.
+    #[inline]
+    fn next_leaf(&mut self, ray: &Ray, most: f64) -> Option<(u32, [f64; 2])> {
+        loop {
+            let ((_, of), part) = self.candidates.pop_if(|[entry, _]| *entry <= most)?;
+            let Some(leaf) = of.as_leaf() else {
+                self.open(ray, of.0);
                 continue;
             };
-            let [entry, exit] = bounds.part(ray.origin, reciprocal);
-            if entry <= exit && exit >= 0.0 {
-                candidates.push(Candidate::new(leaf, [entry, exit]));
+            // Among many the order takes longer, as their logarithm.
+            let rest = self.candidates.len() + self.events.len() + 1;
+            self.operations += LEAF_OPERATIONS + 8 * u64::from(rest.ilog2());
+            return Some((leaf, part));
+        }
+    }
+
+    /// Adds what a node of the hierarchy consists of.
+    fn open(&mut self, ray: &Ray, node: u32) {
+        let world = self.world;
+        for (part, bounds) in world.hierarchy.parts(node) {
+            let of = match part {
+                NodePart::Node(node) => BoxOwner(node),
+                NodePart::Box(place) => BoxOwner::leaf(world.boxed[place as usize]),
+            };
+            if self.own != Some(of) {
+                self.add_candidate(ray, of, Some(bounds));
             }
-        }
-        // A start on a leaf is in its box, whatever rounding says.
-        if let Some(leaving) = ray.leaving
-            && let Some(own) = candidates.iter_mut().find(|c| c.leaf == leaving.leaf)
-        {
-            own.entry = own.entry.min(0.0);
-        }
-        if candidates.len() > 1 {
-            candidates.sort_unstable_by(|a, b| {
-                let by_entry = a.entry.total_cmp(&b.entry);
-                by_entry.then(a.leaf.cmp(&b.leaf))
-            });
         }
     }
 

@@ -117,6 +117,7 @@ pub(crate) struct FieldScratch {
     registers: Registers,
     numbers: Vec<f64>,
     slopes: Vec<Slope>,
+    intervals: Vec<Interval>,
     processor: Processor,
     /// The parts of a segment with what is known of them, the first one last.
     known: Vec<BundlePart>,
@@ -145,7 +146,7 @@ struct FieldWork {
 const ALONE: usize = 2 * MOST_LANES;
 const PLAIN: usize = 2;
 /// The work of an evaluation besides its operations.
-const EVALUATION: u64 = 4;
+const EVALUATION: u64 = 8;
 
 impl Default for FieldWork {
     fn default() -> Self {
@@ -230,9 +231,9 @@ impl Field {
         })
     }
 
-    /// The number of operations of its value.
-    pub(crate) fn operation_count(&self) -> usize {
-        self.code.value.operation_count()
+    /// The work of an evaluation of its value, in operations.
+    pub(crate) fn value_work(&self) -> u64 {
+        self.code.value.work()
     }
 
     /// True if the set is that where the expression's negative is not positive.
@@ -510,20 +511,17 @@ impl Field {
 
     /// An interval that contains the values on a box.
     pub(crate) fn on_box(&self, scratch: &mut FieldScratch, sides: [Interval; 3]) -> Interval {
-        let inputs: Vec<Interval> = self
-            .code
-            .value
-            .inputs()
-            .iter()
-            .map(|input| match *input {
+        scratch.intervals.clear();
+        for input in self.code.value.inputs() {
+            scratch.intervals.push(match *input {
                 Input::Variable(k @ 0..3) => sides[k as usize],
                 input => Interval::point(self.uniform(input)),
-            })
-            .collect();
+            });
+        }
         let mut out = [Interval::WHOLE];
         self.code
             .value
-            .eval_intervals(&mut scratch.registers, &inputs, &mut out);
+            .eval_intervals(&mut scratch.registers, &scratch.intervals, &mut out);
         if self.negated {
             Interval::unary(expr::ops::Unary::Neg, out[0])
         } else {

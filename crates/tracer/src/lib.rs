@@ -79,7 +79,7 @@ pub mod tables;
 mod tree;
 mod world;
 
-pub use bounds::BoundingBox;
+pub use bounds::{BoundingBox, WorkBudget};
 pub use cast::{Caster, Crossing};
 pub use contour::{SolidMesh, contour};
 pub use field::{MOST_RAY_EVALUATIONS, TILE_RAY_OPERATIONS};

@@ -73,7 +73,10 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
         LeafSurface::Polynomial(surface) => surface.quadratic(),
         LeafSurface::Field(..) => None,
     };
-    let mut pieces = Vec::new();
+    let count = leaves
+        .last()
+        .map_or(0, |last| last.first_piece + last.compiled.pieces.len());
+    let mut pieces = Vec::with_capacity(count);
     for (l, leaf) in leaves.iter().enumerate() {
         for p in 0..leaf.compiled.pieces.len() {
             let own = (l as u32, p as u32);

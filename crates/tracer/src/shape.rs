@@ -24,6 +24,8 @@ pub(crate) struct Shape {
     pub(crate) field: Field,
     /// `None` for an endless set.
     pub(crate) bounds: Option<BoundingBox>,
+    /// The number of surfaces that bound it.
+    pub(crate) pieces: usize,
 }
 
 /// A shape in a frame.
@@ -45,8 +47,8 @@ pub(crate) enum LeafSurface {
     Field(Arc<Field>, NodeId),
 }
 
-/// The work of reading an expression, for each of its operations: copies, derivatives, polynomials.
-const READING: u64 = 64;
+/// The work of reading an expression, for each of its operations: copies, derivatives, short polynomials.
+const READING: u64 = 32;
 
 /// A side of a frame is at least this share of the longest.
 const FLATTEST: f64 = 1e-3;
@@ -63,14 +65,18 @@ impl Shape {
         let graph = compiler.graph;
         let field = Field::new(compiler, node, false, uniform)?;
         // One operation more: what is none has a value, too.
-        let operations = field.operation_count() as u64 + 1;
+        let operations = field.value_work() + 1;
         work.take(READING * operations);
         let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
         let mut scratch = FieldScratch::default();
+        let mut pieces = 2 * cuts.iter().flatten().count();
         let bounds = if limits.iter().any(|side| side.is_empty()) {
             Some(BoundingBox::EMPTY)
         } else {
-            let region = region(graph, node, &|input| meaning(input, uniform, &UNITS));
+            let (region, terms) = region(graph, node, &|input| meaning(input, uniform, &UNITS));
+            // It is read once more in its frame.
+            work.take(2 * terms as u64);
+            pieces += region.pieces();
             let within = |bounds: BoundingBox| {
                 let [lower, upper] = [bounds.lower.to_array(), bounds.upper.to_array()];
                 [0, 1, 2].map(|k| {
@@ -103,6 +109,7 @@ impl Shape {
             cuts,
             field,
             bounds,
+            pieces,
         })
     }
 
@@ -125,7 +132,7 @@ impl Shape {
         let least = (FLATTEST * half.max_element()).max(f64::MIN_POSITIVE);
         let half = half.max(DVec3::splat(if least.is_finite() { least } else { 1.0 }));
         let frame = [0, 1, 2].map(|k| [center[k], half[k]]);
-        let mut region = region(graph, self.node, &|input| meaning(input, uniform, &frame));
+        let (mut region, _) = region(graph, self.node, &|input| meaning(input, uniform, &frame));
         let whole = matches!(region, Region::Polynomial(_));
         let cuts = (0..3).filter_map(|k| self.cuts[k].map(|cut| (k, cut)));
         for (k, [a, b]) in cuts {

@@ -18,10 +18,12 @@ use crate::surface::{HIGHEST_SHARED, PolynomialSurface};
 const AGREEMENT: f64 = 1.0 / (1u64 << 38) as f64;
 /// Far from the origin, the difference in units in the last place of a leaf's coordinates.
 const ULPS: f64 = 16.0;
-/// The relative difference of keys up to which surfaces are compared.
+/// The difference of keys up to which surfaces are compared.
 const NEAR: f64 = 1e-6;
-/// The number of groups with similar keys that a surface is compared with.
-const MOST_COMPARED: usize = 64;
+/// The change of coefficients that a key must stand, in agreements: each of two surfaces is rounded, and so is the key.
+const REACH: f64 = 16.0;
+/// The number of groups with the nearest keys that a surface is compared with.
+const MOST_COMPARED: usize = 8;
 
 /// The groups.
 #[derive(Clone, Debug, Default)]
@@ -54,8 +56,36 @@ type Name = (usize, usize, [u64; 12], Vec<u64>);
 /// A surface with a number that does not depend on the scale of its equation.
 struct Keyed {
     key: f64,
+    /// The keys of surfaces that are one with it differ by no more.
+    reach: f64,
     leaf: u32,
     piece: u32,
+}
+
+impl Keyed {
+    /// The key is the angle of (a₁, a₀), the values at two places. Where coefficients change by d, the values change by no more
+    /// than d·s, where s = (1 + |x| + |y| + |z|)ⁿ, and the angle by d (s₀|a₁| + s₁|a₀|)/(a₀² + a₁²).
+    fn new(leaf: &Leaf, surface: &PolynomialSurface, places: &[DVec3; 2], at: (u32, u32)) -> Self {
+        let polynomial = &surface.polynomial;
+        let places = places.map(|place| leaf.unit_from_world.transform_point3(place));
+        let [a, b] = places.map(|place| polynomial.at(place.to_array()));
+        let [of_a, of_b] = places.map(|place| {
+            let sum = 1.0 + place.abs().element_sum();
+            sum.powi(surface.degree() as i32)
+        });
+        let change = REACH * agreement(leaf) * polynomial.largest();
+        Self {
+            key: (a / b).atan(),
+            reach: change * (of_a * b.abs() + of_b * a.abs()) / (a * a + b * b),
+            leaf: at.0,
+            piece: at.1,
+        }
+    }
+}
+
+/// The difference of coefficients, the largest of which is 1, up to which a surface is one with another in a leaf's frame.
+fn agreement(leaf: &Leaf) -> f64 {
+    AGREEMENT.max(ULPS * f64::EPSILON * leaf.unit_from_world.translation.length())
 }
 
 /// Finds the groups.
@@ -74,15 +104,7 @@ pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> 
             let place = (l as u32, p as u32);
             match piece {
                 LeafSurface::Polynomial(surface) if surface.degree() <= HIGHEST_SHARED => {
-                    let at = places.map(|at| {
-                        let at = leaf.unit_from_world.transform_point3(at);
-                        surface.polynomial.at(at.to_array())
-                    });
-                    keyed.push(Keyed {
-                        key: (at[0] / at[1]).atan(),
-                        leaf: place.0,
-                        piece: place.1,
-                    });
+                    keyed.push(Keyed::new(leaf, surface, &places, place));
                 }
                 LeafSurface::Polynomial(_) => {
                     let name = std::sync::Arc::as_ptr(&leaf.compiled) as usize;
@@ -128,22 +150,24 @@ fn share_polynomials(leaves: &[Leaf], mut keyed: Vec<Keyed>, surfaces: &mut Surf
             .total_cmp(&b.key)
             .then((a.leaf, a.piece).cmp(&(b.leaf, b.piece)))
     });
-    let mut first: Vec<(f64, (u32, u32))> = Vec::new();
+    let mut first: Vec<&Keyed> = Vec::new();
     for surface in &keyed {
         let place = (surface.leaf, surface.piece);
-        let near = first
-            .iter()
-            .rev()
-            .take(MOST_COMPARED)
-            .take_while(|(key, _)| surface.key - key <= NEAR);
+        let near = first.iter().rev().take(MOST_COMPARED).filter(|other| {
+            let difference = surface.key - other.key;
+            difference <= NEAR && difference <= surface.reach.max(other.reach)
+        });
         let found = near
-            .filter_map(|&(_, other)| same(leaves, other, place).map(|opposite| (other, opposite)))
+            .filter_map(|other| {
+                let other = (other.leaf, other.piece);
+                same(leaves, other, place).map(|opposite| (other, opposite))
+            })
             .next();
         match found {
             Some((other, opposite)) => {
                 surfaces.join(leaves, other, place, opposite);
             }
-            None => first.push((surface.key, place)),
+            None => first.push(surface),
         }
     }
 }
@@ -192,8 +216,7 @@ fn same(leaves: &[Leaf], a: (u32, u32), b: (u32, u32)) -> Option<bool> {
     let other = b.polynomial.compose(&coordinates(&b_from_a));
     let one = a.polynomial.scaled(1.0 / a.polynomial.largest());
     let other = other.scaled(1.0 / other.largest());
-    let distance = leaf_a.unit_from_world.translation.length();
-    let agreement = AGREEMENT.max(ULPS * f64::EPSILON * distance);
+    let agreement = agreement(leaf_a);
     [false, true].into_iter().find(|&opposite| {
         let sign = if opposite { 1.0 } else { -1.0 };
         one.plus(&other.scaled(sign)).largest() <= agreement

@@ -2,6 +2,7 @@
 //!
 //! Input: expressions, set operations in postfix order, affine maps. Output: a [`World`], which `cast.rs` casts rays into.
 
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 use expr::polynomial::Region;
@@ -56,7 +57,19 @@ pub struct WorldBuilder<'a> {
     uniform: &'a dyn Fn(Input) -> f64,
     work: WorkBudget,
     shapes: Vec<Shape>,
-    solids: Vec<Vec<SetStep>>,
+    solids: Vec<PlacedSolid>,
+}
+
+/// The steps of a solid, whose leaves are numbers in the list of its placed shapes.
+struct PlacedSolid {
+    steps: Vec<TreeStep>,
+    leaves: Vec<PlacedShape>,
+}
+
+/// A shape under an affine map.
+struct PlacedShape {
+    shape: usize,
+    map: DAffine3,
 }
 
 /// Solids that rays can be cast into.
@@ -90,6 +103,9 @@ pub struct World {
 
 /// Endless fields are looked for within so many radii of the rest.
 const RADII: f64 = 64.0;
+/// The work of preparing a leaf, and each surface that bounds it, in operations.
+const LEAF_WORK: u64 = 16;
+const PIECE_WORK: u64 = 24;
 /// A map whose determinant is smaller beside the product of its columns' lengths is singular.
 const LEAST_DETERMINANT: f64 = 1e-12;
 
@@ -105,7 +121,7 @@ impl<'a> WorldBuilder<'a> {
         }
     }
 
-    /// Limits the work of reading shapes and of looking for their boxes, in operations on intervals.
+    /// Limits the work of reading shapes, of looking for their boxes and of preparing leaves, in operations on intervals.
     pub fn with_work(mut self, work: u64) -> Self {
         self.work = WorkBudget::new(work);
         self
@@ -139,10 +155,14 @@ impl<'a> WorldBuilder<'a> {
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
     ) -> Result<ShapeId, BuildError> {
+        // Before reading, too: a scene may have thousands of shapes more.
+        let is_enough = || match self.work.is_used_up() {
+            true => Err(BuildError::TooMuchWork),
+            false => Ok(()),
+        };
+        is_enough()?;
         let shape = Shape::new(&self.compiler, field, cuts, uniform, &self.work)?;
-        if self.work.is_used_up() {
-            return Err(BuildError::TooMuchWork);
-        }
+        is_enough()?;
         self.shapes.push(shape);
         Ok(ShapeId(self.shapes.len() - 1))
     }
@@ -150,13 +170,20 @@ impl<'a> WorldBuilder<'a> {
     /// Adds a solid and returns its index.
     ///
     /// # Errors
-    /// If a map is singular, or the steps are not one set.
-    pub fn solid(&mut self, steps: &[SetStep]) -> Result<usize, BuildError> {
-        let solid = self.solids.len();
+    /// If a map is singular, the steps are not one set, or the work is used up.
+    pub fn solid(
+        &mut self,
+        steps: impl IntoIterator<Item = impl Borrow<SetStep>>,
+    ) -> Result<usize, BuildError> {
+        let index = self.solids.len();
+        let mut solid = PlacedSolid {
+            steps: Vec::new(),
+            leaves: Vec::new(),
+        };
         let mut operands = 0usize;
         for step in steps {
-            match step {
-                SetStep::Leaf(_, map) => {
+            solid.steps.push(match *step.borrow() {
+                SetStep::Leaf(ShapeId(shape), map) => {
                     let matrix = map.matrix3;
                     let volume: f64 = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
                         .map(DVec3::length)
@@ -164,19 +191,32 @@ impl<'a> WorldBuilder<'a> {
                         .product();
                     let determinant = matrix.determinant().abs();
                     if !(map.is_finite() && determinant > LEAST_DETERMINANT * volume) {
-                        return Err(BuildError::SingularMap(solid));
+                        return Err(BuildError::SingularMap(index));
                     }
                     operands += 1;
+                    let pieces = self.shapes[shape].pieces as u64;
+                    if !self.work.take(LEAF_WORK + PIECE_WORK * pieces) {
+                        return Err(BuildError::TooMuchWork);
+                    }
+                    solid.leaves.push(PlacedShape { shape, map });
+                    TreeStep::Leaf(solid.leaves.len() - 1)
                 }
-                _ if operands >= 2 => operands -= 1,
-                _ => return Err(BuildError::Unbalanced(solid)),
-            }
+                _ if operands < 2 => return Err(BuildError::Unbalanced(index)),
+                join => {
+                    operands -= 1;
+                    match join {
+                        SetStep::Union => TreeStep::Union,
+                        SetStep::Intersection => TreeStep::Intersection,
+                        _ => TreeStep::Difference,
+                    }
+                }
+            });
         }
         if operands != 1 {
-            return Err(BuildError::Unbalanced(solid));
+            return Err(BuildError::Unbalanced(index));
         }
-        self.solids.push(steps.to_vec());
-        Ok(solid)
+        self.solids.push(solid);
+        Ok(index)
     }
 
     /// Prepares the world.
@@ -185,8 +225,10 @@ impl<'a> WorldBuilder<'a> {
     /// If an expression's gradient is too large.
     pub fn build(self) -> Result<World, BuildError> {
         let rest = self.rest();
-        let mut compiler = FrameCache {
-            builder: &self,
+        let shapes = self.shapes;
+        let mut frames = FrameCache {
+            compiler: &self.compiler,
+            shapes: &shapes,
             rest,
             known: FxHashMap::default(),
         };
@@ -196,27 +238,23 @@ impl<'a> WorldBuilder<'a> {
         let mut solids = Vec::new();
         let mut bounds = Vec::new();
         let mut piece_count = 0;
-        for (solid, steps) in self.solids.iter().enumerate() {
+        for (solid, placed) in self.solids.into_iter().enumerate() {
             let first = leaves.len();
-            let mut read = Vec::with_capacity(steps.len());
-            // What is known of each leaf before its literals are.
-            let mut drafts: Vec<(usize, DAffine3, Arc<FramedShape>)> = Vec::new();
-            for step in steps {
-                read.push(match *step {
-                    SetStep::Leaf(ShapeId(shape), map) => {
-                        drafts.push((shape, map, compiler.compiled(shape, &map)?));
-                        TreeStep::Leaf(first + drafts.len() - 1)
-                    }
-                    SetStep::Union => TreeStep::Union,
-                    SetStep::Intersection => TreeStep::Intersection,
-                    SetStep::Difference => TreeStep::Difference,
-                });
+            let mut read = placed.steps;
+            for step in &mut read {
+                if let TreeStep::Leaf(leaf) = step {
+                    *leaf += first;
+                }
             }
+            let placed = placed.leaves;
+            // What is known of each leaf before its literals are.
+            let drafts = placed.iter().map(|leaf| frames.compiled(leaf));
+            let drafts: Vec<Arc<FramedShape>> = drafts.collect::<Result<_, _>>()?;
             let mut literals: Vec<Option<LeafLiterals>> = vec![None; drafts.len()];
             forest.add(
                 &read,
                 &|leaf| {
-                    let shape = &drafts[leaf - first].2;
+                    let shape = &drafts[leaf - first];
                     if is_convex(shape) {
                         // Its gate says all.
                         return Region::All(Vec::new());
@@ -225,14 +263,19 @@ impl<'a> WorldBuilder<'a> {
                 },
                 &mut |leaf, found| literals[leaf - first] = Some(found),
             );
-            let own: Vec<Option<BoundingBox>> = drafts
-                .iter()
-                .map(|(shape, map, _)| self.shapes[*shape].bounds.map(|b| b.transformed(map)))
-                .collect();
+            let own = placed.iter().map(|leaf| {
+                let bounds = shapes[leaf.shape].bounds;
+                bounds.map(|bounds| bounds.transformed(&leaf.map))
+            });
+            let own: Vec<Option<BoundingBox>> = own.collect();
             let (all, clips) = joined(&read, &|leaf| own[leaf - first]);
             bounds.push(all);
-            let drafts = drafts.into_iter().zip(own).zip(clips).zip(literals);
-            for ((((shape, map, compiled), own), clip), literals) in drafts {
+            leaves.reserve(placed.len());
+            boxes.reserve(placed.len());
+            let known = drafts.into_iter().zip(own).zip(clips).zip(literals);
+            for (PlacedShape { shape, map }, (((compiled, own), clip), literals)) in
+                placed.into_iter().zip(known)
+            {
                 // Each leaf is a part of its tree.
                 let Some(LeafLiterals { gate, pieces }) = literals else {
                     return Err(BuildError::Unbalanced(solid));
@@ -282,7 +325,7 @@ impl<'a> WorldBuilder<'a> {
         let all = 0..forest.len();
         let endless_solids = all.filter(|&solid| forest.is_endless(solid)).collect();
         Ok(World {
-            shapes: self.shapes,
+            shapes,
             forest,
             hierarchy: Hierarchy::new(hierarchy),
             boxed,
@@ -307,12 +350,11 @@ impl<'a> WorldBuilder<'a> {
     /// The box of all that is bounded; where nothing is, that of the unit sphere.
     fn rest(&self) -> BoundingBox {
         let mut rest = BoundingBox::EMPTY;
-        for step in self.solids.iter().flatten() {
-            if let SetStep::Leaf(ShapeId(shape), map) = step
-                && let Some(bounds) = self.shapes[*shape].bounds
+        for leaf in self.solids.iter().flat_map(|solid| &solid.leaves) {
+            if let Some(bounds) = self.shapes[leaf.shape].bounds
                 && !bounds.is_empty()
             {
-                rest = rest.union(&bounds.transformed(map));
+                rest = rest.union(&bounds.transformed(&leaf.map));
             }
         }
         if rest.is_empty() || rest.lower == rest.upper {
@@ -332,14 +374,18 @@ impl<'a> WorldBuilder<'a> {
 
 /// Reads each shape once for each frame.
 struct FrameCache<'a> {
-    builder: &'a WorldBuilder<'a>,
+    compiler: &'a FieldCompiler<'a>,
+    shapes: &'a [Shape],
     rest: BoundingBox,
     known: FxHashMap<(usize, [u64; 12]), Arc<FramedShape>>,
 }
 
 impl FrameCache<'_> {
-    fn compiled(&mut self, shape: usize, map: &DAffine3) -> Result<Arc<FramedShape>, BuildError> {
-        let source = &self.builder.shapes[shape];
+    fn compiled(
+        &mut self,
+        &PlacedShape { shape, map }: &PlacedShape,
+    ) -> Result<Arc<FramedShape>, BuildError> {
+        let source = &self.shapes[shape];
         // A bounded shape has one frame, whatever its map.
         let (frame, key) = match source.bounds {
             Some(bounds) => (bounds, [0; 12]),
@@ -354,7 +400,7 @@ impl FrameCache<'_> {
         let compiled = if frame.is_empty() {
             FramedShape::empty()
         } else {
-            source.compile(&self.builder.compiler, &frame)?
+            source.compile(self.compiler, &frame)?
         };
         let compiled = Arc::new(compiled);
         self.known.insert((shape, key), compiled.clone());
@@ -421,6 +467,18 @@ impl World {
             }
         }
         Some(highest)
+    }
+
+    /// The work of [`World::contains`], in operations.
+    pub(crate) fn work_on_point(&self, solid: usize) -> u64 {
+        let work = |step: &TreeStep| match *step {
+            TreeStep::Leaf(leaf) => {
+                let shape = &self.shapes[self.leaves[leaf].shape];
+                LEAF_WORK + shape.field.value_work()
+            }
+            _ => 1,
+        };
+        self.solids[solid].iter().map(work).sum()
     }
 
     /// True if the solid contains the point, by the values of its leaves' expressions there.

@@ -225,7 +225,7 @@ fn endless_leaves_matter_only_where_their_sets_reach() {
             .collect();
         // As many endless leaves as others.
         let ids: Vec<_> = [&ids[..4], &ids[..4], &ids[4..12]].concat();
-        builder.solid(&random.tree(&ids, 10, 1.0)).unwrap();
+        builder.solid(random.tree(&ids, 10, 1.0)).unwrap();
         let world = builder.build().unwrap();
         clipped += usize::from(world.bounds(0).is_some());
         let mut caster = world.caster();

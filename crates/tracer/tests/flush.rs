@@ -30,7 +30,7 @@ fn world(steps: impl Fn(ShapeId, ShapeId) -> Vec<SetStep>) -> World {
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     let cube = builder.shape(cube.node(), [None; 3]).unwrap();
     let ball = builder.shape(ball.node(), [None; 3]).unwrap();
-    builder.solid(&steps(cube, ball)).unwrap();
+    builder.solid(steps(cube, ball)).unwrap();
     builder.build().unwrap()
 }
 

@@ -24,7 +24,7 @@ fn crossings(formula: &Formula) -> Vec<usize> {
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     let shape = builder.shape(formula.node(), [None; 3]).unwrap();
     builder
-        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
         .unwrap();
     let world = builder.build().unwrap();
     let mut caster = world.caster();
@@ -75,7 +75,7 @@ fn the_work_on_functions_is_limited_and_said_to_be() {
         let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
         let shape = builder.shape(formula.node(), [None; 3]).unwrap();
         let leaf = [SetStep::Leaf(shape, DAffine3::IDENTITY)];
-        builder.solid(&leaf).unwrap();
+        builder.solid(leaf).unwrap();
         let world = builder.build().unwrap();
         let mut caster = world.caster();
         caster.limit_fields(limit);
@@ -105,7 +105,7 @@ fn rays_that_are_none_meet_nothing() {
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     let shape = builder.shape(ball.node(), [None; 3]).unwrap();
     builder
-        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
         .unwrap();
     let world = builder.build().unwrap();
     let mut caster = world.caster();
@@ -146,9 +146,9 @@ fn what_is_no_world_is_refused() {
     ] {
         assert_eq!(builder.solid(&steps), Err(BuildError::Unbalanced(0)));
     }
-    assert_eq!(builder.solid(&[flat]), Err(BuildError::SingularMap(0)));
-    assert_eq!(builder.solid(&[nan]), Err(BuildError::SingularMap(0)));
-    assert_eq!(builder.solid(&[leaf]), Ok(0));
+    assert_eq!(builder.solid([flat]), Err(BuildError::SingularMap(0)));
+    assert_eq!(builder.solid([nan]), Err(BuildError::SingularMap(0)));
+    assert_eq!(builder.solid([leaf]), Ok(0));
 }
 
 #[test]
@@ -193,4 +193,79 @@ fn a_hundred_thousand_leaves_and_deep_nesting_are_built_and_cast_on_a_small_stac
     };
     let thread = std::thread::Builder::new().stack_size(512 << 10).spawn(run);
     thread.unwrap().join().unwrap();
+}
+
+/// The work of reading a shape.
+fn reading(formula: &Formula, cuts: [Option<[f64; 2]>; 3]) -> u64 {
+    let graph = formula.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN).with_work(1 << 40);
+    builder.shape(formula.node(), cuts).unwrap();
+    (1 << 40) - builder.work_left()
+}
+
+#[test]
+fn the_work_of_reading_a_shape_is_as_large_as_what_is_read() {
+    let [x, y, z] = &variables();
+    let r2 = &(x.squared() + y.squared() + z.squared());
+    let one = [None; 3];
+    // A quadric has its box from its coefficients, a wave from a search that ends where a point lies inside.
+    let ball = reading(&(r2 - 1.0), one);
+    assert!(ball < 500, "{ball}");
+    let wave = reading(&(&(r2 + &((7.0 * &(x * y)).sin() * 0.5)) - 1.0), one);
+    assert!(wave < 30_000, "{wave}");
+    let cut = reading(&(x.sin() + y.sin() + z.sin()), [Some([-3.0, 3.0]); 3]);
+    assert!(cut < 5_000, "{cut}");
+    let endless = reading(
+        &(&(x.squared() + y.squared()) + &(z.sin() * 0.1 - 1.0)),
+        one,
+    );
+    assert!(endless < 20_000, "{endless}");
+    // A power has many terms, however short it is.
+    let line = x + &(y * 2.0) + z * 3.0 + 1.0;
+    let fourth = &line.squared().squared();
+    let power = reading(&(&(fourth * fourth) * fourth - 1.0), one);
+    assert!(power > 20 * ball, "{power}");
+    // What is read once the work is used up takes none.
+    let formula = r2 - 1.0;
+    let graph = formula.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN).with_work(ball + 1);
+    assert!(builder.shape(formula.node(), one).is_ok());
+    for _ in 0..2 {
+        let read = builder.shape(formula.node(), one);
+        assert_eq!(read.err(), Some(BuildError::TooMuchWork));
+        assert_eq!(builder.work_left(), 0);
+    }
+}
+
+#[test]
+fn leaves_behind_the_first_surface_are_not_looked_for() {
+    let [x, y, z] = &variables();
+    let ball = x.squared() + y.squared() + z.squared() - 0.1;
+    let graph = ball.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let shape = builder.shape(ball.node(), [None; 3]).unwrap();
+    let leaf = |k: u32| {
+        let place = DAffine3::from_translation(DVec3::new(0.0, 0.0, f64::from(k)));
+        SetStep::Leaf(shape, place)
+    };
+    let rest = (1..4096).flat_map(|k| [leaf(k), SetStep::Union]);
+    let steps = [leaf(0)].into_iter().chain(rest);
+    builder.solid(steps).unwrap();
+    let world = builder.build().unwrap();
+    let mut caster = world.caster();
+    let along = Ray {
+        direction: DVec3::Z,
+        ..ray(0.1)
+    };
+    let mut work = |all: bool| {
+        let before = caster.operations();
+        let count = match all {
+            true => caster.cast(&along).len(),
+            false => usize::from(caster.first(&along).is_some()),
+        };
+        (count, caster.operations() - before)
+    };
+    let ((all, of_all), (first, of_first)) = (work(true), work(false));
+    assert_eq!((all, first), (2 * 4096, 1));
+    assert!(of_first < of_all / 100, "{of_first} of {of_all}");
 }

@@ -23,7 +23,7 @@ fn seen(look: FaceLook, lights: &[Light], bounces: u32, ray: Ray) -> DVec3 {
     let mut builder = WorldBuilder::new(&graph, &nowhere);
     let ball = builder.shape(ball, [None; 3]).expect("a shape");
     let steps = [SetStep::Leaf(ball, DAffine3::IDENTITY)];
-    builder.solid(&steps).expect("a solid");
+    builder.solid(steps).expect("a solid");
     let world = builder.build().expect("a world");
     let sheets = Sheets::default();
     let scenery = Scenery {

@@ -26,7 +26,7 @@ fn world(formulas: &[Formula]) -> World {
     for formula in formulas {
         let shape = builder.shape(formula.node(), [None; 3]).unwrap();
         builder
-            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
             .unwrap();
     }
     builder.build().unwrap()
@@ -98,7 +98,7 @@ fn a_bundle_sees_what_its_rays_see_alone() {
             .shape(formula.node(), [Some([-half, half]); 3])
             .unwrap();
         builder
-            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
             .unwrap();
         let world = builder.build().unwrap();
         let [mut alone, mut together] = [world.caster(), world.caster()];
@@ -142,7 +142,7 @@ fn normals_are_exact_at_a_hundred_thousand_places() {
             .collect();
         let kind = random.below(ids.len());
         let map = random.map(1.0);
-        builder.solid(&[SetStep::Leaf(ids[kind], map)]).unwrap();
+        builder.solid([SetStep::Leaf(ids[kind], map)]).unwrap();
         let world = builder.build().unwrap();
         let mut caster = world.caster();
         let mut direct = LeafValue::new(&graph, formulas[kind].node(), &map);

@@ -27,7 +27,7 @@ fn world(height: f64) -> World {
     let places = [0.0, height, 0.0].map(|z| DAffine3::from_translation(DVec3::new(0.0, 0.0, z)));
     for (formula, place) in [ground, ball, slab].iter().zip(places) {
         let shape = builder.shape(formula.node(), [None; 3]).unwrap();
-        builder.solid(&[SetStep::Leaf(shape, place)]).unwrap();
+        builder.solid([SetStep::Leaf(shape, place)]).unwrap();
     }
     builder.build().unwrap()
 }

@@ -20,7 +20,7 @@ fn every_shape_has_its_class_its_box_and_exact_crossings() {
         let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
         let id = builder.shape(formula.node(), [None; 3]).unwrap();
         let map = DAffine3::IDENTITY;
-        builder.solid(&[SetStep::Leaf(id, map)]).unwrap();
+        builder.solid([SetStep::Leaf(id, map)]).unwrap();
         let world = builder.build().unwrap();
         assert_eq!(world.degree(0), degrees[k], "shape {k}");
         let bounds = world.bounds(0).expect("a box");

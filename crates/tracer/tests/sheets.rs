@@ -24,7 +24,7 @@ fn implicit(formula: &Formula, rays: &[Ray]) -> Vec<Vec<f64>> {
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     let shape = builder.shape(formula.node(), [None; 3]).unwrap();
     builder
-        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
         .unwrap();
     let world = builder.build().unwrap();
     let mut caster = world.caster();

@@ -26,7 +26,7 @@ fn no_surface_has_a_hole() {
         let cuts = [Some([-half, *half]); 3];
         let shape = builder.shape(formula.node(), cuts).unwrap();
         builder
-            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
             .unwrap();
         let world = builder.build().unwrap();
         let mut caster = world.caster();
@@ -114,7 +114,7 @@ fn thin_and_tiny_sets_are_hit() {
             .shape(formula.node(), [Some([-half, *half]); 3])
             .unwrap();
         builder
-            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
             .unwrap();
         let world = builder.build().unwrap();
         let mut caster = world.caster();

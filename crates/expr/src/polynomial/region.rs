@@ -63,8 +63,12 @@ struct RegionReader<'a> {
 }
 
 /// Reads the set where `root` is defined and not positive. `meaning` gives each input as a polynomial; NaN makes what
-/// depends on it undefined.
-pub fn region(graph: &Graph, root: NodeId, meaning: &dyn Fn(Input) -> Polynomial) -> Region {
+/// depends on it undefined. Returns the number of terms, too, that were made on the way, about.
+pub fn region(
+    graph: &Graph,
+    root: NodeId,
+    meaning: &dyn Fn(Input) -> Polynomial,
+) -> (Region, usize) {
     let mut reader = RegionReader {
         graph,
         known: FxHashMap::default(),
@@ -86,9 +90,9 @@ pub fn region(graph: &Graph, root: NodeId, meaning: &dyn Fn(Input) -> Polynomial
     }
     let region = region.simplified();
     if region.pieces() > MOST_PIECES || !region.is_moderate() {
-        return Region::Field(root, false);
+        return (Region::Field(root, false), reader.work);
     }
-    region
+    (region, reader.work)
 }
 
 impl Region {
@@ -216,8 +220,11 @@ impl RegionReader<'_> {
         let pieces = match (a.form, u32::try_from(n)) {
             (NodeForm::Number(x), _) => return ReadNode::number(crate::ops::integer_power(x, n)),
             (NodeForm::Pieces(lattice), Ok(n)) if n > 0 && n <= LARGEST_DEGREE as u32 => {
-                self.work += 1 << 8;
-                self.affordable(|| lattice.power(n))
+                let power = self.affordable(|| lattice.power(n));
+                // The last product of n − 1 is the largest.
+                let last = power.as_ref().map_or(0, Lattice::size) * lattice.size();
+                self.work += (n as usize - 1) * last / 2;
+                power
             }
             _ => None,
         };

@@ -25,8 +25,10 @@ pub(super) struct ExpandedLeaf {
 /// A step of a set whose leaves are positions in a list of expanded leaves.
 #[derive(Clone, Copy, Debug)]
 enum ExpandedStep {
-    Leaf(usize),
-    Join(SetStep),
+    Leaf(u32),
+    Union,
+    Intersection,
+    Difference,
 }
 
 /// A set without unions over grids.
@@ -46,13 +48,23 @@ pub(super) enum Omission {
     Unbalanced,
 }
 
+impl From<BuildError> for Omission {
+    fn from(error: BuildError) -> Self {
+        match error {
+            BuildError::TooMuchWork => Self::TooMuchWork,
+            BuildError::TooLarge => Self::TooLarge,
+            BuildError::SingularMap(_) | BuildError::Unbalanced(_) => Self::Unbalanced,
+        }
+    }
+}
+
 /// Work that is left, the next last.
 enum Work {
     /// The operand that ends at a step.
     Operand(usize, Arc<[f64]>),
     /// The instances of the operand that ends before a step, from this one on.
     Instances(usize, u64, Arc<[f64]>),
-    Join(SetStep),
+    Join(ExpandedStep),
 }
 
 /// Writes out a solid.
@@ -91,7 +103,7 @@ impl Expansion<'_> {
                 .with_combination(self.scene, self.object, grids, index, uniforms);
         let added = self.written(into, uniforms.into());
         match added {
-            Ok(()) if steps > 0 => into.steps.push(ExpandedStep::Join(SetStep::Union)),
+            Ok(()) if steps > 0 => into.steps.push(ExpandedStep::Union),
             Ok(()) => {}
             Err(_) => {
                 into.steps.truncate(steps);
@@ -125,7 +137,7 @@ impl Expansion<'_> {
         let mut work = vec![Work::Operand(last, uniforms)];
         while let Some(next) = work.pop() {
             match next {
-                Work::Join(step) => into.steps.push(ExpandedStep::Join(step)),
+                Work::Join(step) => into.steps.push(step),
                 Work::Operand(end, uniforms) => {
                     let join = match &steps[end] {
                         SolidStep::Leaf(leaf) => {
@@ -136,9 +148,9 @@ impl Expansion<'_> {
                             work.push(Work::Instances(end, 0, uniforms));
                             continue;
                         }
-                        SolidStep::Union => SetStep::Union,
-                        SolidStep::Intersection => SetStep::Intersection,
-                        SolidStep::Difference => SetStep::Difference,
+                        SolidStep::Union => ExpandedStep::Union,
+                        SolidStep::Intersection => ExpandedStep::Intersection,
+                        SolidStep::Difference => ExpandedStep::Difference,
                     };
                     work.push(Work::Join(join));
                     work.push(Work::Operand(end - 1, uniforms.clone()));
@@ -153,7 +165,7 @@ impl Expansion<'_> {
                         work.push(Work::Instances(end, index + 1, uniforms.clone()));
                     }
                     if index > 0 {
-                        work.push(Work::Join(SetStep::Union));
+                        work.push(Work::Join(ExpandedStep::Union));
                     }
                     let own = self.params.with_combination(
                         self.scene,
@@ -181,7 +193,8 @@ impl Expansion<'_> {
         if is_singular(&map) {
             return Err(Omission::Singular { leaf });
         }
-        into.steps.push(ExpandedStep::Leaf(into.leaves.len()));
+        into.steps
+            .push(ExpandedStep::Leaf(into.leaves.len() as u32));
         into.leaves.push(ExpandedLeaf {
             leaf,
             uniforms,
@@ -268,29 +281,19 @@ impl ExpandedSolid {
                 uniforms.collect()
             })
             .collect();
-        let mut steps = Vec::with_capacity(self.steps.len());
-        for step in &self.steps {
-            steps.push(match *step {
-                ExpandedStep::Join(step) => step,
-                ExpandedStep::Leaf(k) => {
-                    let expanded = &self.leaves[k];
-                    let leaf = &solid.leaves[expanded.leaf as usize];
-                    let shape = shapes.shape(
-                        builder,
-                        &inputs[expanded.leaf as usize],
-                        leaf.field,
-                        &leaf.cuts,
-                        &expanded.uniforms,
-                    );
-                    let shape = shape.map_err(|error| match error {
-                        BuildError::TooMuchWork => Omission::TooMuchWork,
-                        _ => Omission::TooLarge,
-                    });
-                    SetStep::Leaf(shape?, expanded.map)
-                }
-            });
-        }
-        builder.solid(&steps).map_err(|_| Omission::Unbalanced)?;
+        let ids = self.leaves.iter().map(|expanded| {
+            let leaf = &solid.leaves[expanded.leaf as usize];
+            let inputs = &inputs[expanded.leaf as usize];
+            shapes.shape(builder, inputs, leaf.field, &leaf.cuts, &expanded.uniforms)
+        });
+        let ids: Vec<ShapeId> = ids.collect::<Result<_, BuildError>>()?;
+        let steps = self.steps.iter().map(|step| match *step {
+            ExpandedStep::Leaf(k) => SetStep::Leaf(ids[k as usize], self.leaves[k as usize].map),
+            ExpandedStep::Union => SetStep::Union,
+            ExpandedStep::Intersection => SetStep::Intersection,
+            ExpandedStep::Difference => SetStep::Difference,
+        });
+        builder.solid(steps)?;
         Ok(())
     }
 }

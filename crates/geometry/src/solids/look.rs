@@ -48,7 +48,7 @@ pub(super) struct LookProgram {
 #[derive(Debug)]
 pub(super) enum FacePlace {
     /// The look is the same everywhere, once it is known, and so is the place in an image.
-    Anywhere(Box<OnceLock<(FaceLook, Option<DVec3>)>>),
+    Anywhere(OnceLock<Box<(FaceLook, Option<DVec3>)>>),
     /// For each group of attributes, the map from the scene's coordinates.
     Within(Box<[DAffine3]>),
     /// On a part of a curve: the map from the scene's coordinates to those in which z goes from −1 to 1, and the parameter
@@ -153,7 +153,7 @@ impl LookProgram {
         paint: &Paint<'_>,
     ) -> FaceLook {
         if let FacePlace::Anywhere(known) = place {
-            let (look, image) = known.get_or_init(|| {
+            let (look, image) = &**known.get_or_init(|| {
                 let (mut look, mut image) = (self.plain(), None);
                 let nowhere = |_| [f64::NAN; 3];
                 self.attributes
@@ -161,7 +161,7 @@ impl LookProgram {
                         A::Uv => image = Some(numbers.vector()),
                         _ => self.apply(&mut look, numbers),
                     });
-                (look, image)
+                Box::new((look, image))
             });
             return self.painted(*look, image.map(|at| [at.x, at.y]), paint);
         }
@@ -257,7 +257,7 @@ impl LookProgram {
 impl FacePlace {
     /// The place of what looks the same everywhere.
     pub(super) fn anywhere() -> Self {
-        Self::Anywhere(Box::default())
+        Self::Anywhere(OnceLock::new())
     }
 }
 

@@ -57,7 +57,7 @@ fn all_surfaces(wanted: &str, folder: Option<&String>) {
         let Ok(shape) = builder.shape(formula.node(), [Some([-half, half]); 3]) else {
             continue;
         };
-        let solid = builder.solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)]);
+        let solid = builder.solid([SetStep::Leaf(shape, DAffine3::IDENTITY)]);
         let Ok(world) = solid.and_then(|_| builder.build()) else {
             continue;
         };

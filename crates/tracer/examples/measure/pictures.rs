@@ -134,7 +134,7 @@ fn carved(aperture: f64) -> Stage {
     let quarter = std::f64::consts::FRAC_PI_2;
     if let (Some(cube), Some(rod)) = (shape(&mut builder, &solid), shape(&mut builder, &rod)) {
         let at = |map| SetStep::Leaf(rod, map);
-        let _ = builder.solid(&[
+        let _ = builder.solid([
             SetStep::Leaf(cube, DAffine3::IDENTITY),
             at(DAffine3::IDENTITY),
             SetStep::Difference,
@@ -147,7 +147,7 @@ fn carved(aperture: f64) -> Stage {
     let mut looks = vec![opaque(0.7, 1.0, 0.0), opaque(0.5, 0.7, 0.3)];
     for formula in [ground].iter().chain(&balls) {
         if let Some(shape) = shape(&mut builder, formula) {
-            let _ = builder.solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)]);
+            let _ = builder.solid([SetStep::Leaf(shape, DAffine3::IDENTITY)]);
         }
     }
     looks.extend([opaque(0.8, 0.4, 0.6); 7]);

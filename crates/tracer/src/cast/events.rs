@@ -3,7 +3,8 @@
 //! Input: a leaf that a ray comes to. Output: the membership there, and the places where the ray passes the surfaces of its
 //! pieces. A convex leaf has two events at most; the others have those of each piece. Fields give their next event alone.
 
-use super::{Candidate, Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
+use super::queue::RayOrder;
+use super::{Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
 use crate::bundle::RayBlocks;
 use crate::field::{DividedBundle, Field, FieldScratch};
 use crate::leaf::Leaf;
@@ -14,23 +15,29 @@ use crate::shape::LeafSurface;
 use crate::surface::PolynomialSurface;
 
 impl Caster<'_> {
-    /// Reads a leaf: its membership where the ray comes to it, and its events.
-    pub(super) fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
+    /// Reads a leaf, in whose box the ray is from `entry` to `exit`: its membership where the ray comes to it, and its events.
+    pub(super) fn activate(
+        &mut self,
+        ray: &Ray,
+        number: u32,
+        [entry, exit]: [f64; 2],
+        bundled: bool,
+    ) {
         let world = self.world;
-        let leaf = &world.leaves[candidate.leaf as usize];
-        if world.convex[candidate.leaf as usize] {
-            return self.activate_convex(ray, candidate);
+        let leaf = &world.leaves[number as usize];
+        let part = [entry.max(0.0), exit];
+        if world.convex[number as usize] {
+            return self.activate_convex(ray, number, part);
         }
-        let line = self.line(ray, candidate.leaf);
+        let line = self.line(ray, number);
         if !line.is_usable() {
             return;
         }
         self.state.set(&self.world.forest, leaf.gate, true);
-        let from = candidate.entry.max(0.0);
-        let to = candidate.exit;
+        let [from, to] = part;
         for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
             let surface = SurfaceId {
-                leaf: candidate.leaf,
+                leaf: number,
                 piece: k as u32,
             };
             let index = leaf.first_piece + k;
@@ -99,16 +106,16 @@ impl Caster<'_> {
 
     /// Reads a convex leaf, whose membership is that of its gate: the ray is inside from its last entry into a piece to its
     /// first exit from one.
-    fn activate_convex(&mut self, ray: &Ray, candidate: Candidate) {
+    fn activate_convex(&mut self, ray: &Ray, number: u32, part: [f64; 2]) {
         let world = self.world;
-        let leaf = &world.leaves[candidate.leaf as usize];
+        let leaf = &world.leaves[number as usize];
         let (mut entry, mut exit) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
         for piece in 0..leaf.compiled.pieces.len() as u32 {
             let Some(low) = &world.low[leaf.first_piece + piece as usize] else {
                 return;
             };
             let surface = SurfaceId {
-                leaf: candidate.leaf,
+                leaf: number,
                 piece,
             };
             let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
@@ -128,30 +135,30 @@ impl Caster<'_> {
         if entry.0 >= exit.0 {
             return;
         }
-        let from = candidate.entry.max(0.0);
-        let inside = entry.0 <= from && from < exit.0;
+        let inside = entry.0 <= part[0] && part[0] < exit.0;
         self.inside[leaf.first_piece] = inside;
         if inside {
             self.state.set(&world.forest, leaf.gate, true);
         }
         for (t, piece) in [entry, exit] {
             let surface = SurfaceId {
-                leaf: candidate.leaf,
+                leaf: number,
                 piece,
             };
-            self.add_events(surface, &[t], [from, candidate.exit]);
+            self.add_events(surface, &[t], part);
         }
     }
 
     fn add_events(&mut self, surface: SurfaceId, places: &[f64], [from, to]: [f64; 2]) {
         for &t in places {
             if t > from && t <= to {
-                self.events.push(SurfaceEvent {
+                let event = SurfaceEvent {
                     t,
                     leaf: surface.leaf,
                     piece: surface.piece,
                     rest: None,
-                });
+                };
+                self.events.push(RayOrder::of(t), event);
             }
         }
     }
@@ -190,12 +197,13 @@ impl Caster<'_> {
         let found = field.next_change(&mut self.field, &line, [from, to], inside, known);
         if let Some((t, rest)) = found {
             let t = self.snapped(id, t);
-            self.events.push(SurfaceEvent {
+            let event = SurfaceEvent {
                 t,
                 leaf: id.leaf,
                 piece: id.piece,
                 rest: Some([rest, to]),
-            });
+            };
+            self.events.push(RayOrder::of(t), event);
         }
     }
 

@@ -459,7 +459,13 @@ impl<S: Instructions> LaneBounds<S> {
             lower: from - slack,
             upper: to + slack,
         };
-        let (lower, upper) = (self.lower.sin_cos(), self.upper.sin_cos());
+        // Where the reduction is not precise, all values are taken: large angles, which take long, are not read.
+        let far = !size.lt(number(elementary::LARGEST_ANGLE));
+        let near = Self {
+            lower: far.choose(number(0.0), self.lower),
+            upper: far.choose(number(0.0), self.upper),
+        };
+        let (lower, upper) = (near.lower.sin_cos(), near.upper.sin_cos());
         let sines = Self {
             lower: lower.0,
             upper: upper.0,
@@ -468,8 +474,6 @@ impl<S: Instructions> LaneBounds<S> {
             lower: lower.1,
             upper: upper.1,
         };
-        let is_precise = size.lt(number(elementary::LARGEST_ANGLE));
-        let far = !is_precise;
         let sine = Self::wave(
             s,
             sines,
