@@ -1,6 +1,6 @@
 //! `docs/limits.md`: every limit that a user can meet, once, from the constants of the code.
 
-use export::mesh::{MOST_CELLS, USUAL_CELLS};
+use export::mesh::{MAX_MESH_WORK, MOST_CELLS, USUAL_CELLS};
 use geodesic::fan::MOST_FOR_RAYS;
 use geodesic::map::{LEAST_FOR_PIXEL, MOST_FOR_PIXEL, MapOptions};
 use geodesic::measure::MOST_CONNECTIONS;
@@ -211,6 +211,13 @@ fn pictures() -> Vec<Limit> {
             "memory: the corners of the cells take 128 MB, the triangles more",
             "cells along its longest side, the most there may be",
             "intervals that cut the solid into smaller ones",
+        ),
+        limit(
+            "operations on numbers to mesh the solids of a file, all together",
+            grouped(MAX_MESH_WORK),
+            "run time: half a minute",
+            "the meshes of the solids take more work than there may be",
+            "fewer solids, or fewer cells; `--object`: fewer solids in a file",
         ),
         limit(
             "samples of a pixel in the traced view",

@@ -12,7 +12,7 @@
 use glam::{DMat3, DVec3};
 use rustc_hash::FxHashMap;
 
-use crate::bounds::BoundingBox;
+use crate::bounds::{BoundingBox, WorkBudget};
 use crate::line::Ray;
 use crate::world::World;
 
@@ -73,6 +73,9 @@ type Segment = [usize; 2];
 struct Contour<'w> {
     world: &'w World,
     solid: usize,
+    work: &'w WorkBudget,
+    /// That of finding out whether the solid contains a point, in operations.
+    work_on_point: u64,
     lower: DVec3,
     step: f64,
     /// The number of cells along each axis.
@@ -88,12 +91,19 @@ struct Contour<'w> {
     mesh: SolidMesh,
 }
 
-/// Makes a mesh of a solid within a box, with cubical cells, `cells` of them along the longest side.
-pub fn contour(world: &World, solid: usize, bounds: &BoundingBox, cells: u32) -> SolidMesh {
+/// Makes a mesh of a solid within a box, with cubical cells, `cells` of them along the longest side; `None` where that takes
+/// more `work` than is left, which is then used up.
+pub fn contour(
+    world: &World,
+    solid: usize,
+    bounds: &BoundingBox,
+    cells: u32,
+    work: &WorkBudget,
+) -> Option<SolidMesh> {
     let extent = bounds.upper - bounds.lower;
     let longest = extent.max_element();
     if bounds.is_empty() || !longest.is_finite() || longest <= 0.0 {
-        return SolidMesh::default();
+        return Some(SolidMesh::default());
     }
     let step = longest / f64::from(cells.max(1));
     let counts = extent
@@ -103,6 +113,8 @@ pub fn contour(world: &World, solid: usize, bounds: &BoundingBox, cells: u32) ->
     let mut contour = Contour {
         world,
         solid,
+        work,
+        work_on_point: world.work_on_point(solid),
         lower: bounds.lower - BEFORE * step,
         step,
         cells: counts,
@@ -115,13 +127,18 @@ pub fn contour(world: &World, solid: usize, bounds: &BoundingBox, cells: u32) ->
     contour.cast();
     contour.place_vertices();
     contour.join();
-    contour.mesh
+    (!work.is_used_up()).then_some(contour.mesh)
 }
 
 impl Contour<'_> {
     /// A corner, or a place between corners, by its numbers.
     fn place(&self, at: [f64; 3]) -> DVec3 {
         self.lower + self.step * DVec3::from_array(at)
+    }
+
+    /// True if the solid contains the point, as long as there is work left.
+    fn contains(&self, point: DVec3) -> bool {
+        self.work.take(self.work_on_point) && self.world.contains(self.solid, point)
     }
 
     fn corner(&self, [i, j, k]: [usize; 3]) -> usize {
@@ -148,6 +165,7 @@ impl Contour<'_> {
         let mut caster = self.world.caster();
         let [nx, ny, nz] = self.cells;
         caster.begin_tile(nx * ny + ny * nz + nz * nx);
+        let mut operations = 0;
         let mut lines: Vec<(usize, [usize; 3], Vec<LineCrossing>)> = Vec::new();
         for axis in 0..3 {
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -164,8 +182,12 @@ impl Contour<'_> {
                         direction,
                         leaving: None,
                     };
-                    let found = caster.cast(&ray).iter();
-                    let found = found.filter(|it| it.solid == self.solid);
+                    let found = caster.cast(&ray).to_vec();
+                    let before = std::mem::replace(&mut operations, caster.operations());
+                    if !self.work.take(operations - before) {
+                        return;
+                    }
+                    let found = found.iter().filter(|it| it.solid == self.solid);
                     let found = found.map(|it| LineCrossing {
                         along: it.t / self.step - 1.0,
                         entering: it.entering,
@@ -295,7 +317,7 @@ impl Contour<'_> {
         let [mut a, mut b] = [low, high].map(|corner| self.place(corner.map(|k| k as f64)));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (a + b);
-            if self.world.contains(self.solid, middle) == inside {
+            if self.contains(middle) == inside {
                 a = middle;
             } else {
                 b = middle;
@@ -344,7 +366,7 @@ impl Contour<'_> {
                 middle[axis] += side as f64;
                 middle[b] += 0.5;
                 middle[c] += 0.5;
-                let joined = self.world.contains(self.solid, self.place(middle)) == inside[0];
+                let joined = self.contains(self.place(middle)) == inside[0];
                 if joined {
                     vec![[0, 1], [2, 3]]
                 } else {

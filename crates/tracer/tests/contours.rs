@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
-use tracer::{SetStep, SolidMesh, World, WorldBuilder, contour};
+use tracer::{SetStep, SolidMesh, WorkBudget, World, WorldBuilder, contour};
 
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
@@ -18,13 +18,14 @@ fn world(formula: &Formula, cut: Option<[f64; 2]>) -> World {
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     let shape = builder.shape(formula.node(), [cut; 3]).unwrap();
     builder
-        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .solid([SetStep::Leaf(shape, DAffine3::IDENTITY)])
         .unwrap();
     builder.build().unwrap()
 }
 
 fn meshed(world: &World, cells: u32) -> SolidMesh {
-    contour(world, 0, &world.bounds(0).expect("a box"), cells)
+    let bounds = world.bounds(0).expect("a box");
+    contour(world, 0, &bounds, cells, &WorkBudget::new(u64::MAX)).expect("work enough")
 }
 
 /// Panics unless each edge belongs to two triangles that pass it in opposite directions, and the triangles around each
@@ -146,7 +147,8 @@ fn random_trees_have_closed_meshes() {
         let Some(bounds) = world.bounds(0).filter(|bounds| !bounds.is_empty()) else {
             continue;
         };
-        let mesh = contour(&world, 0, &bounds, 24);
+        let work = WorkBudget::new(u64::MAX);
+        let mesh = contour(&world, 0, &bounds, 24, &work).expect("work enough");
         assert_closed_manifold(&mesh, &format!("tree {round}"));
         meshed_count += usize::from(!mesh.triangles.is_empty());
         // Vertices are in cells that the surface passes.
@@ -157,4 +159,31 @@ fn random_trees_have_closed_meshes() {
         }));
     }
     assert!(meshed_count > 12, "{meshed_count}");
+}
+
+#[test]
+fn a_mesh_takes_no_more_work_than_it_may() {
+    let [x, y, z] = &variables();
+    let wave = (x * 3.0).sin() + (y * 3.0).sin() + (z * 3.0).sin();
+    let graph = wave.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let shape = builder.shape(wave.node(), [Some([-1.0, 1.0]); 3]).unwrap();
+    let leaf = SetStep::Leaf(shape, DAffine3::IDENTITY);
+    builder.solid([leaf]).unwrap();
+    let world = builder.build().unwrap();
+    let bounds = world.bounds(0).unwrap();
+    let meshed = |most: u64| {
+        let work = WorkBudget::new(most);
+        let mesh = contour(&world, 0, &bounds, 16, &work);
+        (mesh, most - work.left())
+    };
+    let (Some(whole), taken) = meshed(u64::MAX) else {
+        panic!("no mesh");
+    };
+    assert!(!whole.triangles.is_empty());
+    assert!(taken > 1_000);
+    // Whatever is left beyond it makes no difference; with less there is no mesh, and nothing is left.
+    assert_eq!(meshed(taken + 1), (Some(whole), taken));
+    assert_eq!(meshed(taken), (None, taken));
+    assert_eq!(meshed(1_000), (None, 1_000));
 }

@@ -4,7 +4,7 @@ use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
-use tracer::{BoundingBox, SolidMesh, SurfaceId, contour, encoded};
+use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, encoded};
 
 use super::weld::{Mesh, Vertex};
 
@@ -17,6 +17,8 @@ pub const LEAST_CELLS: u32 = 8;
 pub const MOST_CELLS: u32 = 512;
 /// So many solids have the usual cells; more of them have fewer, so that all together have about as many triangles.
 pub const FINE_SOLIDS: usize = 32;
+/// The most work that the meshes of a file's solids may take, in operations on numbers.
+pub const MAX_MESH_WORK: u64 = 1 << 32;
 /// A vertex has the normal of a triangle's plane where its own is farther from it than this cosine says: at edges.
 const SMOOTH: f32 = 0.9;
 /// The share by which a cell may be too large, for rounding.
@@ -27,7 +29,9 @@ pub(super) struct Fineness {
     /// The number of cells along the longest side of a solid's box, unless its intervals state counts.
     pub(super) cells: u32,
     /// The work that is left to read their shapes.
-    work: u64,
+    shape_work: u64,
+    /// The work that is left to mesh them.
+    mesh_work: WorkBudget,
 }
 
 impl Fineness {
@@ -37,7 +41,8 @@ impl Fineness {
         let cells = f64::from(USUAL_CELLS) * share.sqrt();
         Self {
             cells: (cells as u32).clamp(LEAST_CELLS, USUAL_CELLS),
-            work: MAX_SHAPE_WORK,
+            shape_work: MAX_SHAPE_WORK,
+            mesh_work: WorkBudget::new(MAX_MESH_WORK),
         }
     }
 }
@@ -57,7 +62,7 @@ pub(super) fn meshed(
         thickness: None,
         picture_look: Default::default(),
     };
-    let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.work);
+    let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.shape_work);
     let told = || -> Vec<String> {
         // Vertices lie a little off curved surfaces: attributes may leave their ranges there and nowhere else.
         let notes = rays.notes().into_iter();
@@ -79,7 +84,14 @@ pub(super) fn meshed(
     let stated = rays.stated_cell(0);
     let asked = stated.map(|cell| (longest / cell * (1.0 - ROUNDING)).ceil());
     let cells = asked.map_or(fineness.cells, |cells| (cells as u32).clamp(1, MOST_CELLS));
-    let found = contour(rays.world(), 0, &bounds, cells);
+    let Some(found) = contour(rays.world(), 0, &bounds, cells, &fineness.mesh_work) else {
+        let mut notes = told();
+        notes.push(format!(
+            "`{name}` has no mesh: the meshes of the solids take more work than there may be; fewer solids, or fewer cells, \
+             take less"
+        ));
+        return (None, notes);
+    };
     let mesh = of_contour(&found, colours(&rays, &found, colour));
     // The attributes have been read: it is known where they are undefined.
     let mut notes = told();

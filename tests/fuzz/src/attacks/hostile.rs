@@ -304,9 +304,27 @@ pub(super) const HUGE: &[Huge] = &[
     }),
     ("a wave", || "solid s(x,y,z) = sin(1e9 x);\n".to_owned()),
     ("waves", || {
-        each(200, |k| {
+        each(15_000, |k| {
             format!("solid s{k}(x,y,z) = x^2 + y^2 + z^2 + sin({k} x y) - 1;\n")
         })
+    }),
+    ("powers", || {
+        each(20_000, |k| {
+            format!("solid s{k}(x,y,z) = (x + 2y + 3z + {k})^12 - 1;\n")
+        })
+    }),
+    ("a million leaves", || {
+        let grids = "grid a : [0, 98, 99]; grid b : [0, 99, 100]; grid c : [0, 99, 100];\n";
+        let ball = "solid s(x,y,z) = x^2 + y^2 + z^2 - 0.1;\n";
+        format!("{grids}{ball}solid all = s @ (a, b, c);\n")
+    }),
+    ("a million cuts", || {
+        let grids = "grid a : [0, 98, 99]; grid b : [0, 99, 100]; grid c : [0, 99, 100];\n";
+        let wave = "solid s(x,y,z) = x^2 + sin(y) + z^2 - 0.1, y : [-1, 1];\n";
+        format!("{grids}{wave}solid all = s @ (a, b, c);\n")
+    }),
+    ("a hundred thousand radii", || {
+        "grid r : [1, 2, 100000]; solid s(x,y,z) = x^2 + y^2 + z^2 - r;\n".to_owned()
     }),
     ("a waving surface", || {
         "surface s(u,v) = (u, v, sin(1e6 u v)), u : [-1, 1], v : [-1, 1];\n".to_owned()
