@@ -178,7 +178,7 @@ impl WorkBudget {
     }
 
     /// True if none is left.
-    pub fn is_used_up(&self) -> bool {
+    pub(crate) fn is_used_up(&self) -> bool {
         self.0.get() == 0
     }
 }

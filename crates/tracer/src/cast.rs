@@ -483,6 +483,7 @@ impl Caster<'_> {
                 0
             }
         };
+        // Those that are not of products are the first of all.
         for k in 0..listed {
             let NearLeaf { leaf, bounds } = self.near.all()[k];
             self.add_candidate(ray, BoxOwner::leaf(leaf), bounds.as_ref());
