@@ -255,8 +255,12 @@ fn pictures() -> Vec<Limit> {
             "a smaller `--size`; `--max-operations` for a traced picture",
         ),
         limit(
-            "the same, more for each pixel",
-            grouped(render::MOST_PIXEL_OPERATIONS),
+            "the same, more for each pixel of a 3D picture, and of a traced one",
+            format!(
+                "{}, {}",
+                grouped(render::MOST_SPACE_PIXEL_OPERATIONS),
+                grouped(render::MOST_TRACED_PIXEL_OPERATIONS)
+            ),
             "as above",
             "",
             "",

@@ -48,5 +48,8 @@ pub use geodesic_view::PictureMethod;
 pub use rendered::RenderedImage;
 pub use renderer::{Renderer, render, render_layers, render_until};
 pub use request::{Backend, PictureRequest};
-pub use solids::{MOST_OPERATIONS, MOST_PIXEL_OPERATIONS, most_operations};
+pub use solids::{
+    MOST_OPERATIONS, MOST_SPACE_PIXEL_OPERATIONS, MOST_TRACED_PIXEL_OPERATIONS,
+    most_traced_operations,
+};
 pub use view::{ViewId, Views};

@@ -121,9 +121,9 @@ impl<'a> SolidPainter<'a> {
         }
     }
 
-    /// True once the tiles have taken more than [`most_operations`]: then no more are drawn.
+    /// True once the tiles have taken more than [`most_space_operations`]: then no more are drawn.
     fn is_out_of_work(&self) -> bool {
-        self.operations.load(Ordering::Relaxed) > most_operations(self.camera.size)
+        self.operations.load(Ordering::Relaxed) > most_space_operations(self.camera.size)
     }
 
     /// The notes on the solids, once all tiles are drawn.
@@ -132,7 +132,7 @@ impl<'a> SolidPainter<'a> {
     /// [`RenderError::TooMuchWork`] if they are not.
     pub(crate) fn notes(&self) -> Result<Vec<String>, RenderError> {
         if self.is_out_of_work() {
-            let most = most_operations(self.camera.size);
+            let most = most_space_operations(self.camera.size);
             return Err(RenderError::TooMuchWork(most));
         }
         let notes = self.scene.notes();
@@ -301,15 +301,25 @@ impl Drop for RayCounter<'_, '_> {
     }
 }
 
-/// The operations of a picture on solids, lights and surfaces, besides those of its pixels: about ten seconds of two cores.
+/// The operations of a picture on solids, lights and surfaces, besides those of its pixels: some seconds of two cores.
 pub const MOST_OPERATIONS: u64 = 1 << 30;
-/// The operations that a picture may take more for each pixel.
-pub const MOST_PIXEL_OPERATIONS: u64 = 1 << 11;
+/// The operations that a picture of the 3D view may take more for each pixel: about those of a gyroid that fills it.
+pub const MOST_SPACE_PIXEL_OPERATIONS: u64 = 1 << 9;
+/// The same for a sample of the traced view, with shadows and reflections.
+pub const MOST_TRACED_PIXEL_OPERATIONS: u64 = 1 << 10;
 
-/// The operations that a picture of this size may take on solids, lights and surfaces: in the 3D view, and in the traced view
-/// for one sample of each pixel. See [`tracer::Caster::operations`].
-pub fn most_operations([width, height]: [u32; 2]) -> u64 {
-    MOST_OPERATIONS + u64::from(width) * u64::from(height) * MOST_PIXEL_OPERATIONS
+/// The operations that a picture of this size may take on solids in the 3D view. See [`tracer::Caster::operations`].
+pub(crate) fn most_space_operations(size: [u32; 2]) -> u64 {
+    MOST_OPERATIONS + pixel_count(size) * MOST_SPACE_PIXEL_OPERATIONS
+}
+
+/// The operations that one sample of a traced picture of this size takes at most, unless more are asked for.
+pub fn most_traced_operations(size: [u32; 2]) -> u64 {
+    MOST_OPERATIONS + pixel_count(size) * MOST_TRACED_PIXEL_OPERATIONS
+}
+
+fn pixel_count([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }
 
 /// The note on rays that took more work than there may be.

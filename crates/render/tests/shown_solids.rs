@@ -401,7 +401,7 @@ fn a_traced_picture_that_takes_too_much_work_is_refused() {
     let refused = renderer.draw(&limited(Some(1_000))).map(|_| ());
     assert_eq!(refused, Err(RenderError::TooMuchWork(1_000)));
     assert_eq!(renderer.counters().traced, 0);
-    let most = render::most_operations(SIZE);
+    let most = render::most_traced_operations(SIZE);
     let drawn = [Some(most), None].map(|most| drawn(&mut Renderer::software(), &limited(most)));
     assert_eq!(drawn[0], drawn[1], "the same bytes");
 }

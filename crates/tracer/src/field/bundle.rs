@@ -201,8 +201,8 @@ pub(crate) struct LineBundle {
 /// The number of evaluations for a bundle and a field.
 const MOST_EVALUATIONS: usize = 128;
 
-/// The evaluations that finding the changes on a line takes, about.
-const BRACKETING: usize = 8;
+/// The evaluations on intervals that take as long as finding the change on a line, by about eight evaluations on numbers.
+const BRACKETING: usize = 2;
 
 impl LineBundle {
     /// The rays.

@@ -13,7 +13,7 @@ use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
-use render::{PictureRequest, RenderError, ViewId, Views, most_operations};
+use render::{PictureRequest, RenderError, ViewId, Views, most_traced_operations};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
 use super::Arguments;
@@ -196,7 +196,7 @@ fn view(
         options.bounces = arguments.bounces;
         options.look = arguments.look;
         options.gamma = arguments.gamma;
-        let usual = most_operations(arguments.size(program.scene()));
+        let usual = most_traced_operations(arguments.size(program.scene()));
         options.max_operations = Some(arguments.max_operations.unwrap_or(usual));
     }
     if let Some(space) = view.space_mut() {

@@ -20,7 +20,7 @@ use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
-use render::{Backend, PictureMethod, PictureRequest, Views, most_operations};
+use render::{Backend, PictureMethod, PictureRequest, Views, most_traced_operations};
 use scene::{ObjectId, ParamValues};
 
 use super::{Arguments, picture, textures};
@@ -187,7 +187,7 @@ fn random_request(bench: &Bench, random: &mut Random) -> PictureRequest {
             bounces: (random.below(2) == 0).then_some(3),
             look: (random.below(2) == 0).then_some(tracer::PictureLook::Crt),
             gamma: (random.below(2) == 0).then_some(2.2),
-            max_operations: Some(most_operations(size)),
+            max_operations: Some(most_traced_operations(size)),
         }
         .into(),
         (_, true) => bench.views().first().options(None),
