@@ -20,6 +20,13 @@ const MOST_EVALUATIONS: u32 = 100;
 pub const MOST_BREAK_CELLS: u64 = 8192;
 /// The most evaluations on intervals that look for such a cell, for each of them.
 const EVALUATIONS_FOR_CELL: u64 = 64;
+/// The most evaluations on intervals that look for a pole within a cell.
+const EVALUATIONS_WITHIN_CELL: u32 = 250;
+/// The number of halvings of a cell at which the place of a pole within it is known.
+const HALVINGS_TO_POLE: i32 = 44;
+/// The way on which a pole within a cell is passed, in shares of the cell: along none of the lines on which formulas are
+/// symmetric.
+const WAY_PAST_POLE: [f64; 2] = [1.0, 0.7];
 /// The largest distance of the two sides of the place, as a share of the distance of the samples.
 const MOST_STEP: f64 = 0.125;
 /// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
@@ -39,7 +46,7 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Break {
     /// The place in the grid of samples of the first sample of the cell: a curve breaks off between it and the next one, a surface
-    /// on a side of the cell.
+    /// on a side of the cell, or at a pole within it.
     pub first: [u32; 2],
     /// True if what leads to it has no bound.
     pub is_pole: bool,
@@ -87,10 +94,14 @@ impl Breaks {
             let sides = if domain.len() == 1 { 1 } else { 4 };
             let sides = (0..sides).map(|k| [corners[k], corners[(k + 1) % 4]]);
             let found = sides.filter_map(|side| search.break_between(side.map(value)));
-            let is_pole = found.reduce(|a, b| a || b)?;
+            let is_pole = found.reduce(|a, b| a || b);
+            let mut has_pole = || {
+                let [low, high] = [[i, j], [i + 1, j + 1]].map(value);
+                domain.len() == 2 && search.has_pole_within([0, 1].map(|k| [low[k], high[k]]))
+            };
             Some(Break {
                 first: [i, j],
-                is_pole,
+                is_pole: is_pole.or_else(|| has_pole().then_some(true))?,
             })
         };
         let mut found: Vec<Break> = cells.into_par_iter().filter_map(of_cell).collect();
@@ -297,6 +308,51 @@ impl BreakSearch<'_> {
             parts.extend([([middle, to], seen), ([from, middle], seen)]);
         }
         None
+    }
+
+    /// Returns whether a surface has no bound at a place within a cell, given as the ends of both parameters.
+    fn has_pole_within(&mut self, cell: [[f64; 2]; 2]) -> bool {
+        let mut parts = vec![(cell, 0)];
+        for _ in 0..EVALUATIONS_WITHIN_CELL {
+            let Some((part, halvings)) = parts.pop() else {
+                return false;
+            };
+            if self.is_continuous(part) {
+                continue;
+            }
+            let middle = part.map(|[low, high]| 0.5 * (low + high));
+            if halvings == HALVINGS_TO_POLE {
+                return self.is_pole(middle, cell);
+            }
+            let halves = [0, 1].map(|k| [[part[k][0], middle[k]], [middle[k], part[k][1]]]);
+            parts.extend(
+                halves[1]
+                    .iter()
+                    .flat_map(|&v| halves[0].map(|u| ([u, v], halvings + 1))),
+            );
+        }
+        false
+    }
+
+    /// Returns whether a surface has no bound at a place in a cell.
+    fn is_pole(&mut self, at: [f64; 2], cell: [[f64; 2]; 2]) -> bool {
+        let seen = HALVINGS.map(|halvings| {
+            let share = f64::powi(0.5, halvings);
+            let way = [0, 1].map(|k| share * WAY_PAST_POLE[k] * (cell[k][1] - cell[k][0]));
+            let side = |sign: f64| [0, 1].map(|k| at[k] + sign * way[k]);
+            Some([self.place(side(-1.0))?, self.place(side(1.0))?])
+        });
+        let [Some(first), Some(next), Some(last)] = seen else {
+            return false;
+        };
+        let [us, vs] = cell;
+        let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| self.place([us[i], vs[j]]));
+        let defined: Vec<[f64; 3]> = corners.into_iter().flatten().collect();
+        let ways = defined.iter().zip(defined.iter().skip(1));
+        let size = ways.map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max);
+        // A jump's sides are equal far from it, and near it as unequal as its place is inexact.
+        distance(first[0], next[0]) > MOST_STEP * size
+            && kind_of_break([first, next, last]) == Some(true)
     }
 }
 

@@ -160,6 +160,39 @@ fn a_surface_breaks_off_where_its_divisor_changes_sign() {
 }
 
 #[test]
+fn a_surface_breaks_off_at_a_pole_within_a_cell() {
+    let poles = [
+        "1/(u^2 + v^2)",
+        "log((u - 0.31)^2 + (v - 1.7)^2)",
+        "(u - 1)(v + 0.5)/((u - 1)^2 + (v + 0.5)^2)^2",
+        "((u + 1)^2 + v^2)^(-0.1)",
+    ];
+    for (position, pole) in
+        poles
+            .into_iter()
+            .zip([[0.0, 0.0], [0.31, 1.7], [1.0, -0.5], [-1.0, 0.0]])
+    {
+        let (found, domain) = cells(position);
+        assert!(!found.is_empty(), "{position}");
+        for [i, j] in found {
+            let is_near = [(0, i), (1, j)].into_iter().all(|(k, n): (usize, u32)| {
+                let ends = [n, n + 1].map(|n| domain[k].value(n));
+                ends[0] - 1e-9 <= pole[k] && pole[k] <= ends[1] + 1e-9
+            });
+            assert!(is_near, "{position}: {i}, {j}");
+        }
+    }
+    for position in [
+        "u v/(u^2 + v^2)",
+        "sin(u^2 + v^2)/(u^2 + v^2)",
+        "(u^2 + v^2)^0.1",
+        "u^3/(u^2 + v^2)",
+    ] {
+        assert!(cells(position).0.is_empty(), "{position}");
+    }
+}
+
+#[test]
 fn a_pole_is_known_from_a_jump_and_a_cusp_is_no_break() {
     let kinds = |position: &str| -> Vec<bool> {
         let scene = scene(&format!("curve c(t) = (t, {position}, 0), t : [-3, 2.6];"));

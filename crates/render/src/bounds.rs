@@ -305,7 +305,7 @@ impl Outliers {
             if found.iter().flatten().any(|it| it.is_pole) {
                 return Self::Poles;
             }
-            // Within a cell of a surface there may be a pole that none of its sides meets.
+            // Within a cell of a surface there may be one that was not found.
             if found.is_none() || domain.len() > 1 && breaks.may_occur(domain, &uniforms) {
                 outliers = Self::Some;
             }
