@@ -89,4 +89,18 @@ mod tests {
         assert!(!AttributeRange::POSITIVE.contains(0.0));
         assert!(AttributeRange::SHARE.contains(0.0));
     }
+
+    #[test]
+    fn a_sentence_names_each_range() {
+        let texts = [
+            (AttributeRange::ANY, None),
+            (AttributeRange::SHARE, Some("0…1")),
+            (AttributeRange::NOT_NEGATIVE, Some("≥ 0")),
+            (AttributeRange::POSITIVE, Some("> 0")),
+            (AttributeRange::TURN, Some("> 0 and ≤ 2pi")),
+        ];
+        for (range, text) in texts {
+            assert_eq!(range.text(), text);
+        }
+    }
 }

@@ -191,6 +191,16 @@ fn chunks_are_blocks_and_statements() {
 }
 
 #[test]
+fn a_statement_ends_behind_all_of_its_brackets() {
+    for count in [1, 255, 256, 257, 400] {
+        let [opened, closed] = ["(", ")"].map(|bracket| bracket.repeat(count));
+        let text = format!("a = {opened}1{closed}\nb = 2\n");
+        let document = open(&text);
+        assert_eq!(document.chunks().count(), 2, "{count}");
+    }
+}
+
+#[test]
 fn a_certificate_is_left_alone() {
     let text = "-----BEGIN CERTIFICATE-----\nMIIB@@==\n-----END CERTIFICATE-----\n";
     let mut document = open(text);

@@ -402,6 +402,14 @@ fn random_edits_give_what_reading_the_whole_text_gives() {
 }
 
 #[test]
+fn a_long_text_is_inserted_into_a_long_one() {
+    let text = "define a = 1;\n".repeat(7_000);
+    let mut document = Document::new(&text, &vocabulary()).expect("a small text");
+    document.edit(Span::new(0, 0), &text).expect("an edit");
+    assert_eq!(document.text(), text.repeat(2));
+}
+
+#[test]
 fn lines_columns_and_offsets_are_those_of_the_text() {
     let mut random = Random(7);
     let mut text = String::new();
