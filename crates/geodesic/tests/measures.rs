@@ -138,6 +138,11 @@ fn curvatures_are_those_of_the_formulas() {
     assert_eq!(half.form, [0.25, 0.0, 0.25]);
     near("K", half.gaussian.expect("K"), -1.0, 1e-14);
     assert_eq!(half.mean, None);
+    // sin π is no zero.
+    for end in [0.0, PI] {
+        let tip = measure::place(&zoll(), [end, 1.0]).expect("a place");
+        assert_eq!(tip.gaussian, None);
+    }
     let tip = measure::place(&cone(1.0), [0.3, 0.0]).expect("a place");
     assert_eq!((tip.gaussian, tip.mean), (None, None));
     assert_eq!(tip.principal, None);

@@ -17,7 +17,7 @@ pub struct PlaceMeasures {
     pub uv: Uv,
     /// E, F, G: the coefficients of the first fundamental form.
     pub form: [f64; 3],
-    /// The Gaussian curvature K; `None` where the surface has no tangent plane.
+    /// The Gaussian curvature K; `None` where the surface has no tangent plane, as at the tip of a cone.
     pub gaussian: Option<f64>,
     /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
     /// space, and where the surface has no tangent plane.
@@ -69,7 +69,11 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let jet = surface.jet(uv);
     let [e, g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
     let form = [e, rounded(dot(jet.du, jet.dv), (e * g).sqrt()), g];
-    let [gaussian, mean] = curvatures_near(surface, uv);
+    // Rounding may leave a side at a tip some length.
+    let [gaussian, mean] = match is_tip(surface, uv) {
+        true => [f64::NAN; 2],
+        false => curvatures_near(surface, uv),
+    };
     let finite = |x: f64| x.is_finite().then_some(x);
     Ok(PlaceMeasures {
         uv,
@@ -78,6 +82,18 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         mean: finite(mean).filter(|_| surface.is_embedded()),
         principal: principal(&jet).filter(|_| surface.is_embedded()),
     })
+}
+
+/// Returns whether a place is the tip of a cone.
+fn is_tip(surface: &dyn Surface, uv: Uv) -> bool {
+    let domain = surface.domain();
+    let is_at = |axis: usize, end: usize| {
+        let apex = surface.apex(axis, end).filter(|apex| !apex.smooth);
+        apex.is_some() && uv[axis] == domain[axis][end]
+    };
+    [[0, 0], [0, 1], [1, 0], [1, 1]]
+        .iter()
+        .any(|&[axis, end]| is_at(axis, end))
 }
 
 /// The principal curvatures and directions: those in which the second form, with respect to an orthonormal basis of the
