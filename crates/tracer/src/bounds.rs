@@ -35,6 +35,17 @@ impl BoundingBox {
         upper: DVec3::NEG_INFINITY,
     };
 
+    /// All of space.
+    pub(crate) const WHOLE: Self = Self {
+        lower: DVec3::NEG_INFINITY,
+        upper: DVec3::INFINITY,
+    };
+
+    /// The box, if no side of it is endless.
+    pub(crate) fn if_finite(self) -> Option<Self> {
+        (self.is_empty() || self.lower.is_finite() && self.upper.is_finite()).then_some(self)
+    }
+
     /// True if it contains no point.
     pub fn is_empty(&self) -> bool {
         !self.lower.cmple(self.upper).all()
@@ -92,8 +103,18 @@ impl BoundingBox {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        let (center, half) = (self.center(), 0.5 * (self.upper - self.lower));
         let columns = map.matrix3;
+        if self.if_finite().is_none() {
+            let rows = columns.transpose();
+            let sides = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| self.along(row));
+            let [lower, upper] = [0, 1].map(|end| DVec3::from_array(sides.map(|side| side[end])));
+            let slack = [lower, upper].map(|end| 1e-12 * (end.abs() + map.translation.abs()));
+            return Self {
+                lower: map.translation + lower - slack[0],
+                upper: map.translation + upper + slack[1],
+            };
+        }
+        let (center, half) = (self.center(), 0.5 * (self.upper - self.lower));
         let reach = columns.x_axis.abs() * half.x
             + columns.y_axis.abs() * half.y
             + columns.z_axis.abs() * half.z;
@@ -103,6 +124,17 @@ impl BoundingBox {
             lower: center - reach - slack,
             upper: center + reach + slack,
         }
+    }
+
+    /// The least and the largest product of a vector with a place inside; a side that the vector does not look along counts
+    /// nothing, endless or not.
+    fn along(&self, vector: DVec3) -> [f64; 2] {
+        let mut all = [0.0; 2];
+        for k in (0..3).filter(|&k| vector[k] != 0.0) {
+            let [a, b] = [vector[k] * self.lower[k], vector[k] * self.upper[k]];
+            all = [all[0] + a.min(b), all[1] + a.max(b)];
+        }
+        all
     }
 
     /// The part of a ray inside, in its parameter, where it meets the box from its start on: also where it only touches a side,
@@ -184,17 +216,17 @@ impl WorkBudget {
 }
 
 /// Finds a box outside which `range` is positive or undefined, within `limits`; [`BoundingBox::EMPTY`] where it is so
-/// everywhere.
+/// everywhere. A side beyond which it is not found to be so is that of `limits`, perhaps endless.
 pub(crate) fn enclose(
     limits: [Interval; 3],
     range: &mut dyn FnMut([Interval; 3]) -> Interval,
-) -> Option<BoundingBox> {
+) -> BoundingBox {
     let mut outside = |sides: [Interval; 3]| {
         let value = range(sides);
         value.is_empty() || value.lower() > 0.0
     };
     if outside(limits) {
-        return Some(BoundingBox::EMPTY);
+        return BoundingBox::EMPTY;
     }
     let mut sides = limits;
     // A smaller side makes the others smaller.
@@ -209,7 +241,7 @@ pub(crate) fn enclose(
                     (Some(place), false) if place <= upper => {
                         Interval::new(place.max(lower), upper)
                     }
-                    (Some(_), _) => return Some(BoundingBox::EMPTY),
+                    (Some(_), _) => return BoundingBox::EMPTY,
                     (None, _) => sides[axis],
                 };
             }
@@ -220,11 +252,10 @@ pub(crate) fn enclose(
             break;
         }
     }
-    let bounds = BoundingBox {
+    BoundingBox {
         lower: DVec3::from_array(sides.map(Interval::lower)),
         upper: DVec3::from_array(sides.map(Interval::upper)),
-    };
-    (bounds.lower.is_finite() && bounds.upper.is_finite()).then_some(bounds)
+    }
 }
 
 /// The place beyond which, upward or downward, everything is outside.

@@ -22,8 +22,8 @@ pub(crate) struct Shape {
     pub(crate) node: NodeId,
     pub(crate) cuts: [Option<[f64; 2]>; 3],
     pub(crate) field: Field,
-    /// `None` for an endless set.
-    pub(crate) bounds: Option<BoundingBox>,
+    /// The box outside which it holds nothing; some of its sides may be endless.
+    pub(crate) extent: BoundingBox,
     /// The number of surfaces that bound it.
     pub(crate) pieces: usize,
 }
@@ -54,7 +54,7 @@ const READING: u64 = 32;
 const FLATTEST: f64 = 1e-3;
 
 impl Shape {
-    /// Makes a shape. Where `work` is used up, its box is endless or larger than it need be.
+    /// Makes a shape. Where `work` is used up, its box is larger than it need be.
     pub(crate) fn new(
         compiler: &FieldCompiler<'_>,
         node: NodeId,
@@ -70,8 +70,8 @@ impl Shape {
         let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
         let mut scratch = FieldScratch::default();
         let mut pieces = 2 * cuts.iter().flatten().count();
-        let bounds = if limits.iter().any(|side| side.is_empty()) {
-            Some(BoundingBox::EMPTY)
+        let extent = if limits.iter().any(|side| side.is_empty()) {
+            BoundingBox::EMPTY
         } else {
             let (region, terms) = region(graph, node, &|input| meaning(input, uniform, &UNITS));
             // It is read once more in its frame.
@@ -90,27 +90,34 @@ impl Shape {
                 false => Interval::WHOLE,
             };
             match ellipsoid(&region).map(within) {
-                Some(sides) if is_empty(&sides) => Some(BoundingBox::EMPTY),
-                Some(sides) => Some(BoundingBox {
+                Some(sides) if is_empty(&sides) => BoundingBox::EMPTY,
+                Some(sides) => BoundingBox {
                     lower: DVec3::from_array(sides.map(Interval::lower)),
                     upper: DVec3::from_array(sides.map(Interval::upper)),
-                }),
-                None => enclose(limits, &mut on_box).or_else(|| {
-                    let sides = within(reach(&region, work)?);
-                    match is_empty(&sides) {
-                        true => Some(BoundingBox::EMPTY),
-                        false => enclose(sides, &mut on_box),
+                },
+                None => {
+                    let found = enclose(limits, &mut on_box);
+                    let reach = || reach(&region, work).map(within);
+                    match found.if_finite().map_or_else(reach, |_| None) {
+                        Some(sides) if is_empty(&sides) => BoundingBox::EMPTY,
+                        Some(sides) => enclose(sides, &mut on_box),
+                        None => found,
                     }
-                }),
+                }
             }
         };
         Ok(Self {
             node,
             cuts,
             field,
-            bounds,
+            extent,
             pieces,
         })
+    }
+
+    /// The box outside which it holds nothing; `None` for an endless set.
+    pub(crate) fn bounds(&self) -> Option<BoundingBox> {
+        self.extent.if_finite()
     }
 
     /// True at the points of the set, by the expression's value.

@@ -288,7 +288,7 @@ impl World {
 
     /// The box of a leaf, which no ray enters inside of it; of an endless one, the box in which it is looked for.
     fn own_box(&self, leaf: &Leaf) -> Option<BoundingBox> {
-        let own = self.shapes[leaf.shape].bounds;
+        let own = self.shapes[leaf.shape].bounds();
         let world_from_shape = leaf.shape_from_world.inverse();
         let own = own.map(|bounds| bounds.transformed(&world_from_shape));
         own.or(leaf.bounds)

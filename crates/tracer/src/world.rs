@@ -263,17 +263,16 @@ impl<'a> WorldBuilder<'a> {
                 },
                 &mut |leaf, found| literals[leaf - first] = Some(found),
             );
-            let own = placed.iter().map(|leaf| {
-                let bounds = shapes[leaf.shape].bounds;
-                bounds.map(|bounds| bounds.transformed(&leaf.map))
+            let (all, clips) = joined(&read, &|leaf| {
+                let PlacedShape { shape, map } = &placed[leaf - first];
+                let shape: &Shape = &shapes[*shape];
+                (shape.extent, map)
             });
-            let own: Vec<Option<BoundingBox>> = own.collect();
-            let (all, clips) = joined(&read, &|leaf| own[leaf - first]);
-            bounds.push(all);
+            bounds.push(all.if_finite());
             leaves.reserve(placed.len());
             boxes.reserve(placed.len());
-            let known = drafts.into_iter().zip(own).zip(clips).zip(literals);
-            for (PlacedShape { shape, map }, (((compiled, own), clip), literals)) in
+            let known = drafts.into_iter().zip(clips).zip(literals);
+            for (PlacedShape { shape, map }, ((compiled, clip), literals)) in
                 placed.into_iter().zip(known)
             {
                 // Each leaf is a part of its tree.
@@ -282,7 +281,8 @@ impl<'a> WorldBuilder<'a> {
                 };
                 let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
                 let fields = compiled.pieces.iter().any(is_field);
-                let bounds = common(own, clip).or_else(|| fields.then(|| wide(&rest)));
+                let bounds = clip.if_finite();
+                let bounds = bounds.or_else(|| fields.then(|| wide(&rest)));
                 boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
                 let count = compiled.pieces.len();
@@ -292,7 +292,7 @@ impl<'a> WorldBuilder<'a> {
                     compiled,
                     unit_from_world: world_from_unit.inverse(),
                     shape_from_world: map.inverse(),
-                    bounded: own.is_some(),
+                    bounded: shapes[shape].bounds().is_some(),
                     bounds,
                     gate,
                     pieces,
@@ -351,7 +351,7 @@ impl<'a> WorldBuilder<'a> {
     fn rest(&self) -> BoundingBox {
         let mut rest = BoundingBox::EMPTY;
         for leaf in self.solids.iter().flat_map(|solid| &solid.leaves) {
-            if let Some(bounds) = self.shapes[leaf.shape].bounds
+            if let Some(bounds) = self.shapes[leaf.shape].bounds()
                 && !bounds.is_empty()
             {
                 rest = rest.union(&bounds.transformed(&leaf.map));
@@ -387,7 +387,7 @@ impl FrameCache<'_> {
     ) -> Result<Arc<FramedShape>, BuildError> {
         let source = &self.shapes[shape];
         // A bounded shape has one frame, whatever its map.
-        let (frame, key) = match source.bounds {
+        let (frame, key) = match source.bounds() {
             Some(bounds) => (bounds, [0; 12]),
             None => {
                 let key = map.to_cols_array().map(f64::to_bits);
@@ -502,48 +502,69 @@ impl World {
     }
 }
 
-/// A box that contains a set, `None` where none is found: that of both operands of a union, of what an intersection's have in
-/// common, of a difference's first. And for each leaf the box outside which it does not matter: what the boxes of all sets
-/// that it is a part of have in common.
+/// A set that is no operand yet.
+struct OpenSet<'a> {
+    /// The step at which it ends.
+    step: usize,
+    /// Its box in the frame of its leaves, with their map, if they share one.
+    in_frame: Option<(BoundingBox, &'a DAffine3)>,
+}
+
+/// A box that contains a set, perhaps an endless one: that of both operands of a union, of what an intersection's have in
+/// common, of a difference's first. And for each leaf the box outside which it does not matter: what its own and the boxes of
+/// all sets that it is a part of have in common.
 ///
 /// Outside the box of such a set the set holds nothing, whatever its endless leaves are taken to hold there: so it is for a
 /// union of such sets, for an intersection with one of them, for a difference from one.
-fn joined(
+fn joined<'a>(
     steps: &[TreeStep],
-    leaf: &dyn Fn(usize) -> Option<BoundingBox>,
-) -> (Option<BoundingBox>, Vec<Option<BoundingBox>>) {
+    leaf: &dyn Fn(usize) -> (BoundingBox, &'a DAffine3),
+) -> (BoundingBox, Vec<BoundingBox>) {
     // For each step the box of the set that ends there, and the steps at which its operands end.
-    let mut sets: Vec<(Option<BoundingBox>, Option<[usize; 2]>)> = Vec::with_capacity(steps.len());
-    let mut stack: Vec<usize> = Vec::new();
+    let mut sets: Vec<(BoundingBox, Option<[usize; 2]>)> = Vec::with_capacity(steps.len());
+    let mut stack: Vec<OpenSet<'_>> = Vec::new();
     for (k, step) in steps.iter().enumerate() {
-        let set = match *step {
-            TreeStep::Leaf(place) => (leaf(place), None),
+        let (set, operands, in_frame) = match *step {
+            TreeStep::Leaf(place) => {
+                let (extent, map) = leaf(place);
+                (extent.transformed(map), None, Some((extent, map)))
+            }
             _ => {
                 let (Some(second), Some(first)) = (stack.pop(), stack.pop()) else {
                     break;
                 };
-                let (a, b) = (sets[first].0, sets[second].0);
-                let bounds = match step {
-                    TreeStep::Union => a.zip(b).map(|(a, b)| a.union(&b)),
-                    TreeStep::Intersection => common(a, b),
+                let join = |a: BoundingBox, b: BoundingBox| match step {
+                    TreeStep::Union => a.union(&b),
+                    TreeStep::Intersection => a.common(&b),
                     _ => a,
                 };
-                (bounds, Some([first, second]))
+                let set = join(sets[first.step].0, sets[second.step].0);
+                let in_frame = first.in_frame.zip(second.in_frame);
+                let in_frame = in_frame
+                    .filter(|((_, map), (_, other))| map == other)
+                    .map(|((a, map), (b, _))| (join(a, b), map));
+                // In a frame that is turned each of two may have no end along an axis along which both together have one.
+                let set = match (set.if_finite(), in_frame) {
+                    (None, Some((extent, map))) => set.common(&extent.transformed(map)),
+                    _ => set,
+                };
+                (set, Some([first.step, second.step]), in_frame)
             }
         };
-        sets.push(set);
-        stack.push(k);
+        sets.push((set, operands));
+        stack.push(OpenSet { step: k, in_frame });
     }
-    let mut clips = vec![None; sets.len()];
+    let mut clips = vec![BoundingBox::WHOLE; sets.len()];
     for k in (0..sets.len()).rev() {
-        let clip = common(clips[k], sets[k].0);
+        let clip = clips[k].common(&sets[k].0);
+        clips[k] = clip;
         for operand in sets[k].1.into_iter().flatten() {
             clips[operand] = clip;
         }
     }
     let leaves = steps.iter().zip(clips);
     let leaves = leaves.filter(|(step, _)| matches!(step, TreeStep::Leaf(_)));
-    let whole = sets.last().and_then(|set| set.0);
+    let whole = sets.last().map_or(BoundingBox::WHOLE, |set| set.0);
     (whole, leaves.map(|(_, clip)| clip).collect())
 }
 
@@ -581,14 +602,6 @@ fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
         .zip(leaves)
         .map(|(guard, leaf)| guard.filter(|guard| *guard != leaf))
         .collect()
-}
-
-/// Returns the intersection of two boxes; `None` stands for everything.
-fn common(a: Option<BoundingBox>, b: Option<BoundingBox>) -> Option<BoundingBox> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.common(&b)),
-        (a, b) => a.or(b),
-    }
 }
 
 /// The box in which endless fields are looked for.

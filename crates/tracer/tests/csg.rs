@@ -260,3 +260,77 @@ fn endless_leaves_matter_only_where_their_sets_reach() {
     }
     assert!(seen > 300 && clipped > 8, "{seen}, {clipped}");
 }
+
+#[test]
+fn sets_of_endless_leaves_are_bounded_by_what_they_share() {
+    let mut random = Random(23);
+    let variables = variables();
+    let [x, y, z] = &variables;
+    let cylinder = x.squared() + y.squared() - 1.0;
+    let slab = z.abs() - 0.5;
+    let (crossed, half) = (y.squared() + z.squared() - 1.0, x - 0.25 * y);
+    let graph = cylinder.graph().clone();
+    let lean = glam::DMat3::from_rotation_y(0.4);
+    let maps = [glam::DAffine3::IDENTITY, glam::DAffine3::from_mat3(lean)];
+    for map in maps {
+        let world = |formulas: [&formula::Formula; 3], join: [SetStep; 2], cut| {
+            let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+            let mut leaf = |k: usize, cuts| {
+                let shape = builder.shape(formulas[k].node(), cuts).unwrap();
+                SetStep::Leaf(shape, map)
+            };
+            let leaves = [
+                leaf(0, [None, None, cut]),
+                leaf(1, [None; 3]),
+                leaf(2, [None; 3]),
+            ];
+            let [a, b, c] = leaves;
+            builder
+                .solid([a, b, join[0].clone(), c, join[1].clone()])
+                .unwrap();
+            builder.build().unwrap()
+        };
+        let (both, without) = (SetStep::Intersection, SetStep::Difference);
+        let drum = world(
+            [&cylinder, &slab, &half],
+            [both.clone(), without.clone()],
+            None,
+        );
+        let pillow = world(
+            [&cylinder, &crossed, &half],
+            [both.clone(), both.clone()],
+            None,
+        );
+        // An intersection is looked into only where all of its operands reach: the slab alone has no end.
+        let cut = world(
+            [&slab, &cylinder, &half],
+            [without.clone(), without],
+            Some([0.0, 0.2]),
+        );
+        assert!(cut.bounds(0).is_none());
+        for (world, half) in [(drum, [1.0, 1.0, 0.5]), (pillow, [1.0, 1.0, 1.0])] {
+            let bounds = world.bounds(0).expect("a box");
+            if map == glam::DAffine3::IDENTITY {
+                let error = (bounds.upper - DVec3::from_array(half)).abs().max_element();
+                assert!(error < 0.02, "{bounds:?}");
+            }
+            let mut caster = world.caster();
+            let mut seen = 0;
+            for k in 0..400 {
+                let direction = random.direction();
+                let back = if k % 3 == 0 { 0.0 } else { 6.0 };
+                let ray = Ray {
+                    origin: random.vector(1.2) - back * direction,
+                    direction,
+                    leaving: None,
+                };
+                let crossings = caster.cast(&ray).to_vec();
+                let inside = !caster.solids_at_start().is_empty();
+                seen += crossings.len();
+                let wrong = disagreements(&world, &ray, &crossings, inside, 12.0);
+                assert_eq!(wrong, 0, "ray {k}: {ray:?}");
+            }
+            assert!(seen > 200, "{seen}");
+        }
+    }
+}
