@@ -837,12 +837,12 @@ impl std::fmt::Display for RayNote {
             RayFault::UndefinedStage(1) => {
                 write!(
                     f,
-                    "`{name}` is left out: its place or its direction is undefined"
+                    "`{name}` is left out: its place or its direction is undefined, or the direction is zero"
                 )
             }
             RayFault::UndefinedStage(count) => write!(
                 f,
-                "{count} instances of `{name}` are left out: their place or direction is undefined"
+                "{count} instances of `{name}` are left out: their place or direction is undefined, or the direction is zero"
             ),
             RayFault::UndefinedAttribute(word) => write!(
                 f,

@@ -30,10 +30,10 @@ pub enum InitialConditionsError {
     ZeroDirection,
     /// A parameter of the start is no finite number.
     UndefinedStart,
-    /// The start lies outside the surface's domain.
+    /// The start, or the place to which it should run, lies outside the surface's domain.
     Outside {
-        /// The start.
-        start: [f64; 2],
+        /// The place.
+        place: [f64; 2],
         /// The domain.
         domain: [Range; 2],
     },
@@ -53,11 +53,11 @@ impl fmt::Display for InitialConditionsError {
             Self::ZeroDirection => write!(f, "its direction is zero"),
             Self::UndefinedStart => write!(f, "its start is undefined"),
             Self::Outside {
-                start: [u, v],
+                place: [u, v],
                 domain: [first, second],
             } => write!(
                 f,
-                "its start ({u}, {v}) lies outside the domain [{}, {}] × [{}, {}]",
+                "the place ({u}, {v}) lies outside the domain [{}, {}] × [{}, {}]",
                 first.min, first.max, second.min, second.max
             ),
         }
@@ -90,7 +90,10 @@ impl InitialConditions {
             (range.min - slack..=range.max + slack).contains(x)
         };
         if !domain.iter().zip(&start).all(inside) {
-            return Err(InitialConditionsError::Outside { start, domain });
+            return Err(InitialConditionsError::Outside {
+                place: start,
+                domain,
+            });
         }
         Ok(Self {
             start,

@@ -112,7 +112,10 @@ mod tests {
         params.set(&scene, "a", &[0.5]).expect("in range");
         let domain = [(0.0, 1.0), (0.0, 2.0)].map(|(min, max)| Range { min, max });
         let start = [-1.0, 0.0];
-        let outside = Err(InitialConditionsError::Outside { start, domain });
+        let outside = Err(InitialConditionsError::Outside {
+            place: start,
+            domain,
+        });
         assert_eq!(evaluate(&params), outside);
         // A corner belongs to the domain.
         params.set(&scene, "place", &[1.0, 2.0]).expect("in range");
@@ -125,8 +128,12 @@ mod tests {
                 unit: 1.0
             })
         );
-        let sentence = InitialConditionsError::Outside { start, domain }.to_string();
-        let expected = "its start (1, 2) lies outside the domain [0, 1] × [0, 2]";
+        let sentence = InitialConditionsError::Outside {
+            place: start,
+            domain,
+        }
+        .to_string();
+        let expected = "the place (1, 2) lies outside the domain [0, 1] × [0, 2]";
         assert_eq!(sentence, expected);
     }
 

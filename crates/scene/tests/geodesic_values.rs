@@ -172,7 +172,7 @@ fn what_has_no_value_says_why() {
     );
     assert_eq!(
         reasons("q"),
-        ["h: its start (2, 0) lies outside the domain [0, 1] × [0, 1]"]
+        ["h: the place (2, 0) lies outside the domain [0, 1] × [0, 1]"]
     );
     assert_eq!(
         reasons("r"),
