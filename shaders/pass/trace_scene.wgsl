@@ -1,6 +1,7 @@
 // A traced picture: rays are followed through solids, mirrors and glass as in crates/tracer/src/shade.rs. The scene is
-// data: crates/render/src/gpu/trace/tables.rs writes it. One invocation a pixel; a sample in which f32 may decide
-// otherwise than f64, or that is too much for the lists below, is marked and adds nothing.
+// data: crates/render/src/gpu/trace/tables.rs writes it, and crates/wgsl/src/traced.rs the functions of its expressions.
+// One invocation a pixel; a sample in which f32 may decide otherwise than f64, or that is too much for the lists below, is
+// marked and adds nothing.
 
 const NONE: u32 = 0xffffffffu;
 // The most of what is kept of a ray at once.
@@ -21,6 +22,8 @@ const PARALLEL_REACH: f32 = 1e4;
 const LOOK_CRT: u32 = 1u;
 const SIDES_BOTH: u32 = 0u;
 const SIDES_OUTER: u32 = 1u;
+// What a material lets through depends on the place.
+const VARIES_THROUGH: u32 = 0x10000u;
 
 struct Trace {
     lens: Lens,
@@ -101,7 +104,15 @@ struct Material {
     glass: f32,
     specular: f32,
     shininess: f32,
-    padding: vec2f,
+    // The first word of the lists of attributes that are expressions, and the number of lists, with VARIES_THROUGH.
+    lists: u32,
+    varies: u32,
+}
+
+// The look of a face at a place: its material there, and the gradient of the height along the outer normal.
+struct VariedLook {
+    material: Material,
+    bump: vec3f,
 }
 
 @group(0) @binding(0) var<uniform> trace: Trace;
@@ -155,6 +166,8 @@ struct Face {
     position: vec3f,
     // On the side of the ray's start.
     normal: vec3f,
+    // The one by which it is lit: a height may turn it.
+    lit_normal: vec3f,
 }
 
 // The sample is left to f64.
@@ -629,11 +642,25 @@ fn normal_at(piece: u32, ray: Ray, t: f32) -> vec3f {
     return select(unit, -unit, dot(unit, ray.direction) > 0.0);
 }
 
-fn ray_from(face: Face, direction: vec3f) -> Ray {
+// The normal that a height with this gradient gives a face.
+fn turned(normal: vec3f, bump: vec3f) -> vec3f {
+    let slope = bump - dot(normal, bump) * normal;
+    let lit = normal - slope;
+    let size = length(lit);
+    if !(size > 0.0) {
+        return normal;
+    }
+    return lit / size;
+}
+
+// The error of a face's place.
+fn slack_at(face: Face) -> f32 {
     let place = abs(face.position);
-    let far = max(max(max(place.x, place.y), place.z), face.t);
-    let slack = 2.0 * PLACE_ERROR * far;
-    return Ray(face.position, direction, pieces[face.piece].equation, slack);
+    return 2.0 * PLACE_ERROR * max(max(max(place.x, place.y), place.z), face.t);
+}
+
+fn ray_from(face: Face, direction: vec3f) -> Ray {
+    return Ray(face.position, direction, pieces[face.piece].equation, slack_at(face));
 }
 
 // The light of a face that comes whatever is between it and a light.
@@ -648,13 +675,13 @@ fn ambient_light(light: Light, material: Material) -> vec3f {
 fn seen_share(
     light: Light, towards: vec3f, face: Face, material: Material, direction: vec3f,
 ) -> vec3f {
-    let height = dot(face.normal, towards);
+    let height = dot(face.lit_normal, towards);
     var along = 0.0;
     if trace.look == LOOK_CRT {
-        along = dot(towards - 2.0 * height * face.normal, direction);
+        along = dot(towards - 2.0 * height * face.lit_normal, direction);
     } else {
         let between = towards - direction;
-        along = dot(face.normal, between) / max(length(between), 1e-30);
+        along = dot(face.lit_normal, between) / max(length(between), 1e-30);
     }
     let highlight = material.specular * share_power(max(along, 0.0), material.shininess);
     if trace.look == LOOK_CRT {
@@ -771,6 +798,7 @@ fn meet(path: ptr<function, Path>, found: u32) -> Face {
     face.piece = together_piece[found];
     face.position = (*path).ray.origin + face.t * (*path).ray.direction;
     face.normal = normal_at(face.piece, (*path).ray, face.t);
+    face.lit_normal = face.normal;
     if (*path).media_count > 0u {
         let medium = (*path).media[(*path).media_count - 1u];
         let exponent = face.t / components[medium.component].depth;
@@ -793,10 +821,10 @@ fn part(path: Path, face: Face, material: Material) -> vec3f {
         var behind = beyond(next, material.color);
         let n1 = index_of(path);
         let n2 = index_of(behind);
-        let cosine = clamp(-dot(face.normal, path.ray.direction), 0.0, 1.0);
+        let cosine = clamp(-dot(face.lit_normal, path.ray.direction), 0.0, 1.0);
         let reflects = fresnel(cosine, n1, n2);
         mirror += material.glass * reflects;
-        let bent = refracted(path.ray.direction, face.normal, n1, n2);
+        let bent = refracted(path.ray.direction, face.lit_normal, n1, n2);
         let through = material.glass * (1.0 - reflects);
         if bent.passes && through != 0.0 {
             behind.ray = ray_from(face, bent.direction);
@@ -807,7 +835,9 @@ fn part(path: Path, face: Face, material: Material) -> vec3f {
     }
     if any(mirror != vec3f(0.0)) {
         let direction = path.ray.direction;
-        let away = direction - 2.0 * dot(face.normal, direction) * face.normal;
+        var away = direction - 2.0 * dot(face.lit_normal, direction) * face.lit_normal;
+        // Into the true face: reflected at it once more.
+        away -= 2.0 * min(dot(face.normal, away), 0.0) * face.normal;
         next.ray = ray_from(face, normalize(away));
         next.share = path.share * mirror;
         next.weight = path.weight * max(max(mirror.x, mirror.y), mirror.z);
@@ -883,14 +913,25 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
             }
             face = meet(&path, found);
             material = materials[leaves[pieces[face.piece].leaf].material];
+            if material.varies != 0u {
+                let varied = varied_look(material, face.position, slack_at(face));
+                material = varied.material;
+                if any(varied.bump != vec3f(0.0)) {
+                    let bump = select(-varied.bump, varied.bump, together_enters[found]);
+                    face.lit_normal = turned(face.normal, bump);
+                }
+            }
             out += part(path, face, material);
             light = 0u;
         } else {
             if together_t < ENDLESS {
                 for (var k = 0u; k < together_count; k++) {
                     if is_seen(k) {
-                        let other = pieces[together_piece[k]].leaf;
-                        share *= materials[leaves[other].material].glass;
+                        let other = leaves[pieces[together_piece[k]].leaf].material;
+                        share *= materials[other].glass;
+                        if (materials[other].varies & VARIES_THROUGH) != 0u {
+                            is_marked = true;
+                        }
                     }
                 }
                 if share != 0.0 {
@@ -908,7 +949,7 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
             let is_crt = trace.look == LOOK_CRT;
             let way = select(0.0, path.length + face.t, is_crt);
             let seen = seen_light(lights[light], face.position, place.light, way);
-            if dot(face.normal, seen.towards) > 0.0 && seen.share > 0.0 {
+            if dot(face.lit_normal, seen.towards) > 0.0 && seen.share > 0.0 {
                 towards = seen.towards;
                 share = seen.share;
                 before = seen.distance;

@@ -50,7 +50,7 @@ fn the_fixed_passes_are_valid() {
         ("curves", wgsl::painter::curves()),
         ("surfaces", wgsl::painter::surfaces()),
         ("resolve_piecewise", wgsl::painter::resolve_piecewise()),
-        ("trace_scene", wgsl::painter::trace_scene()),
+        ("trace_scene", wgsl::traced::trace_scene("")),
     ] {
         if let Err(error) = joined {
             panic!("{name}: {error}");

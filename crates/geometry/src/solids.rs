@@ -8,6 +8,7 @@
 //! Scene + ParamValues ──expand.rs──▶ solids, the instances of each united
 //!        ├──────────────bodies.rs──▶ points, arrows, curves and geodesics as balls, cylinders and cones
 //!        ├──────────attributes.rs──▶ numbers at places, within their ranges ──look.rs──▶ looks of faces
+//!        │                              └─varying.rs──▶ the same as expressions
 //!        └───────────────stage.rs──▶ lights, cameras, the background
 //! ```
 
@@ -16,6 +17,7 @@ mod bodies;
 mod expand;
 mod look;
 mod stage;
+mod varying;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -40,6 +42,7 @@ pub use bodies::{MAX_BODIES, Thickness};
 pub use expand::instance_grids;
 pub use look::{BackgroundImage, FaceImage, Paint};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
+pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};
 
 /// The colour of solids that state none, sRGB.
 pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
@@ -356,9 +359,15 @@ impl RayScene {
         &self.content.sides
     }
 
-    /// True if [`RayScene::look`] is the same at all places of the faces that a leaf owns.
-    pub fn is_even(&self, leaf: usize) -> bool {
-        matches!(self.content.leaves[leaf].place, FacePlace::Anywhere(_))
+    /// The look of the faces that a leaf owns as expressions; `None` where [`RayScene::look`] is the same at all places of
+    /// them.
+    ///
+    /// # Errors
+    /// If it states places of an image.
+    pub fn varying_look(&self, leaf: usize) -> Result<Option<VaryingLook<'_>>, VaryingImage> {
+        let leaf = &self.content.leaves[leaf];
+        let look = &self.content.looks[leaf.look as usize];
+        look.varying(&leaf.uniforms, &leaf.place).transpose()
     }
 
     /// True if the background, without an image, depends on nothing but the height z of a unit direction.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! samples.rs: buffers (f64 blocks or a kernel) ──one painter a file──▶ space.rs ──▶ canvas, or tiles in memory
-//! traced scene, lens ──trace.rs: tables, one fixed pass──▶ sums of light in memory, samples that are left to f64
+//! traced scene, lens ──trace.rs: tables, one pass──▶ sums of light in memory, samples that are left to f64
 //! ends of geodesics (f64) ──geodesic.rs: table of polynomials, resolve pass──▶ canvas, or slabs in memory
 //! ```
 //!

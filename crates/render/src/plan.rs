@@ -31,7 +31,7 @@ pub struct Plan {
     pub objects: Vec<ObjectPlan>,
     /// The geodesic view, if that is the picture.
     pub geodesic: Option<GeodesicPlan>,
-    /// True if the fixed pass of the GPU traces the picture.
+    /// True if the pass of the GPU traces the picture.
     pub traced: bool,
     /// The painters of overlays in space, beside the objects' painters.
     pub overlays: &'static [Painter],
@@ -94,7 +94,7 @@ pub struct Built {
     pub sample_kernels: u32,
     /// Fixed passes that turn a table of geodesics' ends into colours.
     pub resolve_pipelines: u32,
-    /// Fixed passes that trace pictures.
+    /// Passes that trace pictures, each with the functions of a scene.
     pub trace_pipelines: u32,
     /// Images.
     pub textures: u32,

@@ -15,6 +15,8 @@ pub mod join;
 pub mod kernel;
 pub mod library;
 pub mod painter;
+mod ranges;
+pub mod traced;
 
 pub use join::{InternalError, Joined};
 pub use kernel::{GenerateError, Kernel};

@@ -1,7 +1,8 @@
 //! The hand-written WGSL of `/shaders`, embedded.
 //!
 //! `contract/` holds a stub of every function that one side writes and the other calls: its specification.
-//! `lib/` holds pure functions and structs, `pass/` entry points and all bindings.
+//! `lib/` holds pure functions and structs, `pass/` entry points and all bindings, and what
+//! reads these.
 
 /// A piece of WGSL with the name that messages give for it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -40,6 +41,8 @@ pub const LENS: Piece<'static> = piece!("lib/lens.wgsl");
 pub const OPTICS: Piece<'static> = piece!("lib/optics.wgsl");
 /// Sign changes of polynomials along lines.
 pub const LINE: Piece<'static> = piece!("lib/line.wgsl");
+/// Ranges of expressions.
+pub const RANGE: Piece<'static> = piece!("lib/range.wgsl");
 /// Images on surfaces, filtered over a footprint.
 pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
@@ -63,6 +66,13 @@ pub const CONTRACT_CURVE: Piece<'static> = piece!("contract/curve.wgsl");
 pub const CONTRACT_SURFACE: Piece<'static> = piece!("contract/surface.wgsl");
 /// Generated expressions over a table of inputs.
 pub const CONTRACT_EVALUATE: Piece<'static> = piece!("contract/evaluate.wgsl");
+
+/// Generated attributes of faces.
+pub const CONTRACT_FUNCTIONS: Piece<'static> = piece!("contract/functions.wgsl");
+/// The function that generated attributes call: takes a number.
+pub const CONTRACT_STORED: Piece<'static> = piece!("contract/stored.wgsl");
+/// The function that the pass of traced pictures calls: the look of a face at a place.
+pub const CONTRACT_VARIED: Piece<'static> = piece!("contract/varied.wgsl");
 
 /// Samples of a point.
 pub const PASS_SAMPLE_POINT: Piece<'static> = piece!("pass/sample_point.wgsl");
@@ -90,3 +100,5 @@ pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 pub const PASS_RESOLVE_PIECEWISE: Piece<'static> = piece!("pass/resolve_piecewise.wgsl");
 /// The pass of traced pictures.
 pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");
+/// The part of it for faces whose attributes are expressions.
+pub const PASS_TRACE_VARIED: Piece<'static> = piece!("pass/trace_varied.wgsl");

@@ -47,16 +47,6 @@ pub fn resolve_piecewise() -> Result<Joined, InternalError> {
     ])
 }
 
-/// The pass of traced pictures.
-pub fn trace_scene() -> Result<Joined, InternalError> {
-    join(&[
-        library::LENS,
-        library::OPTICS,
-        library::LINE,
-        library::PASS_TRACE_SCENE,
-    ])
-}
-
 fn glyphs(pass: Piece<'_>) -> Result<Joined, InternalError> {
     join(&[library::VIEW, library::GLYPH, pass])
 }

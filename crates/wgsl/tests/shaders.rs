@@ -47,7 +47,7 @@ fn every_painter_validates() {
         ("curves", painter::curves()),
         ("surfaces", painter::surfaces()),
         ("resolve piecewise", painter::resolve_piecewise()),
-        ("trace scene", painter::trace_scene()),
+        ("trace scene", wgsl::traced::trace_scene("")),
     ] {
         joined.unwrap_or_else(|error| panic!("{name}: {}", error.message));
     }

@@ -111,8 +111,8 @@ struct AttributeGroup {
     map: Option<AffineTape>,
     tape: Tape,
     slots: Vec<Slot>,
-    /// True if a value depends on the place.
-    varies: bool,
+    /// The roots of the tape, where one of them depends on the place.
+    varying: Option<(Graph, Vec<NodeId>)>,
 }
 
 /// The roots that belong to an attribute.
@@ -121,6 +121,18 @@ struct Slot {
     attribute: A,
     first: usize,
     width: usize,
+    /// True if a value depends on the place.
+    varies: bool,
+}
+
+/// The attributes of a group that depend on the place.
+pub(super) struct VaryingAttributes<'a> {
+    /// The expressions' graph.
+    pub(super) graph: &'a Graph,
+    /// The number of the group.
+    pub(super) group: usize,
+    /// Each with the roots that are its numbers.
+    pub(super) attributes: Vec<(A, &'a [NodeId])>,
 }
 
 /// Attributes that were out of range or undefined somewhere, by their bits.
@@ -231,13 +243,46 @@ impl AttributeSet {
 
     /// True if a value depends on the place.
     pub(super) fn varies(&self) -> bool {
-        self.groups.iter().any(|group| group.varies)
+        self.groups.iter().any(|group| group.varying.is_some())
     }
 
     /// True if the values of the attribute depend on the place.
     pub(super) fn varies_by(&self, attribute: A) -> bool {
-        let mut groups = self.groups.iter().filter(|group| group.varies);
+        let varying = |group: &&AttributeGroup| group.varying.is_some();
+        let mut groups = self.groups.iter().filter(varying);
         groups.any(|group| group.slots.iter().any(|slot| slot.attribute == attribute))
+    }
+
+    /// The attributes that depend on the place.
+    pub(super) fn varying(&self) -> impl Iterator<Item = VaryingAttributes<'_>> {
+        let groups = self.groups.iter().enumerate();
+        groups.filter_map(|(number, group)| {
+            let (graph, roots) = group.varying.as_ref()?;
+            let slots = group.slots.iter().filter(|slot| slot.varies);
+            Some(VaryingAttributes {
+                graph,
+                group: number,
+                attributes: slots
+                    .map(|slot| (slot.attribute, &roots[slot.first..slot.first + slot.width]))
+                    .collect(),
+            })
+        })
+    }
+
+    /// True if colours may exceed 1.
+    pub(super) fn is_bright(&self) -> bool {
+        self.bright
+    }
+
+    /// Hands the numbers of those attributes that are the same everywhere to `found`, as [`AttributeSet::at`] does.
+    pub(super) fn constant(&self, uniforms: &[f64], mut found: impl FnMut(&AttributeNumbers)) {
+        for (k, group) in self.groups.iter().enumerate() {
+            evaluated(&group.tape, &[], uniforms, |out| {
+                let slots = group.slots.iter().filter(|slot| !slot.varies);
+                let numbers = slots.filter_map(|slot| self.read(slot, k, out));
+                numbers.collect::<Vec<_>>().iter().for_each(&mut found);
+            });
+        }
     }
 
     /// For each group, the map from the scene's coordinates to those in which it is stated.
@@ -258,7 +303,7 @@ impl AttributeSet {
         mut found: impl FnMut(&AttributeNumbers),
     ) {
         for (k, group) in self.groups.iter().enumerate() {
-            let place = if group.varies {
+            let place = if group.varying.is_some() {
                 variables(k)
             } else {
                 [f64::NAN; 3]
@@ -346,18 +391,25 @@ impl AttributeGroup {
                 attribute,
                 first: compiled.len(),
                 width: values.len(),
+                varies: reads_place(&own, &values),
             });
             compiled.extend(values);
         }
         let tape = Tape::new(&own, &compiled);
-        let mut inputs = tape.inputs().iter();
+        let varies = reads_place(&own, &compiled);
         Self {
             map: map.map(|map| AffineTape::new(graph, map)),
-            varies: inputs.any(|input| matches!(input, Input::Variable(_))),
             tape,
             slots,
+            varying: varies.then_some((own, compiled)),
         }
     }
+}
+
+/// True if an expression reads coordinates.
+fn reads_place(graph: &Graph, roots: &[NodeId]) -> bool {
+    let mut inputs = graph.inputs(roots).into_iter();
+    inputs.any(|input| matches!(input, Input::Variable(_)))
 }
 
 impl AttributeNumbers {

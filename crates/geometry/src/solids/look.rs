@@ -223,7 +223,7 @@ impl LookProgram {
         self.painted(look, Some(image), paint)
     }
 
-    fn plain(&self) -> FaceLook {
+    pub(super) fn plain(&self) -> FaceLook {
         FaceLook {
             color: self.color,
             ..FaceLook::default()
@@ -231,7 +231,7 @@ impl LookProgram {
     }
 
     /// Writes an attribute into a look.
-    fn apply(&self, look: &mut FaceLook, numbers: &AttributeNumbers) {
+    pub(super) fn apply(&self, look: &mut FaceLook, numbers: &AttributeNumbers) {
         let number = numbers.number();
         match numbers.attribute {
             A::Color => look.color = self.picture_look.light(numbers.vector()),

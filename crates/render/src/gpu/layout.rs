@@ -291,7 +291,8 @@ pub(crate) struct FaceMaterial {
     pub(crate) glass: f32,
     pub(crate) specular: f32,
     pub(crate) shininess: f32,
-    pub(crate) padding: [f32; 2],
+    pub(crate) lists: u32,
+    pub(crate) varies: u32,
 }
 
 /// `Light` of lib/optics.wgsl.
@@ -433,7 +434,7 @@ mod tests {
 
     #[test]
     fn structs_of_traced_pictures_are_laid_out_as_in_the_shader() {
-        let trace = painter::trace_scene().expect("valid");
+        let trace = wgsl::traced::trace_scene("").expect("valid");
         assert_same_layout!(
             trace,
             "Lens",
@@ -526,7 +527,7 @@ mod tests {
             "Material",
             super::FaceMaterial,
             [
-                color, scattered, mirror, glass, specular, shininess, padding
+                color, scattered, mirror, glass, specular, shininess, lists, varies
             ]
         );
         assert_same_layout!(

@@ -53,7 +53,7 @@ impl<'a> PipelineFactory<'a> {
         self.compute("resolve", joined)
     }
 
-    /// The fixed pass that traces a picture.
+    /// The pass that traces a picture.
     pub(crate) fn trace_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
         self.built.trace_pipelines += 1;
         self.compute("trace", joined)

@@ -160,12 +160,13 @@ impl GpuRenderer {
         resolved
     }
 
-    /// True if the pass of traced pictures is ready; with `waits`, it is waited for.
+    /// True if the pass of traced pictures with these functions is ready; with `waits`, it is waited for.
     ///
     /// # Errors
     /// A clause, if the driver has refused it.
-    pub(crate) fn can_trace(&mut self, waits: bool) -> Result<bool, String> {
-        self.trace.is_ready(&self.gpu, &mut self.built, waits)
+    pub(crate) fn can_trace(&mut self, functions: &str, waits: bool) -> Result<bool, String> {
+        self.trace
+            .is_ready(&self.gpu, functions, &mut self.built, waits)
     }
 
     /// Traces samples of a picture. `progress` receives the share that is done, and returns false to stop; then there is no

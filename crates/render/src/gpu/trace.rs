@@ -1,17 +1,19 @@
-//! Traced pictures on the GPU: one fixed pass follows the rays of all scenes that are data to it.
+//! Traced pictures on the GPU: one pass follows the rays of all scenes that are data to it.
 //!
 //! ```text
 //! SceneTables ──tables.rs: buffers, kept──▶ pass/trace_scene.wgsl ──▶ sums of light, row by row
-//! camera, lights ──lens.rs: numbers────────────┘                   └─▶ samples that f32 cannot decide
+//! camera, lights ──lens.rs: numbers────────────┘       ▲           └─▶ samples that f32 cannot decide
+//! SceneTables::functions ──making.rs: pipelines, kept──┘
 //! ```
 //!
-//! An edit of the scene writes buffers and compiles nothing.
+//! The pass is fixed but for the functions that a scene's expressions need. An edit that leaves their text as it is writes
+//! buffers and compiles nothing.
 
 mod lens;
+mod making;
 mod tables;
 
-use std::sync::{Arc, OnceLock};
-use std::thread::JoinHandle;
+use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -24,6 +26,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ShaderLight, Trace};
 use crate::gpu::pipelines::{PipelineFactory, dispatch};
 use crate::gpu::trace::lens::{lens_of, light_of};
+use crate::gpu::trace::making::TracePipelines;
 use crate::gpu::trace::tables::TableBuffers;
 use crate::plan::Built;
 use crate::solids::{SceneTables, TracedScene};
@@ -38,16 +41,8 @@ const MOST_SAMPLES: u32 = 24;
 /// The state that the pass keeps from one picture to the next.
 #[derive(Debug, Default)]
 pub(crate) struct TracePass {
-    making: Option<Making>,
+    pipelines: TracePipelines,
     tables: Option<(Arc<TracedScene>, TableBuffers)>,
-}
-
-/// The pipeline, which takes seconds to compile, on a thread of its own: meanwhile f64 draws.
-#[derive(Debug)]
-struct Making {
-    /// The pipeline, or the message with which it was refused.
-    made: Arc<OnceLock<Result<wgpu::ComputePipeline, String>>>,
-    thread: Option<JoinHandle<()>>,
 }
 
 /// Samples to be traced.
@@ -74,35 +69,24 @@ pub(crate) struct TracedSamples {
 }
 
 impl TracePass {
-    /// True if the pipeline is ready. Its making begins with the first call, which `built` counts; with `waits`, this is its
-    /// end.
+    /// True if the pipeline with these functions is ready. Its making begins with the first call, which `built` counts,
+    /// unless another one is being made; with `waits`, this is its end.
     ///
     /// # Errors
     /// A clause, if the driver has refused it.
     pub(crate) fn is_ready(
         &mut self,
         gpu: &Arc<Gpu>,
+        functions: &str,
         built: &mut Built,
         waits: bool,
     ) -> Result<bool, String> {
-        let making = self.making.get_or_insert_with(|| {
-            built.trace_pipelines += 1;
-            Making::begin(gpu)
-        });
-        if waits {
-            making.made.wait();
-        }
-        match making.made.get() {
-            None => Ok(false),
-            Some(Ok(_)) => Ok(true),
-            Some(Err(message)) => Err(format!("the GPU has refused its shader: {message}")),
-        }
+        self.pipelines.is_ready(gpu, functions, built, waits)
     }
 
-    /// True while the pipeline is made.
+    /// True while a pipeline is made.
     pub(crate) fn is_making(&self) -> bool {
-        let making = self.making.as_ref();
-        making.is_some_and(|making| making.made.get().is_none())
+        self.pipelines.is_making()
     }
 
     /// Traces samples; `None` if `progress`, which receives the share that is done, returns false.
@@ -116,8 +100,7 @@ impl TracePass {
         progress: &dyn Fn(f32) -> bool,
     ) -> Result<Option<TracedSamples>, RenderError> {
         let gpu = factory.gpu;
-        let made = self.making.as_ref().and_then(|making| making.made.get());
-        let Some(Ok(pipeline)) = made else {
+        let Some(pipeline) = self.pipelines.get(&task.tables.functions) else {
             return Err(RenderError::Gpu(
                 "the traced view has no pipeline".to_owned(),
             ));
@@ -181,55 +164,6 @@ impl TracePass {
         }
         Ok(Some(traced))
     }
-}
-
-impl Making {
-    fn begin(gpu: &Arc<Gpu>) -> Self {
-        let made = Arc::new(OnceLock::new());
-        let (gpu, result) = (gpu.clone(), made.clone());
-        let work = move || {
-            let made = gpu.guarded(|| make(&gpu));
-            // Nobody else sets it.
-            let _ = result.set(made.map_err(|error| error.to_string()));
-        };
-        let thread = std::thread::Builder::new().name("trace".to_owned());
-        let thread = thread.spawn(work);
-        if let Err(error) = &thread {
-            // Nobody else sets it.
-            let _ = made.set(Err(error.to_string()));
-        }
-        Self {
-            made,
-            thread: thread.ok(),
-        }
-    }
-}
-
-impl Drop for Making {
-    fn drop(&mut self) {
-        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
-        if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been reported where it occurred.
-            let _ = thread.join();
-        }
-    }
-}
-
-/// Builds the pipeline and dispatches it for no pixel: drivers compile at the first dispatch.
-fn make(gpu: &Gpu) -> Result<wgpu::ComputePipeline, RenderError> {
-    let mut factory = PipelineFactory::new(gpu);
-    let pipeline = factory.trace_pipeline(&wgsl::painter::trace_scene()?);
-    let uniform = gpu.uniform("trace", &Trace::zeroed());
-    let buffers: Result<Vec<_>, _> = (0..8).map(|_| gpu.output("nothing", 256)).collect();
-    let buffers = buffers?;
-    let resources: Vec<_> = std::iter::once(&uniform)
-        .chain(&buffers)
-        .map(wgpu::Buffer::as_entire_binding)
-        .collect();
-    let group = factory.bind(&pipeline.get_bind_group_layout(0), &resources);
-    gpu.submit(|encoder| dispatch(encoder, &pipeline, &group, [1, 1]));
-    gpu.wait()?;
-    Ok(pipeline)
 }
 
 impl TracedSamples {

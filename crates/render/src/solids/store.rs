@@ -230,7 +230,7 @@ impl TracedScene {
         &self.rays
     }
 
-    /// The scene as data for the fixed pass of the GPU.
+    /// The scene as data for the pass of the GPU.
     ///
     /// # Errors
     /// A clause about what of the scene the pass cannot draw.

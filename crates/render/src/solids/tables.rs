@@ -1,12 +1,14 @@
-//! Traced scenes as data for the fixed pass of the GPU: a scene flows in, numbers flow out, or the reason for which the CPU
-//! follows its rays.
+//! Traced scenes as data for the pass of the GPU: a scene flows in, numbers flow out and the text of the functions that its
+//! expressions need, or the reason for which the CPU follows its rays.
 
 use std::collections::HashMap;
 
-use geometry::solids::RayScene;
-use glam::DVec3;
+use expr::{Graph, NodeId};
+use geometry::solids::{RayScene, VaryingAttribute, VaryingList, VaryingLook, VaryingPlace};
+use glam::{DAffine3, DVec3};
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass, Scenery};
 use tracer::tables::{TableError, WorldTables};
+use wgsl::traced::{FunctionUse, MOST_ATTRIBUTES, TracedFunctions, UsedNumber};
 
 /// The parts of the height of a direction, from −1 to 1, of which the background's light is known.
 const SKY_CELLS: u32 = 4096;
@@ -15,14 +17,55 @@ const SKY_CELLS: u32 = 4096;
 #[derive(Debug)]
 pub(crate) struct SceneTables {
     pub(crate) world: WorldTables,
+    /// The functions of its expressions, as text: what the pipeline depends on.
+    pub(crate) functions: String,
     /// The different looks of faces.
-    pub(crate) looks: Vec<FaceLook>,
+    pub(crate) looks: Vec<TableLook>,
     /// For each leaf of the world its look, and the sides from which it is seen.
     pub(crate) leaves: Vec<(u32, FaceSides)>,
     /// For each solid of the world.
     pub(crate) glass: Vec<Option<Glass>>,
     /// The background's light, by the height of a direction.
     pub(crate) sky: Vec<DVec3>,
+}
+
+/// The look of faces.
+#[derive(Debug)]
+pub(crate) struct TableLook {
+    /// The look without the attributes of the lists.
+    pub(crate) base: FaceLook,
+    /// The attributes that are expressions.
+    pub(crate) lists: Vec<AttributeList>,
+}
+
+/// Attributes that are expressions in the same coordinates.
+#[derive(Debug)]
+pub(crate) struct AttributeList {
+    /// The number of the function.
+    pub(crate) function: u32,
+    /// The attributes, in the order of the function's numbers.
+    pub(crate) attributes: Vec<VaryingAttribute>,
+    /// The coordinates, from places relative to the tables' origin.
+    pub(crate) frame: DAffine3,
+    /// The parameters between which a part of a curve lies.
+    pub(crate) along: Option<[f64; 2]>,
+    /// True if colours may exceed 1.
+    pub(crate) bright: bool,
+    /// The numbers that the function reads.
+    pub(crate) numbers: Vec<f64>,
+}
+
+impl TableLook {
+    /// True if the share that it lets through depends on the place.
+    pub(crate) fn varies_through(&self) -> bool {
+        let lists = self.lists.iter();
+        let mut all = lists.flat_map(|list| &list.attributes);
+        all.any(|attribute| match attribute {
+            VaryingAttribute::Glass => true,
+            VaryingAttribute::Mirror => self.base.glass > 0.0,
+            _ => false,
+        })
+    }
 }
 
 impl SceneTables {
@@ -59,23 +102,34 @@ impl SceneTables {
                 format!("`{}` joins very many solids", name(solid))
             }
         })?;
-        let mut looks = Vec::new();
-        let mut known: HashMap<Vec<u64>, u32> = HashMap::new();
+        let mut looks = LookTable::default();
         let mut leaves = vec![(0, FaceSides::Both); rays.world().leaf_count()];
         for component in &world.components {
             let solid = component.solid as usize;
             let first = component.first_leaf as usize;
             for row in &world.leaves[first..first + component.leaf_count as usize] {
                 let leaf = row.leaf as usize;
-                if !rays.is_even(leaf) {
-                    let name = name(solid);
-                    return Err(format!("the faces of `{name}` differ from place to place"));
-                }
-                let look = (scenery.look)(&anywhere(solid, leaf)).balanced();
-                let look = *known.entry(bits(&look)).or_insert_with(|| {
-                    looks.push(look);
-                    looks.len() as u32 - 1
-                });
+                let varying = rays.varying_look(leaf);
+                let varying = varying.map_err(|_| {
+                    format!("the faces of `{}` have places of an image", name(solid))
+                })?;
+                let look = match varying {
+                    None => {
+                        let base = (scenery.look)(&anywhere(solid, leaf)).balanced();
+                        looks.number(base, Vec::new())
+                    }
+                    Some(varying) => {
+                        let lists = looks.lists(&varying, world.origin);
+                        let lists = lists.map_err(|why| format!("`{}` {why}", name(solid)))?;
+                        let shares = [VaryingAttribute::Mirror, VaryingAttribute::Glass];
+                        let mut stated = lists.iter().flat_map(|list| &list.attributes);
+                        let base = match stated.any(|attribute| shares.contains(attribute)) {
+                            true => varying.base,
+                            false => varying.base.balanced(),
+                        };
+                        looks.number(base, lists)
+                    }
+                };
                 let sides = scenery.sides.get(leaf).copied().unwrap_or_default();
                 leaves[leaf] = (look, sides);
             }
@@ -84,7 +138,8 @@ impl SceneTables {
         let direction = |z: f64| DVec3::new((1.0 - z * z).max(0.0).sqrt(), 0.0, z);
         let sky = (0..=SKY_CELLS).map(|k| (scenery.background)(direction(height(k))));
         Ok(Self {
-            looks,
+            functions: looks.functions.text(),
+            looks: looks.looks,
             leaves,
             glass: scenery.glass.to_vec(),
             sky: sky.collect(),
@@ -108,9 +163,96 @@ fn anywhere(solid: usize, leaf: usize) -> Face {
     }
 }
 
+/// The looks of a scene's faces.
+#[derive(Default)]
+struct LookTable {
+    looks: Vec<TableLook>,
+    known: HashMap<Vec<u64>, u32>,
+    functions: TracedFunctions,
+    /// The function of each list that has been read, by its expressions.
+    uses: HashMap<(*const Graph, Vec<NodeId>), FunctionUse>,
+}
+
+impl LookTable {
+    /// The number of a look, which is a new one unless it is known.
+    fn number(&mut self, base: FaceLook, lists: Vec<AttributeList>) -> u32 {
+        let mut key = bits(&base);
+        lists.iter().for_each(|list| list.add_bits(&mut key));
+        *self.known.entry(key).or_insert_with(|| {
+            self.looks.push(TableLook { base, lists });
+            self.looks.len() as u32 - 1
+        })
+    }
+
+    /// The lists of a look that depends on the place.
+    fn lists(
+        &mut self,
+        look: &VaryingLook<'_>,
+        origin: DVec3,
+    ) -> Result<Vec<AttributeList>, String> {
+        let lists = look.lists.iter();
+        let lists = lists.filter(|list| !list.attributes.is_empty());
+        lists
+            .map(|list| self.list(list, look.uniforms, origin))
+            .collect()
+    }
+
+    fn list(
+        &mut self,
+        list: &VaryingList<'_>,
+        uniforms: &[f64],
+        origin: DVec3,
+    ) -> Result<AttributeList, String> {
+        let roots = list.attributes.iter();
+        let roots: Vec<NodeId> = roots.flat_map(|(_, numbers)| numbers.clone()).collect();
+        if roots.len() > MOST_ATTRIBUTES {
+            return Err("has more attributes that depend on the place than its shader".to_owned());
+        }
+        let key = (std::ptr::from_ref(list.graph), roots);
+        let used = match self.uses.get(&key) {
+            Some(known) => known,
+            None => {
+                let used = self.functions.list(list.graph, &key.1);
+                let used = used.map_err(|why| format!("has attributes of which {why}"))?;
+                self.uses.entry(key).or_insert(used)
+            }
+        };
+        let (frame, along) = match list.place {
+            VaryingPlace::Within(frame) => (frame, None),
+            VaryingPlace::Along(frame, parameters) => (frame, Some(parameters)),
+        };
+        let number = |number: &UsedNumber| match *number {
+            UsedNumber::Constant(value) => value,
+            UsedNumber::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+        };
+        Ok(AttributeList {
+            function: used.function,
+            attributes: list.attributes.iter().map(|(it, _)| *it).collect(),
+            frame: frame * DAffine3::from_translation(origin),
+            along,
+            bright: list.bright,
+            numbers: used.numbers.iter().map(number).collect(),
+        })
+    }
+}
+
+impl AttributeList {
+    /// Adds the bits by which lists differ.
+    fn add_bits(&self, bits: &mut Vec<u64>) {
+        bits.push(u64::from(self.function));
+        bits.push(self.attributes.len() as u64);
+        bits.extend(self.attributes.iter().map(|attribute| *attribute as u64));
+        let along = self.along.unwrap_or([f64::NAN; 2]);
+        let frame = self.frame.to_cols_array();
+        let numbers = frame.iter().chain(&along).chain(&self.numbers);
+        bits.extend(numbers.map(|number| number.to_bits()));
+    }
+}
+
 /// The bits of the numbers of a look.
 fn bits(look: &FaceLook) -> Vec<u64> {
-    let shares = [look.scattered(), look.specular, look.shininess, look.glass];
+    let scattered = look.diffuse.unwrap_or(-1.0);
+    let shares = [scattered, look.specular, look.shininess, look.glass];
     let colors = [look.color, look.mirror].map(|color| color.to_array());
     let numbers = shares.iter().chain(colors.iter().flatten());
     numbers.map(|number| number.to_bits()).collect()

@@ -4,7 +4,7 @@
 //! request ──geometry──▶ scenery, lens camera ──tracer, or gpu::trace: sums of light, kept──▶ means ──▶ picture
 //! ```
 //!
-//! A renderer with a GPU draws on it what fits its fixed pass (`TracedScene::tables`), and leaves to f64 the samples that f32
+//! A renderer with a GPU draws on it what fits its pass (`TracedScene::tables`), and leaves to f64 the samples that f32
 //! cannot decide.
 //!
 //! A request says how many samples each pixel has. The sums of the last picture are kept: a request for more samples of the
@@ -363,7 +363,7 @@ impl ViewRenderer for TracedRenderer {
         let is_single = shared.is_single;
         let by_gpu = shared.gpu.as_deref_mut().and_then(|gpu| {
             let ready = scene.tables().map_err(str::to_owned).and_then(|tables| {
-                let is_ready = gpu.can_trace(is_single)?;
+                let is_ready = gpu.can_trace(&tables.functions, is_single)?;
                 let waiting = || "its shader is being built".to_owned();
                 is_ready.then_some(tables).ok_or_else(waiting)
             });

@@ -1,16 +1,16 @@
 //! The tables of a scene in f32, in buffers.
 
 use bytemuck::Pod;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use tracer::BoundingBox;
-use tracer::shade::{FaceLook, FaceSides};
+use tracer::shade::FaceSides;
 use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow};
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{BoxNode, Component, FaceMaterial, Leaf, LeafPiece};
 use crate::gpu::trace::lens::three;
-use crate::solids::SceneTables;
+use crate::solids::{AttributeList, SceneTables, TableLook};
 
 /// Boxes are larger by this share of their sides, and of the distances of their corners, so that rounding leaves nothing
 /// out.
@@ -20,6 +20,10 @@ const CORNER_SLACK: f64 = 4e-6;
 const EVERYWHERE: f64 = 1e15;
 /// Stands for no parent in 15 bits.
 const NO_PARENT: u32 = 0x7fff;
+/// Marks a material that lets through what depends on the place.
+const VARIES_THROUGH: u32 = 1 << 16;
+/// The words of a list before its attributes.
+const LIST_HEAD: u32 = 16;
 /// The highest bit.
 const FLAG: u32 = 1 << 31;
 
@@ -96,13 +100,22 @@ impl TableBuffers {
                 .flat_map(|&light| three(light))
                 .map(f32::to_bits),
         );
+        let mut lists = |look: &TableLook| {
+            let first = words.len() as u32;
+            look.lists
+                .iter()
+                .for_each(|list| add_list(&mut words, list));
+            first
+        };
+        let looks = tables.looks.iter();
+        let materials: Vec<FaceMaterial> = looks.map(|look| material(look, lists(look))).collect();
         Ok(Self {
             boxes: rows(gpu, "boxes", boxes)?,
             components: rows(gpu, "components", components)?,
             leaves: rows(gpu, "leaves", leaves)?,
             pieces: rows(gpu, "pieces", pieces)?,
             words: rows(gpu, "words", words)?,
-            materials: rows(gpu, "materials", tables.looks.iter().map(material))?,
+            materials: rows(gpu, "materials", materials)?,
             places: WordPlaces { order, terms, sky },
         })
     }
@@ -186,14 +199,61 @@ fn piece(row: &PieceRow) -> LeafPiece {
     }
 }
 
-fn material(look: &FaceLook) -> FaceMaterial {
+/// The material of a look whose lists begin at a word.
+fn material(look: &TableLook, lists: u32) -> FaceMaterial {
+    let base = look.base;
+    let scattered = match look.lists[..] {
+        [] => base.scattered(),
+        // What mirror and glass leave is known at a place.
+        _ => base.diffuse.unwrap_or(-1.0),
+    };
+    let through = if look.varies_through() {
+        VARIES_THROUGH
+    } else {
+        0
+    };
     FaceMaterial {
-        color: three(look.color),
-        scattered: look.scattered() as f32,
-        mirror: three(look.mirror),
-        glass: look.glass as f32,
-        specular: look.specular as f32,
-        shininess: look.shininess as f32,
-        padding: [0.0; 2],
+        color: three(base.color),
+        scattered: scattered as f32,
+        mirror: three(base.mirror),
+        glass: base.glass as f32,
+        specular: base.specular as f32,
+        shininess: base.shininess as f32,
+        lists,
+        varies: look.lists.len() as u32 | through,
+    }
+}
+
+/// Adds the words of a list, as pass/trace_varied.wgsl reads them.
+fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
+    let flags = u32::from(list.along.is_some()) | u32::from(list.bright) << 1;
+    let count = list.attributes.len() as u32;
+    let all = LIST_HEAD + count + list.numbers.len() as u32;
+    words.extend([list.function, count, flags, all]);
+    let axes = list.frame.matrix3.transpose();
+    let shift = list.frame.translation;
+    let mut rows = [
+        axes.x_axis.extend(shift.x),
+        axes.y_axis.extend(shift.y),
+        axes.z_axis.extend(shift.z),
+    ];
+    if let Some([from, to]) = list.along {
+        // z from −1 to 1 as a share from 0 to 1, then the parameters.
+        let share = 0.5 * rows[2] + DVec4::new(0.0, 0.0, 0.0, 0.5);
+        rows = [share, DVec4::new(from, to, 0.0, 0.0), DVec4::ZERO];
+    }
+    let rows = rows.iter().flat_map(|row| row.to_array());
+    words.extend(rows.map(|number| (number as f32).to_bits()));
+    // The numbers of the attributes stand in pass/trace_varied.wgsl.
+    words.extend(list.attributes.iter().map(|attribute| *attribute as u32));
+    words.extend(list.numbers.iter().map(|&number| used(number).to_bits()));
+}
+
+/// A number that a generated function reads: what is none, or too large, stands for everything.
+fn used(number: f64) -> f32 {
+    if number.abs() < f64::from(f32::MAX) {
+        number as f32
+    } else {
+        f32::MAX
     }
 }

@@ -1,0 +1,191 @@
+//! The pass of traced pictures with the expressions of a scene.
+//!
+//! ```text
+//! attributes of faces ──▶ TracedFunctions ──▶ text, by which pipelines are kept ──▶ Joined
+//!                              └─▶ for each use the numbers that it reads: constants, and uniforms of the scene
+//! ```
+//!
+//! Constants are numbers in buffers as uniforms are, so that an edit of one gives the same text; equal expressions are one
+//! function.
+
+use std::fmt::Write;
+
+use expr::graph::Node;
+use expr::statistics::operation_count;
+use expr::{Graph, Input, NodeId};
+
+use crate::contract;
+use crate::join::{InternalError, Joined, join};
+use crate::kernel::GenerateError;
+use crate::library::{self, Piece};
+use crate::ranges;
+
+/// More operations of all functions of a scene are refused: on ranges each of them takes many instructions.
+pub const RANGE_OPERATION_LIMIT: usize = 2_000;
+/// The most numbers of a list of attributes.
+pub const MOST_ATTRIBUTES: usize = 16;
+
+/// The functions that a scene's expressions need.
+#[derive(Clone, Debug, Default)]
+pub struct TracedFunctions {
+    lists: Vec<String>,
+    operations: usize,
+}
+
+/// A function with the numbers that it reads, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FunctionUse {
+    /// The number of the function among those of its kind.
+    pub function: u32,
+    /// The numbers that it reads.
+    pub numbers: Vec<UsedNumber>,
+}
+
+/// A number that a generated function reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UsedNumber {
+    /// A constant of the expression.
+    Constant(f64),
+    /// A uniform of the scene.
+    Uniform(u32),
+}
+
+impl TracedFunctions {
+    /// Adds the numbers of attributes as one function of the variables 0, 1, 2.
+    ///
+    /// # Errors
+    /// If it is too large, alone or with those before it.
+    pub fn list(&mut self, graph: &Graph, roots: &[NodeId]) -> Result<FunctionUse, GenerateError> {
+        let lifted = Lifted::new(graph, roots);
+        let input = |input: Input| match input {
+            Input::Variable(0) => "x".to_owned(),
+            Input::Variable(1) => "y".to_owned(),
+            Input::Variable(_) => "z".to_owned(),
+            Input::Uniform(slot) => format!("range_number(uniform_value(instance, {slot}u))"),
+        };
+        let number = |slot: u32| format!("uniform_value(instance, {slot}u)");
+        let body = ranges::body(&lifted.graph, &lifted.roots, &input, &number);
+        let mut text = body.lets;
+        for (k, root) in body.roots.iter().enumerate() {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "            store_attribute({k}u, {root});");
+        }
+        let operations = operation_count(&lifted.graph, &lifted.roots);
+        let function = known_or_new(&mut self.lists, text, &mut self.operations, operations)?;
+        Ok(FunctionUse {
+            function,
+            numbers: lifted.numbers,
+        })
+    }
+
+    /// The generated functions: equal texts are the same pass. Empty for a scene without expressions.
+    pub fn text(&self) -> String {
+        if self.lists.is_empty() {
+            return String::new();
+        }
+        let header =
+            "fn list_attributes(list: u32, x: Range, y: Range, z: Range, instance: u32) {\n";
+        format!("{header}{}}}\n", switch("list", &self.lists))
+    }
+}
+
+/// The pass of traced pictures with the functions of this text.
+///
+/// # Errors
+/// A fault of this program.
+pub fn trace_scene(functions: &str) -> Result<Joined, InternalError> {
+    let mut pieces = vec![library::LENS, library::OPTICS, library::LINE];
+    let generated = Piece {
+        origin: "generated",
+        text: functions,
+    };
+    if functions.is_empty() {
+        pieces.push(library::CONTRACT_VARIED);
+    } else {
+        contract::is_exactly(&generated, &library::CONTRACT_FUNCTIONS)?;
+        let written = library::PASS_TRACE_VARIED;
+        contract::fulfils(&written, &library::CONTRACT_VARIED)?;
+        contract::fulfils(&written, &library::CONTRACT_STORED)?;
+        contract::fulfils(&written, &library::CONTRACT_UNIFORMS)?;
+        pieces.extend([library::RANGE, written, generated]);
+    }
+    pieces.push(library::PASS_TRACE_SCENE);
+    join(&pieces)
+}
+
+/// The number of a text in a list, to which it is added unless it is there.
+fn known_or_new(
+    texts: &mut Vec<String>,
+    text: String,
+    sum: &mut usize,
+    operations: usize,
+) -> Result<u32, GenerateError> {
+    if let Some(known) = texts.iter().position(|known| *known == text) {
+        return Ok(known as u32);
+    }
+    if *sum + operations > RANGE_OPERATION_LIMIT {
+        return Err(GenerateError::TooLarge {
+            operations: Some(*sum + operations),
+        });
+    }
+    *sum += operations;
+    texts.push(text);
+    Ok(texts.len() as u32 - 1)
+}
+
+/// The choice of a body by a number.
+fn switch(selector: &str, bodies: &[String]) -> String {
+    let mut text = format!("    switch {selector} {{\n");
+    for (k, body) in bodies.iter().enumerate() {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "        case {k}u: {{\n{body}        }}\n");
+    }
+    text.push_str("        default: {\n        }\n    }\n");
+    text
+}
+
+/// Expressions in which each constant and each uniform is a uniform of their own.
+struct Lifted {
+    graph: Graph,
+    roots: Vec<NodeId>,
+    numbers: Vec<UsedNumber>,
+}
+
+impl Lifted {
+    fn new(graph: &Graph, roots: &[NodeId]) -> Self {
+        let mut lifted = Self {
+            graph: Graph::with_limit(graph.limit()),
+            roots: Vec::new(),
+            numbers: Vec::new(),
+        };
+        let order = graph.order(roots);
+        let mut copies: std::collections::HashMap<NodeId, NodeId> = Default::default();
+        for id in order {
+            let copy = |operand: NodeId| copies[&operand];
+            let made = match graph.node(id) {
+                Node::Constant(value) => lifted.number(UsedNumber::Constant(value)),
+                Node::Input(Input::Uniform(k)) => lifted.number(UsedNumber::Uniform(k)),
+                Node::Input(input) => lifted.graph.input(input),
+                Node::Unary(op, a) => lifted.graph.unary(op, copy(a)),
+                Node::Binary(op, a, b) => {
+                    let operands = [copy(a), copy(b)];
+                    lifted.graph.binary(op, operands[0], operands[1])
+                }
+                Node::Power(a, n) => {
+                    let base = copy(a);
+                    lifted.graph.integer_power(base, n)
+                }
+            };
+            copies.insert(id, made);
+        }
+        lifted.roots = roots.iter().map(|root| copies[root]).collect();
+        lifted
+    }
+
+    /// The input that stands for a number.
+    fn number(&mut self, number: UsedNumber) -> NodeId {
+        self.numbers.push(number);
+        let slot = self.numbers.len() as u32 - 1;
+        self.graph.input(Input::Uniform(slot))
+    }
+}

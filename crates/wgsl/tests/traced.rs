@@ -1,0 +1,82 @@
+//! The pass of traced pictures with the expressions of scenes: every operation validates on ranges, and equal texts are one
+//! pass.
+
+use expr::ops::{Binary, Unary};
+use expr::{Graph, Input, NodeId};
+use wgsl::traced::{TracedFunctions, UsedNumber, trace_scene};
+use wgsl::{GenerateError, library};
+
+fn coordinates(graph: &mut Graph) -> [NodeId; 3] {
+    [0, 1, 2].map(|k| graph.input(Input::Variable(k)))
+}
+
+/// Every operation of the table.
+fn operations(graph: &mut Graph) -> Vec<NodeId> {
+    let [x, y, z] = coordinates(graph);
+    let mut all: Vec<NodeId> = Unary::ALL.iter().map(|&op| graph.unary(op, x)).collect();
+    all.extend(Binary::ALL.iter().map(|&op| graph.binary(op, y, z)));
+    all.extend([-3, 3, 7].map(|n| graph.integer_power(z, n)));
+    let uniform = graph.input(Input::Uniform(7));
+    all.push(graph.binary(Binary::Pow, x, uniform));
+    all.push(graph.mul(y, y));
+    all
+}
+
+#[test]
+fn every_operation_validates_on_ranges() {
+    let mut graph = Graph::default();
+    let mut functions = TracedFunctions::default();
+    for root in operations(&mut graph) {
+        functions.list(&graph, &[root]).expect("small");
+    }
+    trace_scene(&functions.text()).unwrap_or_else(|error| panic!("{}", error.message));
+}
+
+#[test]
+fn constants_are_numbers_that_a_function_reads() {
+    let mut graph = Graph::default();
+    let [x, ..] = coordinates(&mut graph);
+    let width = graph.input(Input::Uniform(3));
+    let mut functions = TracedFunctions::default();
+    let mut list = |value: f64| {
+        let constant = graph.constant(value);
+        let scaled = graph.mul(constant, x);
+        let root = graph.add(scaled, width);
+        functions.list(&graph, &[root]).expect("small")
+    };
+    let (first, second) = (list(2.5), list(0.5));
+    assert_eq!((first.function, second.function), (0, 0));
+    for (used, value) in [(first, 2.5), (second, 0.5)] {
+        let mut numbers = used.numbers;
+        numbers.sort_by_key(|number| *number == UsedNumber::Uniform(3));
+        assert_eq!(
+            numbers,
+            [UsedNumber::Constant(value), UsedNumber::Uniform(3)]
+        );
+    }
+    let text = functions.text();
+    assert!(!text.contains("2.5") && !text.contains("0.5"), "{text}");
+}
+
+#[test]
+fn what_is_too_large_is_refused_and_leaves_nothing() {
+    let mut graph = Graph::default();
+    let [x, ..] = coordinates(&mut graph);
+    let mut root = x;
+    for _ in 0..=wgsl::traced::RANGE_OPERATION_LIMIT {
+        root = graph.unary(Unary::Sin, root);
+    }
+    let mut functions = TracedFunctions::default();
+    let refused = functions.list(&graph, &[root]);
+    assert!(matches!(refused, Err(GenerateError::TooLarge { .. })));
+    assert_eq!(functions.text(), "");
+}
+
+#[test]
+fn the_shader_has_the_limits_of_lists() {
+    let most = format!(
+        "const MOST_ATTRIBUTES: u32 = {}u;",
+        wgsl::traced::MOST_ATTRIBUTES
+    );
+    assert!(library::PASS_TRACE_VARIED.text.contains(&most), "{most}");
+}
