@@ -17,11 +17,13 @@
 //! Surfaces that are given by a field in space and have no chart have rays of their own in `implicit.rs`, with the same steps,
 //! and give ends with three coordinates.
 //!
-//! Beside them stands `moved.rs`, coordinates that count from the camera, for deep zooms.
+//! Beside them stand surfaces in other coordinates: `moved.rs`, which counts from the camera, for deep zooms, and
+//! `reparametrised.rs`, for seams that a parameter crosses unevenly.
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
 mod chart;
+mod chebyshev;
 mod conjugate_search;
 pub mod ends;
 pub mod fan;
@@ -40,6 +42,7 @@ pub mod piecewise;
 pub mod pixels;
 pub mod point;
 pub mod reference;
+pub mod reparametrised;
 mod runge_kutta;
 pub mod scale;
 pub mod sides;

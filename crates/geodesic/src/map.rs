@@ -10,12 +10,13 @@ mod rk4;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::ends::Estimate;
+use crate::ends::{Ends, Estimate};
 use crate::fan::{Fan, FanOptions, Interpolation};
 use crate::frame::Frame;
 use crate::moved::Moved;
 use crate::piecewise::PiecewiseMap;
 use crate::point::Uv;
+use crate::reparametrised::Reparametrised;
 use crate::surface::{Sides, Surface};
 
 pub use crate::pixels::{Map, pixel_place};
@@ -103,7 +104,34 @@ pub fn exponential_map(
         map.origin = frame.uv.0;
         return map;
     }
+    if let Some(interpolation) = shared(options.method)
+        && frame.zoom(surface) != 0.0
+        && let Some((even, camera)) = Reparametrised::for_camera(surface, frame)
+    {
+        let fan = Fan::build(&even, &camera, size, &fan_options(interpolation, options));
+        let mut map = by_fan(&fan, &even.restored_ends(&fan), size, options, progress);
+        map.origin = frame.uv.0;
+        return map;
+    }
     by_method(surface, frame, size, options, progress)
+}
+
+/// The interpolation of a method whose rays the pixels share.
+fn shared(method: Method) -> Option<Interpolation> {
+    match method {
+        Method::Fan => Some(Interpolation::Hermite),
+        Method::FanLinear => Some(Interpolation::Linear),
+        Method::Adaptive | Method::Rk4 { .. } => None,
+    }
+}
+
+fn fan_options(interpolation: Interpolation, options: &MapOptions) -> FanOptions {
+    let defaults = FanOptions::default();
+    FanOptions {
+        tolerance: options.tolerance,
+        interpolation,
+        max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
+    }
 }
 
 fn by_method(
@@ -113,26 +141,26 @@ fn by_method(
     options: &MapOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
-    let interpolation = match options.method {
+    match shared(options.method) {
         // Without a length no geodesic needs to be followed, and there is nothing to share.
-        _ if frame.zoom(surface) == 0.0 => {
-            return pixel_by_pixel(surface, frame, size, options, progress);
+        Some(interpolation) if frame.zoom(surface) != 0.0 => {
+            let fan = Fan::build(surface, frame, size, &fan_options(interpolation, options));
+            by_fan(&fan, &fan, size, options, progress)
         }
-        Method::Fan => Interpolation::Hermite,
-        Method::FanLinear => Interpolation::Linear,
-        Method::Adaptive | Method::Rk4 { .. } => {
-            return pixel_by_pixel(surface, frame, size, options, progress);
-        }
-    };
-    let defaults = FanOptions::default();
-    let fan_options = FanOptions {
-        tolerance: options.tolerance,
-        interpolation,
-        max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
-    };
-    let fan = Fan::build(surface, frame, size, &fan_options);
+        _ => pixel_by_pixel(surface, frame, size, options, progress),
+    }
+}
+
+/// The map of a fan, from its ends in the coordinates that are wanted.
+fn by_fan(
+    fan: &Fan<'_>,
+    ends: &dyn Ends,
+    size: [u32; 2],
+    options: &MapOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Map {
     progress(0.5);
-    let piecewise = PiecewiseMap::cut(&fan, size, PIECEWISE_SHARE * options.tolerance);
+    let piecewise = PiecewiseMap::cut(ends, size, PIECEWISE_SHARE * options.tolerance);
     let mut map = piecewise.map(options.by_pixel);
     map.work = fan.work();
     map.estimate = Some(fan.estimate().with(piecewise.estimate));

@@ -8,6 +8,8 @@
 //! curve, frames ──walk.rs──▶ length and holonomy
 //! ```
 //!
+//! Where a parameter crosses a seam unevenly, connections and triangles are found in even ones (`reparametrised.rs`).
+//!
 //! The fan only finds candidates; every length and angle that is returned is that of a ray followed by itself. All work is
 //! limited, and what was not found says so.
 
@@ -24,6 +26,8 @@ mod walk;
 
 use std::fmt;
 
+use crate::point::Uv;
+use crate::reparametrised::Reparametrised;
 use crate::trace::TraceError;
 
 pub use between::{Connection, Connections, MOST_CONNECTIONS, between, distance};
@@ -60,6 +64,22 @@ pub enum MeasureError {
         /// The length.
         length: f64,
     },
+}
+
+impl MeasureError {
+    /// An error on a reparametrised surface, with its place in the parameters of the surface itself.
+    fn restored(self, even: &Reparametrised<'_>) -> Self {
+        let restored = |at: [f64; 2]| even.restored(Uv(at)).0.0;
+        match self {
+            Self::Outside { at, domain } => Self::Outside {
+                at: restored(at),
+                domain,
+            },
+            Self::Undefined { at } => Self::Undefined { at: restored(at) },
+            Self::Degenerate { at } => Self::Degenerate { at: restored(at) },
+            Self::NotFinite | Self::BadLength { .. } => self,
+        }
+    }
 }
 
 impl From<TraceError> for MeasureError {

@@ -44,7 +44,7 @@ pub struct Topology {
 /// The largest distance of two points that count as one, relative to the surface's size.
 const SAME_POINT: f64 = 1e-8;
 /// The places at which sides are compared, as shares of the other axis: off every symmetry, in pairs (s, 1−s).
-const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
+pub(crate) const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
 /// The largest deviation from 2π of a smooth pole's total angle.
 const FULL_TURN: f64 = 1e-4;
 
@@ -114,7 +114,8 @@ impl Topology {
     }
 }
 
-fn place(axis: usize, along: f64, across: f64) -> [f64; 2] {
+/// The point (or its shares) with these parameters along an axis and along the other one.
+pub(crate) fn place(axis: usize, along: f64, across: f64) -> [f64; 2] {
     if axis == 0 {
         [along, across]
     } else {

@@ -8,6 +8,7 @@ use super::search::{self, Guesses};
 use super::shoot::{self, Hit, PolarVector};
 use super::source::RaySource;
 use crate::point::{TangentVector, Uv};
+use crate::reparametrised::Reparametrised;
 use crate::surface::Surface;
 
 /// A geodesic from one place to another.
@@ -77,7 +78,25 @@ pub fn between(
     {
         return Err(MeasureError::BadLength { length });
     }
-    let (source, target) = ends(surface, from.into(), to.into())?;
+    let (from, to) = (from.into(), to.into());
+    if let Some(even) = Reparametrised::of(surface) {
+        let found = between_on(&even, even.changed(from).0, even.changed(to).0, within);
+        let mut all = found.map_err(|error| error.restored(&even))?;
+        for it in &mut all.found {
+            *it = it.restored(&even);
+        }
+        return Ok(all);
+    }
+    between_on(surface, from, to, within)
+}
+
+fn between_on(
+    surface: &dyn Surface,
+    from: Uv,
+    to: Uv,
+    within: Option<f64>,
+) -> Result<Connections, MeasureError> {
+    let (source, target) = ends(surface, from, to)?;
     let size = surface.scale().size;
     let nearest = shortest(&source, &target);
     let wanted = within.or_else(|| Some(2.0 * nearest.found.first()?.length));
@@ -115,7 +134,21 @@ pub fn distance(
     from: impl Into<Uv>,
     to: impl Into<Uv>,
 ) -> Result<Option<Connection>, MeasureError> {
-    let (source, target) = ends(surface, from.into(), to.into())?;
+    let (from, to) = (from.into(), to.into());
+    if let Some(even) = Reparametrised::of(surface) {
+        let found = distance_on(&even, even.changed(from).0, even.changed(to).0);
+        let found = found.map_err(|error| error.restored(&even))?;
+        return Ok(found.map(|it| it.restored(&even)));
+    }
+    distance_on(surface, from, to)
+}
+
+fn distance_on(
+    surface: &dyn Surface,
+    from: Uv,
+    to: Uv,
+) -> Result<Option<Connection>, MeasureError> {
+    let (source, target) = ends(surface, from, to)?;
     Ok(shortest(&source, &target).found.first().copied())
 }
 
@@ -135,6 +168,18 @@ fn ends(
 }
 
 impl Connection {
+    /// A connection on a reparametrised surface, in the parameters of the surface itself. Its angle is the same: both count
+    /// from one direction.
+    pub(super) fn restored(self, even: &Reparametrised<'_>) -> Self {
+        Self {
+            from: even.restored(self.from).0,
+            direction: even.restored_vector(self.from, self.direction),
+            to: even.restored(self.to).0,
+            arrival: even.restored_vector(self.to, self.arrival),
+            ..self
+        }
+    }
+
     fn is_same(&self, other: &Self, size: f64) -> bool {
         let rounding = 64.0 * f64::EPSILON * size;
         let turn = (self.angle - other.angle) / TAU;

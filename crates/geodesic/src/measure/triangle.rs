@@ -16,6 +16,7 @@ use super::shoot::{self, PolarVector};
 use super::source::RaySource;
 use crate::field::integral;
 use crate::point::{TangentVector, Uv};
+use crate::reparametrised::Reparametrised;
 use crate::surface::Surface;
 
 /// A triangle of shortest geodesics.
@@ -99,6 +100,16 @@ pub fn triangle<P: Into<Uv>>(
     corners: [P; 3],
 ) -> Result<Triangle, MeasureError> {
     let corners = corners.map(Into::into);
+    if let Some(even) = Reparametrised::of(surface) {
+        let found = triangle_on(&even, corners.map(|corner| even.changed(corner).0));
+        let mut found = found.map_err(|error| error.restored(&even))?;
+        found.sides = found.sides.map(|side| Some(side?.restored(&even)));
+        return Ok(found);
+    }
+    triangle_on(surface, corners)
+}
+
+fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, MeasureError> {
     let mut sources = Vec::new();
     let mut targets = Vec::new();
     for corner in corners {

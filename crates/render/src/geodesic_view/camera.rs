@@ -9,6 +9,7 @@ use geodesic::frame::Frame;
 use geodesic::map::{self, Map, MapOptions, exponential_map};
 use geodesic::moved::Moved;
 use geodesic::piecewise::PiecewiseMap;
+use geodesic::reparametrised::Reparametrised;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
@@ -201,13 +202,25 @@ impl PlacedCamera {
             return RayEnds::Map(self.map(progress));
         };
         let surface = self.manifold.surface();
-        let deep = Moved::for_camera(surface, &self.frame, self.size);
-        let fan = match &deep {
-            Some((moved, camera)) => self.fan(moved, camera, interpolation),
-            None => self.fan(surface, &self.frame, interpolation),
+        let tolerance = PIECEWISE_SHARE * self.tolerance;
+        let cut = |ends: &dyn Ends| {
+            progress(0.5);
+            PiecewiseMap::cut(ends, self.size, tolerance)
         };
-        progress(0.5);
-        let mut piecewise = PiecewiseMap::cut(&fan, self.size, PIECEWISE_SHARE * self.tolerance);
+        let (fan, mut piecewise);
+        let (moved, even);
+        if let Some((surface, camera)) = Moved::for_camera(surface, &self.frame, self.size) {
+            moved = surface;
+            fan = self.fan(&moved, &camera, interpolation);
+            piecewise = cut(&fan);
+        } else if let Some((surface, camera)) = Reparametrised::for_camera(surface, &self.frame) {
+            even = surface;
+            fan = self.fan(&even, &camera, interpolation);
+            piecewise = cut(&even.restored_ends(&fan));
+        } else {
+            fan = self.fan(surface, &self.frame, interpolation);
+            piecewise = cut(&fan);
+        }
         piecewise.origin = self.frame.uv.0;
         progress(1.0);
         RayEnds::Piecewise {
@@ -239,7 +252,12 @@ impl PlacedCamera {
     /// not know them pixel by pixel. NaN where nothing is seen.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let interpolation = self.method.interpolation()?;
-        let fan = self.fan(self.manifold.surface(), &self.frame, interpolation);
+        let surface = self.manifold.surface();
+        let even = Reparametrised::for_camera(surface, &self.frame);
+        let fan = match &even {
+            Some((even, camera)) => self.fan(even, camera, interpolation),
+            None => self.fan(surface, &self.frame, interpolation),
+        };
         Some(errors(&fan, self.size, step))
     }
 

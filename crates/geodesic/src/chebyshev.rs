@@ -1,0 +1,162 @@
+//! Functions of one variable as Chebyshev series: a function on an interval in; its integral, values and derivatives out.
+//!
+//! The sums over the zeros of T_n, integrals, derivatives and Clenshaw's recurrence are those of Press, Teukolsky, Vetterling,
+//! Flannery, *Numerical Recipes*, 3rd edition, section 5.8 and 5.9. A picture's patches have a fixed degree in two variables,
+//! and tables for it: `piecewise/fit.rs`.
+
+use std::f64::consts::PI;
+
+/// Σ cₙ Tₙ, over an interval mapped to [−1, 1].
+#[derive(Clone, Debug)]
+pub(crate) struct ChebyshevSeries {
+    interval: [f64; 2],
+    /// From the lowest degree; at least one.
+    coefficients: Vec<f64>,
+}
+
+/// Numbers of terms that are tried, each a multiple of [`LAST`].
+const TERMS: [usize; 4] = [16, 32, 64, 128];
+/// The share of a series' terms, the highest ones, that tell its error.
+const LAST: usize = 4;
+
+impl ChebyshevSeries {
+    /// The series of a function with at most `most` terms whose last quarter is less than `tail` times its largest term;
+    /// `None` where there is none, or a value is no finite number.
+    pub(crate) fn fit(
+        interval: [f64; 2],
+        most: usize,
+        tail: f64,
+        mut function: impl FnMut(f64) -> Option<f64>,
+    ) -> Option<Self> {
+        let [middle, half] = middle_and_half(interval);
+        for terms in TERMS.into_iter().filter(|terms| *terms <= most) {
+            let cosines: Vec<f64> = (0..4 * terms)
+                .map(|n| (PI * n as f64 / (2 * terms) as f64).cos())
+                .collect();
+            let mut values = Vec::with_capacity(terms);
+            for k in 0..terms {
+                let value = function(middle + half * cosines[2 * k + 1])?;
+                values.push(Some(value).filter(|x| x.is_finite())?);
+            }
+            let coefficient = |n: usize| -> f64 {
+                let sum: f64 = (values.iter().enumerate())
+                    .map(|(k, x)| x * cosines[n * (2 * k + 1) % (4 * terms)])
+                    .sum();
+                sum * if n == 0 { 1.0 } else { 2.0 } / terms as f64
+            };
+            let mut coefficients: Vec<f64> = (0..terms).map(coefficient).collect();
+            let largest = largest(&coefficients);
+            if largest > 0.0
+                && self::largest(&coefficients[terms - terms / LAST..]) < tail * largest
+            {
+                // What is less is rounding, and would only be amplified by the derivatives.
+                let least = 0.5 * f64::EPSILON * largest;
+                while coefficients.last().is_some_and(|c| c.abs() <= least) {
+                    coefficients.pop();
+                }
+                return Some(Self {
+                    interval,
+                    coefficients,
+                });
+            }
+        }
+        None
+    }
+
+    /// The integral from the interval's minimum on.
+    pub(crate) fn integral(&self) -> Self {
+        let [_, half] = middle_and_half(self.interval);
+        let count = self.coefficients.len();
+        let at = |n: usize| self.coefficients.get(n).copied().unwrap_or(0.0);
+        let mut coefficients = vec![0.0; count + 1];
+        for n in 1..=count {
+            let below = if n == 1 { 2.0 * at(0) } else { at(n - 1) };
+            coefficients[n] = half * (below - at(n + 1)) / (2 * n) as f64;
+        }
+        // Tₙ(−1) = (−1)ⁿ.
+        let low: f64 = (1..=count)
+            .map(|n| if n % 2 == 0 { 1.0 } else { -1.0 } * coefficients[n])
+            .sum();
+        coefficients[0] = -low;
+        Self {
+            interval: self.interval,
+            coefficients,
+        }
+    }
+
+    pub(crate) fn derivative(&self) -> Self {
+        let [_, half] = middle_and_half(self.interval);
+        let count = self.coefficients.len();
+        let mut coefficients = vec![0.0; (count - 1).max(1)];
+        for n in (1..count).rev() {
+            let above = coefficients.get(n + 1).copied().unwrap_or(0.0);
+            coefficients[n - 1] = above + (2 * n) as f64 / half * self.coefficients[n];
+        }
+        coefficients[0] *= 0.5;
+        Self {
+            interval: self.interval,
+            coefficients,
+        }
+    }
+
+    /// `scale` times the series, plus `offset`.
+    pub(crate) fn scaled(mut self, scale: f64, offset: f64) -> Self {
+        for c in &mut self.coefficients {
+            *c *= scale;
+        }
+        self.coefficients[0] += offset;
+        self
+    }
+
+    /// The values at several places side by side.
+    #[inline(always)]
+    pub(crate) fn values<const N: usize>(&self, at: &[f64; N]) -> [f64; N] {
+        let [middle, half] = middle_and_half(self.interval);
+        let x = at.map(|x| (x - middle) / half);
+        let [mut next, mut after] = [[0.0; N]; 2];
+        for &c in self.coefficients[1..].iter().rev() {
+            for lane in 0..N {
+                let here = 2.0 * x[lane] * next[lane] - after[lane] + c;
+                after[lane] = next[lane];
+                next[lane] = here;
+            }
+        }
+        std::array::from_fn(|lane| x[lane] * next[lane] - after[lane] + self.coefficients[0])
+    }
+
+    pub(crate) fn value(&self, at: f64) -> f64 {
+        let [value] = self.values(&[at]);
+        value
+    }
+}
+
+fn middle_and_half([low, high]: [f64; 2]) -> [f64; 2] {
+    [0.5 * (low + high), 0.5 * (high - low)]
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_integrals_and_derivatives_are_those_of_the_function() {
+        let series =
+            ChebyshevSeries::fit([0.5, 3.0], 64, 1e-14, |x| Some(x.sin())).expect("smooth");
+        let (integral, derivative) = (series.integral(), series.derivative());
+        for x in [0.5, 0.7, 1.9, 3.0_f64] {
+            assert!((series.value(x) - x.sin()).abs() < 1e-14);
+            assert!((integral.value(x) - (0.5_f64.cos() - x.cos())).abs() < 1e-14);
+            assert!((derivative.value(x) - x.cos()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn functions_with_a_kink_or_a_gap_have_none() {
+        assert!(ChebyshevSeries::fit([-1.0, 2.0], 128, 1e-13, |x| Some(x.abs())).is_none());
+        assert!(ChebyshevSeries::fit([-1.0, 2.0], 128, 1e-13, |x| Some(x.sqrt())).is_none());
+    }
+}

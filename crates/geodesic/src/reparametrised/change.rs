@@ -1,0 +1,127 @@
+//! A change of one parameter: a density on its interval in; the parameter by which equal steps hold equal shares of it out.
+
+use crate::chebyshev::ChebyshevSeries;
+
+/// u = ψ(w), an increasing map of an interval to itself, smooth within; beyond, ψ(w + n width) = ψ(w) + n width.
+#[derive(Clone, Debug)]
+pub(super) struct ParameterChange {
+    interval: [f64; 2],
+    /// ψ, ψ' and ψ''.
+    forward: [ChebyshevSeries; 3],
+    /// ψ⁻¹.
+    inverse: ChebyshevSeries,
+}
+
+/// The most terms of the density and of ψ, …
+const OF_DENSITY: usize = 128;
+const OF_CHANGE: usize = 64;
+/// … and what their last ones may be, relative to the largest: the density's integral has terms that are much smaller.
+const DENSITY_TAIL: f64 = 1e-13;
+const CHANGE_TAIL: f64 = 1e-14;
+/// The most steps to a place with a given share of the integral.
+const STEPS: usize = 60;
+
+impl ParameterChange {
+    /// The change with ψ' = c / `density`(ψ). `None` where the density is not positive, or either has no series.
+    pub(super) fn of_density(
+        interval: [f64; 2],
+        mut density: impl FnMut(f64) -> f64,
+    ) -> Option<Self> {
+        let [low, high] = interval;
+        let positive = |x: f64| Some(density(x)).filter(|density| *density > 0.0);
+        let density = ChebyshevSeries::fit(interval, OF_DENSITY, DENSITY_TAIL, positive)?;
+        let integral = density.integral();
+        let total = integral.value(high);
+        let scale = (high - low) / total;
+        let rate = density.scaled(scale, 0.0);
+        let inverse = integral.scaled(scale, low);
+        let mut guess = high;
+        let forward = ChebyshevSeries::fit(interval, OF_CHANGE, CHANGE_TAIL, |w| {
+            guess = solve(interval, guess, |u| [inverse.value(u) - w, rate.value(u)])?;
+            Some(guess)
+        })?;
+        let first = forward.derivative();
+        let second = first.derivative();
+        Some(Self {
+            interval,
+            forward: [forward, first, second],
+            inverse,
+        })
+    }
+
+    /// ψ, ψ' and ψ'' at places of the interval, side by side.
+    #[inline(always)]
+    pub(super) fn at<const N: usize>(&self, w: &[f64; N]) -> [[f64; N]; 3] {
+        let [low, high] = self.interval;
+        let [value, first, second] = &self.forward;
+        [
+            value.values(w).map(|u| u.clamp(low, high)),
+            first.values(w),
+            second.values(w),
+        ]
+    }
+
+    /// ψ and ψ' at a place that may lie beyond the interval.
+    pub(super) fn forward(&self, w: f64) -> [f64; 2] {
+        let turns = self.turns(w);
+        let [[u], [slope], _] = self.at(&[w - turns]);
+        [u + turns, slope]
+    }
+
+    /// The place of the interval, or beyond it, whose ψ is given.
+    pub(super) fn inverse(&self, u: f64) -> f64 {
+        let [low, high] = self.interval;
+        let turns = self.turns(u);
+        let u = u - turns;
+        if u == low || u == high {
+            return u + turns;
+        }
+        let mut w = self.inverse.value(u).clamp(low, high);
+        for _ in 0..2 {
+            let [value, slope] = self.forward(w);
+            w = (w + (u - value) / slope).clamp(low, high);
+        }
+        w + turns
+    }
+
+    /// By how much a place lies beyond the interval, in whole widths; NaN for no number.
+    fn turns(&self, x: f64) -> f64 {
+        let [low, high] = self.interval;
+        if (low..=high).contains(&x) {
+            0.0
+        } else {
+            ((x - low) / (high - low)).floor() * (high - low)
+        }
+    }
+}
+
+/// The zero of an increasing function, given with its derivative, by Newton's steps that stay within bounds.
+fn solve(
+    [mut low, mut high]: [f64; 2],
+    guess: f64,
+    function: impl Fn(f64) -> [f64; 2],
+) -> Option<f64> {
+    let rounding = f64::EPSILON * low.abs().max(high.abs()).max(high - low);
+    let mut at = guess;
+    for _ in 0..STEPS {
+        let [value, slope] = function(at);
+        if value > 0.0 {
+            high = at;
+        } else {
+            low = at;
+        }
+        let step = value / slope;
+        let next = at - step;
+        at = if next > low && next < high {
+            next
+        } else if step.abs() <= rounding {
+            return Some(at);
+        } else {
+            0.5 * (low + high)
+        };
+        if step.abs() <= rounding || high - low <= rounding {
+            return Some(at);
+        }
+    }
+    None
+}

@@ -1,0 +1,286 @@
+//! Surfaces whose parameter runs unevenly across a seam: distances, triangles and pictures are those of evenly parametrised
+//! twins.
+
+mod near;
+mod shapes;
+
+use expr::NodeId;
+use expr::ops::Unary;
+use geodesic::ends::GeodesicWork;
+use geodesic::frame::Frame;
+use geodesic::map::{Map, MapOptions, exponential_map};
+use geodesic::measure;
+use geodesic::point::Uv;
+use geodesic::reference::Reference;
+use geodesic::status::Status;
+use geodesic::surface::{ParametricSurface, Surface};
+use near::near;
+use shapes::*;
+
+/// A parameter in [0, 1] as an angle.
+#[derive(Clone, Copy)]
+enum Angle {
+    /// 2πu.
+    Even,
+    /// πu(1 + u).
+    Quadratic,
+    /// 2π(eᵘ − 1)/(e − 1).
+    Exponential,
+}
+
+impl Angle {
+    fn node(self, m: &mut Maker, u: NodeId) -> NodeId {
+        match self {
+            Self::Even => m.scale(TAU, u),
+            Self::Quadratic => {
+                let more = m.plus(1.0, u);
+                let both = m.mul(u, more);
+                m.scale(PI, both)
+            }
+            Self::Exponential => {
+                let e = m.f(Unary::Exp, u);
+                let less = m.plus(-1.0, e);
+                m.scale(TAU / (1.0_f64.exp() - 1.0), less)
+            }
+        }
+    }
+
+    fn value(self, u: f64) -> f64 {
+        match self {
+            Self::Even => TAU * u,
+            Self::Quadratic => PI * u * (1.0 + u),
+            Self::Exponential => TAU * u.exp_m1() / 1.0_f64.exp_m1(),
+        }
+    }
+}
+
+/// (cos a, sin a, v).
+fn cylinder_by(angle: Angle) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v, one) = (m.u, m.v, m.c(1.0));
+    let a = angle.node(&mut m, u);
+    let p = m.around(one, a, v);
+    m.done(p, [[0.0, 1.0], [-1.0, 1.0]])
+}
+
+/// Longitude a, latitude v.
+fn sphere_by(angle: Angle) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+    let u = m.u;
+    let a = angle.node(&mut m, u);
+    let p = m.around(cos, a, sin);
+    m.done(p, [[0.0, 1.0], [-PI / 2.0, PI / 2.0]])
+}
+
+/// The torus with the radii 2 and 1, longitude a, the other angle b.
+fn torus_by(angle: Angle, other: Angle) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let (a, b) = (angle.node(&mut m, u), other.node(&mut m, v));
+    let (cos, sin) = (m.f(Unary::Cos, b), m.f(Unary::Sin, b));
+    let radius = m.plus(2.0, cos);
+    let p = m.around(radius, a, sin);
+    m.done(p, [[0.0, 1.0], [0.0, 1.0]])
+}
+
+#[track_caller]
+fn distance(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> f64 {
+    let found = measure::distance(surface, from, to).expect("places");
+    found.expect("a geodesic").length
+}
+
+/// Turns of 2π, the shorter way round.
+fn turn(angle: Angle, from: f64, to: f64) -> f64 {
+    let turn = (angle.value(to) - angle.value(from)) / TAU;
+    (turn - turn.round()).abs() * TAU
+}
+
+#[test]
+fn distances_over_the_seam_are_those_of_closed_forms() {
+    for angle in [Angle::Quadratic, Angle::Exponential] {
+        let cylinder = cylinder_by(angle);
+        let sphere = sphere_by(angle);
+        let torus = torus_by(angle, Angle::Even);
+        let both = torus_by(angle, Angle::Quadratic);
+        let twin = torus_by(Angle::Even, Angle::Even);
+        let share = |angle: Angle, u: f64| angle.value(u) / TAU;
+        for (from, to) in [
+            ([0.05, 0.0], [0.98, 0.0]),
+            ([0.05, 0.3], [0.93, 0.1]),
+            ([0.9, 0.2], [0.3, 0.4]),
+            ([0.0, 0.2], [0.02, 0.4]),
+            ([0.4, 0.1], [0.6, 0.9]),
+        ] {
+            let around = turn(angle, from[0], to[0]);
+            near(
+                "cylinder",
+                distance(&cylinder, from, to),
+                around.hypot(to[1] - from[1]),
+                1e-9,
+            );
+            let (s, t) = (from[1], to[1]);
+            // By half the chord.
+            let half = |x: f64| (0.5 * x).sin().powi(2);
+            let square = half(s - t) + s.cos() * t.cos() * half(around);
+            near(
+                "sphere",
+                distance(&sphere, from, to),
+                2.0 * square.sqrt().asin(),
+                1e-9,
+            );
+            let expected = |other: Angle| {
+                let [from, to] = [from, to].map(|[u, v]| [share(angle, u), share(other, v)]);
+                distance(&twin, from, to)
+            };
+            near(
+                "torus",
+                distance(&torus, from, to),
+                expected(Angle::Even),
+                1e-9,
+            );
+            near(
+                "torus, both angles",
+                distance(&both, from, to),
+                expected(Angle::Quadratic),
+                1e-9,
+            );
+        }
+    }
+}
+
+#[test]
+fn a_connection_begins_and_ends_at_the_places_given_at_unit_speed() {
+    let s = cylinder_by(Angle::Exponential);
+    let found = measure::between(&s, [0.05, 0.0], [0.98, 0.3], Some(7.0)).expect("places");
+    assert!(found.complete);
+    // Both ways round, and once more.
+    let around = turn(Angle::Exponential, 0.05, 0.98);
+    let expected = [around, TAU - around, TAU + around].map(|way| way.hypot(0.3));
+    assert_eq!(found.found.len(), 3, "{found:?}");
+    for (it, expected) in found.found.iter().zip(expected) {
+        near("length", it.length, expected, 1e-9);
+        for (at, given) in [(it.from, [0.05, 0.0]), (it.to, [0.98, 0.3])] {
+            near("u", at[0], given[0], 1e-10);
+            near("v", at[1], given[1], 1e-10);
+        }
+        for (at, way) in [(it.from, it.direction), (it.to, it.arrival)] {
+            let jet = s.jet(at);
+            let speed = (0..3).map(|k| (jet.du[k] * way[0] + jet.dv[k] * way[1]).powi(2));
+            near("speed", speed.sum::<f64>(), 1.0, 1e-9);
+        }
+    }
+    let outside = measure::distance(&s, [0.25, 1.5], [0.5, 0.0]).expect_err("no place");
+    let measure::MeasureError::Outside { at, .. } = outside else {
+        panic!("{outside:?}");
+    };
+    near("u", at[0], 0.25, 1e-14);
+}
+
+#[test]
+fn triangles_over_the_seam_have_the_angles_of_their_twins() {
+    let corners = [[0.93, 0.1], [0.06, 0.05], [0.02, 0.3]];
+    let pairs: [(ParametricSurface, ParametricSurface); 3] = [
+        (cylinder_by(Angle::Quadratic), cylinder_by(Angle::Even)),
+        (sphere_by(Angle::Quadratic), sphere_by(Angle::Even)),
+        (
+            torus_by(Angle::Quadratic, Angle::Even),
+            torus_by(Angle::Even, Angle::Even),
+        ),
+    ];
+    for (surface, twin) in pairs {
+        let found = measure::triangle(&surface, corners).expect("corners");
+        let even = corners.map(|[u, v]| [Angle::Quadratic.value(u) / TAU, v]);
+        let expected = measure::triangle(&twin, even).expect("corners");
+        for k in 0..3 {
+            let angles = [&found, &expected].map(|it| it.angles[k].expect("an angle"));
+            near("angle", angles[0], angles[1], 1e-9);
+            let sides = [&found, &expected].map(|it| it.sides[k].expect("a side"));
+            near("side", sides[0].length, sides[1].length, 1e-9);
+            let [u, v] = sides[0].to.0;
+            near("u", Angle::Quadratic.value(u) / TAU, sides[1].to[0], 1e-9);
+            near("v", v, sides[1].to[1], 1e-9);
+        }
+        let regions = [&found, &expected].map(|it| it.region.expect("a region"));
+        near("area", regions[0].area, regions[1].area, 1e-9);
+        near(
+            "curvature",
+            regions[0].curvature,
+            regions[1].curvature,
+            1e-8,
+        );
+    }
+}
+
+/// A picture with the work that it took.
+fn picture(surface: &dyn Surface, frame: &Frame) -> (Map, GeodesicWork) {
+    let map = exponential_map(surface, frame, [400; 2], &MapOptions::default(), &|_| {});
+    let work = map.work;
+    (map, work)
+}
+
+/// Draws both, compares places in space pixel by pixel and with geodesics followed by themselves, and gives the work.
+#[track_caller]
+fn compare(
+    what: &str,
+    (surface, angle): (&dyn Surface, Angle),
+    twin: &dyn Surface,
+    at: [f64; 2],
+    zoom: f64,
+) -> [GeodesicWork; 2] {
+    let frame = Frame::new(surface, at, 0.5, zoom).expect("a frame");
+    let (map, work) = picture(surface, &frame);
+    let even = [angle.value(at[0]) / TAU, at[1]];
+    let even_frame = Frame::new(twin, even, 0.5, zoom).expect("a frame");
+    let (other, other_work) = picture(twin, &even_frame);
+    let pixel = 2.0 * zoom / 400.0;
+    let back = |surface: &dyn Surface, uv: Uv| {
+        let mut at = uv.0;
+        surface.sides().bring_back(surface.domain(), &mut at);
+        surface.jet(Uv(at)).position
+    };
+    let mut worst = 0.0_f64;
+    let mut compared = 0;
+    for index in 0..map.offset.len() {
+        if [map.status[index], other.status[index]] != [Status::Complete; 2] {
+            continue;
+        }
+        let a = back(surface, map.uv(index));
+        let b = back(twin, other.uv(index));
+        let gap = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        worst = worst.max(gap / pixel);
+        compared += 1;
+    }
+    let unlike = (map.status.iter().zip(&other.status))
+        .filter(|(a, b)| a != b)
+        .count();
+    assert!(
+        worst <= 0.25 && compared > 60_000 && unlike <= 20,
+        "{what}: {worst} px of {compared}, {unlike} unlike"
+    );
+    let mut reference = Reference::new(surface, &frame, [400; 2], 2500);
+    let errors = reference.errors(&|index| (map.uv(index), map.status[index]));
+    assert!(errors.max <= 0.25 && errors.unlike == 0, "{what}: {errors}");
+    [work, other_work]
+}
+
+#[test]
+fn pictures_over_the_seam_are_those_of_the_twins_for_as_little_work() {
+    let q = Angle::Quadratic;
+    let (cylinder, sphere) = (cylinder_by(q), sphere_by(q));
+    let torus = torus_by(q, Angle::Even);
+    let (even_cylinder, even_sphere) = (cylinder_by(Angle::Even), sphere_by(Angle::Even));
+    let even_torus = torus_by(Angle::Even, Angle::Even);
+    let works = [
+        compare("cylinder", (&cylinder, q), &even_cylinder, [0.9, 0.1], 3.0),
+        compare("sphere", (&sphere, q), &even_sphere, [0.9, 0.3], 3.0),
+        compare("torus", (&torus, q), &even_torus, [0.9, 0.1], 6.0),
+    ];
+    for [work, twin] in works {
+        println!("{work:?} {twin:?}");
+        assert!(
+            work.evaluations <= 3 * twin.evaluations,
+            "{work:?} {twin:?}"
+        );
+    }
+}
