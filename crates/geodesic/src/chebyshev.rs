@@ -4,6 +4,9 @@
 //! Flannery, *Numerical Recipes*, 3rd edition, section 5.8 and 5.9. A picture's patches have a fixed degree in two variables,
 //! and tables for it: `piecewise/fit.rs`.
 
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Σ cₙ Tₙ, over an interval mapped to [−1, 1].
@@ -108,25 +111,58 @@ impl ChebyshevSeries {
         self
     }
 
-    /// The values at several places side by side.
-    #[inline(always)]
-    pub(crate) fn values<const N: usize>(&self, at: &[f64; N]) -> [f64; N] {
+    pub(crate) fn value(&self, at: f64) -> f64 {
         let [middle, half] = middle_and_half(self.interval);
-        let x = at.map(|x| (x - middle) / half);
-        let [mut next, mut after] = [[0.0; N]; 2];
+        let x = (at - middle) / half;
+        let [mut next, mut after] = [0.0; 2];
         for &c in self.coefficients[1..].iter().rev() {
-            for lane in 0..N {
-                let here = 2.0 * x[lane] * next[lane] - after[lane] + c;
-                after[lane] = next[lane];
-                next[lane] = here;
-            }
+            let here = 2.0 * x * next + (c - after);
+            after = next;
+            next = here;
         }
-        std::array::from_fn(|lane| x[lane] * next[lane] - after[lane] + self.coefficients[0])
+        x * next - after + self.coefficients[0]
+    }
+}
+
+/// Several series over one interval, which are evaluated together.
+#[derive(Clone, Debug)]
+pub(crate) struct SeriesGroup<const K: usize> {
+    middle: f64,
+    /// One over half the interval's width.
+    share: f64,
+    /// The terms of all, from the lowest degree; at least one.
+    terms: Vec<[f64; K]>,
+}
+
+impl<const K: usize> SeriesGroup<K> {
+    pub(crate) fn of(series: [&ChebyshevSeries; K]) -> Self {
+        let [middle, half] = middle_and_half(series[0].interval);
+        let count = series.iter().map(|it| it.coefficients.len()).max();
+        let term = |n: usize| series.map(|it| it.coefficients.get(n).copied().unwrap_or(0.0));
+        Self {
+            middle,
+            share: 1.0 / half,
+            terms: (0..count.unwrap_or(1)).map(term).collect(),
+        }
     }
 
-    pub(crate) fn value(&self, at: f64) -> f64 {
-        let [value] = self.values(&[at]);
-        value
+    /// The values of each series at several places side by side.
+    #[inline(always)]
+    pub(crate) fn values<const N: usize>(&self, at: &[f64; N]) -> [[f64; N]; K] {
+        let x = at.map(|x| (x - self.middle) * self.share);
+        let twice = x.map(|x| 2.0 * x);
+        let [mut next, mut after] = [[[0.0; N]; K]; 2];
+        for term in self.terms[1..].iter().rev() {
+            for k in 0..K {
+                for lane in 0..N {
+                    let here = twice[lane] * next[k][lane] + (term[k] - after[k][lane]);
+                    after[k][lane] = next[k][lane];
+                    next[k][lane] = here;
+                }
+            }
+        }
+        let lowest = self.terms[0];
+        from_fn(|k| from_fn(|lane| x[lane] * next[k][lane] - after[k][lane] + lowest[k]))
     }
 }
 
@@ -146,11 +182,16 @@ mod tests {
     fn values_integrals_and_derivatives_are_those_of_the_function() {
         let series =
             ChebyshevSeries::fit([0.5, 3.0], 64, 1e-14, |x| Some(x.sin())).expect("smooth");
-        let (integral, derivative) = (series.integral(), series.derivative());
+        let (integral, both) = (
+            series.integral(),
+            SeriesGroup::of([&series, &series.derivative()]),
+        );
         for x in [0.5, 0.7, 1.9, 3.0_f64] {
             assert!((series.value(x) - x.sin()).abs() < 1e-14);
             assert!((integral.value(x) - (0.5_f64.cos() - x.cos())).abs() < 1e-14);
-            assert!((derivative.value(x) - x.cos()).abs() < 1e-12);
+            let [[value], [slope]] = both.values(&[x]);
+            assert!((value - x.sin()).abs() < 1e-14);
+            assert!((slope - x.cos()).abs() < 1e-12);
         }
     }
 

@@ -106,9 +106,18 @@ impl<'s> Reparametrised<'s> {
     pub fn restored(&self, place: Uv) -> (Uv, [f64; 2]) {
         let both = [0, 1].map(|k| match &self.changes[k] {
             Some(change) => change.forward(place[k]),
-            None => [place[k], 1.0],
+            None => [place[k], 1.0, 0.0],
         });
-        (Uv(both.map(|[u, _]| u)), both.map(|[_, slope]| slope))
+        (Uv(both.map(|[u, _, _]| u)), both.map(|[_, slope, _]| slope))
+    }
+
+    /// Does the same for several places, side by side.
+    fn restored_all(&self, places: &[Lanes; 2]) -> [[Lanes; 2]; 2] {
+        let both = [0, 1].map(|k| match &self.changes[k] {
+            Some(change) => change.forward_all(&places[k]),
+            None => [places[k], [1.0; LANES], [0.0; LANES]],
+        });
+        [0, 1].map(|n| [both[0][n], both[1][n]])
     }
 
     /// A vector at a place in the new parameters, in the surface's own ones.
@@ -193,7 +202,7 @@ impl Surface for Reparametrised<'_> {
         let mut uv = place;
         let changed = [0, 1].map(|k| {
             let change = self.changes[k].as_ref()?;
-            let [[u], [first], [second]] = change.at(&[place[k]]);
+            let [u, first, second] = change.forward(place[k]);
             uv[k] = u;
             Some([first, second])
         });
@@ -218,7 +227,7 @@ impl Surface for Reparametrised<'_> {
         let mut at = *places;
         let changed = [0, 1].map(|k| {
             let change = self.changes[k].as_ref()?;
-            let [u, first, second] = change.at(&places[k]);
+            let [u, first, second] = change.forward_all(&places[k]);
             at[k] = u;
             Some([first, second])
         });

@@ -1,15 +1,22 @@
 //! A change of one parameter: a density on its interval in; the parameter by which equal steps hold equal shares of it out.
 
-use crate::chebyshev::ChebyshevSeries;
+use std::array::from_fn;
+
+use expr::processor::{Processor, Work};
+
+use crate::chebyshev::{ChebyshevSeries, SeriesGroup};
+use crate::surface::{LANES, Lanes};
 
 /// u = ψ(w), an increasing map of an interval to itself, smooth within; beyond, ψ(w + n width) = ψ(w) + n width.
 #[derive(Clone, Debug)]
 pub(super) struct ParameterChange {
     interval: [f64; 2],
-    /// ψ, ψ' and ψ''.
-    forward: [ChebyshevSeries; 3],
+    /// ψ.
+    forward: SeriesGroup<1>,
     /// ψ⁻¹.
     inverse: ChebyshevSeries,
+    /// Its first and second derivatives. Those of ψ follow from them, with more digits at the ends than its own series has.
+    rates: SeriesGroup<2>,
 }
 
 /// The most terms of the density and of ψ, …
@@ -40,32 +47,38 @@ impl ParameterChange {
             guess = solve(interval, guess, |u| [inverse.value(u) - w, rate.value(u)])?;
             Some(guess)
         })?;
-        let first = forward.derivative();
-        let second = first.derivative();
         Some(Self {
             interval,
-            forward: [forward, first, second],
+            forward: SeriesGroup::of([&forward]),
             inverse,
+            rates: SeriesGroup::of([&rate, &rate.derivative()]),
         })
     }
 
-    /// ψ, ψ' and ψ'' at places of the interval, side by side.
-    #[inline(always)]
-    pub(super) fn at<const N: usize>(&self, w: &[f64; N]) -> [[f64; N]; 3] {
-        let [low, high] = self.interval;
-        let [value, first, second] = &self.forward;
-        [
-            value.values(w).map(|u| u.clamp(low, high)),
-            first.values(w),
-            second.values(w),
-        ]
+    /// ψ, ψ' and ψ'' at a place that may lie beyond the interval.
+    pub(super) fn forward(&self, w: f64) -> [f64; 3] {
+        self.several(&[w]).map(|[value]| value)
     }
 
-    /// ψ and ψ' at a place that may lie beyond the interval.
-    pub(super) fn forward(&self, w: f64) -> [f64; 2] {
-        let turns = self.turns(w);
-        let [[u], [slope], _] = self.at(&[w - turns]);
-        [u + turns, slope]
+    /// The same at several places.
+    pub(super) fn forward_all(&self, w: &Lanes) -> [Lanes; 3] {
+        Processor::here().run(Several { change: self, w })
+    }
+
+    #[inline(always)]
+    fn several<const N: usize>(&self, w: &[f64; N]) -> [[f64; N]; 3] {
+        let [low, high] = self.interval;
+        let turns = w.map(|w| self.turns(w));
+        let inside: [f64; N] = from_fn(|lane| w[lane] - turns[lane]);
+        let [value] = self.forward.values(&inside);
+        let value = value.map(|u| u.clamp(low, high));
+        let [rate, slope] = self.rates.values(&value);
+        let first = rate.map(|rate| 1.0 / rate);
+        [
+            from_fn(|lane| value[lane] + turns[lane]),
+            first,
+            from_fn(|lane| -slope[lane] * first[lane] * first[lane] * first[lane]),
+        ]
     }
 
     /// The place of the interval, or beyond it, whose ψ is given.
@@ -78,13 +91,14 @@ impl ParameterChange {
         }
         let mut w = self.inverse.value(u).clamp(low, high);
         for _ in 0..2 {
-            let [value, slope] = self.forward(w);
+            let [value, slope, _] = self.forward(w);
             w = (w + (u - value) / slope).clamp(low, high);
         }
         w + turns
     }
 
     /// By how much a place lies beyond the interval, in whole widths; NaN for no number.
+    #[inline(always)]
     fn turns(&self, x: f64) -> f64 {
         let [low, high] = self.interval;
         if (low..=high).contains(&x) {
@@ -92,6 +106,21 @@ impl ParameterChange {
         } else {
             ((x - low) / (high - low)).floor() * (high - low)
         }
+    }
+}
+
+/// The places of several lanes, compiled for the processor's vectors.
+struct Several<'a> {
+    change: &'a ParameterChange,
+    w: &'a Lanes,
+}
+
+impl Work for Several<'_> {
+    type Output = [Lanes; 3];
+
+    #[inline(always)]
+    fn run(self) -> [Lanes; 3] {
+        self.change.several::<LANES>(self.w)
     }
 }
 

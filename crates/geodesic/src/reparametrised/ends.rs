@@ -3,7 +3,8 @@
 use super::Reparametrised;
 use crate::ends::{Coordinates, End, Ends};
 use crate::fan::Fan;
-use crate::point::{PicturePoint, TangentVector, Uv};
+use crate::point::{PicturePoint, Uv};
+use crate::surface::LANES;
 
 /// Ends in (u, v) alone, of a fan whose rays run in (w, v): about poles they have no coordinates of their own, since in (u, v)
 /// none are smooth there.
@@ -17,36 +18,51 @@ impl<'a> RestoredEnds<'a> {
         Self { even, fan }
     }
 
-    fn restore(&self, end: &End) -> End {
-        let Some(plain) = self.fan.in_coordinates(end, Coordinates::Plain) else {
-            return End {
-                coordinates: Coordinates::Plain,
-                at: [f64::NAN; 2],
-                ..*end
-            };
-        };
-        let (Uv(at), slopes) = self.even.restored(Uv(plain.at));
-        let [along, across] = [plain.along, plain.across]
-            .map(|vector| TangentVector([0, 1].map(|k| slopes[k] * vector[k])).0);
-        End {
-            at,
-            along,
-            across,
-            ..plain
-        }
+    /// An end in (w, v); at a pole, which has none, it is no place.
+    fn plain(&self, end: &End) -> End {
+        let plain = self.fan.in_coordinates(end, Coordinates::Plain);
+        plain.unwrap_or(End {
+            coordinates: Coordinates::Plain,
+            at: [f64::NAN; 2],
+            ..*end
+        })
+    }
+}
+
+/// An end in (w, v) at a place in (u, v), where vectors have so many times the components.
+fn placed(plain: End, at: [f64; 2], slopes: [f64; 2]) -> End {
+    let [along, across] = [plain.along, plain.across].map(|v| [slopes[0] * v[0], slopes[1] * v[1]]);
+    End {
+        at,
+        along,
+        across,
+        ..plain
     }
 }
 
 impl Ends for RestoredEnds<'_> {
     fn end(&self, place: PicturePoint) -> End {
-        self.restore(&self.fan.end(place))
+        let plain = self.plain(&self.fan.end(place));
+        let (Uv(at), slopes) = self.even.restored(Uv(plain.at));
+        placed(plain, at, slopes)
     }
 
     fn ends(&self, places: &[PicturePoint], out: &mut Vec<End>) {
         let first = out.len();
         self.fan.ends(places, out);
-        for end in &mut out[first..] {
-            *end = self.restore(end);
+        for ends in out[first..].chunks_mut(LANES) {
+            let mut places = [[0.0; LANES]; 2];
+            for (lane, end) in ends.iter_mut().enumerate() {
+                *end = self.plain(end);
+                for (place, at) in places.iter_mut().zip(end.at) {
+                    place[lane] = at;
+                }
+            }
+            let [at, slopes] = self.even.restored_all(&places);
+            for (lane, end) in ends.iter_mut().enumerate() {
+                let [at, slopes] = [at, slopes].map(|both| both.map(|lanes| lanes[lane]));
+                *end = placed(*end, at, slopes);
+            }
         }
     }
 
