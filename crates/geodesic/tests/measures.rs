@@ -130,6 +130,16 @@ fn curvatures_are_those_of_the_formulas() {
             / (2.0 * (a * b * c).powi(2) * h.powi(3));
         near("H", found.mean.expect("H"), mean, 1e-13);
     }
+    // The third power of a size may be no number where the size is one.
+    for size in [1e-120, 1e120] {
+        let found = measure::place(&triaxial(size, size, 2.0 * size), [0.3, 0.4]).expect("a place");
+        let unit = measure::place(&triaxial(1.0, 1.0, 2.0), [0.3, 0.4]).expect("a place");
+        let [found, unit] =
+            [found, unit].map(|it| [it.mean.expect("H"), it.principal.expect("two")[0].curvature]);
+        for (found, unit) in found.into_iter().zip(unit) {
+            near("a curvature", found * size, unit, 1e-12);
+        }
+    }
     // At a pole the formulas say 0/0.
     let pole = measure::place(&triaxial(1.0, 1.0, 2.0), [0.3, PI / 2.0]).expect("a place");
     near("K at a pole", pole.gaussian.expect("K"), 4.0, 1e-9);

@@ -104,7 +104,8 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     // σu/|σu|, and σv without its part along σu, in terms of σu and σv.
     let along = dot(jet.du, jet.dv) / length / length;
     let basis = [[1.0 / length, 0.0], [-along * length / area, length / area]];
-    let second = |w: [f64; 3]| dot(w, normal) / area;
+    let unit = normal.map(|x| x / area);
+    let second = |w: [f64; 3]| dot(w, unit);
     let (l, m, n) = (second(jet.duu), second(jet.duv), second(jet.dvv));
     let form = |[a, b]: [f64; 2], [c, d]: [f64; 2]| a * c * l + (a * d + b * c) * m + b * d * n;
     let (p, q, r) = (
@@ -163,7 +164,8 @@ fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
 fn curvatures(jet: &Jet) -> [f64; 2] {
     let normal = cross(jet.du, jet.dv);
     let length = norm(normal);
-    let second = |w: [f64; 3]| dot(w, normal) / length / length;
+    let unit = normal.map(|x| x / length);
+    let second = |w: [f64; 3]| dot(w, unit) / length;
     let (l, m, n) = (second(jet.duu), second(jet.duv), second(jet.dvv));
     let (e, f, g) = (
         dot(jet.du, jet.du) / length,
