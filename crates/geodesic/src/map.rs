@@ -104,6 +104,7 @@ pub fn exponential_map(
         map.origin = frame.uv.0;
         return map;
     }
+    // Rays that pixels share need coordinates that go on smoothly beyond a seam.
     if let Some(interpolation) = shared(options.method)
         && frame.zoom(surface) != 0.0
         && let Some((even, camera)) = Reparametrised::for_camera(surface, frame)
