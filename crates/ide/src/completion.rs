@@ -2,6 +2,8 @@
 
 use syntax::span::Span;
 
+use crate::text::Text;
+
 /// One entry of a list of completions.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Completion {
@@ -54,4 +56,13 @@ impl Completions {
             is_complete: true,
         }
     }
+}
+
+/// Returns what follows the word at an offset on its line, from the first character that is no blank.
+pub(crate) fn behind_word(text: &dyn Text, offset: u32) -> String {
+    let next = text.line_start(text.line(offset) + 1);
+    let end = next.unwrap_or(text.len());
+    let rest = text.slice(Span::new(offset, end)).unwrap_or_default();
+    let rest = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+    rest.trim().to_owned()
 }

@@ -342,3 +342,38 @@ fn reading_is_at_hand_before_the_run_and_an_edit_gives_the_run_up() {
     assert_eq!(program.diagnostics()[0].code.0, "no-effect");
     assert!(program.findings().is_none());
 }
+
+#[test]
+fn modifiers_are_completed_and_attributes_with_a_value_alone() {
+    let completed = |text: &str| {
+        let at = text.find('|').expect("a mark");
+        let text = text.replace('|', "");
+        read(&text).completions(at as u32, true).list
+    };
+    for text in [
+        "Scene { s <t| vec3(1,0,0)> }",
+        "Scene { s <|> }",
+        "Scene { s <scale 2, r| vec3(1,0,0)> }",
+    ] {
+        let labels: Vec<String> = completed(text).into_iter().map(|it| it.label).collect();
+        assert_eq!(labels, ["scale", "translate", "rotate"], "{text}");
+    }
+    let list = completed("Sphere { center -> vec3(0,0,0) rad| -> 1 }");
+    let radius = list.iter().find(|it| it.label == "radius");
+    let radius = radius.expect("the attribute");
+    assert_eq!((radius.insert.as_str(), radius.snippet), ("radius", false));
+}
+
+#[test]
+fn the_layout_keeps_line_ends_and_lines_that_are_warned_about() {
+    let text = "a = 1\r\nb = 2\r\n";
+    assert_eq!(read(text).format(None), []);
+    let spheres = "s = Sphere { center -> vec3(0, 0, 0) }\nb = s\n";
+    let text = format!("{spheres}Scene {{\n    s\n    - b\n}}\n");
+    let laid_out = apply(&text, &read(&text).format(None));
+    assert!(
+        laid_out.ends_with("Scene {\n    s\n    - b\n}\n"),
+        "{laid_out}"
+    );
+    assert_eq!(read(&laid_out).format(None), []);
+}

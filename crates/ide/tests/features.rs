@@ -410,3 +410,56 @@ fn lenses_offer_the_views_of_surfaces() {
         .collect();
     assert_eq!(shown, ["s 3D", "s geodesic view", "h geodesic view"]);
 }
+
+#[test]
+fn no_word_is_offered_where_only_a_new_name_may_stand() {
+    for text in [
+        "function f(|",
+        "curve c(|",
+        "geodesic g(|",
+        "background s(|",
+        "surface s(u, s|",
+        "param r | : [0,1];",
+    ] {
+        assert_eq!(labels(text).1, [""; 0], "{text}");
+    }
+    let (_, list) = labels("param r : [0,1]; curve c(t) = (t,r,0), t : [0, |];");
+    assert!(list.contains(&"pi".to_owned()), "{list:?}");
+    assert!(!list.contains(&"t".to_owned()), "{list:?}");
+}
+
+#[test]
+fn a_word_whose_rest_is_written_is_completed_alone() {
+    for (text, word) in [
+        ("curve c(t) = (t,t,0), t : [0,1], mir| : 0.3;", "mirror"),
+        ("sur| s(u,v) = (u,v,0), u : [0,1], v : [0,1];", "surface"),
+    ] {
+        let (analysis, offset) = marked(text);
+        let found = completions(&analysis, offset, true).list;
+        let first = &found[0];
+        assert_eq!((first.insert.as_str(), first.snippet), (word, false));
+    }
+}
+
+#[test]
+fn an_undefined_curvature_is_said_to_be_undefined() {
+    let (analysis, offset) =
+        marked("surface s(u,v) = (u,u^3,v^3), u : [-1,1], v : [-1,1]; point p = s|(0,0);");
+    let (_, description) = hover::hover(&analysis, offset).expect("a name");
+    assert_eq!(
+        description.text[1],
+        "there K = undefined, E = 1, F = 0, G = 0, from exact derivatives"
+    );
+}
+
+#[test]
+fn the_signature_of_an_extreme_has_any_number_of_arguments() {
+    for (text, active) in [("point p = max(1,|", 1), ("point p = max(1,2,3,4,|", 2)] {
+        let (analysis, offset) = marked(text);
+        let found = signature::signature(&analysis, offset).expect("a signature");
+        assert_eq!(
+            (found.label.as_str(), found.active),
+            ("max(a, b, …)", active)
+        );
+    }
+}

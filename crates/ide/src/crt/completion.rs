@@ -7,7 +7,7 @@ use syntax::span::Span;
 use super::CrtAnalysis;
 use super::hover;
 use super::names::Origin;
-use crate::completion::{Completion, CompletionKind, Completions};
+use crate::completion::{Completion, CompletionKind, Completions, behind_word};
 use crate::description::Description;
 
 /// A place where something is written.
@@ -16,6 +16,8 @@ enum CompletionPlace {
     Attribute(ObjectName, Vec<String>),
     /// The value of an attribute that is one of these strings.
     Choice(&'static [&'static str]),
+    /// A modifier, within `<…>`.
+    Modifier,
     /// Another value.
     Value,
     /// A statement or an expression outside an object; `true` at top level.
@@ -37,7 +39,15 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
         CompletionPlace::Attribute(object, stated) => {
             let rows = object.attributes().iter();
             let rows = rows.filter(|row| !stated.iter().any(|word| word == row.text));
-            list.extend(rows.map(|row| attribute(row, snippets)));
+            let has_value = behind_word(&analysis.snapshot, offset).starts_with("->");
+            list.extend(rows.map(|row| match has_value {
+                true => Completion {
+                    insert: row.text.to_owned(),
+                    snippet: false,
+                    ..attribute(row, snippets)
+                },
+                false => attribute(row, snippets),
+            }));
         }
         CompletionPlace::Choice(words) => {
             let words = words.iter().map(|word| Completion {
@@ -48,6 +58,16 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
                 snippet: false,
             });
             list.extend(words);
+        }
+        CompletionPlace::Modifier => {
+            let words = RESERVED.iter().filter(|(_, kind)| kind.is_modifier());
+            list.extend(words.map(|(word, _)| Completion {
+                label: (*word).to_owned(),
+                kind: CompletionKind::Keyword,
+                detail: String::new(),
+                insert: (*word).to_owned(),
+                snippet: false,
+            }));
         }
         CompletionPlace::Value => expressions(analysis, offset, snippets, list),
         CompletionPlace::Statement(is_top) => {
@@ -184,6 +204,9 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
     let Some(last) = before.last() else {
         return CompletionPlace::Statement(true);
     };
+    if begins_modifier(analysis, &before, offset) {
+        return CompletionPlace::Modifier;
+    }
     // The bracket that is open here.
     let mut depth = 0;
     let open = before.iter().rposition(|token| {
@@ -238,6 +261,42 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
             CompletionPlace::Choice(words)
         }
         _ => CompletionPlace::Value,
+    }
+}
+
+/// Returns true if a modifier is expected behind some tokens: behind a `<` that is closed on its line, or behind a `,` within
+/// `<…>`.
+fn begins_modifier(analysis: &CrtAnalysis, before: &[Token], offset: u32) -> bool {
+    let Some((last, before)) = before.split_last() else {
+        return false;
+    };
+    match last.kind {
+        TokenKind::Modify => true,
+        TokenKind::Less => {
+            let rest = behind_word(&analysis.snapshot, offset);
+            rest.replace("->", "").contains('>')
+        }
+        TokenKind::Comma => {
+            let mut depth = 0;
+            for token in before.iter().rev() {
+                match token.kind {
+                    TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                        depth += 1;
+                    }
+                    TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => {
+                        depth -= 1;
+                    }
+                    TokenKind::Modify if depth == 0 => return true,
+                    TokenKind::Greater if depth == 0 => return false,
+                    _ => {}
+                }
+                if depth < 0 {
+                    return false;
+                }
+            }
+            false
+        }
+        _ => false,
     }
 }
 

@@ -27,8 +27,10 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     if found.iter().any(|it| it.severity == Severity::Error) {
         return Vec::new();
     }
+    let continuing = found.iter().filter(|it| it.code.0 == "continues-line");
+    let continuing = continuing.map(|it| it.span.start).collect();
     let tokens = analysis.all_tokens();
-    let mut edits = lay_out(analysis, &text, &tokens);
+    let mut edits = lay_out(analysis, &text, &tokens, &continuing);
     if words(&text) != words(&apply(&text, &edits)) {
         return Vec::new();
     }
@@ -59,7 +61,15 @@ struct OpenBracket {
     is_brace: bool,
 }
 
-fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
+/// Lays out a text. The lines that begin at `continuing` are warned about: they stay in the column of their statement, so that
+/// the warning stays.
+fn lay_out(
+    analysis: &CrtAnalysis,
+    text: &str,
+    tokens: &[Token],
+    continuing: &HashSet<u32>,
+) -> Vec<Edit> {
+    let new_line = new_line(text);
     let names = analysis.names();
     let mut starts: HashSet<u32> = names.starts.iter().copied().collect();
     // The attributes of objects with several, and the braces that close them, stand in lines of their own.
@@ -94,7 +104,8 @@ fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
                         if !bracket.is_brace
                             || token.kind == TokenKind::Comment
                             || token.kind == TokenKind::Else
-                            || starts.contains(&start) =>
+                            || starts.contains(&start)
+                            || continuing.contains(&start) =>
                     {
                         bracket.inside
                     }
@@ -102,6 +113,7 @@ fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
                     None if token.kind == TokenKind::Comment
                         || token.kind == TokenKind::Else
                         || starts.contains(&start)
+                        || continuing.contains(&start)
                         || closes =>
                     {
                         0
@@ -109,7 +121,7 @@ fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
                     None => LEVEL,
                 };
                 let lines = if breaks > 1 && !closes { 2 } else { 1 };
-                format!("{}{}", "\n".repeat(lines), " ".repeat(indentation))
+                format!("{}{}", new_line.repeat(lines), " ".repeat(indentation))
             }
             Some(_) if token.kind == TokenKind::Comment => match old.is_empty() {
                 true => " ".to_owned(),
@@ -149,11 +161,20 @@ fn lay_out(analysis: &CrtAnalysis, text: &str, tokens: &[Token]) -> Vec<Edit> {
     }
     if let Some(last) = previous {
         let rest = Span::new(last.span.end, text.len() as u32);
-        if rest.text(text) != "\n" {
-            edits.push(Edit::replace(rest, "\n"));
+        if rest.text(text) != new_line {
+            edits.push(Edit::replace(rest, new_line));
         }
     }
     edits
+}
+
+/// Returns the text's line ending: that of its first line.
+fn new_line(text: &str) -> &'static str {
+    let first = text.split_inclusive('\n').next();
+    match first.is_some_and(|line| line.ends_with("\r\n")) {
+        true => "\r\n",
+        false => "\n",
+    }
 }
 
 fn is_closer(kind: TokenKind) -> bool {

@@ -142,7 +142,7 @@ impl Application {
         let manifold = Manifold::new(scene, id, &uniforms).ok()?;
         let jet = manifold.surface().jet([u, v].into());
         let Metric { e, f, g, .. } = Metric::of(&jet);
-        let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(short);
+        let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(defined);
         Some(format!(
             "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
         ))
@@ -165,6 +165,14 @@ impl Application {
         let solid = SolidSurface::new(scene, &needed.params, id).ok()?;
         let k = solid.surface().curvature([x, y, z])?;
         Some(format!("the level surface through it has K = {}", short(k)))
+    }
+}
+
+/// A number, or the word for none.
+fn defined(x: f64) -> String {
+    match x.is_finite() {
+        true => short(x),
+        false => "undefined".to_owned(),
     }
 }
 

@@ -12,7 +12,7 @@ use super::describe;
 use super::item::Item;
 use super::names_in_scope::NamesInScope;
 use super::outline::{parameters, parameters_of};
-use crate::completion::{Completion, CompletionKind, Completions};
+use crate::completion::{Completion, CompletionKind, Completions, behind_word};
 use crate::description::Description;
 
 /// The most names of declarations that the list holds: where more stand above, those that go on from what is written.
@@ -28,7 +28,13 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     let mut is_complete = true;
     let list = match place.wanted {
         Expected::Nothing => Vec::new(),
-        Expected::Declaration => TABLE.iter().map(|row| declaration(row, snippets)).collect(),
+        Expected::Declaration => {
+            let behind = behind_word(analysis.document(), offset);
+            let is_named = behind.starts_with(|c: char| c.is_ascii_alphabetic());
+            let rows = TABLE.iter().map(|row| declaration(row, snippets));
+            let alone = |it| if is_named { word_alone(it) } else { it };
+            rows.map(alone).collect()
+        }
         Expected::Item(item) => items(analysis, item, offset, snippets),
         Expected::Word(row) => words(row),
         Expected::ParameterOf(item) => own_parameters(analysis, item),
@@ -134,7 +140,9 @@ fn items(
     let rows = attributes::of(item.keyword).filter(|row| is_free(row.text));
     // A parameter takes the word.
     let rows = rows.filter(|row| item.variables().all(|name| name != row.text));
-    list.extend(rows.map(|row| attribute(row, snippets)));
+    let has_value = behind_word(analysis.document(), offset).starts_with(':');
+    let alone = |it| if has_value { word_alone(it) } else { it };
+    list.extend(rows.map(|row| alone(attribute(row, snippets))));
     list
 }
 
@@ -146,6 +154,15 @@ fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<Stri
     let named = pairs.filter(|pair| pair[1].kind == TokenKind::Colon);
     let others = named.filter(|pair| !(pair[0].span.start..=pair[0].span.end).contains(&offset));
     others.map(|pair| pair[0].text.to_owned()).collect()
+}
+
+/// An entry that inserts its word and nothing else: what belongs behind it is written already.
+fn word_alone(entry: Completion) -> Completion {
+    Completion {
+        insert: entry.label.clone(),
+        snippet: false,
+        ..entry
+    }
 }
 
 /// The words that an attribute takes.

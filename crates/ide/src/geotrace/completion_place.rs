@@ -94,6 +94,12 @@ fn behind(
         TokenKind::Declare(_) => return Expected::Nothing,
         _ => {}
     }
+    if item.is_some_and(|item| in_head(analysis, item, at)) {
+        return Expected::Nothing;
+    }
+    if item.is_some_and(|item| in_interval(analysis, item, at)) {
+        return Expected::Operand(None);
+    }
     if let Some(expected) = item.and_then(|item| in_set(analysis, item, at)) {
         return expected;
     }
@@ -154,6 +160,36 @@ fn ends_body(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let depth: i32 = analysis.tokens(first..comma).map(depth).sum();
     depth == 0
+}
+
+/// Returns true if no `=` or `:` of an item stands up to a token: only new names may follow.
+fn in_head(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
+    let first = analysis.document().tokens_begun(item.span.start) as usize;
+    let mut tokens = analysis.tokens(first..last + 1);
+    tokens.all(|token| !matches!(token.kind, TokenKind::Equals | TokenKind::Colon))
+}
+
+/// Returns true if a parameter's interval is open behind a token of an item.
+fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
+    let first = analysis.document().tokens_begun(item.span.start) as usize;
+    let tokens = analysis.tokens(first..last + 1);
+    let tokens = tokens.filter(|token| token.kind != TokenKind::Comment);
+    let (mut word, mut before, mut open) = ("", None, 0);
+    let mut is_interval = false;
+    for token in tokens {
+        if open == 0 && token.kind == TokenKind::BracketOpen {
+            let is_parameter = item.variables().any(|name| name == word);
+            is_interval = before == Some(TokenKind::Colon) && is_parameter;
+        } else if open == 0 && depth(token) > 0 {
+            is_interval = false;
+        }
+        open += depth(token);
+        if token.kind != TokenKind::Colon {
+            word = token.text;
+        }
+        before = Some(token.kind);
+    }
+    open > 0 && is_interval
 }
 
 /// The brackets that a token opens.

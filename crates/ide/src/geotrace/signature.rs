@@ -1,5 +1,6 @@
 //! The function whose arguments are being written.
 
+use expr::ops::Binary;
 use syntax::geotrace::token::TokenKind;
 
 use super::analysis::GeotraceAnalysis;
@@ -48,6 +49,7 @@ fn of_function_before(
                 let symbol = analysis.symbol(id)?;
                 let names: Vec<&str> = match symbol.keyword {
                     Some(_) => parameters_of(symbol).collect(),
+                    None if is_extreme(&symbol.name) => vec!["a", "b", "…"],
                     None => vec!["x"],
                 };
                 let label = format!("{}{}", symbol.name, parameters(names.iter().copied()));
@@ -62,10 +64,15 @@ fn of_function_before(
                     Some(word) => word.text().to_owned(),
                     None => "builtin function".to_owned(),
                 };
+                let last = names.len().saturating_sub(1) as u32;
                 return Some(Signature {
                     label,
                     parameters: places,
-                    active,
+                    // The last of `max(a, b, …)` stands for all that follow.
+                    active: match symbol.keyword {
+                        Some(_) => active,
+                        None => active.min(last),
+                    },
                     what,
                 });
             }
@@ -73,4 +80,11 @@ fn of_function_before(
         }
     }
     None
+}
+
+/// Returns true for `min` and `max`, which take any number of components.
+fn is_extreme(name: &str) -> bool {
+    [Binary::Min, Binary::Max]
+        .iter()
+        .any(|op| op.name() == name)
 }
