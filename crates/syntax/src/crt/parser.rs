@@ -369,8 +369,20 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         let message = format!("the `{}` is not closed", open.text(self.source));
         if let Some(diagnostic) = self.fault(codes::UNCLOSED_BRACKET, open, message) {
             let end = self.previous.span.end;
-            let title = format!("Insert `{closer}`");
-            self.report(diagnostic.with_fix(Fix::insert(&title, end, closer)));
+            let last = self.previous.span.text(self.source);
+            let is_open_string = last.starts_with('"') && (last.len() == 1 || !last.ends_with('"'));
+            let diagnostic = match self.current.kind {
+                TokenKind::Arrow => {
+                    diagnostic.with_hint("the attributes of an object stand between `{` and `}`")
+                }
+                // The text would become a part of the string.
+                _ if is_open_string => diagnostic,
+                _ => {
+                    let title = format!("Insert `{closer}`");
+                    diagnostic.with_fix(Fix::insert(&title, end, closer))
+                }
+            };
+            self.report(diagnostic);
         }
     }
 

@@ -38,7 +38,12 @@ impl<A: Actions> Parser<'_, '_, A> {
                 }
                 (ended, fault) => {
                     if let Some((span, first)) = ended {
-                        self.report(bad_characters(span.text(self.source), span, first));
+                        let mut found = bad_characters(span.text(self.source), span, first);
+                        if first == ';' && self.is_in_parentheses(span.start) {
+                            // The head of a loop of another language: to remove the sign repairs nothing.
+                            found.fixes.clear();
+                        }
+                        self.report(found);
                         was_bad = true;
                     }
                     run = match fault {
@@ -65,6 +70,13 @@ impl<A: Actions> Parser<'_, '_, A> {
         if was_bad {
             self.reported = Some(self.current.span.start);
         }
+    }
+
+    /// Returns true if a `(` stands open in the line before a place.
+    fn is_in_parentheses(&self, place: u32) -> bool {
+        let before = &self.source[..place as usize];
+        let line = before.rsplit('\n').next().unwrap_or_default();
+        line.matches('(').count() > line.matches(')').count()
     }
 
     /// Reports that the current token is not what is expected.
@@ -127,11 +139,13 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
     match first {
         '&' | '|' if is_single => {
             let sign = text.repeat(2);
-            let fix = change(&sign);
-            let sense = if first == '&' { "and" } else { "or" };
+            let (sense, set) = match first {
+                '&' => ("and", "the intersection of solids is `^`"),
+                _ => ("or", "the union of solids is `+`"),
+            };
             diagnostic
-                .with_hint(format!("“{sense}” is `{sign}`"))
-                .with_fix(fix)
+                .with_hint(format!("“{sense}” is `{sign}`; {set}"))
+                .with_fix(Fix::change(span, &sign, false))
         }
         ';' => diagnostic
             .with_hint("a statement ends without a sign")

@@ -51,11 +51,21 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     fn jux_tail(&mut self, mut span: Span) -> Parse {
+        let mut short = None;
         while self.starts_app() {
-            self.warn_short_argument();
+            if let Some(argument) = short
+                && self.is_apart()
+            {
+                self.warn_short_argument(argument, false);
+                short = None;
+            }
+            short = short.or_else(|| self.short_argument());
             self.warn_index();
             span = span.to(self.mult2()?);
             self.operator(Operator::Juxtapose, span);
+        }
+        if let Some(argument) = short {
+            self.warn_short_argument(argument, true);
         }
         Ok(span)
     }
@@ -84,7 +94,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.advance(Mode::Expression);
             let next = self.current;
             if [sign.kind, next.kind] == [TokenKind::Star; 2] && sign.span.end == next.span.start {
-                self.warn_power(sign.span);
+                self.warn_power(span, sign.span);
             }
             if sign.kind == TokenKind::Slash && matches!(next.kind, TokenKind::Number(_)) {
                 self.warn_fraction_of_power(sign.span, next.span);

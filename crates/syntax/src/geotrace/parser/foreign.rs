@@ -170,9 +170,17 @@ impl ForeignInterval<'_> {
         (2..=MOST).contains(&count).then_some(count)
     }
 
+    /// Returns the interval with the letters of other notations in its ends as they are written here.
+    pub(super) fn ends_written(&self) -> [String; 2] {
+        self.ends.map(|end| {
+            let end = end.replace('π', "pi").replace('τ', "(2pi)");
+            end.replace(['\u{2212}', '–'], "-")
+        })
+    }
+
     /// The interval as it is written here.
     pub(super) fn written(&self) -> String {
-        let [a, b] = self.ends;
+        let [a, b] = self.ends_written();
         match self.parameter {
             Some(parameter) => format!("{parameter} : [{a}, {b}]"),
             None => format!("[{a}, {b}]"),

@@ -67,7 +67,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let found = quote(place.text(self.source));
         let message = format!("an interval of a grid is written `[min, max, n]`, found {found}");
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message);
-        let [a, b] = interval.ends;
+        let [a, b] = interval.ends_written();
         let diagnostic = match interval.count() {
             Some(count) => {
                 let written = format!("[{a}, {b}, {count}]");
@@ -116,7 +116,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let opening = self.current.span;
         if self.current.kind != TokenKind::BracketOpen {
             if let Some((place, found)) = self.interval_here() {
-                let [a, b] = found.ends;
+                let [a, b] = found.ends_written();
                 return Err(match owner {
                     IntervalOwner::Grid => self.foreign_grid(place, found),
                     _ => self.foreign_interval(place, &format!("[{a}, {b}]")),

@@ -41,6 +41,13 @@ pub(super) struct Argument {
     pub(super) operand: Span,
 }
 
+/// `sin 2x`: the application, and the start of the factors behind its operand.
+#[derive(Clone, Copy)]
+pub(super) struct ShortArgument {
+    argument: Argument,
+    rest: u32,
+}
+
 /// A word, or the rest of one, from which a token was split off.
 struct Split {
     start: u32,
@@ -93,21 +100,24 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `sin 2x`, `sin 2 x`, `sin nt`: the current token is a factor behind an operand, and may be meant to be a part of it.
+    /// `sin 2x`, `sin 2 x`, `sin nt`: returns the operand where the current token is a factor behind it, and may be meant to be a
+    /// part of it.
     #[inline]
-    pub(super) fn warn_short_argument(&mut self) {
-        if let Some(argument) = self.lints.argument
-            && argument.operand.end == self.previous.span.end
-        {
-            self.warn_factor_behind(argument);
+    pub(super) fn short_argument(&self) -> Option<ShortArgument> {
+        let argument = self.lints.argument?;
+        match argument.operand.end == self.previous.span.end {
+            true => self.factor_behind(argument),
+            false => None,
         }
     }
 
     #[cold]
-    fn warn_factor_behind(&mut self, Argument { function, operand }: Argument) {
+    fn factor_behind(&self, argument: Argument) -> Option<ShortArgument> {
+        let operand = argument.operand;
         let signs = Span::new(operand.start, self.previous.span.start).text(self.source);
         let is_literal = |c: char| c.is_ascii_whitespace() || "+-*/".contains(c);
-        let between = Span::new(operand.end, self.current.span.start).text(self.source);
+        let rest = self.current.span.start;
+        let between = Span::new(operand.end, rest).text(self.source);
         let is_number = matches!(self.previous.kind, TokenKind::Number(_));
         let is_value = self.is_value();
         let looks_joined = match (is_number, between) {
@@ -117,48 +127,58 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         // `f_xyz` has been warned of as a whole.
         let is_known = operand.end <= self.lints.derivative_end;
-        if !looks_joined || is_known || !signs.chars().all(is_literal) {
-            return;
-        }
-        let last = match is_value {
-            true => Span::new(self.current.span.start, self.end_of_values()),
-            false => self.current.span,
-        };
-        let next = match self.current.kind {
-            TokenKind::ParenOpen => "(…)",
-            TokenKind::BracketOpen => "[…]",
-            TokenKind::BraceOpen => "{…}",
-            _ => last.text(self.source),
-        };
+        (looks_joined && !is_known && signs.chars().all(is_literal))
+            .then_some(ShortArgument { argument, rest })
+    }
+
+    /// Returns true if the current token begins a factor of which nobody can tell whether it is meant to be a part of an operand:
+    /// `sin 2x cos y`, `sin 2x (1, 0, 0)`.
+    pub(super) fn is_apart(&self) -> bool {
+        !self.is_value()
+            && !matches!(self.current.kind, TokenKind::Number(_))
+            && self.previous.span.end != self.current.span.start
+    }
+
+    /// Warns of an operand whose product ends with the previous token. `is_whole` says that the term ends there too.
+    #[cold]
+    pub(super) fn warn_short_argument(&mut self, short: ShortArgument, is_whole: bool) {
+        let ShortArgument {
+            argument: Argument { function, operand },
+            rest,
+        } = short;
+        let span = function.to(self.previous.span);
+        let between = Span::new(operand.end, rest).text(self.source);
+        let next = Span::new(rest, span.end).text(self.source);
         let (name, number) = (function.text(self.source), operand.text(self.source));
-        let span = function.to(last);
+        let read = format!("({name} {number}) {next}");
+        let meant = format!("{name}({number}{between}{next})");
         let written = quote(&format!("{name} {number}{between}{next}"));
-        let (read, meant) = (
-            format!("({name} {number}) {next}"),
-            format!("{name}({number}{between}{next})"),
-        );
-        // A bracket is not read to its end yet.
-        let fixes = [meant.as_str(), read.as_str()];
-        let fixes = match next.contains('…') {
-            true => &[],
-            false => &fixes[..],
-        };
-        let (read, meant) = (quote(&read), quote(&meant));
-        let message = format!("{written} is read as {read}");
+        let message = format!("{written} is read as {}", quote(&read));
         if operand.start == function.end
             && let Some(known) = self.foreign_word(&format!("{name}{number}"), true)
         {
             let written = quote(&format!("{name}{number}{next}"));
-            let message = format!("{written} is read as {read}");
+            let message = format!("{written} is read as {}", quote(&read));
             self.warn(span, message, known.hint.to_owned(), &[]);
             return;
         }
-        self.warn(
-            span,
-            message,
-            format!("write {meant}, or {read} if that is meant"),
-            fixes,
+        if !is_whole || !is_plain_product(next) {
+            let hint = format!("write the argument of {} between brackets", quote(name));
+            self.warn(span, message, hint, &[]);
+            return;
+        }
+        let hint = format!(
+            "write {}, or {} if that is meant",
+            quote(&meant),
+            quote(&read)
         );
+        self.warn(span, message, hint, &[&meant, &read]);
+    }
+
+    /// Returns true if a name is that of a builtin that is a word of its own only before a bracket.
+    fn is_weak(&self, name: &str) -> bool {
+        let id = self.parsed.get(name);
+        id.is_some_and(|id| self.parsed.symbol(id).is_weak)
     }
 
     /// `v[1]`: looks like a component. The current token is a factor behind an operand.
@@ -235,27 +255,49 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.advance(Mode::Expression);
     }
 
-    /// `a**b`: looks like a power. The current token is the second star, and touches the first.
+    /// `a**b`: looks like a power of `base`. The current token is the second star, and touches the first.
     #[cold]
-    pub(super) fn warn_power(&mut self, star: Span) {
-        self.warn(
-            star.to(self.current.span),
-            "`a**b` is read as `a*(*b)`, a times the square of b".to_owned(),
-            "write `^` for a power, or `* *` if that is meant".to_owned(),
-            &["^", "* *"],
+    pub(super) fn warn_power(&mut self, base: Span, star: Span) {
+        let message = "`a**b` is read as `a*(*b)`, a times the square of b".to_owned();
+        let stars = star.to(self.current.span);
+        let text = base.text(self.source);
+        let is_single = text
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'.');
+        let is_bracket = matches!(text.as_bytes().first(), Some(b'(' | b'[' | b'{'))
+            && text.find([')', ']', '}']) == Some(text.len() - 1);
+        if is_single || is_bracket {
+            let hint = "write `^` for a power, or `* *` if that is meant".to_owned();
+            self.warn(stars, message, hint, &["^", "* *"]);
+            return;
+        }
+        // `f(x)^2` is the function of a square.
+        let fixes = [format!("({text})^"), format!("{text}* *")];
+        let hint = format!(
+            "write {} for a power, or `* *` if that is meant",
+            quote(&fixes[0])
         );
+        let place = base.to(stars);
+        let fixes = fixes.iter().map(|text| Fix::write(place, text)).collect();
+        self.warn_with(stars, message, hint, fixes);
     }
 
     /// `a^1/2`: looks like a root. The quotient belongs to the power as a whole.
     pub(super) fn warn_fraction_of_power(&mut self, slash: Span, denominator: Span) {
         let before = &self.source[..slash.start as usize];
-        if slash.end != denominator.start || !before.ends_with("^1") {
+        let numerators = ["1", "-1"].into_iter();
+        let numerator = numerators.rev().find(|numerator| {
+            before
+                .strip_suffix(numerator)
+                .is_some_and(|power| power.ends_with('^'))
+        });
+        let Some(numerator) = numerator.filter(|_| slash.end == denominator.start) else {
             return;
-        }
-        let fraction = Span::new(slash.start - 1, denominator.end);
+        };
+        let fraction = Span::new(slash.start - numerator.len() as u32, denominator.end);
         let text = fraction.text(self.source);
         let number = denominator.text(self.source);
-        let (read, meant) = (format!("(a^1)/{number}"), format!("({text})"));
+        let (read, meant) = (format!("(a^{numerator})/{number}"), format!("({text})"));
         let written = quote(&format!("a^{text}"));
         let message = format!("{written} is read as {}", quote(&read));
         let hint = format!("write {} for the root", quote(&format!("a^{meant}")));
@@ -304,12 +346,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let meant = format!("({name}{base})^{power}");
             let short = format!("{name}^{power} {base}");
             let quoted = quote(&meant);
-            let (hint, fixes) = match name.contains('^') {
-                true => (
+            // Some names are words before a bracket only; and `f^-1` looks like the inverse.
+            let takes_power = !name.contains('^')
+                && !self.is_weak(name)
+                && power.bytes().all(|byte| byte.is_ascii_alphanumeric());
+            let (hint, fixes) = match takes_power {
+                false => (
                     format!("write {quoted} for the power of the value"),
                     &[meant.as_str()][..],
                 ),
-                false => (
+                true => (
                     format!(
                         "write {quoted} or {} for the power of the value",
                         quote(&short)
@@ -380,6 +426,21 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
             self.report(warning);
         }
     }
+}
+
+/// Returns true if a text in one line holds no `*` and no `/` outside brackets.
+fn is_plain_product(text: &str) -> bool {
+    let mut depth = 0_u32;
+    text.chars().all(|sign| {
+        match sign {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth = depth.saturating_sub(1),
+            '*' | '/' => return depth > 0,
+            '#' | '\n' => return false,
+            _ => {}
+        }
+        true
+    })
 }
 
 /// The warning at a name whose letters are read as several tokens above.

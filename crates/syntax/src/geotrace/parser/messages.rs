@@ -185,6 +185,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             }
             '<' | '>' | '≤' | '≥' => return self.report_comparison(diagnostic),
             '?' => return self.report_condition(diagnostic),
+            // Where a set has ended with an error, its signs are right.
+            '|' | '&' | '\\'
+                if self.state.rejected
+                    && self.state.keyword == Some(DeclarationKeyword::Solid)
+                    && self.state.parameters.is_empty() =>
+            {
+                return;
+            }
             '|' | '&' | '\\' if self.state.is_of_space => {
                 diagnostic.hint = Some(SET_HINT.to_owned());
             }

@@ -135,27 +135,6 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.current.kind.is_value()
     }
 
-    /// The end of the values that the current token and the rest of its word are.
-    pub(super) fn end_of_values(&self) -> u32 {
-        let whole = self.lexer.word();
-        let mut end = self.current.span.end;
-        loop {
-            let rest = Span::new(end, whole.end.max(end)).text(self.source);
-            if !rest.starts_with(|c: char| c.is_ascii_alphabetic()) {
-                return end;
-            }
-            let word = Word {
-                rest,
-                start: end,
-                word_start: whole.start,
-            };
-            match expression_word(&self.parsed, &self.state, word) {
-                (length, TokenKind::Variable(_) | TokenKind::Constant(_)) => end += length as u32,
-                _ => return end,
-            }
-        }
-    }
-
     /// Reads the name that a declaration introduces. One that is not free is reported and passed.
     pub(super) fn new_name(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         let free = self.free_name(&format!("a name after `{}`", keyword.text()))?;

@@ -1,0 +1,126 @@
+//! What the fixes write: each leaves a text that means what was meant, and has no finding of its own.
+
+#[path = "support/recorder.rs"]
+mod support;
+
+use support::{parse, program_findings};
+use syntax::diagnostic::Diagnostic;
+
+const PRELUDE: &str = "define t = 1; define x = 1; define y = 1; function f(q) = q; ";
+
+/// The hint and the texts after each fix of the only finding of an expression.
+fn repaired(expression: &str) -> (Diagnostic, Vec<String>) {
+    let source = format!("{PRELUDE}define z = {expression};");
+    let mut found = parse(&source).0.diagnostics;
+    assert_eq!(found.len(), 1, "{expression}: {found:?}");
+    let diagnostic = found.remove(0);
+    let texts = diagnostic.fixes.iter().map(|fix| {
+        let mut text = source.clone();
+        let place = fix.span.start as usize..fix.span.end as usize;
+        text.replace_range(place, &fix.replacement);
+        assert_eq!(program_findings(&text), [""; 0], "{text}");
+        let text = text.split("define z = ").nth(1).unwrap_or_default();
+        text.trim_end_matches(';').to_owned()
+    });
+    let texts = texts.collect();
+    (diagnostic, texts)
+}
+
+#[test]
+fn a_short_argument_takes_the_whole_product() {
+    for (expression, meant, read) in [
+        ("cos 2pi t", "cos(2pi t)", "(cos 2) pi t"),
+        ("cos 2 pi t", "cos(2 pi t)", "(cos 2) pi t"),
+        ("cos 2t^2", "cos(2t^2)", "(cos 2) t^2"),
+        ("exp 2cos t", "exp(2cos t)", "(exp 2) cos t"),
+        ("sin 2f(x)", "sin(2f(x))", "(sin 2) f(x)"),
+        ("sin 2f'x", "sin(2f'x)", "(sin 2) f'x"),
+        ("sin 2(x + y)", "sin(2(x + y))", "(sin 2) (x + y)"),
+        ("1 - sin 2x + y", "1 - sin(2x) + y", "1 - (sin 2) x + y"),
+    ] {
+        let (found, texts) = repaired(expression);
+        assert_eq!(texts, [meant, read], "{expression}");
+        assert!(found.fixes.iter().all(|fix| !fix.preferred));
+    }
+}
+
+#[test]
+fn a_short_argument_that_may_end_early_has_no_fix() {
+    for (expression, message) in [
+        ("sin 2x cos y", "`sin 2x` is read as `(sin 2) x`"),
+        ("cos 2t (1, 0, 0)", "`cos 2t` is read as `(cos 2) t`"),
+        ("sin 2x/3", "`sin 2x/3` is read as `(sin 2) x/3`"),
+    ] {
+        let (found, texts) = repaired(expression);
+        assert_eq!(found.message, message);
+        assert_eq!(texts, [""; 0], "{expression}");
+    }
+}
+
+#[test]
+fn a_power_of_a_value_has_brackets() {
+    for (expression, meant) in [
+        ("cos(x)^-1", &["(cos(x))^-1"][..]),
+        ("cos(x)^2", &["(cos(x))^2", "cos^2 (x)"]),
+        ("cos(t)**2", &["(cos(t))^2", "cos(t)* *2"]),
+        ("x**2", &["x^2", "x* *2"]),
+        ("(x + y)**2", &["(x + y)^2", "(x + y)* *2"]),
+    ] {
+        assert_eq!(repaired(expression).1, meant, "{expression}");
+    }
+}
+
+#[test]
+fn a_fraction_of_a_power_may_have_a_sign() {
+    let (found, texts) = repaired("2^-1/2");
+    assert_eq!(found.message, "`a^-1/2` is read as `(a^-1)/2`");
+    assert_eq!(texts, ["2^(-1/2)"]);
+    assert_eq!(repaired("2^1/2").1, ["2^(1/2)"]);
+}
+
+#[test]
+fn an_interval_is_written_with_the_words_of_the_language() {
+    let source = "curve c(t) = (cos t, sin t, 0), 0 ≤ t ≤ 2π;";
+    let found = parse(source).0.diagnostics;
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].fixes[0].replacement, "t : [0, 2pi]");
+}
+
+#[test]
+fn a_set_with_a_wrong_sign_has_one_error() {
+    for set in ["b - b \\ b", "b + b & b", "b + b | b"] {
+        let source = format!("solid b(x, y, z) = x y z; solid c = {set};");
+        let found = parse(&source).0.diagnostics;
+        assert_eq!(found.len(), 1, "{set}: {found:?}");
+        assert!(found[0].message.starts_with("expected `;`, found `"));
+    }
+}
+
+/// The messages of a script that have a preferred fix or one for *Fix all*, with what it writes.
+fn preferred(script: &str) -> Vec<String> {
+    let document = syntax::crt::document::Document::new(script, &());
+    let found = document.expect("a small text").diagnostics();
+    assert!(!found.is_empty());
+    let fixes = found.iter().flat_map(|found| &found.fixes);
+    let preferred = fixes.filter(|fix| fix.preferred || fix.all);
+    preferred.map(|fix| fix.title.clone()).collect()
+}
+
+#[test]
+fn a_fix_of_a_script_that_repairs_nothing_is_not_preferred() {
+    for (script, titles) in [
+        (
+            "Settings { title -> \"abc }\nScene { }",
+            &["Insert `\"`"][..],
+        ),
+        (
+            "Scene { Sphere ( center -> vec3(0,0,0) radius -> 1 ) }",
+            &[],
+        ),
+        ("Scene { for (i = 0; i < 3; i = i + 1) }", &[]),
+        ("Scene { a = 1; }", &["Remove `;`"]),
+        ("Scene { s | s }", &[]),
+    ] {
+        assert_eq!(preferred(script), titles, "{script}");
+    }
+}
