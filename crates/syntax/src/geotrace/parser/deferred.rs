@@ -129,10 +129,15 @@ impl Undefined {
             let end = diagnostic.span.end;
             let place = Span::new(end - length, end);
             let fix = match text {
-                "" => Fix::remove(place, &self.whole),
-                text => Fix::change(place, text, true),
+                // The parts may count to 255: a person has to look at them.
+                "" if self.whole.starts_with("rgb") => Fix {
+                    preferred: false,
+                    ..Fix::remove(place, &self.whole)
+                },
+                "" => Fix::remove(place, &self.whole).with_all(),
+                text => Fix::change(place, text, true).with_all(),
             };
-            diagnostic.fixes.push(fix.with_all());
+            diagnostic.fixes.push(fix);
         }
         if self.hint.is_none() && searches < MAX_SEARCHES {
             // The rest of a word ends where the whole word does, and the diagnostic's place is that of the rest.
