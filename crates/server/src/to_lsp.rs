@@ -256,10 +256,10 @@ pub(crate) fn documentation(
 }
 
 pub(crate) fn signature(signature: &Signature) -> lsp::SignatureHelp {
-    // The label is ASCII, so bytes are code units.
+    let units = |at: u32| signature.label[..at as usize].encode_utf16().count() as u32;
     let parameters = signature.parameters.iter();
     let parameters = parameters.map(|&(start, end)| lsp::ParameterInformation {
-        label: lsp::ParameterLabel::LabelOffsets([start, end]),
+        label: lsp::ParameterLabel::LabelOffsets([start, end].map(units)),
         documentation: None,
     });
     lsp::SignatureHelp {

@@ -5,6 +5,7 @@
 
 use std::collections::HashSet;
 
+use syntax::crt::codes::CONTINUES_LINE;
 use syntax::crt::document::Document;
 use syntax::crt::lexer::Lexer;
 use syntax::crt::token::{Token, TokenKind};
@@ -27,7 +28,7 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     if found.iter().any(|it| it.severity == Severity::Error) {
         return Vec::new();
     }
-    let continuing = found.iter().filter(|it| it.code.0 == "continues-line");
+    let continuing = found.iter().filter(|it| it.code == CONTINUES_LINE);
     let continuing = continuing.map(|it| it.span.start).collect();
     let tokens = analysis.all_tokens();
     let mut edits = lay_out(analysis, &text, &tokens, &continuing);
