@@ -285,26 +285,16 @@ fn sets_of_endless_leaves_are_bounded_by_what_they_share() {
                 leaf(2, [None; 3]),
             ];
             let [a, b, c] = leaves;
-            builder
-                .solid([a, b, join[0].clone(), c, join[1].clone()])
-                .unwrap();
+            builder.solid([a, b, join[0], c, join[1]]).unwrap();
             builder.build().unwrap()
         };
         let (both, without) = (SetStep::Intersection, SetStep::Difference);
-        let drum = world(
-            [&cylinder, &slab, &half],
-            [both.clone(), without.clone()],
-            None,
-        );
-        let pillow = world(
-            [&cylinder, &crossed, &half],
-            [both.clone(), both.clone()],
-            None,
-        );
+        let drum = world([&cylinder, &slab, &half], [both, without], None);
+        let pillow = world([&cylinder, &crossed, &half], [both, both], None);
         // An intersection is looked into only where all of its operands reach: the slab alone has no end.
         let cut = world(
             [&slab, &cylinder, &half],
-            [without.clone(), without],
+            [without, without],
             Some([0.0, 0.2]),
         );
         assert!(cut.bounds(0).is_none());
