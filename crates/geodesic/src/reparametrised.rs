@@ -172,8 +172,8 @@ impl UnevenSeam {
         })
     }
 
-    /// What is smooth across the seam, per unit of the parameter: the area that a line from a smooth pole sweeps, after which
-    /// the coordinates about the pole are smooth too; where there is none, the length of a line across the seam.
+    /// A measure that is smooth across the seam, per unit of the parameter: the area that a line from a smooth pole sweeps,
+    /// after which the coordinates about the pole are smooth too; where there is none, the length of a line across the seam.
     fn density(&self, surface: &dyn Surface, along: f64) -> f64 {
         let (axis, other) = (self.axis, 1 - self.axis);
         let domain = surface.domain();

@@ -8,7 +8,9 @@
 //! Constants are numbers in buffers as uniforms are, so that an edit of one gives the same text; equal expressions are one
 //! function.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use expr::graph::Node;
 use expr::statistics::operation_count;
@@ -158,9 +160,8 @@ impl Lifted {
             roots: Vec::new(),
             numbers: Vec::new(),
         };
-        let order = graph.order(roots);
-        let mut copies: std::collections::HashMap<NodeId, NodeId> = Default::default();
-        for id in order {
+        let mut copies: HashMap<NodeId, NodeId> = HashMap::new();
+        for id in order_by_structure(graph, roots) {
             let copy = |operand: NodeId| copies[&operand];
             let made = match graph.node(id) {
                 Node::Constant(value) => lifted.number(UsedNumber::Constant(value)),
@@ -188,4 +189,42 @@ impl Lifted {
         let slot = self.numbers.len() as u32 - 1;
         self.graph.input(Input::Uniform(slot))
     }
+}
+
+/// The nodes that the roots need, operands before what uses them, in an order that depends on the expressions alone. The order
+/// of their ids depends on what was read before them, and so does that of the operands of sums and products.
+fn order_by_structure(graph: &Graph, roots: &[NodeId]) -> Vec<NodeId> {
+    let mut structures: HashMap<NodeId, u64> = HashMap::new();
+    for id in graph.order(roots) {
+        let node = graph.node(id);
+        let mut hasher = DefaultHasher::new();
+        match node {
+            Node::Constant(_) | Node::Input(Input::Uniform(_)) => 0.hash(&mut hasher),
+            Node::Input(Input::Variable(k)) => (1, k).hash(&mut hasher),
+            Node::Unary(op, _) => (2, op).hash(&mut hasher),
+            Node::Binary(op, ..) => (3, op).hash(&mut hasher),
+            Node::Power(_, n) => (4, n).hash(&mut hasher),
+        }
+        let mut operands: Vec<u64> = node
+            .operands()
+            .map(|operand| structures[&operand])
+            .collect();
+        operands.sort_unstable();
+        operands.hash(&mut hasher);
+        structures.insert(id, hasher.finish());
+    }
+    let mut order = Vec::with_capacity(structures.len());
+    let mut seen = HashSet::new();
+    let mut stack: Vec<(NodeId, bool)> = roots.iter().rev().map(|&root| (root, false)).collect();
+    while let Some((id, is_ready)) = stack.pop() {
+        if is_ready {
+            order.push(id);
+        } else if seen.insert(id) {
+            stack.push((id, true));
+            let mut operands: Vec<NodeId> = graph.node(id).operands().collect();
+            operands.sort_by_key(|operand| structures[operand]);
+            stack.extend(operands.iter().map(|&operand| (operand, false)));
+        }
+    }
+    order
 }

@@ -59,6 +59,30 @@ fn constants_are_numbers_that_a_function_reads() {
 }
 
 #[test]
+fn equal_expressions_are_one_function_whatever_was_read_before_them() {
+    let mut graph = Graph::default();
+    let mut functions = TracedFunctions::default();
+    let mut list = |graph: &mut Graph, factor: f64, shift: f64| {
+        let [x, y, _] = coordinates(graph);
+        let factor = graph.constant(factor);
+        let shift = graph.constant(shift);
+        let difference = graph.sub(x, y);
+        let greater = graph.binary(Binary::Max, difference, shift);
+        let product = graph.mul(greater, factor);
+        let wave = graph.unary(Unary::Sin, product);
+        functions.list(graph, &[wave, shift]).expect("small")
+    };
+    let first = list(&mut graph, 4.0, 0.5);
+    // Its numbers are known in another order, and later than what they are joined with.
+    let mut other = Graph::default();
+    other.constant(9.0);
+    let second = list(&mut other, 9.0, 0.25);
+    let third = list(&mut graph, 0.5, 4.0);
+    assert_eq!([first.function, second.function, third.function], [0; 3]);
+    assert_eq!(first.numbers.len(), second.numbers.len());
+}
+
+#[test]
 fn what_is_too_large_is_refused_and_leaves_nothing() {
     let mut graph = Graph::default();
     let [x, ..] = coordinates(&mut graph);

@@ -39,11 +39,11 @@ pub struct VaryingList<'a> {
 pub enum VaryingAttribute {
     /// The stated colour.
     Color,
-    /// What is reflected, by colour.
+    /// The share that is reflected, by colour.
     Mirror,
-    /// What is reflected or refracted.
+    /// The share that is reflected or refracted.
     Glass,
-    /// What is scattered.
+    /// The share that is scattered.
     Diffuse,
     /// The strength of the highlight.
     Specular,
