@@ -37,7 +37,7 @@ fn scene(random: &mut Random, n: usize) -> (Box<dyn Surface>, [f64; 2], f64) {
                 })
                 .collect();
             (
-                Box::new(waves_over_plane(&waves, false)),
+                Box::new(waves_over_plane(&waves, false, 50.0)),
                 anywhere,
                 0.5 * length,
             )

@@ -7,6 +7,7 @@ mod shapes;
 use expr::NodeId;
 use geodesic::intrinsic::MetricSurface;
 use geodesic::measure::{self, Circle, Connections, MeasureError};
+use geodesic::point::TangentVector;
 use geodesic::status::Status;
 use geodesic::surface::Surface;
 use near::near;
@@ -512,7 +513,7 @@ fn the_other_way_round_lengths_are_the_same() {
                 ]
             })
             .collect();
-        let surface = waves_over_plane(&waves, false);
+        let surface = waves_over_plane(&waves, false, 50.0);
         let place = |random: &mut Random| [random.between(-2.0, 2.0), random.between(-2.0, 2.0)];
         let (p, q) = (place(&mut random), place(&mut random));
         let there = between(&surface, p, q, None);
@@ -587,8 +588,8 @@ fn a_place_with_two_names_is_one_place() {
         let loops = measure::between(surface, a, a, None).expect("places");
         let named = measure::between(surface, a, b, None).expect("places");
         assert_eq!(lengths(&named), lengths(&loops), "{n}");
-        // On the strip there is none beside the core.
-        assert_eq!(loops.found.is_empty(), n == 3, "{loops:?}");
+        assert!(!loops.found.is_empty(), "{n}");
+        arrives(surface, &named, b, 1e-6);
         assert!(lengths(&loops).iter().all(|it| *it > 0.1), "{n}: {loops:?}");
     }
     let others: [(&dyn Surface, [f64; 2], [f64; 2]); 4] = [
@@ -600,4 +601,80 @@ fn a_place_with_two_names_is_one_place() {
     for (n, (surface, a, b)) in others.into_iter().enumerate() {
         assert!(!measure::is_one_place(surface, a, b), "{n}");
     }
+}
+
+/// The length of the shortest path along the lines of a grid of places, between two of them: no less than the distance, and
+/// little more.
+fn grid_distances(surface: &dyn Surface, cells: usize, from: [usize; 2]) -> Vec<f64> {
+    const REACH: isize = 3;
+    const PARTS: u32 = 3;
+    let domain = surface.domain();
+    let n = cells + 1;
+    let place = |at: [f64; 2]| {
+        [0, 1].map(|k| domain[k][0] + (domain[k][1] - domain[k][0]) * at[k] / cells as f64)
+    };
+    let mut best = vec![f64::INFINITY; n * n];
+    let mut done = vec![false; n * n];
+    best[from[0] * n + from[1]] = 0.0;
+    let mut queue = std::collections::BinaryHeap::new();
+    queue.push((std::cmp::Reverse(0), from));
+    while let Some((_, at)) = queue.pop() {
+        if std::mem::replace(&mut done[at[0] * n + at[1]], true) {
+            continue;
+        }
+        for i in -REACH..=REACH {
+            for j in -REACH..=REACH {
+                let to = [at[0].checked_add_signed(i), at[1].checked_add_signed(j)];
+                let [Some(a), Some(b)] = to else { continue };
+                if a >= n || b >= n || (i, j) == (0, 0) || done[a * n + b] {
+                    continue;
+                }
+                let here = place(at.map(|x| x as f64));
+                let there = place([a as f64, b as f64]);
+                let way = [there[0] - here[0], there[1] - here[1]];
+                let length = |k: u32| {
+                    let share = (f64::from(k) + 0.5) / f64::from(PARTS);
+                    let at = [here[0] + share * way[0], here[1] + share * way[1]];
+                    geodesic::metric::speed(&surface.jet(at.into()), TangentVector(way))
+                };
+                let length: f64 = (0..PARTS).map(length).sum::<f64>() / f64::from(PARTS);
+                let total = best[at[0] * n + at[1]] + length;
+                if total < best[a * n + b] {
+                    best[a * n + b] = total;
+                    queue.push((std::cmp::Reverse(total.to_bits()), [a, b]));
+                }
+            }
+        }
+    }
+    best
+}
+
+#[test]
+fn the_shortest_is_no_longer_than_paths_on_a_grid() {
+    const CELLS: usize = 60;
+    let mut random = Random(5);
+    let mut unsure = 0;
+    for amplitude in [0.05, 0.1, 0.15, 0.25] {
+        // sin 4u cos 4v, up to half as high as its waves are long: with curvatures up to 64, geodesics are chaotic.
+        let waves = [4.0, -4.0].map(|other| [amplitude, 4.0, other]);
+        let surface = waves_over_plane(&waves, false, 2.0);
+        let node = |random: &mut Random| [0, 1].map(|_| 6 + (random.unit() * 48.0) as usize);
+        let place = |at: [usize; 2]| at.map(|k| 4.0 * (k as f64 / CELLS as f64) - 2.0);
+        let start = node(&mut random);
+        let grid = grid_distances(&surface, CELLS, start);
+        for _ in 0..6 {
+            let end = node(&mut random);
+            let along = grid[end[0] * (CELLS + 1) + end[1]];
+            for (p, q) in [(start, end), (end, start)] {
+                let all = between(&surface, place(p), place(q), None);
+                let first = all.found.first().map_or(f64::INFINITY, |it| it.length);
+                assert!(
+                    !all.complete || first <= along,
+                    "{amplitude}: {first} from {p:?} to {q:?}, where a path is {along} long"
+                );
+                unsure += usize::from(first > along);
+            }
+        }
+    }
+    assert!(unsure <= 4, "{unsure} of 48 are not known");
 }

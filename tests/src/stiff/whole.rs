@@ -189,7 +189,7 @@ fn budget(options: &Options) -> Measured {
                 ]
             })
             .collect();
-        let s = waves_over_plane(&waves, n % 3 == 2);
+        let s = waves_over_plane(&waves, n % 3 == 2, 50.0);
         let from = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
         let angle = random.between(0.0, TAU);
         let end = go(&s, from, [angle.cos(), angle.sin()], 1e4, options);

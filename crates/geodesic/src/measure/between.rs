@@ -119,9 +119,23 @@ fn between_on(
     all.found.retain(|it| it.length <= within);
     all.found.sort_by(|a, b| a.length.total_cmp(&b.length));
     all.complete &= all.found.len() <= MOST_CONNECTIONS;
+    all.complete &= !misses_a_path(&source, &target, &all.found, wanted);
     all.found.truncate(MOST_CONNECTIONS);
     all.within = wanted;
     Ok(all)
+}
+
+/// Returns whether a line of the chart is shorter than all that was found: then a shorter geodesic has been missed, but for one
+/// that an edge keeps away. A loop may be longer than such lines.
+fn misses_a_path(
+    source: &RaySource<'_>,
+    target: &AimedPlace<'_>,
+    found: &[Connection],
+    wanted: f64,
+) -> bool {
+    let is_loop = target.near_distance(source) == 0.0;
+    let straight = MORE * target.straight_length(source.start(0.0));
+    !is_loop && straight < wanted && found.first().is_none_or(|it| it.length > straight)
 }
 
 /// Finds the shortest geodesic from one place to another; `None` where none was found. Between a place and itself it is a
@@ -206,7 +220,7 @@ pub(super) fn shortest(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Conne
     reach = MORE * reach.min(most);
     loop {
         let all = all_within(source, target, reach);
-        if !all.found.is_empty() || reach >= most || !all.complete {
+        if !all.found.is_empty() || reach >= most {
             return all;
         }
         reach = (GROW * reach).min(most);

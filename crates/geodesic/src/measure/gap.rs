@@ -65,12 +65,18 @@ impl<'s> AimedPlace<'s> {
         ways.min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
     }
 
+    /// The distance from an end in space, where there is one: no more than the one on the surface.
+    pub(super) fn distance_in_space(&self, end: &Arrival) -> Option<f64> {
+        let position = self.position?;
+        let other = self.surface.jet(end.at).position;
+        Some(norm(combine(1.0, position, -1.0, other)))
+    }
+
     /// No more than the distance from an end, roughly: in space exactly, else as a good half of the way in the
     /// coordinates.
     pub(super) fn distance_at_least(&self, end: &Arrival) -> f64 {
-        if let Some(position) = self.position {
-            let other = self.surface.jet(end.at).position;
-            return norm(combine(1.0, position, -1.0, other));
+        if let Some(distance) = self.distance_in_space(end) {
+            return distance;
         }
         let jet = self.surface.jet(self.uv);
         let here = self.way_from(end).map_or(0.0, |[x, y]| x.hypot(y));

@@ -1,7 +1,8 @@
 //! All geodesics from a place to a target, as guesses: a fan and a target in, angles and lengths out.
 //!
-//! The disc of directions and lengths is cut into cells. A cell whose image under the exponential map lies too far from the
-//! target is dropped; another is halved, until it is so small that Newton's method finds what it holds.
+//! The disc of directions and lengths is cut into rings, from the middle on, and these into cells: as many as the divergence of
+//! the rays asks for. A cell whose image under the exponential map lies too far from the target is dropped; another is halved,
+//! until it is so small that Newton's method finds what it holds.
 
 use std::f64::consts::TAU;
 
@@ -10,6 +11,7 @@ use super::shoot::{self, NewtonBounds, PolarVector};
 use super::source::{Arrival, RaySource};
 use crate::ends::{Coordinates, Ends};
 use crate::fan::{Fan, FanOptions};
+use crate::metric::gaussian_curvature;
 use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::status::Status;
 use crate::surface::Surface;
@@ -27,8 +29,8 @@ pub(super) struct Guesses {
 const PICTURE: u32 = 512;
 /// The most evaluations of a fan, and of the ends that it does not know.
 const MOST_EVALUATIONS: u64 = 2_000_000;
-/// The most cells that are looked at.
-const MOST_CELLS: usize = 60_000;
+/// The most sectors and cells that are looked at.
+const MOST_CELLS: usize = 200_000;
 /// The number of sectors to begin with.
 const SECTORS: u32 = 32;
 /// Cells are halved until they are smaller than the reach by this factor, …
@@ -37,12 +39,35 @@ const FINE: f64 = 1.0 / 128.0;
 const NARROW: f64 = TAU / 96.0;
 /// By how much the image of a cell may be larger than it seems.
 const MARGIN: f64 = 1.4;
+/// A cell whose image is larger than the radius of curvature by this factor is halved, wherever it seems to lie, …
+const BENT: f64 = 1.0;
+/// … as are sectors that are wider than this share of the reach, or, where some of its rays have ended, than this one, …
+const EDGE: f64 = 0.25;
+const TORN: f64 = 1.0 / 64.0;
+/// … unless they are narrower than this angle: the fan knows no rays between those of neighbouring pixels.
+const LEAST_WIDTH: f64 = 2e-4;
+/// Where sectors are narrower, the fan may have missed some of their rays.
+const SURE_WIDTH: f64 = 4e-4;
+/// The most rings that the disc is cut into.
+const MOST_RINGS: f64 = 256.0;
 /// Guesses whose angles and lengths (of the reach) differ by less are one.
 const SAME: f64 = 2e-3;
 
+/// A part of the disc of directions and lengths.
+#[derive(Clone, Copy)]
 struct DiscCell {
     angles: [f64; 2],
     lengths: [f64; 2],
+}
+
+/// What is known of the rays of a cell before it is looked into.
+enum Outlook {
+    /// They have ended, or the target is farther from them than they may still go.
+    Over,
+    /// They lie too far from each other for a few of them to stand for all.
+    Wide,
+    /// They go on; the greatest curvature at their ends, and whether the few do stand for all.
+    Open(f64, bool),
 }
 
 /// Finds the geodesics from a place to a target that are no longer than `reach`.
@@ -56,140 +81,211 @@ pub(super) fn guesses(source: &RaySource<'_>, target: &AimedPlace<'_>, reach: f6
         ..FanOptions::default()
     };
     let fan = Fan::build(surface, &frame.zoomed(reach), [PICTURE; 2], &options);
-    let follow = |at: PolarVector| end_of(surface, &fan, reach, at);
-    let mut cells = first_cells(surface, reach);
+    let search = Search {
+        surface,
+        target,
+        reach,
+        follow: &|at| end_of(surface, &fan, reach, at),
+    };
     let mut guesses = Guesses {
         found: Vec::new(),
         complete: true,
     };
+    let mut sectors: Vec<[f64; 2]> = (0..SECTORS)
+        .map(|n| [n, n + 1].map(|n| TAU * f64::from(n) / f64::from(SECTORS)))
+        .collect();
+    let longest = 0.25 * surface.scale().size.clamp(reach / 16.0, reach);
+    let mut lengths = [0.0, longest];
     let mut looked_at = 0;
-    while let Some(cell) = cells.pop() {
-        looked_at += 1;
-        if looked_at > MOST_CELLS || fan.work().evaluations > 2 * MOST_EVALUATIONS {
-            guesses.complete = false;
-            break;
+    // The shortest are looked for first.
+    'rings: while lengths[0] < reach && !sectors.is_empty() {
+        let mut next = Vec::new();
+        let mut curvature = 0.0_f64;
+        while let Some(angles) = sectors.pop() {
+            looked_at += 1;
+            let cell = DiscCell { angles, lengths };
+            match search.outlook(&cell) {
+                Outlook::Over => continue,
+                Outlook::Wide => {
+                    sectors.extend(halves(angles));
+                    continue;
+                }
+                Outlook::Open(here, is_resolved) => {
+                    guesses.complete &= is_resolved;
+                    curvature = curvature.max(here);
+                    next.push(angles);
+                }
+            }
+            let mut cells = vec![cell];
+            while let Some(cell) = cells.pop() {
+                looked_at += 1;
+                search.look(&cell, &mut cells, &mut guesses.found);
+                if looked_at > MOST_CELLS || fan.work().evaluations > 2 * MOST_EVALUATIONS {
+                    guesses.complete = false;
+                    break 'rings;
+                }
+            }
         }
-        look(
-            &cell,
-            target,
-            reach,
-            &follow,
-            &mut cells,
-            &mut guesses.found,
-        );
+        sectors = next;
+        let step = (BENT / curvature.sqrt()).clamp(reach / MOST_RINGS, longest);
+        lengths = [lengths[1], (lengths[1] + step).min(reach)];
     }
     guesses.complete &= fan.work().evaluations < MOST_EVALUATIONS;
     guesses.found.sort_by(|a, b| a.length.total_cmp(&b.length));
     guesses
 }
 
-fn first_cells(surface: &dyn Surface, reach: f64) -> Vec<DiscCell> {
-    let rings = (4.0 * reach / surface.scale().size).ceil().clamp(4.0, 64.0) as u32;
-    let share = |n: u32, of: u32| f64::from(n) / f64::from(of);
-    let mut cells = Vec::new();
-    // The shortest are looked at first, from the end of the list.
-    for ring in (0..rings).rev() {
-        for sector in 0..SECTORS {
-            cells.push(DiscCell {
-                angles: [sector, sector + 1].map(|n| TAU * share(n, SECTORS)),
-                lengths: [ring, ring + 1].map(|n| reach * share(n, rings)),
-            });
-        }
-    }
-    cells
+fn halves([a, b]: [f64; 2]) -> [[f64; 2]; 2] {
+    let middle = 0.5 * (a + b);
+    [[a, middle], [middle, b]]
 }
 
-/// Drops a cell, halves it, or looks for what it holds.
-fn look(
-    cell: &DiscCell,
-    target: &AimedPlace<'_>,
+/// A search for the rays that meet a target.
+struct Search<'s> {
+    surface: &'s dyn Surface,
+    target: &'s AimedPlace<'s>,
     reach: f64,
-    follow: &dyn Fn(PolarVector) -> Option<Arrival>,
-    cells: &mut Vec<DiscCell>,
-    found: &mut Vec<PolarVector>,
-) {
-    let [a, b] = cell.angles;
-    let [near, far] = cell.lengths;
-    let (width, depth) = (b - a, far - near);
-    let middle = PolarVector {
-        angle: 0.5 * (a + b),
-        length: 0.5 * (near + far),
-    };
-    let corners = [(a, near), (b, near), (a, far), (b, far)].map(|(angle, length)| PolarVector {
-        angle,
-        length: length.max(1e-9 * reach),
-    });
-    let ends = corners.map(follow);
-    let centre = follow(middle);
-    let fields = ends.iter().chain([&centre]).flatten();
-    let m = fields.fold(0.0, |most: f64, end| end.m.abs().max(most));
-    let across = m * width;
-    let small = depth <= FINE * reach && across <= FINE * reach && width <= NARROW;
-    match &centre {
-        // Rays that have ended before do not come back.
-        None if ends[0].is_none() && ends[1].is_none() => return,
-        None if small => return,
-        None => {}
-        Some(end) => {
-            let radius = 0.5 * MARGIN * depth.hypot(across);
-            if target.distance_at_least(end) > radius {
-                return;
+    follow: &'s dyn Fn(PolarVector) -> Option<Arrival>,
+}
+
+impl Search<'_> {
+    /// Looks at three rays of a cell that begins where those before it end.
+    fn outlook(&self, cell: &DiscCell) -> Outlook {
+        let [a, b] = cell.angles;
+        let [near, far] = cell.lengths;
+        let least = 1e-9 * self.reach;
+        let at = |angle: f64, length: f64| {
+            (self.follow)(PolarVector {
+                angle,
+                length: length.max(least),
+            })
+        };
+        let middle = 0.5 * (a + b);
+        let begin = [at(a, near), at(middle, near), at(b, near)];
+        let end = [at(a, far), at(middle, far), at(b, far)];
+        if begin.iter().all(Option::is_none) {
+            return Outlook::Over;
+        }
+        let all = || begin.iter().chain(&end).flatten();
+        let width = b - a;
+        let spread = width * all().fold(0.0, |most: f64, it| it.m.abs().max(most));
+        let [greatest, curvature] = self.curvature(all());
+        let has_over = all().count() < begin.len() + end.len();
+        let is_resolved = spread * spread * curvature <= BENT * BENT && spread <= EDGE * self.reach;
+        if width > LEAST_WIDTH && !(is_resolved && (!has_over || spread <= TORN * self.reach)) {
+            return Outlook::Wide;
+        }
+        let left = self.reach - near + spread;
+        let away = |it: &Arrival| self.target.distance_in_space(it).is_some_and(|d| d > left);
+        if begin.iter().flatten().all(away) {
+            return Outlook::Over;
+        }
+        Outlook::Open(greatest, is_resolved && (has_over || width > SURE_WIDTH))
+    }
+
+    /// The greatest size of the curvature at some ends, and the curvature beside which a cell has to be small for its ends to
+    /// tell how large it is: the same, but 0 where it is nowhere positive, for there rays diverge.
+    fn curvature<'a>(&self, ends: impl Iterator<Item = &'a Arrival>) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for end in ends {
+            let curvature = gaussian_curvature(&self.surface.jet(end.at));
+            most = [most[0].max(curvature.abs()), most[1].max(curvature)];
+        }
+        [most[0], if most[1] > 0.0 { most[0] } else { 0.0 }]
+    }
+
+    /// Drops a cell, halves it, or looks for what it holds.
+    fn look(&self, cell: &DiscCell, cells: &mut Vec<DiscCell>, found: &mut Vec<PolarVector>) {
+        let Self {
+            target,
+            reach,
+            follow,
+            ..
+        } = *self;
+        let [a, b] = cell.angles;
+        let [near, far] = cell.lengths;
+        let (width, depth) = (b - a, far - near);
+        let middle = PolarVector {
+            angle: 0.5 * (a + b),
+            length: 0.5 * (near + far),
+        };
+        let corners =
+            [(a, near), (b, near), (a, far), (b, far)].map(|(angle, length)| PolarVector {
+                angle,
+                length: length.max(1e-9 * reach),
+            });
+        let ends = corners.map(follow);
+        let centre = follow(middle);
+        let fields = ends.iter().chain([&centre]).flatten();
+        let m = fields.fold(0.0, |most: f64, end| end.m.abs().max(most));
+        let across = m * width;
+        let small = depth <= FINE * reach && across <= FINE * reach && width <= NARROW;
+        match &centre {
+            // Rays that have ended before do not come back.
+            None if ends[0].is_none() && ends[1].is_none() => return,
+            None if small => return,
+            None => {}
+            Some(end) => {
+                let radius = 0.5 * MARGIN * depth.hypot(across);
+                if (small || self.is_resolved(&ends, end, [depth, across]))
+                    && target.distance_at_least(end) > radius
+                {
+                    return;
+                }
+            }
+        }
+        if !small {
+            let by_angle = width > NARROW && across > 0.5 * depth || depth <= FINE * reach;
+            if by_angle {
+                cells.extend(halves(cell.angles).map(|angles| DiscCell { angles, ..*cell }));
+            } else {
+                cells.extend(halves(cell.lengths).map(|lengths| DiscCell { lengths, ..*cell }));
+            }
+            return;
+        }
+        // Beside a fold of the exponential map a cell may hold two.
+        let folded = ends.iter().flatten().any(|end| {
+            let other = centre.as_ref().map_or(0.0, |centre| centre.m);
+            (end.m < 0.0) != (other < 0.0) || end.m.abs() < 0.1 * far
+        });
+        let bounds = NewtonBounds {
+            aim: 1e-4 * reach,
+            tolerance: 2e-3 * reach,
+            damping: 1e-3 * reach,
+            stride: 2.0 * depth,
+            iterations: 10,
+        };
+        let starts = [middle]
+            .into_iter()
+            .chain(corners.into_iter().filter(|_| folded));
+        for start in starts {
+            let Some(hit) = shoot::newton(target, start, &bounds, follow) else {
+                continue;
+            };
+            let PolarVector { angle, length } = hit.at;
+            let strays = (angle - middle.angle).abs() > 3.0 * width.max(NARROW)
+                || (length - middle.length).abs() > 4.0 * depth;
+            let same = |other: &PolarVector| {
+                let turn = (angle - other.angle) / TAU;
+                (turn - turn.round()).abs() * TAU < SAME
+                    && (length - other.length).abs() < SAME * reach
+            };
+            if !strays && length > 0.5 * FINE * reach.min(far) && !found.iter().any(same) {
+                found.push(hit.at);
             }
         }
     }
-    if !small {
-        let by_angle = width > NARROW && across > 0.5 * depth || depth <= FINE * reach;
-        for half in 0..2 {
-            let halves = |[from, to]: [f64; 2], middle: f64| {
-                if half == 0 {
-                    [middle, to]
-                } else {
-                    [from, middle]
-                }
-            };
-            cells.push(if by_angle {
-                DiscCell {
-                    angles: halves(cell.angles, middle.angle),
-                    ..*cell
-                }
-            } else {
-                DiscCell {
-                    lengths: halves(cell.lengths, middle.length),
-                    ..*cell
-                }
-            });
-        }
-        return;
-    }
-    // Beside a fold of the exponential map a cell may hold two.
-    let folded = ends.iter().flatten().any(|end| {
-        let other = centre.as_ref().map_or(0.0, |centre| centre.m);
-        (end.m < 0.0) != (other < 0.0) || end.m.abs() < 0.1 * far
-    });
-    let bounds = NewtonBounds {
-        aim: 1e-4 * reach,
-        tolerance: 2e-3 * reach,
-        damping: 1e-3 * reach,
-        stride: 2.0 * depth,
-        iterations: 10,
-    };
-    let starts = [middle]
-        .into_iter()
-        .chain(corners.into_iter().filter(|_| folded));
-    for start in starts {
-        let Some(hit) = shoot::newton(target, start, &bounds, follow) else {
-            continue;
-        };
-        let PolarVector { angle, length } = hit.at;
-        let strays = (angle - middle.angle).abs() > 3.0 * width.max(NARROW)
-            || (length - middle.length).abs() > 4.0 * depth;
-        let same = |other: &PolarVector| {
-            let turn = (angle - other.angle) / TAU;
-            (turn - turn.round()).abs() * TAU < SAME && (length - other.length).abs() < SAME * reach
-        };
-        if !strays && length > 0.5 * FINE * reach.min(far) && !found.iter().any(same) {
-            found.push(hit.at);
-        }
+
+    /// Returns whether the ends of a cell tell how large its image is: curvature bends nothing much within it.
+    fn is_resolved(
+        &self,
+        corners: &[Option<Arrival>; 4],
+        centre: &Arrival,
+        size: [f64; 2],
+    ) -> bool {
+        let [_, curvature] = self.curvature(corners.iter().flatten().chain([centre]));
+        size.iter()
+            .all(|size| size * size * curvature <= BENT * BENT)
     }
 }
 

@@ -403,7 +403,7 @@ pub(crate) fn roof(slope: f64) -> ParametricSurface {
 
 /// The graph of Σ a sin(bu + cv) for waves [a, b, c], torn where its square root of a wave is undefined if asked for.
 #[allow(dead_code)]
-pub(crate) fn waves_over_plane(waves: &[[f64; 3]], torn: bool) -> ParametricSurface {
+pub(crate) fn waves_over_plane(waves: &[[f64; 3]], torn: bool, half: f64) -> ParametricSurface {
     let mut m = Maker::new();
     let (u, v) = (m.u, m.v);
     let mut z = m.c(0.0);
@@ -418,7 +418,7 @@ pub(crate) fn waves_over_plane(waves: &[[f64; 3]], torn: bool) -> ParametricSurf
         let shifted = m.plus(2.0, z);
         z = m.f(Unary::Sqrt, shifted);
     }
-    m.done([u, v, z], [[-50.0, 50.0], [-50.0, 50.0]])
+    m.done([u, v, z], [[-half, half]; 2])
 }
 
 /// The plane, (u³, v, 0): σu is 0 on the line u = 0.
