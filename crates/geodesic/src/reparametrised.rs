@@ -35,7 +35,8 @@ pub struct Reparametrised<'s> {
 /// By how much speeds that are equal may differ, relative to themselves, and their ratio along a seam.
 const SAME_SPEED: f64 = 1e-6;
 
-/// A seam across which a parameter's speed jumps by the same factor everywhere.
+/// A seam across which a parameter's speed jumps by the same factor everywhere, or whose parameter does not grow with the area
+/// that a line from a smooth pole sweeps.
 struct UnevenSeam {
     axis: usize,
     /// The share of the other axis at which the seam is crossed at the highest speed, by a line that closes.
@@ -139,6 +140,14 @@ impl UnevenSeam {
             return None;
         }
         let flipped = side == Side::WrapFlip;
+        let poles = [0, 1].map(|end| surface.apex(1 - axis, end));
+        if poles
+            .iter()
+            .flatten()
+            .any(|apex| apex.smooth && !apex.regular)
+        {
+            return Some(Self { axis, fastest: 0.5 });
+        }
         let domain = surface.domain();
         let tangent = |along: f64, across: f64| {
             let jet = surface.jet(at(domain, place(axis, along, across)));

@@ -28,7 +28,8 @@ pub struct Apex {
     pub reach: f64,
     /// True if the total angle is 2π: a smooth point, which rays pass.
     pub smooth: bool,
-    /// True if the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
+    /// True if the coordinates are of use: the angle grows evenly with t, or at a smooth tip as on an ellipse that is run along
+    /// with the speed of its area.
     pub regular: bool,
 }
 
@@ -48,6 +49,9 @@ pub(crate) const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0
 /// The largest deviation from 2π of a smooth pole's total angle.
 const FULL_TURN: f64 = 1e-4;
 
+/// By how much directions may be off an ellipse, relative to its size.
+const SAME_ELLIPSE: f64 = 1e-5;
+
 /// Lines that leave a tip are straight while they turn less than this angle about it.
 const STRAIGHT: f64 = 0.5;
 
@@ -62,7 +66,9 @@ impl Topology {
                 pairs[axis] = seam(jet, domain, axis, size);
             }
         }
-        Self::with(pairs, collapsed, &|axis, end| apex(jet, domain, axis, end))
+        Self::with(pairs, collapsed, &|axis, end| {
+            apex(jet, domain, axis, end, true)
+        })
     }
 
     /// Looks at the sides of a metric's domain, whose coefficients and jets are given.
@@ -81,7 +87,8 @@ impl Topology {
             }
         }
         Self::with(pairs, collapsed, &|axis, end| {
-            let mut apex = apex(jet, domain, axis, end);
+            // Of a metric, tangents at different places have no common directions.
+            let mut apex = apex(jet, domain, axis, end, false);
             apex.bend = apex.bend.min(curvature_radius(jet, domain, axis, end));
             apex
         })
@@ -262,7 +269,13 @@ fn curvature_radius(
 }
 
 /// The tip's shape, from the directions in which the surface leaves it.
-fn apex(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize) -> Apex {
+fn apex(
+    jet: &dyn Fn(Uv) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    is_embedded: bool,
+) -> Apex {
     const SAMPLES: u32 = 64;
     const NEAR: f64 = 1e-6;
     const FARTHER: f64 = 1e-4;
@@ -275,10 +288,12 @@ fn apex(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize)
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     let mut slope = 0.0;
     let mut winding = 0.0;
+    let mut directions = Vec::new();
     for n in 0..SAMPLES {
         let across = (f64::from(n) + 0.5) / f64::from(SAMPLES);
         let near = jet(at(domain, place(axis, share(NEAR), across)));
         let direction = radial(&near);
+        directions.push(direction);
         // The angle's rate |w × w_t|/|w|², for w the direction and t the other parameter.
         let rate = norm(cross(direction, near.duv)) / dot(direction, direction);
         let around = if axis == 0 { near.dv } else { near.du };
@@ -306,8 +321,36 @@ fn apex(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize)
         bend,
         reach: (STRAIGHT / (winding.abs() * width)).min(1.0),
         smooth,
-        regular: smooth || (power.is_some() && even && total > 1e-3),
+        regular: if smooth {
+            !is_embedded || is_ellipse(&directions)
+        } else {
+            power.is_some() && even && total > 1e-3
+        },
     }
+}
+
+/// Returns whether directions at even steps of a whole turn are those of an ellipse about its middle: the linear images of
+/// (cos t, sin t). Else no such map makes (a, b) of the surface's first derivatives there.
+fn is_ellipse(directions: &[[f64; 3]]) -> bool {
+    let count = directions.len() as f64;
+    let turned = |n: usize| TAU * n as f64 / count;
+    let mut axes = [[0.0; 3]; 2];
+    for (n, direction) in directions.iter().enumerate() {
+        let (sin, cos) = turned(n).sin_cos();
+        for (axis, share) in axes.iter_mut().zip([cos, sin]) {
+            *axis = combine(1.0, *axis, 2.0 * share / count, *direction);
+        }
+    }
+    let size = axes.map(norm).into_iter().fold(0.0, f64::max);
+    let axes = axes.map(|axis| axis.map(|x| x / size));
+    let normal = cross(axes[0], axes[1]);
+    directions.iter().enumerate().all(|(n, direction)| {
+        let (sin, cos) = turned(n).sin_cos();
+        let fitted = combine(cos, axes[0], sin, axes[1]);
+        let off = combine(1.0 / size, *direction, -1.0, fitted);
+        // Curvature moves all of them along the normal.
+        norm(cross(off, normal)) <= SAME_ELLIPSE * norm(normal)
+    })
 }
 
 /// The least radius of curvature of the coordinate lines that leave the apex, a little off it, in units of r.

@@ -448,3 +448,83 @@ fn pictures_over_the_seam_are_those_of_the_twins_for_as_little_work() {
         );
     }
 }
+
+/// The unit disc in coordinates about a place beside its middle, ((1 − u)a + u cos v, u sin v): smooth at u = 0, where it has
+/// no linear map to polar coordinates.
+fn eccentric_disc(a: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v, zero) = (m.u, m.v, m.c(0.0));
+    let [x, y, _] = m.around(u, v, zero);
+    let shift = m.scale(-a, u);
+    let x = m.add(x, shift);
+    let x = m.plus(a, x);
+    m.done([x, y, zero], [[0.0, 1.0], [0.0, TAU]])
+}
+
+/// A sphere whose longitude is u + a sin u.
+fn sphere_by_uneven_longitude(a: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+    let wave = m.f(Unary::Sin, m.u);
+    let wave = m.scale(a, wave);
+    let longitude = m.add(m.u, wave);
+    let p = m.around(cos, longitude, sin);
+    m.done(p, [[0.0, TAU], [-PI / 2.0, PI / 2.0]])
+}
+
+#[test]
+fn lines_beside_a_pole_of_uneven_directions_are_straight() {
+    let surface = eccentric_disc(0.3);
+    let mut arrived = 0;
+    for from in [[0.5, 0.2], [0.5, 1.2], [0.2, 3.0]] {
+        let jet = surface.jet(from.into());
+        let p = jet.position;
+        let to_pole = [0.3 - p[0], -p[1]];
+        for off in [0.0, 1e-12, 1e-6, 1e-4, 1e-3, 1e-2] {
+            let way = [to_pole[0] - off * to_pole[1], to_pole[1] + off * to_pole[0]];
+            let way = way.map(|x| 1.3 * x);
+            let determinant = jet.du[0] * jet.dv[1] - jet.dv[0] * jet.du[1];
+            let direction = [
+                (way[0] * jet.dv[1] - way[1] * jet.dv[0]) / determinant,
+                (jet.du[0] * way[1] - jet.du[1] * way[0]) / determinant,
+            ];
+            let length = way[0].hypot(way[1]);
+            let options = geodesic::trace::Options::default();
+            let trace = geodesic::trace::trace(&surface, from, direction, length, &options);
+            let trace = trace.expect("a start");
+            let end = trace.position.expect("a place in space");
+            let gone = trace.length / length;
+            let error = (end[0] - p[0] - gone * way[0]).hypot(end[1] - p[1] - gone * way[1]);
+            // A line through the pole itself ends there.
+            assert!(
+                error <= 1e-9,
+                "{from:?}, {off}: {error} off, {:?}",
+                trace.status
+            );
+            assert!(
+                trace.status == Status::Complete || off < 1e-4,
+                "{off}: {:?}",
+                trace.status
+            );
+            arrived += usize::from(trace.status == Status::Complete);
+        }
+    }
+    assert!(arrived >= 9, "{arrived}");
+}
+
+#[test]
+fn places_about_a_pole_of_uneven_longitude_are_as_far_apart_as_on_the_sphere() {
+    let surface = sphere_by_uneven_longitude(0.4);
+    for (from, to) in [
+        ([1.0, 1.2], [3.5, 1.3]),
+        ([0.3, 1.45], [0.3 + PI, 1.5]),
+        ([2.0, -1.3], [5.1, -1.4]),
+        ([0.2, 0.4], [1.2, -0.3]),
+    ] {
+        let [p, q] = [from, to].map(|uv| surface.jet(uv.into()).position);
+        let cos: f64 = (0..3).map(|k| p[k] * q[k]).sum();
+        let found = measure::distance(&surface, from, to).expect("places");
+        let found = found.expect("a geodesic");
+        near(&format!("{from:?} {to:?}"), found.length, cos.acos(), 1e-9);
+    }
+}
