@@ -133,6 +133,24 @@ fn nothing_but_what_lies_behind_it_is_cut_off_by_a_sphere_s_pole() {
 }
 
 #[test]
+fn a_flat_torus_is_seen_once_however_many_of_its_copies_a_picture_shows() {
+    let source = "metric s(u, v) = (1, 0, 1), u : [0, 1], v : [0, 1];";
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    for zoom in [1.0, 2.0, 3.7, 6.0] {
+        let share = share_beyond(&draw(source, [0.3, 0.6], zoom, overlays));
+        // The rest is a square of one copy. A pixel counts as nearest where another is nearer by less than its width.
+        let (side, expected) = (128.0 * (1.0 - share / 100.0).sqrt(), 64.0 / zoom);
+        assert!(
+            (side - expected).abs() < 2.5,
+            "{side}, not {expected} pixels at zoom {zoom}"
+        );
+    }
+}
+
+#[test]
 fn the_cut_locus_lies_nowhere_behind_the_first_conjugate_point() {
     // An oblate spheroid: along its equator the first conjugate point is πc away, and the cut locus begins there.
     let source = "surface s(u, v) = (cos u cos v, sin u cos v, 0.8 sin v), \

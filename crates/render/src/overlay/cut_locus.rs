@@ -179,6 +179,20 @@ fn cell_count(size: [u32; 2]) -> usize {
     MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize)
 }
 
+/// The cells of a chart along an axis: no smaller than half of its pixels' steps, so that most hold the nearest of their pixels.
+fn chart_cells(map: &Map, axis: usize, [low, high]: [f64; 2]) -> usize {
+    let steps = map.by_pixel.iter().map(|by| by[0][axis].hypot(by[1][axis]));
+    let mut steps: Vec<f32> = steps.filter(|step| step.is_finite()).collect();
+    if steps.is_empty() {
+        return 1;
+    }
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f32::total_cmp);
+    let fitting = (high - low) / f64::from(*median).max(f64::MIN_POSITIVE);
+    // (Beyond the most, a conversion saturates.)
+    (fitting as usize).clamp(1, cell_count(map.size))
+}
+
 /// Returns for each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
 /// point of the surface, given by its chart.
 ///
@@ -205,21 +219,21 @@ pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
     };
     let entries: Vec<Option<PixelEnd<2>>> =
         (0..map.status.len()).into_par_iter().map(entry).collect();
-    let cells = cell_count(size);
+    let cells = [0, 1].map(|k| chart_cells(map, k, domain[k]));
     let cell = |uv: [f64; 2]| -> [usize; 2] {
         [0, 1].map(|k| {
             let [low, high] = domain[k];
             let share = (uv[k] - low) / (high - low);
-            ((share * cells as f64) as usize).min(cells - 1)
+            ((share * cells[k] as f64) as usize).min(cells[k] - 1)
         })
     };
     // Of a cell's pixels only the nearest can be the shorter way for another one.
-    let mut table: Vec<Option<u32>> = vec![None; cells * cells];
+    let mut table: Vec<Option<u32>> = vec![None; cells[0] * cells[1]];
     let at = |index: u32| entries[index as usize].as_ref();
     for (index, entry) in entries.iter().enumerate() {
         let Some(entry) = entry else { continue };
         let [i, j] = cell(entry.at);
-        let kept = &mut table[j * cells + i];
+        let kept = &mut table[j * cells[0] + i];
         let nearer = kept
             .and_then(at)
             .is_none_or(|k| entry.distance < k.distance);
@@ -231,10 +245,10 @@ pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
     let period = domain.map(|[low, high]| high - low);
     let neighbour = |k: usize, i: usize, step: isize| -> Option<usize> {
         let moved = i as isize + step;
-        if (0..cells as isize).contains(&moved) {
+        if (0..cells[k] as isize).contains(&moved) {
             Some(moved as usize)
         } else {
-            wraps[k].then(|| moved.rem_euclid(cells as isize) as usize)
+            wraps[k].then(|| moved.rem_euclid(cells[k] as isize) as usize)
         }
     };
     entries
@@ -251,7 +265,7 @@ pub(super) fn beyond_in_chart(map: &Map, domain: [[f64; 2]; 2], sides: Sides) ->
                 let (Some(i), Some(j)) = (neighbour(0, i, di), neighbour(1, j, dj)) else {
                     return false;
                 };
-                let Some(kept) = table[j * cells + i].and_then(at) else {
+                let Some(kept) = table[j * cells[0] + i].and_then(at) else {
                     return false;
                 };
                 // The two ends share a cell, not a point: the step between them is taken the short way round.
