@@ -22,6 +22,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use expr::interval::Interval;
 use expr::ops::{Binary, Unary};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, Node, NodeId, TooLarge};
@@ -116,6 +117,8 @@ struct TapeScratch {
     registers: Registers,
     inputs: Vec<f64>,
     out: Vec<f64>,
+    input_intervals: Vec<Interval>,
+    intervals: Vec<Interval>,
 }
 
 impl PlaceTape {
@@ -137,6 +140,7 @@ impl PlaceTape {
                 registers,
                 inputs,
                 out,
+                ..
             } = scratch;
             inputs.clear();
             let coordinates = self.coordinates.iter();
@@ -145,6 +149,27 @@ impl PlaceTape {
             out.resize(self.tape.root_count(), f64::NAN);
             self.tape.eval(registers, inputs, out);
             read(out)
+        })
+    }
+
+    /// The same for all places of a box.
+    fn eval_box<T>(&self, within: [Interval; 3], read: impl FnOnce(&[Interval]) -> T) -> T {
+        SCRATCH.with_borrow_mut(|scratch| {
+            let TapeScratch {
+                registers,
+                input_intervals,
+                intervals,
+                ..
+            } = scratch;
+            input_intervals.clear();
+            let coordinates = self.coordinates.iter();
+            input_intervals
+                .extend(coordinates.map(|k| k.map_or(Interval::UNDEFINED, |k| within[k])));
+            intervals.clear();
+            intervals.resize(self.tape.root_count(), Interval::UNDEFINED);
+            self.tape
+                .eval_intervals(registers, input_intervals, intervals);
+            read(intervals)
         })
     }
 }
@@ -417,6 +442,26 @@ impl ImplicitSurface {
         });
         let same = (value - own).abs() <= SAME * shape.slope * reach;
         !same
+    }
+
+    /// Returns true if no place of a box that lies on a piece is beyond an edge; false where intervals cannot tell.
+    pub(crate) fn stays_on(&self, piece: &FieldPiece, within: [Interval; 3]) -> bool {
+        self.decisions.eval_box(within, |out| {
+            piece.decisions.iter().all(|decision| {
+                let (index, second) = ((decision / 2) as usize, decision % 2 == 1);
+                let [a, b] = [out[1 + 2 * index], out[2 + 2 * index]];
+                let is_less = |a: Interval, b: Interval| {
+                    !a.is_partial() && !b.is_partial() && a.upper() < b.lower()
+                };
+                match (self.graph.node(self.kinks[index].node), second) {
+                    (Node::Binary(Binary::Min, ..), false)
+                    | (Node::Binary(Binary::Max, ..), true) => is_less(a, b),
+                    (Node::Binary(..), _) => is_less(b, a),
+                    (_, false) => is_less(Interval::point(0.0), a),
+                    (_, true) => is_less(a, Interval::point(0.0)),
+                }
+            })
+        })
     }
 
     /// Brings a place onto the surface, along the field's gradient: Newton's method, each step shortened until the field's

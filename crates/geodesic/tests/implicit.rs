@@ -337,6 +337,39 @@ fn a_face_ends_at_its_edges() {
     }
 }
 
+/// The unit ball without the places where |x| is less than `half`.
+fn slit_ball(half: f64) -> ImplicitSurface {
+    let mut f = Field::new();
+    let squares = [0, 1, 2].map(|k| f.square(k, 0.0));
+    let sum = f.sum(&squares);
+    let ball = f.plus(sum, -1.0);
+    let x = f.at[0];
+    let size = f.g.unary(Unary::Abs, x);
+    let slit = f.times(size, -1.0);
+    let slit = f.plus(slit, half);
+    let field = f.g.binary(Binary::Max, ball, slit);
+    f.done(field, 2.0)
+}
+
+#[test]
+fn a_ray_ends_at_a_slit_however_narrow_it_is() {
+    for half in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let ball = slit_ball(half);
+        for start in [0.1_f64, 0.5, 1.2] {
+            let from = [-start.sin(), 0.0, start.cos()];
+            let end = ball.trace(from, [1.0, 0.0, 0.4], 2.0, &Options::default());
+            let end = end.expect("a start");
+            assert_eq!(end.status, Status::LeftDomain, "{half}, {start}: {end:?}");
+            let s = start - half.asin();
+            assert!(
+                (end.length - s).abs() < 1e-9,
+                "{half}, {start}: {}",
+                end.length
+            );
+        }
+    }
+}
+
 #[test]
 fn points_on_the_way_are_the_ends_of_shorter_geodesics() {
     let lengths = [0.0, 0.013, 0.4, 1.0, 1.7, 4.0, 9.5];

@@ -7,6 +7,8 @@
 use std::cell::Cell;
 
 use super::{FieldPiece, ImplicitSurface, LocalShape};
+use expr::interval::Interval;
+
 use crate::conjugate_search::{ROUNDS, brackets};
 use crate::fan::coordinates::FanChart;
 use crate::fan::ray::{Knot, Segment};
@@ -31,8 +33,12 @@ const SMALL_STEP: f64 = 0.005;
 const SHORT: f64 = 0.01;
 /// The cosine of the largest angle by which the normal turns in one step.
 const LEAST_TURN: f64 = 0.3;
-/// The longest step of a surface that has edges, as a share of its size: edges are looked for four times in each.
+/// The longest step of a surface that has edges, as a share of its size.
 const BESIDE_EDGES: f64 = 0.05;
+/// Parts of a step that are shorter than this share of it are not halved in the search for an edge, …
+const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
+/// … and no more of them than so many.
+const MOST_HALVED: u32 = 64;
 /// The relative error that an evaluation's rounding may add to a step.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// A step that is off by less than this share of the ray's scale leaves nothing but rounding once it is corrected.
@@ -497,21 +503,38 @@ impl SpaceRay<'_> {
                 of(&tried.end, &tried.shape),
             )
         });
+        let piece = self.equation.piece;
         let beyond = |x: f64| {
             let at = std::array::from_fn(|k| value(&path[k], x));
-            self.surface.is_beyond(self.equation.piece, at)
+            self.surface.is_beyond(piece, at)
         };
-        let first = [0.25, 0.5, 0.75, 1.0].into_iter().find(|x| beyond(*x))?;
-        let (mut low, mut high) = (first - 0.25, first);
-        for _ in 0..48 {
-            let middle = 0.5 * (low + high);
-            if beyond(middle) {
-                high = middle;
-            } else {
-                low = middle;
+        // Parts of the step, the first at the end of the list.
+        let mut parts = vec![[0.0, 1.0]];
+        let mut left = MOST_HALVED;
+        while let Some([from, to]) = parts.pop() {
+            let within = path.each_ref().map(|path| range(path, from, to));
+            if self.surface.stays_on(piece, within) {
+                continue;
+            }
+            let middle = 0.5 * (from + to);
+            if to - from > LEAST_PART && left > 0 {
+                left -= 1;
+                parts.extend([[middle, to], [from, middle]]);
+                continue;
+            }
+            let inside = (from > 0.0).then_some(from);
+            let places = inside
+                .into_iter()
+                .chain([0.25, 0.5, 0.75, 1.0].map(|x| from + x * (to - from)));
+            let mut low = from;
+            for x in places {
+                if beyond(x) {
+                    return Some(border(&beyond, low, x));
+                }
+                low = x;
             }
         }
-        Some(high)
+        None
     }
 
     /// Ends at an edge that a step of this length meets.
@@ -541,4 +564,30 @@ impl SpaceRay<'_> {
             self.conjugates.push(self.s + zero.at);
         }
     }
+}
+
+/// The values of a polynomial for arguments from `from` to `to`, not negative, from its coefficients by powers.
+fn range(coefficients: &[f64; 6], from: f64, to: f64) -> Interval {
+    let (mut lower, mut upper, mut size) = (0.0, 0.0, 0.0);
+    for (power, c) in (0..).zip(coefficients) {
+        let [a, b] = [from, to].map(|x: f64| c * x.powi(power));
+        lower += a.min(b);
+        upper += a.max(b);
+        size += a.abs().max(b.abs());
+    }
+    let rounding = 16.0 * f64::EPSILON * size;
+    Interval::new(lower - rounding, upper + rounding)
+}
+
+/// The first argument that is known to lie beyond an edge, between one that does not and one that does.
+fn border(beyond: &dyn Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..48 {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
 }
