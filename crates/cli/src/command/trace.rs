@@ -396,6 +396,24 @@ fn lost_rank(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
     )
 }
 
+/// The side that is one point nearest to the end of a trace, which no geodesic passes.
+fn tip(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
+    let domain = surface.domain();
+    let off = |axis: usize, end: usize| {
+        (uv[axis] - domain[axis][end]).abs() / (domain[axis][1] - domain[axis][0])
+    };
+    let sides = [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter();
+    let points = sides.filter_map(|(axis, end)| Some((axis, end, surface.apex(axis, end)?)));
+    let nearest = points.min_by(|a, b| off(a.0, a.1).total_cmp(&off(b.0, b.1)));
+    match nearest {
+        Some((axis, _, apex)) if apex.smooth => format!(
+            "a pole about which the directions of the lines of constant {} are not those of an ellipse",
+            shape.parameters()[1 - axis]
+        ),
+        _ => "the tip of a cone".to_owned(),
+    }
+}
+
 fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface, shape: &Shape) -> String {
     let [u, v] = trace.uv.0;
     let chart = shape.chart_label();
@@ -403,7 +421,10 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface, shape: &Shape) -> 
     let end = match trace.status {
         Status::Complete => format!("it has its full length, {length}"),
         Status::LeftDomain => format!("it left the domain after {length}"),
-        Status::ConePoint => format!("it ran into the tip of a cone after {length}"),
+        Status::ConePoint => format!(
+            "it ran into {} after {length}",
+            tip(surface, trace.uv, shape)
+        ),
         Status::Degenerate => format!(
             "after {length} the parametrisation lost its rank: {}",
             lost_rank(surface, trace.uv, shape)
