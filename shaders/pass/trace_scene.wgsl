@@ -22,6 +22,8 @@ const PARALLEL_REACH: f32 = 1e4;
 const LOOK_CRT: u32 = 1u;
 const SIDES_BOTH: u32 = 0u;
 const SIDES_OUTER: u32 = 1u;
+// A piece that a field bounds, in place of the degree.
+const FIELD_PIECE: u32 = 255u;
 // What a material lets through depends on the place.
 const VARIES_THROUGH: u32 = 0x10000u;
 
@@ -91,9 +93,9 @@ struct Piece {
     frame: u32,
     equation: u32,
     leaf: u32,
-    // The degree, and 256 where it is inside where the polynomial is positive.
+    // The degree, or FIELD_PIECE, and 256 where it is inside where the polynomial or the field is positive.
     kind: u32,
-    // 64 times the first term, and their number.
+    // 64 times the first term, and their number; of a field its first word.
     terms: u32,
 }
 
@@ -120,7 +122,7 @@ struct VariedLook {
 @group(0) @binding(2) var<storage, read> components: array<Component>;
 @group(0) @binding(3) var<storage, read> leaves: array<Leaf>;
 @group(0) @binding(4) var<storage, read> pieces: array<Piece>;
-// Nodes of trees, the order of components, terms of polynomials, the sky.
+// Nodes of trees, the order of components, terms of polynomials, the sky, attributes and fields.
 @group(0) @binding(5) var<storage, read> words: array<u32>;
 @group(0) @binding(6) var<storage, read> materials: array<Material>;
 @group(0) @binding(7) var<storage, read> lights: array<Light>;
@@ -178,6 +180,9 @@ var<private> holding: array<u32, MOST_NODES>;
 var<private> event_t: array<f32, MOST_EVENTS>;
 var<private> event_piece: array<u32, MOST_EVENTS>;
 var<private> event_count: u32;
+// No event up to here is missing. A field has as many as are wanted, since to find each of them takes long.
+var<private> known_until: f32;
+var<private> wanted: u32;
 // The components that the ray is inside of before what it meets, by their numbers.
 var<private> start: array<u32, MOST_AT_START>;
 var<private> start_count: u32;
@@ -228,6 +233,21 @@ fn toggle(first_node: u32, event: u32, forward: bool) {
     let inside = (event_piece[event] & 0x80000000u) != 0u;
     let literal = pieces[event_piece[event] & 0x7fffffffu].literal;
     set_literal(first_node, literal, inside == forward);
+}
+
+fn add_event(piece: u32, t: f32, inside: bool) {
+    if event_count == MOST_EVENTS {
+        is_marked = true;
+        return;
+    }
+    event_t[event_count] = t;
+    event_piece[event_count] = piece | select(0u, 0x80000000u, inside);
+    event_count++;
+}
+
+// A number that a generated function reads.
+fn uniform_value(instance: u32, slot: u32) -> f32 {
+    return bitcast<f32>(words[instance + slot]);
 }
 
 // The part of a line within a box, a little more; empty where the first exceeds the second.
@@ -311,6 +331,9 @@ fn along_line(piece: u32, line: FrameLine) -> Coefficients {
 }
 
 fn gradient_at(piece: u32, at: vec3f) -> vec3f {
+    if (pieces[piece].kind & 0xffu) == FIELD_PIECE {
+        return field_gradient(piece, at);
+    }
     if (pieces[piece].kind & 0xffu) <= 2u {
         let half = half_gradient(pieces[piece].squares, pieces[piece].mixed, at);
         return 2.0 * half + pieces[piece].linear;
@@ -356,13 +379,33 @@ fn piece_changes(piece: u32, line: FrameLine, leaving: bool) -> SignChanges {
     return changes;
 }
 
+// Reads a piece: its membership where the ray comes to it behind `behind_t`, and its events behind that.
+fn read_polynomial(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
+    let begin = max(part.x, behind_t);
+    let leaving = pieces[piece].equation == ray.leaving;
+    let changes = piece_changes(piece, line, leaving);
+    let is_inside = inside_after(changes, begin) != (pieces[piece].kind >= 256u);
+    var inside = is_inside;
+    for (var j = 0u; j < changes.count; j++) {
+        let t = changes.places[j];
+        // So near the start, only f64 says on which side of the surface it is.
+        if !leaving && behind_t == 0.0 && abs(t) < ray.slack && t >= part.x {
+            is_marked = true;
+        }
+        if t > begin && t <= part.y {
+            inside = !inside;
+            add_event(piece, t, inside);
+        }
+    }
+    return is_inside;
+}
+
 // Reads a leaf: its membership where the ray comes to it, and its events behind `behind_t`.
 fn read_leaf(leaf: u32, first_node: u32, ray: Ray, reciprocal: vec3f, behind_t: f32) {
     let part = part_within(leaves[leaf].lower, leaves[leaf].upper, ray.origin, reciprocal);
     if part.x > part.y || part.y < behind_t {
         return;
     }
-    let begin = max(part.x, behind_t);
     let first = leaves[leaf].first_piece;
     var line: FrameLine;
     var frame = NONE;
@@ -376,27 +419,11 @@ fn read_leaf(leaf: u32, first_node: u32, ray: Ray, reciprocal: vec3f, behind_t: 
                 frame = pieces[piece].frame;
                 line = line_in(frame, ray);
             }
-            let leaving = pieces[piece].equation == ray.leaving;
-            let changes = piece_changes(piece, line, leaving);
             literal = pieces[piece].literal;
-            is_inside = inside_after(changes, begin) != (pieces[piece].kind >= 256u);
-            var inside = is_inside;
-            for (var j = 0u; j < changes.count; j++) {
-                let t = changes.places[j];
-                // So near the start, only f64 says on which side of the surface it is.
-                if !leaving && behind_t == 0.0 && abs(t) < ray.slack && t >= part.x {
-                    is_marked = true;
-                }
-                if t > begin && t <= part.y {
-                    inside = !inside;
-                    if event_count < MOST_EVENTS {
-                        event_t[event_count] = t;
-                        event_piece[event_count] = piece | select(0u, 0x80000000u, inside);
-                        event_count++;
-                    } else {
-                        is_marked = true;
-                    }
-                }
+            if (pieces[piece].kind & 0xffu) == FIELD_PIECE {
+                is_inside = read_field(piece, line, ray, part, behind_t);
+            } else {
+                is_inside = read_polynomial(piece, line, ray, part, behind_t);
             }
         }
         if is_inside {
@@ -439,40 +466,52 @@ fn owner(first_node: u32, t: f32, after: bool) -> u32 {
 // The first crossing of a component behind `behind_t` and not behind `before`.
 fn visit(component: u32, ray: Ray, reciprocal: vec3f, behind_t: f32, before: f32) -> Met {
     let first_node = components[component].first_node;
-    for (var k = 0u; k < components[component].node_count; k++) {
-        holding[k] = words[2u * (first_node + k) + 1u];
-    }
-    event_count = 0u;
     let first_leaf = components[component].first_leaf;
-    for (var k = 0u; k < components[component].leaf_count; k++) {
-        read_leaf(first_leaf + k, first_node, ray, reciprocal, behind_t);
-    }
-    var met = Met(ENDLESS, NONE, false, root_holds(first_node));
+    var met = Met(ENDLESS, NONE, false, false);
     var passed = behind_t;
-    for (var step = 0u; step <= MOST_EVENTS; step++) {
-        var t = ENDLESS;
-        for (var k = 0u; k < event_count; k++) {
-            if event_t[k] > passed {
-                t = min(t, event_t[k]);
+    wanted = 1u;
+    loop {
+        for (var k = 0u; k < components[component].node_count; k++) {
+            holding[k] = words[2u * (first_node + k) + 1u];
+        }
+        event_count = 0u;
+        known_until = before;
+        for (var k = 0u; k < components[component].leaf_count; k++) {
+            read_leaf(first_leaf + k, first_node, ray, reciprocal, passed);
+        }
+        if wanted == 1u {
+            met.inside_before = root_holds(first_node);
+        }
+        for (var step = 0u; step <= MOST_EVENTS; step++) {
+            var t = ENDLESS;
+            for (var k = 0u; k < event_count; k++) {
+                if event_t[k] > passed {
+                    t = min(t, event_t[k]);
+                }
             }
-        }
-        if t > before || t >= ENDLESS {
-            break;
-        }
-        for (var k = 0u; k < event_count; k++) {
-            if event_t[k] == t {
-                toggle(first_node, k, true);
+            if t > known_until || t >= ENDLESS {
+                break;
             }
+            for (var k = 0u; k < event_count; k++) {
+                if event_t[k] == t {
+                    toggle(first_node, k, true);
+                }
+            }
+            let after = root_holds(first_node);
+            if after != met.inside_before {
+                let found = owner(first_node, t, after);
+                met.t = t;
+                met.piece = event_piece[found] & 0x7fffffffu;
+                met.entering = after;
+                return met;
+            }
+            passed = t;
         }
-        let after = root_holds(first_node);
-        if after != met.inside_before {
-            let found = owner(first_node, t, after);
-            met.t = t;
-            met.piece = event_piece[found] & 0x7fffffffu;
-            met.entering = after;
-            break;
+        if is_marked || known_until >= before {
+            return met;
         }
-        passed = t;
+        passed = known_until;
+        wanted *= 2u;
     }
     return met;
 }

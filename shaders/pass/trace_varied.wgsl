@@ -27,10 +27,6 @@ fn store_attribute(index: u32, number: Range) {
     attributes[index] = number.value;
 }
 
-fn uniform_value(instance: u32, slot: u32) -> f32 {
-    return bitcast<f32>(words[instance + slot]);
-}
-
 // A coordinate of a place that is known to within `slack`.
 fn placed(row: vec4f, place: vec3f, slack: f32) -> Range {
     let parts = vec4f(row.xyz * place, row.w);

@@ -12,7 +12,7 @@ mod images;
 mod store;
 mod tables;
 
-pub(crate) use tables::{AttributeList, SceneTables, TableLook};
+pub(crate) use tables::{AttributeList, SceneTables, TableField, TableLook};
 
 pub(crate) use store::{SolidScene, SolidStore, TracedScene};
 

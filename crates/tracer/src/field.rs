@@ -231,6 +231,11 @@ impl Field {
         })
     }
 
+    /// The expression in the variables 0, 1, 2 and uniforms, with the graph that it is in.
+    pub(crate) fn expression(&self) -> (&Graph, NodeId) {
+        (&self.code.graph, self.code.root)
+    }
+
     /// The work of an evaluation of its value, in operations.
     pub(crate) fn value_work(&self) -> u64 {
         self.code.value.work()

@@ -34,6 +34,8 @@ pub(crate) struct FramedShape {
     pub(crate) region: Region,
     /// In the order in which they occur in the region.
     pub(crate) pieces: Vec<LeafSurface>,
+    /// True if the first piece is where the shape's expression as a whole is not positive.
+    pub(crate) is_whole: bool,
     /// The shape's coordinates from those of the frame.
     pub(crate) shape_from_unit: DAffine3,
 }
@@ -167,6 +169,7 @@ impl Shape {
         Ok(FramedShape {
             region,
             pieces,
+            is_whole: whole,
             shape_from_unit: DAffine3::from_mat3_translation(DMat3::from_diagonal(half), center),
         })
     }
@@ -194,6 +197,7 @@ impl FramedShape {
         Self {
             region: Region::Any(Vec::new()),
             pieces: Vec::new(),
+            is_whole: false,
             shape_from_unit: DAffine3::IDENTITY,
         }
     }

@@ -2,18 +2,21 @@
 //!
 //! ```text
 //! World ──▶ components: parts of solids that are unions, each a small tree of set operations
-//!              │ leaves, their polynomials in frames of their own, the nodes of the tree
+//!              │ leaves, their polynomials in frames of their own, their fields by name, the nodes of the tree
 //!              └ boxes in boxes over the components
 //! ```
 //!
 //! Input: a world. Output: its tables, or what of it has no place in them. A ray is inside a solid where it is inside a
 //! component of it; what `cast.rs` finds leaf by leaf along a ray, a reader of the tables finds component by component.
 
+use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DVec3};
 
 use crate::bounds::BoundingBox;
+use crate::field::Field;
 use crate::leaf::Leaf;
 use crate::shape::LeafSurface;
+use crate::surface::PolynomialSurface;
 use crate::tree::{Forest, LeafLiterals, Literal};
 use crate::world::World;
 
@@ -96,12 +99,28 @@ pub struct LiteralRow {
 pub struct PieceRow {
     /// The piece whose equation it has; its own number unless several pieces are one surface.
     pub equation: u32,
-    /// The leaf, as a row, whose frame the polynomial is in.
+    /// The leaf, as a row, whose frame the polynomial or the field is in.
     pub frame: u32,
-    /// True if the piece is inside where the polynomial is positive.
+    /// True if the piece is inside where the polynomial or the field is positive.
     pub opposite: bool,
     /// The place where it counts.
     pub literal: LiteralRow,
+    /// What it is where this is zero.
+    pub surface: SurfaceRow,
+}
+
+/// The equation of a surface.
+#[derive(Clone, Copy, Debug)]
+pub enum SurfaceRow {
+    /// A polynomial of degree [`HIGHEST_DEGREE`] at most.
+    Polynomial(PolynomialRow),
+    /// Another expression, by its number among the fields.
+    Field(u32),
+}
+
+/// A polynomial.
+#[derive(Clone, Copy, Debug)]
+pub struct PolynomialRow {
     /// The polynomial's degree.
     pub degree: u32,
     /// The coefficients of x², y², z².
@@ -118,22 +137,41 @@ pub struct PieceRow {
     pub term_count: u32,
 }
 
+/// A field that bounds a piece: an expression in coordinates of its own, the variables 0, 1, 2.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldRow<'a> {
+    /// The number of the piece's solid.
+    pub solid: usize,
+    /// The middle of the frame, in these coordinates.
+    pub middle: DVec3,
+    /// Half of the sides of the frame, which is a box.
+    pub half: DVec3,
+    field: &'a Field,
+}
+
+impl<'a> FieldRow<'a> {
+    /// The expression with its graph, which instances of an object share.
+    pub fn expression(&self) -> (&'a Graph, NodeId) {
+        self.field.expression()
+    }
+
+    /// The number of a uniform that it reads.
+    pub fn uniform(&self, slot: u32) -> f64 {
+        self.field.uniform(Input::Uniform(slot))
+    }
+}
+
 /// A part of a world that has no place in tables.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum TableError {
-    /// A leaf of this solid is bounded by what is no polynomial.
-    NoPolynomial {
-        /// The solid.
-        solid: usize,
-    },
-    /// A leaf of this solid is bounded by a polynomial of a higher degree than [`HIGHEST_DEGREE`].
+    /// A leaf of this solid is bounded by several polynomials, one of them of a higher degree than [`HIGHEST_DEGREE`].
     Degree {
         /// The solid.
         solid: usize,
         /// The degree.
         degree: usize,
     },
-    /// A leaf of this solid that has no box is bounded by a polynomial of degree three or four.
+    /// A leaf of this solid that has no box is bounded by a polynomial of degree above two.
     EndlessQuartic {
         /// The solid.
         solid: usize,
@@ -146,11 +184,12 @@ pub enum TableError {
 }
 
 impl World {
-    /// The world as tables.
+    /// The world as tables, and the fields of its pieces.
     ///
     /// # Errors
     /// If something has no place in them.
-    pub fn tables(&self) -> Result<WorldTables, TableError> {
+    pub fn tables(&self) -> Result<(WorldTables, Vec<FieldRow<'_>>), TableError> {
+        let mut fields = Vec::new();
         let mut tables = WorldTables {
             origin: if self.hierarchy.bounds().is_empty() {
                 DVec3::ZERO
@@ -190,7 +229,8 @@ impl World {
                     node_count: nodes.len() as u32,
                 });
                 for leaf in first_leaf..first_leaf + leaf_count {
-                    self.add_leaf(&mut tables, leaf, &trees.literals[leaf], nodes.start)?;
+                    let literals = &trees.literals[leaf];
+                    self.add_leaf(&mut tables, &mut fields, leaf, literals, nodes.start)?;
                 }
                 tables.nodes.extend(trees.forest.rows(nodes));
                 first_leaf += leaf_count;
@@ -202,12 +242,13 @@ impl World {
         tables.boxes = hierarchy.rows(shift);
         let order = hierarchy.order().iter();
         tables.order.extend(order.map(|&k| boxed[k as usize]));
-        Ok(tables)
+        Ok((tables, fields))
     }
 
-    fn add_leaf(
-        &self,
+    fn add_leaf<'a>(
+        &'a self,
         tables: &mut WorldTables,
+        fields: &mut Vec<FieldRow<'a>>,
         number: usize,
         literals: &LeafLiterals,
         first_node: usize,
@@ -219,8 +260,9 @@ impl World {
         };
         let origin = tables.origin;
         let center = leaf.unit_from_world.inverse().translation;
+        let bounds = self.own_box(leaf);
         let first_piece = tables.pieces.len() as u32;
-        for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
+        for k in 0..leaf.compiled.pieces.len() {
             let own = leaf.first_piece + k;
             let (of, place, opposite) = match self.surfaces.group(own) {
                 Some(member) => {
@@ -231,45 +273,34 @@ impl World {
             };
             let solid = leaf.solid;
             let frame = &self.leaves[of];
-            let (LeafSurface::Polynomial(_), LeafSurface::Polynomial(surface)) =
-                (piece, &frame.compiled.pieces[place])
-            else {
-                return Err(TableError::NoPolynomial { solid });
+            let shape = &frame.compiled;
+            let field = match &shape.pieces[place] {
+                LeafSurface::Field(field, _) => Ok(&**field),
+                LeafSurface::Polynomial(surface) => match surface.degree() {
+                    ..=2 => Err(surface),
+                    3..=HIGHEST_DEGREE if leaf.bounded && frame.bounded => Err(surface),
+                    _ if bounds.is_none() => return Err(TableError::EndlessQuartic { solid }),
+                    _ if shape.is_whole && place == 0 => Ok(&self.shapes[frame.shape].field),
+                    degree => return Err(TableError::Degree { solid, degree }),
+                },
             };
-            let degree = surface.degree();
-            if degree > HIGHEST_DEGREE {
-                return Err(TableError::Degree { solid, degree });
-            }
-            if degree > 2 && !(leaf.bounded && frame.bounded) {
-                return Err(TableError::EndlessQuartic { solid });
-            }
-            // The equation's scale says nothing.
-            let largest = surface.polynomial.largest();
-            let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
-            let coefficient = |e: [u8; 3]| {
-                let mut terms = surface.polynomial.terms();
-                let found = terms.find(|(f, _)| *f == e);
-                found.map_or(0.0, |(_, c)| scale * c)
+            let surface = match field {
+                Ok(_) => SurfaceRow::Field(fields.len() as u32),
+                Err(polynomial) => SurfaceRow::Polynomial(tables.add_polynomial(polynomial)),
             };
-            let three = |e: [[u8; 3]; 3]| DVec3::from_array(e.map(coefficient));
-            let first_term = tables.terms.len() as u32;
-            if degree > 2 {
-                let terms = surface.polynomial.terms();
-                tables.terms.extend(terms.map(|(e, c)| (e, scale * c)));
-            }
             tables.pieces.push(PieceRow {
                 equation: (frame.first_piece + place) as u32,
                 frame: of as u32,
-                opposite,
+                opposite: opposite != field.is_ok_and(Field::is_negated),
                 literal: row(literals.pieces[k]),
-                degree: degree as u32,
-                squares: three([[2, 0, 0], [0, 2, 0], [0, 0, 2]]),
-                mixed: three([[0, 1, 1], [1, 0, 1], [1, 1, 0]]),
-                linear: three([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
-                constant: coefficient([0; 3]),
-                first_term,
-                term_count: tables.terms.len() as u32 - first_term,
+                surface,
             });
+            fields.extend(field.ok().map(|field| FieldRow {
+                solid,
+                middle: shape.shape_from_unit.translation,
+                half: shape.shape_from_unit.matrix3.diagonal(),
+                field,
+            }));
         }
         tables.leaves.push(LeafRow {
             leaf: number as u32,
@@ -278,7 +309,7 @@ impl World {
                 ..leaf.unit_from_world
             },
             center: center - origin,
-            bounds: self.own_box(leaf).map(|bounds| tables.moved(bounds)),
+            bounds: bounds.map(|bounds| tables.moved(bounds)),
             gate: row(literals.gate),
             first_piece,
             piece_count: tables.pieces.len() as u32 - first_piece,
@@ -342,6 +373,33 @@ impl WholeTrees {
 }
 
 impl WorldTables {
+    fn add_polynomial(&mut self, surface: &PolynomialSurface) -> PolynomialRow {
+        let degree = surface.degree();
+        // The equation's scale says nothing.
+        let largest = surface.polynomial.largest();
+        let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
+        let coefficient = |e: [u8; 3]| {
+            let mut terms = surface.polynomial.terms();
+            let found = terms.find(|(f, _)| *f == e);
+            found.map_or(0.0, |(_, c)| scale * c)
+        };
+        let three = |e: [[u8; 3]; 3]| DVec3::from_array(e.map(coefficient));
+        let first_term = self.terms.len() as u32;
+        if degree > 2 {
+            let terms = surface.polynomial.terms();
+            self.terms.extend(terms.map(|(e, c)| (e, scale * c)));
+        }
+        PolynomialRow {
+            degree: degree as u32,
+            squares: three([[2, 0, 0], [0, 2, 0], [0, 0, 2]]),
+            mixed: three([[0, 1, 1], [1, 0, 1], [1, 1, 0]]),
+            linear: three([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
+            constant: coefficient([0; 3]),
+            first_term,
+            term_count: self.terms.len() as u32 - first_term,
+        }
+    }
+
     fn moved(&self, bounds: BoundingBox) -> BoundingBox {
         BoundingBox {
             lower: bounds.lower - self.origin,

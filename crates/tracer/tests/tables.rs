@@ -1,8 +1,9 @@
 //! Worlds as tables: what is a component, and what has no place in them.
 
+use expr::ops::{Binary, Unary};
 use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DVec3};
-use tracer::tables::TableError;
+use tracer::tables::{PieceRow, SurfaceRow, TableError};
 use tracer::{SetStep, World, WorldBuilder};
 
 /// Σ xⁿ − 1.
@@ -52,7 +53,8 @@ fn the_parts_of_a_union_are_components() {
         ("ab|cd|&e|", &[4, 1]),
         ("abc\\\\", &[3]),
     ] {
-        let tables = world(2, postfix).tables().expect("polynomials");
+        let world = world(2, postfix);
+        let (tables, _) = world.tables().expect("polynomials");
         let counts: Vec<u32> = tables.components.iter().map(|it| it.leaf_count).collect();
         assert_eq!(counts, leaves, "{postfix}");
         assert_eq!(tables.endless, 0, "{postfix}");
@@ -69,7 +71,13 @@ fn the_parts_of_a_union_are_components() {
 #[test]
 fn what_is_too_high_or_too_much_has_no_tables() {
     assert!(world(4, "a").tables().is_ok());
-    let error = world(6, "a").tables().expect_err("too high");
+    let mut graph = Graph::default();
+    let (round, x) = (round(&mut graph, 6), graph.input(Input::Variable(0)));
+    let half = graph.binary(Binary::Max, round, x);
+    let error = one(&graph, half)
+        .tables()
+        .map(|_| ())
+        .expect_err("too high");
     assert_eq!(
         error,
         TableError::Degree {
@@ -78,6 +86,47 @@ fn what_is_too_high_or_too_much_has_no_tables() {
         }
     );
     let many = format!("z{}", "a\\".repeat(200));
-    let error = world(2, &many).tables().expect_err("too much");
+    let many = world(2, &many);
+    let error = many.tables().map(|_| ()).expect_err("too much");
     assert_eq!(error, TableError::TooManyNodes { solid: 0 });
+}
+
+/// A world of one leaf, in its place.
+fn one(graph: &Graph, field: NodeId) -> World {
+    let uniforms = |input| match input {
+        Input::Uniform(k) => f64::from(k) + 0.5,
+        Input::Variable(_) => f64::NAN,
+    };
+    let mut builder = WorldBuilder::new(graph, &uniforms);
+    let shape = builder.shape(field, [None; 3]).expect("small");
+    let leaf = SetStep::Leaf(shape, DAffine3::IDENTITY);
+    builder.solid([leaf]).expect("a set");
+    builder.build().expect("small")
+}
+
+#[test]
+fn what_is_no_polynomial_of_low_degree_is_a_field() {
+    let mut graph = Graph::default();
+    let round = round(&mut graph, 6);
+    let world_of_six = one(&graph, round);
+    let (tables, fields) = world_of_six.tables().expect("a field");
+    assert!(matches!(tables.pieces[0].surface, SurfaceRow::Field(0)));
+    assert!((fields[0].half - DVec3::ONE).abs().max_element() < 0.2);
+    assert_eq!(fields[0].middle, DVec3::ZERO);
+    // sin(x) − u₃ ≥ 0 within the ball: a polynomial and a negated field.
+    let ball = self::round(&mut graph, 2);
+    let [x, u] = [Input::Variable(0), Input::Uniform(3)].map(|input| graph.input(input));
+    let wave = graph.unary(Unary::Sin, x);
+    let wave = graph.sub(wave, u);
+    let opposite = graph.unary(Unary::Neg, wave);
+    let both = graph.binary(Binary::Max, ball, opposite);
+    let cut = one(&graph, both);
+    let (tables, fields) = cut.tables().expect("a field");
+    let is_field = |row: &PieceRow| matches!(row.surface, SurfaceRow::Field(_));
+    let pieces: Vec<&PieceRow> = tables.pieces.iter().filter(|row| is_field(row)).collect();
+    assert_eq!((tables.pieces.len(), pieces.len(), fields.len()), (2, 1, 1));
+    assert!(pieces[0].opposite);
+    assert_eq!(fields[0].uniform(3), 3.5);
+    let (own, root) = fields[0].expression();
+    assert_eq!(own.inputs(&[root]).len(), 2);
 }

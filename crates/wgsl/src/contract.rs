@@ -43,10 +43,13 @@ pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), Internal
     Ok(())
 }
 
-/// Checks that a generated text holds the contract's functions and nothing else.
-pub fn is_exactly(generated: &Piece<'_>, contract: &Piece<'_>) -> Result<(), InternalError> {
-    fulfils(generated, contract)?;
-    let wanted = signatures(contract.text);
+/// Checks that a generated text holds the functions of some contracts and nothing else.
+pub fn is_exactly(generated: &Piece<'_>, contracts: &[Piece<'_>]) -> Result<(), InternalError> {
+    let mut wanted = Vec::new();
+    for contract in contracts {
+        fulfils(generated, contract)?;
+        wanted.extend(signatures(contract.text));
+    }
     if let Some(extra) = signatures(generated.text)
         .into_iter()
         .find(|signature| !wanted.contains(signature))

@@ -288,7 +288,7 @@ fn generate(
         origin: "generated",
         text: &generated,
     };
-    contract::is_exactly(&piece, contract)?;
+    contract::is_exactly(&piece, &[*contract])?;
     contract::fulfils(pass, &library::CONTRACT_UNIFORMS)?;
     if functions
         .iter()

@@ -68,11 +68,15 @@ pub const CONTRACT_SURFACE: Piece<'static> = piece!("contract/surface.wgsl");
 pub const CONTRACT_EVALUATE: Piece<'static> = piece!("contract/evaluate.wgsl");
 
 /// Generated attributes of faces.
-pub const CONTRACT_FUNCTIONS: Piece<'static> = piece!("contract/functions.wgsl");
+pub const CONTRACT_LISTS: Piece<'static> = piece!("contract/lists.wgsl");
+/// Generated fields of pieces.
+pub const CONTRACT_FIELDS: Piece<'static> = piece!("contract/fields.wgsl");
 /// The function that generated attributes call: takes a number.
 pub const CONTRACT_STORED: Piece<'static> = piece!("contract/stored.wgsl");
 /// The function that the pass of traced pictures calls: the look of a face at a place.
 pub const CONTRACT_VARIED: Piece<'static> = piece!("contract/varied.wgsl");
+/// The functions that the pass of traced pictures calls: the sign changes of a field, and its gradient.
+pub const CONTRACT_SEARCHED: Piece<'static> = piece!("contract/searched.wgsl");
 
 /// Samples of a point.
 pub const PASS_SAMPLE_POINT: Piece<'static> = piece!("pass/sample_point.wgsl");
@@ -102,3 +106,5 @@ pub const PASS_RESOLVE_PIECEWISE: Piece<'static> = piece!("pass/resolve_piecewis
 pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");
 /// The part of it for faces whose attributes are expressions.
 pub const PASS_TRACE_VARIED: Piece<'static> = piece!("pass/trace_varied.wgsl");
+/// The part of it for pieces that fields bound.
+pub const PASS_TRACE_FIELDS: Piece<'static> = piece!("pass/trace_fields.wgsl");

@@ -1,8 +1,8 @@
 //! The pass of traced pictures with the expressions of a scene.
 //!
 //! ```text
-//! attributes of faces ──▶ TracedFunctions ──▶ text, by which pipelines are kept ──▶ Joined
-//!                              └─▶ for each use the numbers that it reads: constants, and uniforms of the scene
+//! attributes of faces, fields of pieces ──▶ TracedFunctions ──▶ text, by which pipelines are kept ──▶ Joined
+//!                           └─▶ for each use the numbers that it reads: constants, and uniforms of the scene
 //! ```
 //!
 //! Constants are numbers in buffers as uniforms are, so that an edit of one gives the same text; equal expressions are one
@@ -17,6 +17,7 @@ use expr::statistics::operation_count;
 use expr::{Graph, Input, NodeId};
 
 use crate::contract;
+use crate::emit::Body;
 use crate::join::{InternalError, Joined, join};
 use crate::kernel::GenerateError;
 use crate::library::{self, Piece};
@@ -31,6 +32,7 @@ pub const MOST_ATTRIBUTES: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub struct TracedFunctions {
     lists: Vec<String>,
+    fields: Vec<String>,
     operations: usize,
 }
 
@@ -59,35 +61,46 @@ impl TracedFunctions {
     /// If it is too large, alone or with those before it.
     pub fn list(&mut self, graph: &Graph, roots: &[NodeId]) -> Result<FunctionUse, GenerateError> {
         let lifted = Lifted::new(graph, roots);
-        let input = |input: Input| match input {
-            Input::Variable(0) => "x".to_owned(),
-            Input::Variable(1) => "y".to_owned(),
-            Input::Variable(_) => "z".to_owned(),
-            Input::Uniform(slot) => format!("range_number(uniform_value(instance, {slot}u))"),
-        };
-        let number = |slot: u32| format!("uniform_value(instance, {slot}u)");
-        let body = ranges::body(&lifted.graph, &lifted.roots, &input, &number);
+        let body = lifted.body();
         let mut text = body.lets;
         for (k, root) in body.roots.iter().enumerate() {
             // Writing to a String cannot fail.
             let _ = writeln!(text, "            store_attribute({k}u, {root});");
         }
-        let operations = operation_count(&lifted.graph, &lifted.roots);
-        let function = known_or_new(&mut self.lists, text, &mut self.operations, operations)?;
-        Ok(FunctionUse {
-            function,
-            numbers: lifted.numbers,
-        })
+        let sum = &mut self.operations;
+        let function = known_or_new(&mut self.lists, text, sum, lifted.operations())?;
+        Ok(lifted.used(function))
+    }
+
+    /// Adds the value of a field, which bounds a piece, as a function of the variables 0, 1, 2.
+    ///
+    /// # Errors
+    /// If it is too large, alone or with those before it.
+    pub fn field(&mut self, graph: &Graph, root: NodeId) -> Result<FunctionUse, GenerateError> {
+        let lifted = Lifted::new(graph, &[root]);
+        let body = lifted.body();
+        let text = format!("{}            return {};\n", body.lets, body.roots[0]);
+        let sum = &mut self.operations;
+        let function = known_or_new(&mut self.fields, text, sum, lifted.operations())?;
+        Ok(lifted.used(function))
     }
 
     /// The generated functions: equal texts are the same pass. Empty for a scene without expressions.
     pub fn text(&self) -> String {
-        if self.lists.is_empty() {
-            return String::new();
+        let mut text = String::new();
+        if !self.lists.is_empty() {
+            text.push_str(
+                "fn list_attributes(list: u32, x: Range, y: Range, z: Range, instance: u32) {\n",
+            );
+            text.push_str(&switch("list", &self.lists));
+            text.push_str("}\n");
         }
-        let header =
-            "fn list_attributes(list: u32, x: Range, y: Range, z: Range, instance: u32) {\n";
-        format!("{header}{}}}\n", switch("list", &self.lists))
+        if !self.fields.is_empty() {
+            text.push_str("fn field_range(field: u32, x: Range, y: Range, z: Range, instance: u32) -> Range {\n");
+            text.push_str(&switch("field", &self.fields));
+            text.push_str("    return Range(everything(), everything());\n}\n");
+        }
+        text
     }
 }
 
@@ -101,17 +114,30 @@ pub fn trace_scene(functions: &str) -> Result<Joined, InternalError> {
         origin: "generated",
         text: functions,
     };
-    if functions.is_empty() {
-        pieces.push(library::CONTRACT_VARIED);
-    } else {
-        contract::is_exactly(&generated, &library::CONTRACT_FUNCTIONS)?;
-        let written = library::PASS_TRACE_VARIED;
-        contract::fulfils(&written, &library::CONTRACT_VARIED)?;
-        contract::fulfils(&written, &library::CONTRACT_STORED)?;
-        contract::fulfils(&written, &library::CONTRACT_UNIFORMS)?;
-        pieces.extend([library::RANGE, written, generated]);
+    let (scene, varied, fields) = (
+        library::PASS_TRACE_SCENE,
+        library::PASS_TRACE_VARIED,
+        library::PASS_TRACE_FIELDS,
+    );
+    contract::fulfils(&scene, &library::CONTRACT_UNIFORMS)?;
+    contract::fulfils(&varied, &library::CONTRACT_VARIED)?;
+    contract::fulfils(&varied, &library::CONTRACT_STORED)?;
+    contract::fulfils(&fields, &library::CONTRACT_SEARCHED)?;
+    let kinds = [
+        (library::CONTRACT_LISTS, varied, library::CONTRACT_VARIED),
+        (library::CONTRACT_FIELDS, fields, library::CONTRACT_SEARCHED),
+    ];
+    let mut asked = Vec::new();
+    for (contract, written, stub) in kinds {
+        let is_there = contract::fulfils(&generated, &contract).is_ok();
+        pieces.push(if is_there { written } else { stub });
+        asked.extend(is_there.then_some(contract));
     }
-    pieces.push(library::PASS_TRACE_SCENE);
+    if !functions.is_empty() {
+        contract::is_exactly(&generated, &asked)?;
+        pieces.extend([library::RANGE, generated]);
+    }
+    pieces.push(scene);
     join(&pieces)
 }
 
@@ -146,7 +172,7 @@ fn switch(selector: &str, bodies: &[String]) -> String {
     text
 }
 
-/// Expressions in which each constant and each uniform is a uniform of their own.
+/// Expressions in which each constant and each uniform is a uniform of their own wherever it is used.
 struct Lifted {
     graph: Graph,
     roots: Vec<NodeId>,
@@ -162,12 +188,14 @@ impl Lifted {
         };
         let mut copies: HashMap<NodeId, NodeId> = HashMap::new();
         for id in order_by_structure(graph, roots) {
-            let copy = |operand: NodeId| copies[&operand];
+            let mut copy = |operand: NodeId| lifted.copy(graph, &copies, operand);
             let made = match graph.node(id) {
-                Node::Constant(value) => lifted.number(UsedNumber::Constant(value)),
-                Node::Input(Input::Uniform(k)) => lifted.number(UsedNumber::Uniform(k)),
+                Node::Constant(_) | Node::Input(Input::Uniform(_)) => continue,
                 Node::Input(input) => lifted.graph.input(input),
-                Node::Unary(op, a) => lifted.graph.unary(op, copy(a)),
+                Node::Unary(op, a) => {
+                    let a = copy(a);
+                    lifted.graph.unary(op, a)
+                }
                 Node::Binary(op, a, b) => {
                     let operands = [copy(a), copy(b)];
                     lifted.graph.binary(op, operands[0], operands[1])
@@ -179,8 +207,45 @@ impl Lifted {
             };
             copies.insert(id, made);
         }
-        lifted.roots = roots.iter().map(|root| copies[root]).collect();
+        for &root in roots {
+            let root = lifted.copy(graph, &copies, root);
+            lifted.roots.push(root);
+        }
         lifted
+    }
+
+    /// What stands for a node: a number wherever it is used is a number of its own, since an edit may change one of two that
+    /// are equal.
+    fn copy(&mut self, graph: &Graph, copies: &HashMap<NodeId, NodeId>, id: NodeId) -> NodeId {
+        match graph.node(id) {
+            Node::Constant(value) => self.number(UsedNumber::Constant(value)),
+            Node::Input(Input::Uniform(k)) => self.number(UsedNumber::Uniform(k)),
+            _ => copies[&id],
+        }
+    }
+
+    /// The text on ranges x, y, z.
+    fn body(&self) -> Body {
+        let input = |input: Input| match input {
+            Input::Variable(0) => "x".to_owned(),
+            Input::Variable(1) => "y".to_owned(),
+            Input::Variable(_) => "z".to_owned(),
+            Input::Uniform(slot) => format!("range_number(uniform_value(instance, {slot}u))"),
+        };
+        let number = |slot: u32| format!("uniform_value(instance, {slot}u)");
+        ranges::body(&self.graph, &self.roots, &input, &number)
+    }
+
+    fn operations(&self) -> usize {
+        operation_count(&self.graph, &self.roots)
+    }
+
+    /// The function of this number with the numbers of these expressions.
+    fn used(self, function: u32) -> FunctionUse {
+        FunctionUse {
+            function,
+            numbers: self.numbers,
+        }
     }
 
     /// The input that stands for a number.

@@ -67,7 +67,7 @@ fn a_signature_that_differs_from_its_contract_is_an_error_that_keeps_the_text() 
                 origin: "generated",
                 text,
             },
-            &library::CONTRACT_POINT,
+            &[library::CONTRACT_POINT],
         )
         .unwrap_err();
         assert!(
@@ -87,7 +87,7 @@ fn generated_text_holds_nothing_but_the_functions_of_its_contract() {
             origin: "generated",
             text: good,
         },
-        &library::CONTRACT_POINT,
+        &[library::CONTRACT_POINT],
     )
     .expect("as asked for");
     for extra in [
@@ -102,7 +102,7 @@ fn generated_text_holds_nothing_but_the_functions_of_its_contract() {
                 origin: "generated",
                 text: &text,
             },
-            &library::CONTRACT_POINT,
+            &[library::CONTRACT_POINT],
         );
         assert!(error.is_err(), "{extra}");
     }

@@ -33,6 +33,25 @@ fn every_operation_validates_on_ranges() {
 }
 
 #[test]
+fn fields_validate_alone_and_beside_attributes() {
+    let mut graph = Graph::default();
+    let mut functions = TracedFunctions::default();
+    for (k, root) in (0..).zip(operations(&mut graph)) {
+        assert_eq!(functions.field(&graph, root).expect("small").function, k);
+        // The same text is the same function.
+        assert_eq!(functions.field(&graph, root).expect("small").function, k);
+    }
+    trace_scene(&functions.text()).unwrap_or_else(|error| panic!("{}", error.message));
+    let [x, y, z] = coordinates(&mut graph);
+    functions.list(&graph, &[z, x, y]).expect("small");
+    let text = functions.text();
+    trace_scene(&text).unwrap_or_else(|error| panic!("{}", error.message));
+    let another = text.replace("field_range(field: u32", "field_range(field: i32");
+    let error = trace_scene(&another).expect_err("another signature");
+    assert!(error.message.contains("field_range"), "{}", error.message);
+}
+
+#[test]
 fn constants_are_numbers_that_a_function_reads() {
     let mut graph = Graph::default();
     let [x, ..] = coordinates(&mut graph);
@@ -80,6 +99,22 @@ fn equal_expressions_are_one_function_whatever_was_read_before_them() {
     let third = list(&mut graph, 0.5, 4.0);
     assert_eq!([first.function, second.function, third.function], [0; 3]);
     assert_eq!(first.numbers.len(), second.numbers.len());
+}
+
+#[test]
+fn one_of_two_equal_constants_may_change() {
+    let mut graph = Graph::default();
+    let [x, y, _] = coordinates(&mut graph);
+    let mut functions = TracedFunctions::default();
+    let mut field = |numbers: [f64; 2]| {
+        let [a, b] = numbers.map(|number| graph.constant(number));
+        let products = [graph.mul(a, x), graph.mul(b, y)];
+        let root = graph.add(products[0], products[1]);
+        functions.field(&graph, root).expect("small")
+    };
+    let (equal, unequal) = (field([4.0, 4.0]), field([4.0, 5.0]));
+    assert_eq!((equal.function, unequal.function), (0, 0));
+    assert_eq!((equal.numbers.len(), unequal.numbers.len()), (2, 2));
 }
 
 #[test]

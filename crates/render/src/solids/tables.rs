@@ -2,12 +2,14 @@
 //! expressions need, or the reason for which the CPU follows its rays.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use expr::{Graph, NodeId};
 use geometry::solids::{RayScene, VaryingAttribute, VaryingList, VaryingLook, VaryingPlace};
 use glam::{DAffine3, DVec3};
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass, Scenery};
-use tracer::tables::{TableError, WorldTables};
+use tracer::tables::{FieldRow, TableError, WorldTables};
+use wgsl::GenerateError;
 use wgsl::traced::{FunctionUse, MOST_ATTRIBUTES, TracedFunctions, UsedNumber};
 
 /// The parts of the height of a direction, from −1 to 1, of which the background's light is known.
@@ -17,6 +19,8 @@ const SKY_CELLS: u32 = 4096;
 #[derive(Debug)]
 pub(crate) struct SceneTables {
     pub(crate) world: WorldTables,
+    /// For each field that bounds pieces.
+    pub(crate) fields: Vec<TableField>,
     /// The functions of its expressions, as text: what the pipeline depends on.
     pub(crate) functions: String,
     /// The different looks of faces.
@@ -27,6 +31,17 @@ pub(crate) struct SceneTables {
     pub(crate) glass: Vec<Option<Glass>>,
     /// The background's light, by the height of a direction.
     pub(crate) sky: Vec<DVec3>,
+}
+
+/// A field that bounds pieces.
+#[derive(Debug)]
+pub(crate) struct TableField {
+    /// The number of the function.
+    pub(crate) function: u32,
+    /// The middle of its frame, and half of its sides.
+    pub(crate) frame: [DVec3; 2],
+    /// The numbers that the function reads.
+    pub(crate) numbers: Vec<f64>,
 }
 
 /// The look of faces.
@@ -85,16 +100,16 @@ impl SceneTables {
             return Err("the background differs around the horizon".to_owned());
         }
         let name = |solid: usize| &rays.object_of_solid(solid).name;
-        let world = rays.world().tables().map_err(|error| match error {
-            TableError::NoPolynomial { solid } => {
-                format!("`{}` is not bounded by polynomials", name(solid))
-            }
+        let (world, fields) = rays.world().tables().map_err(|error| match error {
             TableError::Degree { solid, degree } => {
-                format!("`{}` has a polynomial of degree {degree}", name(solid))
+                format!(
+                    "`{}` joins polynomials, one of them of degree {degree}",
+                    name(solid)
+                )
             }
             TableError::EndlessQuartic { solid } => {
                 format!(
-                    "`{}` has an endless surface of degree three or four",
+                    "`{}` has an endless surface of degree three or more",
                     name(solid)
                 )
             }
@@ -103,6 +118,10 @@ impl SceneTables {
             }
         })?;
         let mut looks = LookTable::default();
+        let fields = looks.functions.fields(&fields);
+        let fields = fields.map_err(|(solid, why)| {
+            format!("`{}` is bounded by a function of which {why}", name(solid))
+        })?;
         let mut leaves = vec![(0, FaceSides::Both); rays.world().leaf_count()];
         for component in &world.components {
             let solid = component.solid as usize;
@@ -138,7 +157,8 @@ impl SceneTables {
         let direction = |z: f64| DVec3::new((1.0 - z * z).max(0.0).sqrt(), 0.0, z);
         let sky = (0..=SKY_CELLS).map(|k| (scenery.background)(direction(height(k))));
         Ok(Self {
-            functions: looks.functions.text(),
+            fields,
+            functions: looks.functions.functions.text(),
             looks: looks.looks,
             leaves,
             glass: scenery.glass.to_vec(),
@@ -168,9 +188,47 @@ fn anywhere(solid: usize, leaf: usize) -> Face {
 struct LookTable {
     looks: Vec<TableLook>,
     known: HashMap<Vec<u64>, u32>,
+    functions: FunctionTable,
+}
+
+/// The functions of a scene.
+#[derive(Default)]
+struct FunctionTable {
     functions: TracedFunctions,
-    /// The function of each list that has been read, by its expressions.
-    uses: HashMap<(*const Graph, Vec<NodeId>), FunctionUse>,
+    /// The function of each list of attributes that has been read, and of each field, by its expressions.
+    lists: HashMap<(*const Graph, Vec<NodeId>), FunctionUse>,
+    fields: HashMap<(*const Graph, NodeId), FunctionUse>,
+}
+
+impl FunctionTable {
+    /// The fields of a world; else the solid of the one that is too large, and a clause.
+    fn fields(&mut self, rows: &[FieldRow<'_>]) -> Result<Vec<TableField>, (usize, GenerateError)> {
+        let field = |row: &FieldRow<'_>| {
+            let (graph, root) = row.expression();
+            let used = match self.fields.entry((std::ptr::from_ref(graph), root)) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => {
+                    let used = self.functions.field(graph, root);
+                    new.insert(used.map_err(|why| (row.solid, why))?)
+                }
+            };
+            Ok(TableField {
+                function: used.function,
+                frame: [row.middle, row.half],
+                numbers: numbers(used, &|slot| row.uniform(slot)),
+            })
+        };
+        rows.iter().map(field).collect()
+    }
+}
+
+/// The numbers that a function reads.
+fn numbers(used: &FunctionUse, uniform: &dyn Fn(u32) -> f64) -> Vec<f64> {
+    let number = |number: &UsedNumber| match *number {
+        UsedNumber::Constant(value) => value,
+        UsedNumber::Uniform(slot) => uniform(slot),
+    };
+    used.numbers.iter().map(number).collect()
 }
 
 impl LookTable {
@@ -209,29 +267,26 @@ impl LookTable {
             return Err("has more attributes that depend on the place than its shader".to_owned());
         }
         let key = (std::ptr::from_ref(list.graph), roots);
-        let used = match self.uses.get(&key) {
+        let used = match self.functions.lists.get(&key) {
             Some(known) => known,
             None => {
-                let used = self.functions.list(list.graph, &key.1);
+                let used = self.functions.functions.list(list.graph, &key.1);
                 let used = used.map_err(|why| format!("has attributes of which {why}"))?;
-                self.uses.entry(key).or_insert(used)
+                self.functions.lists.entry(key).or_insert(used)
             }
         };
         let (frame, along) = match list.place {
             VaryingPlace::Within(frame) => (frame, None),
             VaryingPlace::Along(frame, parameters) => (frame, Some(parameters)),
         };
-        let number = |number: &UsedNumber| match *number {
-            UsedNumber::Constant(value) => value,
-            UsedNumber::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-        };
+        let uniform = |slot: u32| uniforms.get(slot as usize).copied().unwrap_or(f64::NAN);
         Ok(AttributeList {
             function: used.function,
             attributes: list.attributes.iter().map(|(it, _)| *it).collect(),
             frame: frame * DAffine3::from_translation(origin),
             along,
             bright: list.bright,
-            numbers: used.numbers.iter().map(number).collect(),
+            numbers: numbers(used, &uniform),
         })
     }
 }

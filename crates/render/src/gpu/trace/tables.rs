@@ -1,16 +1,16 @@
 //! The tables of a scene in f32, in buffers.
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
 use tracer::BoundingBox;
 use tracer::shade::FaceSides;
-use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow};
+use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow, SurfaceRow};
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{BoxNode, Component, FaceMaterial, Leaf, LeafPiece};
 use crate::gpu::trace::lens::three;
-use crate::solids::{AttributeList, SceneTables, TableLook};
+use crate::solids::{AttributeList, SceneTables, TableField, TableLook};
 
 /// Boxes are larger by this share of their sides, and of the distances of their corners, so that rounding leaves nothing
 /// out.
@@ -22,6 +22,8 @@ const EVERYWHERE: f64 = 1e15;
 const NO_PARENT: u32 = 0x7fff;
 /// Marks a material that lets through what depends on the place.
 const VARIES_THROUGH: u32 = 1 << 16;
+/// Marks a piece that a field bounds.
+const FIELD_PIECE: u32 = 255;
 /// The words of a list before its attributes.
 const LIST_HEAD: u32 = 16;
 /// The highest bit.
@@ -77,13 +79,6 @@ impl TableBuffers {
             }
         });
         let leaves = world.leaves.iter().map(|row| leaf(tables, row));
-        let mut pieces: Vec<LeafPiece> = world.pieces.iter().map(piece).collect();
-        for (k, row) in world.leaves.iter().enumerate() {
-            let own = row.first_piece as usize..(row.first_piece + row.piece_count) as usize;
-            for piece in &mut pieces[own] {
-                piece.leaf = k as u32;
-            }
-        }
         let mut words: Vec<u32> = world.nodes.iter().flat_map(node).collect();
         let order = words.len() as u32;
         words.extend(&world.order);
@@ -100,6 +95,19 @@ impl TableBuffers {
                 .flat_map(|&light| three(light))
                 .map(f32::to_bits),
         );
+        let fields: Vec<u32> = tables
+            .fields
+            .iter()
+            .map(|field| add_field(&mut words, field))
+            .collect();
+        let pieces = world.pieces.iter().map(|row| piece(row, &fields));
+        let mut pieces: Vec<LeafPiece> = pieces.collect();
+        for (k, row) in world.leaves.iter().enumerate() {
+            let own = row.first_piece as usize..(row.first_piece + row.piece_count) as usize;
+            for piece in &mut pieces[own] {
+                piece.leaf = k as u32;
+            }
+        }
         let mut lists = |look: &TableLook| {
             let first = words.len() as u32;
             look.lists
@@ -183,19 +191,30 @@ fn leaf(tables: &SceneTables, row: &LeafRow) -> Leaf {
     }
 }
 
-/// A piece, of a leaf that is not known yet.
-fn piece(row: &PieceRow) -> LeafPiece {
-    LeafPiece {
-        squares: three(row.squares),
-        constant: row.constant as f32,
-        mixed: three(row.mixed),
+/// A piece, of a leaf that is not known yet; the first word of each field.
+fn piece(row: &PieceRow, fields: &[u32]) -> LeafPiece {
+    let piece = LeafPiece {
         literal: literal(row.literal),
-        linear: three(row.linear),
         frame: row.frame,
         equation: row.equation,
-        leaf: 0,
-        kind: row.degree | if row.opposite { 256 } else { 0 },
-        terms: row.first_term << 6 | row.term_count,
+        kind: if row.opposite { 256 } else { 0 },
+        ..LeafPiece::zeroed()
+    };
+    match row.surface {
+        SurfaceRow::Field(field) => LeafPiece {
+            kind: piece.kind | FIELD_PIECE,
+            terms: fields[field as usize],
+            ..piece
+        },
+        SurfaceRow::Polynomial(row) => LeafPiece {
+            squares: three(row.squares),
+            constant: row.constant as f32,
+            mixed: three(row.mixed),
+            linear: three(row.linear),
+            kind: piece.kind | row.degree,
+            terms: row.first_term << 6 | row.term_count,
+            ..piece
+        },
     }
 }
 
@@ -247,6 +266,16 @@ fn add_list(words: &mut Vec<u32>, list: &AttributeList) {
     // The numbers of the attributes stand in pass/trace_varied.wgsl.
     words.extend(list.attributes.iter().map(|attribute| *attribute as u32));
     words.extend(list.numbers.iter().map(|&number| used(number).to_bits()));
+}
+
+/// Adds the words of a field, as pass/trace_fields.wgsl reads them, and returns the first.
+fn add_field(words: &mut Vec<u32>, field: &TableField) -> u32 {
+    let first = words.len() as u32;
+    words.push(field.function);
+    let frame = field.frame.iter().flat_map(|place| three(*place));
+    words.extend(frame.map(f32::to_bits));
+    words.extend(field.numbers.iter().map(|&number| used(number).to_bits()));
+    first
 }
 
 /// A number that a generated function reads: what is none, or too large, stands for everything.

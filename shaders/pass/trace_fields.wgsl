@@ -1,0 +1,220 @@
+// The part of the pass of traced pictures for pieces that fields bound, which are no polynomials or of a high degree: the
+// places where a field changes its sign along a ray, as crates/tracer/src/field.rs finds them. A part of the ray on which
+// the field's range excludes 0 has none, one on which that of its slope does has one at most, and any other is halved. What
+// is still open at last marks the sample.
+//
+// The words of a field: the number of its function; in its coordinates the middle of its frame, and half of the sides; its
+// numbers.
+
+const FIELD_HEAD: u32 = 7u;
+const MOST_HALVINGS: u32 = 22u;
+// The most evaluations for a sample.
+const MOST_EVALUATIONS: u32 = 12000u;
+// A gradient is known to within this share of its length.
+const GRADIENT_ERROR: f32 = 2e-3;
+
+// What of the field is looked at next: its sign where the ray begins, its range on a part of the ray, its value at a place
+// between the ends of a part where it changes once.
+const FIELD_BEGIN: u32 = 0u;
+const FIELD_PART: u32 = 1u;
+const FIELD_ROOT: u32 = 2u;
+
+// A line in the coordinates of a field.
+struct FieldLine {
+    word: u32,
+    point: vec3f,
+    direction: vec3f,
+    // What the point is the sum of.
+    size: vec3f,
+}
+
+var<private> evaluations: u32;
+
+fn field_vector(word: u32) -> vec3f {
+    return vec3f(bitcast<f32>(words[word]), bitcast<f32>(words[word + 1u]), bitcast<f32>(words[word + 2u]));
+}
+
+fn field_line(piece: u32, line: FrameLine) -> FieldLine {
+    let word = pieces[piece].terms;
+    let middle = field_vector(word + 1u);
+    let half = field_vector(word + 4u);
+    let size = abs(middle) + abs(half * line.point);
+    return FieldLine(word, middle + half * line.point, half * line.direction, size);
+}
+
+// The values between two places of a line, and the slopes along it.
+fn field_along(line: FieldLine, a: f32, b: f32) -> Range {
+    let at_a = line.point + a * line.direction;
+    let at_b = line.point + b * line.direction;
+    let slack = RANGE_ROUNDING * abs(line.direction);
+    let error = RANGE_ROUNDING * line.size + max(abs(a), abs(b)) * slack;
+    let low = min(at_a, at_b) - error;
+    let high = max(at_a, at_b) + error;
+    let least = line.direction - slack;
+    let most = line.direction + slack;
+    return field_range(
+        words[line.word],
+        Range(vec2f(low.x, high.x), vec2f(least.x, most.x)),
+        Range(vec2f(low.y, high.y), vec2f(least.y, most.y)),
+        Range(vec2f(low.z, high.z), vec2f(least.z, most.z)),
+        line.word + FIELD_HEAD,
+    );
+}
+
+// Reads a piece: its membership where the ray comes to it behind `behind_t`, and its events behind that. The places do not
+// depend on `behind_t`, so that none is met twice.
+fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32) -> bool {
+    let field = field_line(piece, line);
+    let opposite = pieces[piece].kind >= 256u;
+    let begin = max(part.x, behind_t);
+    let first = place_of(line, max(part.x, 0.0));
+    var width = place_of(line, part.y) - first;
+    var index = 0u;
+    var halvings = 0u;
+    // Until it is known that the surface which the ray leaves is behind it.
+    var is_leaving = pieces[piece].equation == ray.leaving && part.x <= 0.0;
+    let starts_within = behind_t == 0.0 && part.x <= 0.0;
+    // True right behind what is done if the field is not positive there, and right behind `begin`.
+    var inside = false;
+    var inside_first = false;
+    var found = 0u;
+    var next = FIELD_BEGIN;
+    var a = first;
+    var b = first;
+    if starts_within {
+        a -= ray.slack * line.speed;
+        b += ray.slack * line.speed;
+    }
+    if is_leaving {
+        next = FIELD_PART;
+        a = first;
+        b = first + width;
+    }
+    var low = 0.0;
+    var high = 0.0;
+    var tries = 0u;
+    loop {
+        evaluations++;
+        if evaluations > MOST_EVALUATIONS {
+            is_marked = true;
+        }
+        if is_marked {
+            break;
+        }
+        let range = field_along(field, a, b);
+        let value = 0.5 * (range.value.x + range.value.y);
+        var change = ENDLESS;
+        if next == FIELD_BEGIN {
+            inside = value <= 0.0;
+            inside_first = inside;
+            if starts_within && has_zero(range.value) {
+                // So near the start, only f64 says on which side of the surface it is.
+                is_marked = true;
+            }
+            next = FIELD_PART;
+            a = first;
+            b = first + width;
+            continue;
+        } else if next == FIELD_PART {
+            let is_monotone = !has_zero(range.slope);
+            if is_leaving && is_monotone {
+                inside = range.slope.y < 0.0;
+                inside_first = inside;
+                is_leaving = false;
+            } else if !is_leaving && !has_zero(range.value) {
+                if (range.value.y < 0.0) != inside {
+                    // Where this part and the one before it meet.
+                    change = a;
+                }
+            } else if is_monotone {
+                next = FIELD_ROOT;
+                low = a;
+                high = b;
+                a = b;
+                tries = 0u;
+                continue;
+            } else if halvings < MOST_HALVINGS {
+                index *= 2u;
+                halvings++;
+                width *= 0.5;
+                b = first + width * f32(index + 1u);
+                continue;
+            } else {
+                is_marked = true;
+            }
+        } else if tries > 0u || (value <= 0.0) != inside {
+            // Newton's method within the bracket.
+            if (value <= 0.0) == inside {
+                low = a;
+            } else {
+                high = a;
+            }
+            var place = a - 2.0 * value / (range.slope.x + range.slope.y);
+            if !(place > low && place < high) {
+                place = 0.5 * (low + high);
+            }
+            let moved = abs(place - a);
+            tries++;
+            if moved > 1.2e-7 * max(abs(place), 1e-2) && tries < NEWTON_STEPS {
+                a = place;
+                b = place;
+                continue;
+            }
+            change = place;
+        }
+        // The part is done.
+        if change < ENDLESS {
+            inside = !inside;
+            let t = t_of(line, change);
+            if t <= begin {
+                inside_first = inside;
+            } else if t <= part.y {
+                add_event(piece, t, inside != opposite);
+                found++;
+                if found == wanted {
+                    known_until = min(known_until, t);
+                    break;
+                }
+            }
+        }
+        index++;
+        let up = min(countTrailingZeros(index), halvings);
+        index >>= up;
+        halvings -= up;
+        width *= f32(1u << up);
+        next = FIELD_PART;
+        a = first + width * f32(index);
+        b = first + width * f32(index + 1u);
+        if halvings == 0u || t_of(line, a) > known_until {
+            break;
+        }
+    }
+    return inside_first != opposite;
+}
+
+// The gradient at a place of the frame.
+fn field_gradient(piece: u32, at: vec3f) -> vec3f {
+    let word = pieces[piece].terms;
+    let middle = field_vector(word + 1u);
+    let half = field_vector(word + 4u);
+    let place = middle + half * at;
+    let error = RANGE_ROUNDING * (abs(middle) + abs(half * at));
+    var gradient = vec3f(0.0);
+    var spread = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let slope = vec3f(f32(k == 0u), f32(k == 1u), f32(k == 2u));
+        let range = field_range(
+            words[word],
+            Range(vec2f(place.x - error.x, place.x + error.x), vec2f(slope.x)),
+            Range(vec2f(place.y - error.y, place.y + error.y), vec2f(slope.y)),
+            Range(vec2f(place.z - error.z, place.z + error.z), vec2f(slope.z)),
+            word + FIELD_HEAD,
+        );
+        gradient[k] = 0.5 * (range.slope.x + range.slope.y) * half[k];
+        spread[k] = 0.5 * (range.slope.y - range.slope.x) * half[k];
+    }
+    if !(length(spread) <= GRADIENT_ERROR * length(gradient)) {
+        is_marked = true;
+    }
+    return gradient;
+}
