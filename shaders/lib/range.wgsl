@@ -288,9 +288,15 @@ fn whole_power_of(a: vec2f, n: u32) -> vec2f {
     if most > 1.0 && f32(n) * log2(most) > 59.0 {
         return everything();
     }
-    var power = vec2f(1.0);
-    var square = a;
-    var left = n;
+    // Without a loop as a rule: drivers may count the rounds of all of them.
+    let second = a * a;
+    let fourth = second * second;
+    let eighth = fourth * fourth;
+    let one = vec2f(1.0);
+    var power = select(one, a, (n & 1u) != 0u) * select(one, second, (n & 2u) != 0u);
+    power *= select(one, fourth, (n & 4u) != 0u) * select(one, eighth, (n & 8u) != 0u);
+    var square = eighth * eighth;
+    var left = n >> 4u;
     while left != 0u {
         if (left & 1u) != 0u {
             power *= square;
@@ -322,10 +328,31 @@ fn range_integer_power(a: Range, n: i32) -> Range {
     return range_div(Range(vec2f(1.0), vec2f(0.0)), power);
 }
 
+// a^b for an a that is not negative and a b above 0.
+fn rising_power_of(a: vec2f, b: vec2f) -> vec2f {
+    let least = vec2f(2.0 * RANGE_LEAST);
+    let low = exponential_of(product_of(b, logarithm_of(max(a.xx, least))));
+    let high = exponential_of(product_of(b, logarithm_of(max(a.yy, least))));
+    return vec2f(select(low.x, 0.0, a.x <= least.x), high.y);
+}
+
 // A power whose exponent is `exact` if that does not depend on the place.
 fn range_power(a: Range, b: Range, exact: f32) -> Range {
-    if all(b.slope == vec2f(0.0)) && exact == trunc(exact) && abs(exact) <= 1000.0 {
+    let is_exact = all(b.slope == vec2f(0.0));
+    if is_exact && exact == trunc(exact) && abs(exact) <= 1000.0 {
         return range_integer_power(a, i32(exact));
+    }
+    if is_exact && exact > 0.0 && a.value.x >= 0.0 {
+        // Also at 0, where there is no logarithm.
+        let value = rising_power_of(a.value, b.value);
+        var first = b.value;
+        if exact > 1.0 {
+            first = product_of(first, rising_power_of(a.value, sum_of(b.value, vec2f(-1.0))));
+        } else {
+            let less = sum_of(vec2f(1.0), -b.value.yx);
+            first = product_of(first, reciprocal_range(rising_power_of(a.value, less)));
+        }
+        return chained(value, first, a);
     }
     return range_exp(range_mul(b, range_log(a)));
 }

@@ -13,11 +13,12 @@ const MOST_EVALUATIONS: u32 = 12000u;
 // A gradient is known to within this share of its length.
 const GRADIENT_ERROR: f32 = 2e-3;
 
-// What of the field is looked at next: its sign where the ray begins, its range on a part of the ray, its value at a place
-// between the ends of a part where it changes once.
+// What of the field is looked at next: its sign where the ray begins, its range on a part of the ray, its value in the middle
+// of a part whose slopes are known, its value at a place between the ends of a part where it changes once.
 const FIELD_BEGIN: u32 = 0u;
 const FIELD_PART: u32 = 1u;
-const FIELD_ROOT: u32 = 2u;
+const FIELD_MIDDLE: u32 = 2u;
+const FIELD_ROOT: u32 = 3u;
 
 // A line in the coordinates of a field.
 struct FieldLine {
@@ -67,13 +68,13 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
     let field = field_line(piece, line);
     let opposite = pieces[piece].kind >= 256u;
     let begin = max(part.x, behind_t);
-    let first = place_of(line, max(part.x, 0.0));
+    // Until it is known that the surface which the ray leaves is behind it.
+    var is_leaving = pieces[piece].equation == ray.leaving && part.x <= ray.slack;
+    let starts_within = behind_t == 0.0 && part.x <= 0.0;
+    let first = place_of(line, select(max(part.x, 0.0), 0.0, is_leaving));
     var width = place_of(line, part.y) - first;
     var index = 0u;
     var halvings = 0u;
-    // Until it is known that the surface which the ray leaves is behind it.
-    var is_leaving = pieces[piece].equation == ray.leaving && part.x <= 0.0;
-    let starts_within = behind_t == 0.0 && part.x <= 0.0;
     // True right behind what is done if the field is not positive there, and right behind `begin`.
     var inside = false;
     var inside_first = false;
@@ -81,18 +82,19 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
     var next = FIELD_BEGIN;
     var a = first;
     var b = first;
-    if starts_within {
+    if is_leaving {
+        next = FIELD_PART;
+        b = first + width;
+    } else if starts_within {
         a -= ray.slack * line.speed;
         b += ray.slack * line.speed;
     }
-    if is_leaving {
-        next = FIELD_PART;
-        a = first;
-        b = first + width;
-    }
-    var low = 0.0;
-    var high = 0.0;
+    // The part, then the bracket of the place in it where the field changes.
+    var low = first;
+    var high = first + width;
     var tries = 0u;
+    // The most by which the field differs on a part from its value in the middle.
+    var reach = 0.0;
     loop {
         evaluations++;
         if evaluations > MOST_EVALUATIONS {
@@ -112,35 +114,49 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
                 is_marked = true;
             }
             next = FIELD_PART;
-            a = first;
-            b = first + width;
+            a = low;
+            b = high;
             continue;
-        } else if next == FIELD_PART {
-            let is_monotone = !has_zero(range.slope);
+        } else if next != FIELD_ROOT {
+            let values = range.value + vec2f(-reach, reach);
+            let is_part = next == FIELD_PART;
+            let is_monotone = is_part && !has_zero(range.slope);
             if is_leaving && is_monotone {
                 inside = range.slope.y < 0.0;
                 inside_first = inside;
                 is_leaving = false;
-            } else if !is_leaving && !has_zero(range.value) {
-                if (range.value.y < 0.0) != inside {
+            } else if !is_leaving && !has_zero(values) {
+                if (value <= 0.0) != inside {
                     // Where this part and the one before it meet.
-                    change = a;
+                    change = low;
                 }
             } else if is_monotone {
                 next = FIELD_ROOT;
-                low = a;
-                high = b;
                 a = b;
                 tries = 0u;
                 continue;
-            } else if halvings < MOST_HALVINGS {
+            } else {
+                reach = 0.5000001 * width * max(-range.slope.x, range.slope.y);
+                if is_part && !is_leaving && 2.0 * reach < range.value.y - range.value.x {
+                    // So the values are known better.
+                    next = FIELD_MIDDLE;
+                    a = 0.5 * (low + high);
+                    b = a;
+                    continue;
+                }
+                if halvings == MOST_HALVINGS {
+                    is_marked = true;
+                }
                 index *= 2u;
                 halvings++;
                 width *= 0.5;
-                b = first + width * f32(index + 1u);
+                low = first + width * f32(index);
+                high = first + width * f32(index + 1u);
+                next = FIELD_PART;
+                a = low;
+                b = high;
+                reach = 0.0;
                 continue;
-            } else {
-                is_marked = true;
             }
         } else if tries > 0u || (value <= 0.0) != inside {
             // Newton's method within the bracket.
@@ -183,8 +199,11 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
         halvings -= up;
         width *= f32(1u << up);
         next = FIELD_PART;
-        a = first + width * f32(index);
-        b = first + width * f32(index + 1u);
+        low = first + width * f32(index);
+        high = first + width * f32(index + 1u);
+        a = low;
+        b = high;
+        reach = 0.0;
         if halvings == 0u || t_of(line, a) > known_until {
             break;
         }

@@ -105,7 +105,7 @@ pub struct PieceRow {
     pub opposite: bool,
     /// The place where it counts.
     pub literal: LiteralRow,
-    /// What it is where this is zero.
+    /// The equation.
     pub surface: SurfaceRow,
 }
 

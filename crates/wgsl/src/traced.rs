@@ -214,8 +214,8 @@ impl Lifted {
         lifted
     }
 
-    /// What stands for a node: a number wherever it is used is a number of its own, since an edit may change one of two that
-    /// are equal.
+    /// The node that stands for another one. A number is one of its own wherever it is used, since an edit may change one of
+    /// two that are equal.
     fn copy(&mut self, graph: &Graph, copies: &HashMap<NodeId, NodeId>, id: NodeId) -> NodeId {
         match graph.node(id) {
             Node::Constant(value) => self.number(UsedNumber::Constant(value)),

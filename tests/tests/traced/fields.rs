@@ -9,85 +9,101 @@ const STAGE: &str = "
     light lamp = @ (2, -3, 4);
     camera eye = (-0.4, 4, -1.2) @ (0.4, -4.6, 1.4);
 ";
-const GYROID: &str = "function gyroid(x, y, z) = sin x cos y + sin y cos z + sin z cos x;";
-const BALL: &str = "function ball(x, y, z) = x^2 + y^2 + z^2 - 1;";
+const FUNCTIONS: &str = "
+    function gyroid(x, y, z) = sin x cos y + sin y cos z + sin z cos x;
+    function ball(x, y, z) = x^2 + y^2 + z^2 - 1;
+    function lean(x, y, z) = (x + 0.4z, y, z);
+";
 
 #[test]
 fn solids_that_functions_bound_are_drawn_as_by_f64() {
     let mut gpu = on_gpu();
     for (name, solids, most) in [
         (
-            "gyroid",
-            format!(
-                "{GYROID} solid g(x, y, z) = gyroid(4x, 4y, 4z), x : [-1, 1], y : [-1, 1], z : [-1, 1],
-                     color : (0.8, 0.5, 0.3);"
-            ),
-            0.01,
+            "gyroids",
+            "solid g(x, y, z) = gyroid(4x, 4y, 4z), x : [-1, 1], y : [-1, 1], z : [-1, 1], color : (0.8, 0.5, 0.3);
+             solid block = g @ scale 0.8 @ (-1, 0, 0);
+             param w = 0.2 : [0, 1];
+             solid sheet(x, y, z) = abs(gyroid(5x, 5y, 5z)) - w, color : 0.5 + 0.4sin(5x), mirror : 0.2;
+             solid s = (ball \\ ball @ scale 0.3 @ (0.4, -0.7, 0.5)) & sheet @ (1, 0, 0);",
+            0.005,
         ),
         (
-            "sheet",
-            format!(
-                "{GYROID} {BALL} param w = 0.2 : [0, 1];
-                 solid sheet(x, y, z) = abs(gyroid(5x, 5y, 5z)) - w, color : 0.5 + 0.4sin(5x), mirror : 0.2;
-                 solid s = (ball \\ ball @ scale 0.3 @ (0.4, -0.7, 0.5)) & sheet;"
-            ),
-            0.02,
-        ),
-        (
-            "sextic",
-            format!(
-                "{BALL} define f = (1 + sqrt 5)/2;
-                 function barth(x, y, z) = 4(f^2 x^2 - y^2)(f^2 y^2 - z^2)(f^2 z^2 - x^2)
-                     - (1 + 2f)(x^2 + y^2 + z^2 - 1)^2;
-                 solid gold(x, y, z) = barth(x, y, z), color : (1, 0.76, 0.3), specular : 0.3;
-                 solid s = ball @ scale 1.6 \\ gold;"
-            ),
-            0.02,
-        ),
-        (
-            "tanglecube",
-            "solid t(x, y, z) = x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4 + 0.05sin(12x), mirror : 0.3;".to_owned(),
-            0.02,
+            "high degrees",
+            "define f = (1 + sqrt 5)/2;
+             solid gold(x, y, z) = 4(f^2 x^2 - y^2)(f^2 y^2 - z^2)(f^2 z^2 - x^2) - (1 + 2f)(x^2 + y^2 + z^2 - 1)^2,
+                 color : (1, 0.76, 0.3), specular : 0.3;
+             solid s = ball @ scale 1.6 \\ gold;
+             solid six(x, y, z) = x^6 + y^6 + z^6 - 1;
+             solid t = six @ scale 0.3 @ lean @ (1.5, -1, 0);",
+            0.005,
         ),
         (
             "joined",
-            format!(
-                "{BALL} solid a(x, y, z) = max(min(x^2 + z^2 - 0.2exp(-y), y^2 + z^2 - 0.2exp(x)), sqrt(x^2 + y^2 + z^4) - 1.2);
-                 solid b = a @ rotate (0.5, 0, 0) | ball @ scale 0.4 @ (0, 0, 0.6);"
-            ),
-            0.02,
-        ),
-        (
-            "sheared",
-            format!(
-                "{GYROID} {BALL} function lean(x, y, z) = (x + 0.4z, y, z);
-                 solid wave(x, y, z) = z - 0.2sin(6x)sin(6y), x : [-1, 1], y : [-1, 1], z : [-0.8, 1];
-                 solid six(x, y, z) = x^6 + y^6 + z^6 - 1;
-                 solid s = wave @ lean @ rotate (0, 0, 0.5) \\ ball @ scale 0.5 @ (0, -0.6, 0.1)
-                     | six @ scale 0.3 @ lean @ (0.4, 0.6, 0.7);"
-            ),
-            0.02,
+            "solid a(x, y, z) = max(min(x^2 + z^2 - 0.2exp(-y), y^2 + z^2 - 0.2exp(x)), sqrt(x^2 + y^2 + z^4) - 1.2);
+             solid b = a @ rotate (0.5, 0, 0) @ (-1.4, 0, 0) | ball @ scale 0.4 @ (-1.4, 0, 0.6);
+             solid wave(x, y, z) = z - 0.2sin(6x)sin(6y), x : [-1, 1], y : [-1, 1], z : [-0.8, 1];
+             solid s = wave @ lean @ rotate (0, 0, 0.5) \\ ball @ scale 0.5 @ (0, -0.6, 0.1);
+             solid tangle(x, y, z) = x^4 + y^4 + z^4 - x^2 - y^2 - z^2 + 0.4 + 0.05sin(12x), mirror : 0.3;
+             solid t = tangle @ scale 0.7 @ (1.6, 0, 0);
+             solid q(x, y, z) = (abs x)^2.5 + (abs y)^0.8 + (abs z)^2.5 - 1, color : (0.4, 0.6, 0.8);
+             solid u = q @ scale 0.5 @ (0, 0, 1);",
+            0.005,
         ),
         (
             "glass",
             "solid g(x, y, z) = x^6 + y^6 + z^6 - 1, glass : 0.9, color : (0.8, 1, 0.9);
-             solid inner(x, y, z) = x^2 + y^2 + z^2 - 0.2 - 0.02sin(20z), color : (0.9, 0.3, 0.2);"
-                .to_owned(),
-            0.05,
+             solid inner(x, y, z) = x^2 + y^2 + z^2 - 0.2 - 0.02sin(20z), color : (0.9, 0.3, 0.2);
+             function wave(x, y, z) = z - 0.1sin(6x)sin(6y);
+             function block(x, y, z) = max(abs(x - 1.6), abs y, abs z) - 0.5;
+             solid left = wave & block, glass : 0.9;
+             solid right = block \\ wave, glass : 0.8, ior : 1.3;",
+            0.03,
         ),
         (
             "endless",
-            format!("{GYROID} {BALL} solid g(x, y, z) = gyroid(x, y, z) + 0.8; solid b = ball @ scale 0.5;"),
-            0.05,
+            "solid g(x, y, z) = gyroid(x, y, z) + 0.8; solid b = ball @ scale 0.5;",
+            0.005,
         ),
     ] {
-        let scene = scene(&format!("{solids}{STAGE}"));
+        let scene = scene(&format!("{FUNCTIONS}{solids}{STAGE}"));
         let retraced = assert_same(&mut gpu, name, &request(&scene, [160, 120], 2));
-        assert!(
-            retraced < most,
-            "{name}: {retraced} of all samples by f64"
-        );
+        assert!(retraced < most, "{name}: {retraced} of all samples by f64");
     }
+}
+
+#[test]
+fn every_operation_is_drawn_as_by_f64() {
+    let heights = [
+        "tan x",
+        "asin(0.9x)",
+        "acos(0.9x)/2",
+        "atan(3x)",
+        "sinh x",
+        "cosh(2y) - 2",
+        "tanh(3x)",
+        "exp(x)sin(3y)",
+        "log(x + 1.5)",
+        "sqrt(1.1 + sin(3x))",
+        "1/(1.5 + sin(3x)cos(3y))",
+        "(1.1 + sin(3x))^1.7",
+        "(1.1 + sin(3x))^y",
+        "abs sin(3x) - abs cos(3y)",
+        "max(sin(3x), cos(3y)) + min(x, sin(3y))",
+        "sin(3x)^3 + (2 + cos(3y))^(-2)",
+    ];
+    let mut text = String::new();
+    for (k, height) in heights.iter().enumerate() {
+        let (x, y) = (k % 4, k / 4);
+        text.push_str(&format!(
+            "solid p{k}(x, y, z) = z - 0.4({height}), x : [-1, 1], y : [-1, 1], z : [-1, 1];
+             solid q{k} = p{k} @ scale 0.45 @ ({x} - 1.5, {y} - 1.5, 0);"
+        ));
+    }
+    text.push_str("light lamp = @ (-2, -3, 5); camera eye = (0, 3, -3) @ (0, -4, 4), fov : 0.7;");
+    let request = request(&scene(&text), [160, 120], 2);
+    let retraced = assert_same(&mut on_gpu(), "operations", &request);
+    assert!(retraced < 0.02, "{retraced} of all samples by f64");
 }
 
 #[test]
