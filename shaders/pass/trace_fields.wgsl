@@ -10,8 +10,9 @@ const FIELD_HEAD: u32 = 7u;
 const MOST_HALVINGS: u32 = 22u;
 // The most evaluations for a sample.
 const MOST_EVALUATIONS: u32 = 12000u;
-// A gradient is known to within this share of its length.
+// A gradient is known to within this share of its length, and a change to within this share of half of the frame.
 const GRADIENT_ERROR: f32 = 2e-3;
+const CHANGE_ERROR: f32 = 1e-3;
 
 // What of the field is looked at next: its sign where the ray begins, its range on a part of the ray, its value in the middle
 // of a part whose slopes are known, its value at a place between the ends of a part where it changes once.
@@ -175,6 +176,9 @@ fn read_field(piece: u32, line: FrameLine, ray: Ray, part: vec2f, behind_t: f32)
                 a = place;
                 b = place;
                 continue;
+            }
+            if !(range.value.y - range.value.x <= CHANGE_ERROR * abs(range.slope.x + range.slope.y)) {
+                is_marked = true;
             }
             change = place;
         }
