@@ -142,8 +142,11 @@ impl Ray<'_, '_> {
         };
         self.accept(&near, here, near.length.min(h), pace, rounding, scale);
         let Some(velocity) = behind else {
-            // No crease but a tear: nothing says where a ray goes on.
-            return Attempt::Ended(Status::Undefined);
+            // No crease but a tear, or a pole: nothing says where a ray goes on.
+            return Attempt::Ended(match stalled_at(self.atlas, self.plain().at) {
+                Status::ConePoint => Status::ConePoint,
+                _ => Status::Undefined,
+            });
         };
         self.creases += 1;
         self.s += far.length - near.length;
