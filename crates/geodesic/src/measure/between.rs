@@ -219,9 +219,19 @@ pub(super) fn shortest(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Conne
     let mut reach = target.near_distance(source).max(BEGIN * most);
     reach = MORE * reach.min(most);
     loop {
-        let all = all_within(source, target, reach);
-        if !all.found.is_empty() || reach >= most {
-            return all;
+        let first = search(source, target, reach, true);
+        if !first.found.is_empty() {
+            return first;
+        }
+        if first.within < reach {
+            // The one that was found is none.
+            let all = all_within(source, target, reach);
+            if !all.found.is_empty() {
+                return all;
+            }
+        }
+        if reach >= most {
+            return first;
         }
         reach = (GROW * reach).min(most);
     }
@@ -233,17 +243,31 @@ pub(super) fn all_within(
     target: &AimedPlace<'_>,
     reach: f64,
 ) -> Connections {
+    search(source, target, reach, false)
+}
+
+/// All geodesics within a length, or as far as the shortest needs.
+fn search(
+    source: &RaySource<'_>,
+    target: &AimedPlace<'_>,
+    reach: f64,
+    shortest: bool,
+) -> Connections {
     let size = source.surface.scale().size;
     // Between a place and itself, none has no length.
     let least = match 0.5 * target.near_distance(source) {
         0.0 => NO_LENGTH * size,
         half => half.min(NO_LENGTH * size),
     };
-    let Guesses { found, complete } = search::guesses(source, target, MORE * reach);
+    let Guesses {
+        found,
+        within,
+        complete,
+    } = search::guesses(source, target, MORE * reach, shortest);
     let mut hits: Vec<Hit> = Vec::new();
     let mut all = Connections {
         found: Vec::new(),
-        within: reach,
+        within: reach.min(within),
         complete,
     };
     for guess in found {

@@ -21,6 +21,8 @@ use crate::surface::Surface;
 pub(super) struct Guesses {
     /// By their length.
     pub(super) found: Vec<PolarVector>,
+    /// No longer ones were looked for.
+    pub(super) within: f64,
     /// False if work was left undone, so that some may be missing.
     pub(super) complete: bool,
 }
@@ -70,8 +72,13 @@ enum Outlook {
     Open(f64, bool),
 }
 
-/// Finds the geodesics from a place to a target that are no longer than `reach`.
-pub(super) fn guesses(source: &RaySource<'_>, target: &AimedPlace<'_>, reach: f64) -> Guesses {
+/// Finds the geodesics from a place to a target that are no longer than `reach`, or the shortest of them.
+pub(super) fn guesses(
+    source: &RaySource<'_>,
+    target: &AimedPlace<'_>,
+    reach: f64,
+    shortest: bool,
+) -> Guesses {
     let Some(frame) = source.frame() else {
         return Guesses::default();
     };
@@ -89,6 +96,7 @@ pub(super) fn guesses(source: &RaySource<'_>, target: &AimedPlace<'_>, reach: f6
     };
     let mut guesses = Guesses {
         found: Vec::new(),
+        within: reach,
         complete: true,
     };
     let mut sectors: Vec<[f64; 2]> = (0..SECTORS)
@@ -99,6 +107,10 @@ pub(super) fn guesses(source: &RaySource<'_>, target: &AimedPlace<'_>, reach: f6
     let mut looked_at = 0;
     // The shortest are looked for first.
     'rings: while lengths[0] < reach && !sectors.is_empty() {
+        if shortest && guesses.found.iter().any(|it| it.length < lengths[0]) {
+            guesses.within = lengths[0];
+            break;
+        }
         let mut next = Vec::new();
         let mut curvature = 0.0_f64;
         while let Some(angles) = sectors.pop() {
