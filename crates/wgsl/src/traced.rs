@@ -9,7 +9,7 @@
 //! function.
 
 use std::collections::{HashMap, HashSet};
-use std::fmt::Write;
+use std::fmt::{self, Write};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use expr::graph::Node;
@@ -19,7 +19,6 @@ use expr::{Graph, Input, NodeId};
 use crate::contract;
 use crate::emit::Body;
 use crate::join::{InternalError, Joined, join};
-use crate::kernel::GenerateError;
 use crate::library::{self, Piece};
 use crate::ranges;
 
@@ -54,12 +53,32 @@ pub enum UsedNumber {
     Uniform(u32),
 }
 
+/// The functions of a scene have so many operations together, more than [`RANGE_OPERATION_LIMIT`].
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct TooManyOperations(pub usize);
+
+impl fmt::Display for TooManyOperations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} operations are too many for the shader of a traced picture (the limit is {RANGE_OPERATION_LIMIT})",
+            self.0
+        )
+    }
+}
+
+impl std::error::Error for TooManyOperations {}
+
 impl TracedFunctions {
     /// Adds the numbers of attributes as one function of the variables 0, 1, 2.
     ///
     /// # Errors
     /// If it is too large, alone or with those before it.
-    pub fn list(&mut self, graph: &Graph, roots: &[NodeId]) -> Result<FunctionUse, GenerateError> {
+    pub fn list(
+        &mut self,
+        graph: &Graph,
+        roots: &[NodeId],
+    ) -> Result<FunctionUse, TooManyOperations> {
         let lifted = Lifted::new(graph, roots);
         let body = lifted.body();
         let mut text = body.lets;
@@ -76,7 +95,7 @@ impl TracedFunctions {
     ///
     /// # Errors
     /// If it is too large, alone or with those before it.
-    pub fn field(&mut self, graph: &Graph, root: NodeId) -> Result<FunctionUse, GenerateError> {
+    pub fn field(&mut self, graph: &Graph, root: NodeId) -> Result<FunctionUse, TooManyOperations> {
         let lifted = Lifted::new(graph, &[root]);
         let body = lifted.body();
         let text = format!("{}            return {};\n", body.lets, body.roots[0]);
@@ -147,14 +166,12 @@ fn known_or_new(
     text: String,
     sum: &mut usize,
     operations: usize,
-) -> Result<u32, GenerateError> {
+) -> Result<u32, TooManyOperations> {
     if let Some(known) = texts.iter().position(|known| *known == text) {
         return Ok(known as u32);
     }
     if *sum + operations > RANGE_OPERATION_LIMIT {
-        return Err(GenerateError::TooLarge {
-            operations: Some(*sum + operations),
-        });
+        return Err(TooManyOperations(*sum + operations));
     }
     *sum += operations;
     texts.push(text);

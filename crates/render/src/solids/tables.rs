@@ -9,8 +9,7 @@ use geometry::solids::{RayScene, VaryingAttribute, VaryingList, VaryingLook, Var
 use glam::{DAffine3, DVec3};
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass, Scenery};
 use tracer::tables::{FieldRow, TableError, WorldTables};
-use wgsl::GenerateError;
-use wgsl::traced::{FunctionUse, MOST_ATTRIBUTES, TracedFunctions, UsedNumber};
+use wgsl::traced::{FunctionUse, MOST_ATTRIBUTES, TooManyOperations, TracedFunctions, UsedNumber};
 
 /// The parts of the height of a direction, from −1 to 1, of which the background's light is known.
 const SKY_CELLS: u32 = 4096;
@@ -158,7 +157,7 @@ impl SceneTables {
         let sky = (0..=SKY_CELLS).map(|k| (scenery.background)(direction(height(k))));
         Ok(Self {
             fields,
-            functions: looks.functions.functions.text(),
+            functions: looks.functions.traced.text(),
             looks: looks.looks,
             leaves,
             glass: scenery.glass.to_vec(),
@@ -194,7 +193,7 @@ struct LookTable {
 /// The functions of a scene.
 #[derive(Default)]
 struct FunctionTable {
-    functions: TracedFunctions,
+    traced: TracedFunctions,
     /// The function of each list of attributes that has been read, and of each field, by its expressions.
     lists: HashMap<(*const Graph, Vec<NodeId>), FunctionUse>,
     fields: HashMap<(*const Graph, NodeId), FunctionUse>,
@@ -202,13 +201,16 @@ struct FunctionTable {
 
 impl FunctionTable {
     /// The fields of a world; else the solid of the one that is too large, and a clause.
-    fn fields(&mut self, rows: &[FieldRow<'_>]) -> Result<Vec<TableField>, (usize, GenerateError)> {
+    fn fields(
+        &mut self,
+        rows: &[FieldRow<'_>],
+    ) -> Result<Vec<TableField>, (usize, TooManyOperations)> {
         let field = |row: &FieldRow<'_>| {
             let (graph, root) = row.expression();
             let used = match self.fields.entry((std::ptr::from_ref(graph), root)) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(new) => {
-                    let used = self.functions.field(graph, root);
+                    let used = self.traced.field(graph, root);
                     new.insert(used.map_err(|why| (row.solid, why))?)
                 }
             };
@@ -270,7 +272,7 @@ impl LookTable {
         let used = match self.functions.lists.get(&key) {
             Some(known) => known,
             None => {
-                let used = self.functions.functions.list(list.graph, &key.1);
+                let used = self.functions.traced.list(list.graph, &key.1);
                 let used = used.map_err(|why| format!("has attributes of which {why}"))?;
                 self.functions.lists.entry(key).or_insert(used)
             }
