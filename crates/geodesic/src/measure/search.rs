@@ -79,7 +79,8 @@ pub(super) fn guesses(
     reach: f64,
     shortest: bool,
 ) -> Guesses {
-    let Some(frame) = source.frame() else {
+    let frame = source.frame().filter(|_| reach > 0.0 && reach.is_finite());
+    let Some(frame) = frame else {
         return Guesses::default();
     };
     let surface = source.surface;
@@ -99,12 +100,18 @@ pub(super) fn guesses(
         within: reach,
         complete: true,
     };
+    // The next one is the last.
     let mut sectors: Vec<[f64; 2]> = (0..SECTORS)
+        .rev()
         .map(|n| [n, n + 1].map(|n| TAU * f64::from(n) / f64::from(SECTORS)))
         .collect();
     let longest = 0.25 * surface.scale().size.clamp(reach / 16.0, reach);
     let mut lengths = [0.0, longest];
     let mut looked_at = 0;
+    let mut is_spent = || {
+        looked_at += 1;
+        looked_at > MOST_CELLS || fan.work().evaluations > 2 * MOST_EVALUATIONS
+    };
     // The shortest are looked for first.
     'rings: while lengths[0] < reach && !sectors.is_empty() {
         if shortest && guesses.found.iter().any(|it| it.length < lengths[0]) {
@@ -114,12 +121,15 @@ pub(super) fn guesses(
         let mut next = Vec::new();
         let mut curvature = 0.0_f64;
         while let Some(angles) = sectors.pop() {
-            looked_at += 1;
+            if is_spent() {
+                guesses.complete = false;
+                break 'rings;
+            }
             let cell = DiscCell { angles, lengths };
             match search.outlook(&cell) {
                 Outlook::Over => continue,
                 Outlook::Wide => {
-                    sectors.extend(halves(angles));
+                    sectors.extend(halves(angles).into_iter().rev());
                     continue;
                 }
                 Outlook::Open(here, is_resolved) => {
@@ -130,14 +140,14 @@ pub(super) fn guesses(
             }
             let mut cells = vec![cell];
             while let Some(cell) = cells.pop() {
-                looked_at += 1;
                 search.look(&cell, &mut cells, &mut guesses.found);
-                if looked_at > MOST_CELLS || fan.work().evaluations > 2 * MOST_EVALUATIONS {
+                if is_spent() {
                     guesses.complete = false;
                     break 'rings;
                 }
             }
         }
+        next.reverse();
         sectors = next;
         let step = (BENT / curvature.sqrt()).clamp(reach / MOST_RINGS, longest);
         lengths = [lengths[1], (lengths[1] + step).min(reach)];
