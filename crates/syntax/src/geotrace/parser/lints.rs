@@ -177,8 +177,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// Returns true if a name is that of a builtin that is a word of its own only before a bracket.
     fn is_weak(&self, name: &str) -> bool {
-        let id = self.parsed.get(name);
-        id.is_some_and(|id| self.parsed.symbol(id).is_weak)
+        let words = self.parsed.words();
+        self.parsed.get(name).is_none() && words.is_some_and(|words| words.weak(name).is_some())
     }
 
     /// `v[1]`: looks like a component. The current token is a factor behind an operand.
