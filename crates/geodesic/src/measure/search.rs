@@ -48,7 +48,7 @@ const EDGE: f64 = 0.25;
 const TORN: f64 = 1.0 / 64.0;
 /// … unless they are narrower than this angle: the fan knows no rays between those of neighbouring pixels.
 const LEAST_WIDTH: f64 = 2e-4;
-/// Where sectors are narrower, the fan may have missed some of their rays.
+/// The fan may have missed some rays of sectors that are narrower.
 const SURE_WIDTH: f64 = 4e-4;
 /// The most rings that the disc is cut into.
 const MOST_RINGS: f64 = 256.0;
@@ -62,7 +62,7 @@ struct DiscCell {
     lengths: [f64; 2],
 }
 
-/// What is known of the rays of a cell before it is looked into.
+/// The state of a cell's rays, before it is looked into.
 enum Outlook {
     /// They have ended, or the target is farther from them than they may still go.
     Over,
@@ -89,7 +89,7 @@ pub(super) fn guesses(
         ..FanOptions::default()
     };
     let fan = Fan::build(surface, &frame.zoomed(reach), [PICTURE; 2], &options);
-    let search = Search {
+    let search = TargetSearch {
         surface,
         target,
         reach,
@@ -163,14 +163,14 @@ fn halves([a, b]: [f64; 2]) -> [[f64; 2]; 2] {
 }
 
 /// A search for the rays that meet a target.
-struct Search<'s> {
+struct TargetSearch<'s> {
     surface: &'s dyn Surface,
     target: &'s AimedPlace<'s>,
     reach: f64,
     follow: &'s dyn Fn(PolarVector) -> Option<Arrival>,
 }
 
-impl Search<'_> {
+impl TargetSearch<'_> {
     /// Looks at three rays of a cell that begins where those before it end.
     fn outlook(&self, cell: &DiscCell) -> Outlook {
         let [a, b] = cell.angles;
