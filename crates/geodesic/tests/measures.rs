@@ -678,3 +678,12 @@ fn the_shortest_is_no_longer_than_paths_on_a_grid() {
     }
     assert!(unsure <= 4, "{unsure} of 48 are not known");
 }
+
+#[test]
+fn a_search_whose_rays_take_too_much_work_does_not_say_that_there_is_nothing() {
+    // Two hundred waves a unit: each ray is given up long before its end.
+    let waves = [200.0, -200.0].map(|other| [0.01, 200.0, other]);
+    let surface = waves_over_plane(&waves, false, 5.0);
+    let found = between(&surface, [0.1, 0.2], [4.0, -4.1], None);
+    assert!(!found.complete, "{found:?}");
+}

@@ -4,6 +4,7 @@
 //! the rays asks for. A cell whose image under the exponential map lies too far from the target is dropped; another is halved,
 //! until it is so small that Newton's method finds what it holds.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use super::gap::AimedPlace;
@@ -89,11 +90,12 @@ pub(super) fn guesses(
         ..FanOptions::default()
     };
     let fan = Fan::build(surface, &frame.zoomed(reach), [PICTURE; 2], &options);
+    let all_known = Cell::new(true);
     let search = TargetSearch {
         surface,
         target,
         reach,
-        follow: &|at| end_of(surface, &fan, reach, at),
+        follow: &|at| end_of(surface, &fan, reach, at, &all_known),
     };
     let mut guesses = Guesses {
         found: Vec::new(),
@@ -152,7 +154,7 @@ pub(super) fn guesses(
         let step = (BENT / curvature.sqrt()).clamp(reach / MOST_RINGS, longest);
         lengths = [lengths[1], (lengths[1] + step).min(reach)];
     }
-    guesses.complete &= fan.work().evaluations < MOST_EVALUATIONS;
+    guesses.complete &= all_known.get() && fan.work().evaluations < MOST_EVALUATIONS;
     guesses.found.sort_by(|a, b| a.length.total_cmp(&b.length));
     guesses
 }
@@ -311,11 +313,20 @@ impl TargetSearch<'_> {
     }
 }
 
-/// The end of a ray as the fan has it, in (u,v) inside the domain; `None` where it ended before.
-fn end_of(surface: &dyn Surface, fan: &Fan<'_>, reach: f64, at: PolarVector) -> Option<Arrival> {
+/// The end of a ray as the fan has it, in (u,v) inside the domain; `None` where it ended before. Notes a ray that might go on.
+fn end_of(
+    surface: &dyn Surface,
+    fan: &Fan<'_>,
+    reach: f64,
+    at: PolarVector,
+    all_known: &Cell<bool>,
+) -> Option<Arrival> {
     let (sin, cos) = at.angle.sin_cos();
     let place = [cos, sin].map(|x| x * at.length / reach);
     let end = fan.end(PicturePoint(place));
+    if matches!(end.status, Status::WorkLimit | Status::Degenerate) {
+        all_known.set(false);
+    }
     if end.status != Status::Complete {
         return None;
     }
