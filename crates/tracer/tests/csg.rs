@@ -202,6 +202,17 @@ fn a_ray_that_leaves_a_surface_meets_the_rest_of_the_solid_and_nothing_else() {
     assert!(left > 1000, "{left}");
 }
 
+/// A ray at a place near the origin: one of three begins there, the others before it.
+fn ray_by(random: &mut Random, k: usize) -> Ray {
+    let direction = random.direction();
+    let back = if k.is_multiple_of(3) { 0.0 } else { 6.0 };
+    Ray {
+        origin: random.vector(1.2) - back * direction,
+        direction,
+        leaving: None,
+    }
+}
+
 #[test]
 fn endless_leaves_matter_only_where_their_sets_reach() {
     let mut random = Random(19);
@@ -230,13 +241,7 @@ fn endless_leaves_matter_only_where_their_sets_reach() {
         clipped += usize::from(world.bounds(0).is_some());
         let mut caster = world.caster();
         for k in 0..12 {
-            let direction = random.direction();
-            let back = if k % 3 == 0 { 0.0 } else { 6.0 };
-            let ray = Ray {
-                origin: random.vector(1.2) - back * direction,
-                direction,
-                leaving: None,
-            };
+            let ray = ray_by(&mut random, k);
             let crossings = caster.cast(&ray).to_vec();
             let inside = !caster.solids_at_start().is_empty();
             seen += crossings.len();
@@ -245,7 +250,7 @@ fn endless_leaves_matter_only_where_their_sets_reach() {
             for crossing in crossings.iter().filter(|crossing| crossing.t < 12.0) {
                 let after = Ray {
                     origin: crossing.position,
-                    direction,
+                    direction: ray.direction,
                     leaving: Some(crossing.surface),
                 };
                 let onward = caster.cast(&after).first().map(|next| next.t);
@@ -307,13 +312,7 @@ fn sets_of_endless_leaves_are_bounded_by_what_they_share() {
             let mut caster = world.caster();
             let mut seen = 0;
             for k in 0..400 {
-                let direction = random.direction();
-                let back = if k % 3 == 0 { 0.0 } else { 6.0 };
-                let ray = Ray {
-                    origin: random.vector(1.2) - back * direction,
-                    direction,
-                    leaving: None,
-                };
+                let ray = ray_by(&mut random, k);
                 let crossings = caster.cast(&ray).to_vec();
                 let inside = !caster.solids_at_start().is_empty();
                 seen += crossings.len();

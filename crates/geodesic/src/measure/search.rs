@@ -173,17 +173,19 @@ struct TargetSearch<'s> {
 }
 
 impl TargetSearch<'_> {
+    /// A place of the disc, which is not its middle: there rays have no direction.
+    fn place(&self, angle: f64, length: f64) -> PolarVector {
+        PolarVector {
+            angle,
+            length: length.max(1e-9 * self.reach),
+        }
+    }
+
     /// Looks at three rays of a cell that begins where those before it end.
     fn outlook(&self, cell: &DiscCell) -> Outlook {
         let [a, b] = cell.angles;
         let [near, far] = cell.lengths;
-        let least = 1e-9 * self.reach;
-        let at = |angle: f64, length: f64| {
-            (self.follow)(PolarVector {
-                angle,
-                length: length.max(least),
-            })
-        };
+        let at = |angle: f64, length: f64| (self.follow)(self.place(angle, length));
         let middle = 0.5 * (a + b);
         let begin = [at(a, near), at(middle, near), at(b, near)];
         let end = [at(a, far), at(middle, far), at(b, far)];
@@ -233,11 +235,8 @@ impl TargetSearch<'_> {
             angle: 0.5 * (a + b),
             length: 0.5 * (near + far),
         };
-        let corners =
-            [(a, near), (b, near), (a, far), (b, far)].map(|(angle, length)| PolarVector {
-                angle,
-                length: length.max(1e-9 * reach),
-            });
+        let corners = [(a, near), (b, near), (a, far), (b, far)]
+            .map(|(angle, length)| self.place(angle, length));
         let ends = corners.map(follow);
         let centre = follow(middle);
         let fields = ends.iter().chain([&centre]).flatten();

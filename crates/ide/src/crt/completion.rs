@@ -26,6 +26,16 @@ enum CompletionPlace {
     Nothing,
 }
 
+fn keyword(word: &str) -> Completion {
+    Completion {
+        label: word.to_owned(),
+        kind: CompletionKind::Keyword,
+        detail: String::new(),
+        insert: word.to_owned(),
+        snippet: false,
+    }
+}
+
 /// The entries at a place.
 pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -> Completions {
     let start = analysis.snapshot.word_start(offset);
@@ -61,13 +71,7 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
         }
         CompletionPlace::Modifier => {
             let words = RESERVED.iter().filter(|(_, kind)| kind.is_modifier());
-            list.extend(words.map(|(word, _)| Completion {
-                label: (*word).to_owned(),
-                kind: CompletionKind::Keyword,
-                detail: String::new(),
-                insert: (*word).to_owned(),
-                snippet: false,
-            }));
+            list.extend(words.map(|(word, _)| keyword(word)));
         }
         CompletionPlace::Value => expressions(analysis, offset, snippets, list),
         CompletionPlace::Statement(is_top) => {
@@ -76,13 +80,7 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
                 TokenKind::Settings | TokenKind::Scene => is_top,
                 kind => !kind.is_modifier(),
             });
-            list.extend(words.map(|(word, _)| Completion {
-                label: (*word).to_owned(),
-                kind: CompletionKind::Keyword,
-                detail: String::new(),
-                insert: (*word).to_owned(),
-                snippet: false,
-            }));
+            list.extend(words.map(|(word, _)| keyword(word)));
         }
     }
     completions
