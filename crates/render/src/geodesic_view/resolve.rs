@@ -50,10 +50,10 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
     let (cover, sampler) = (&cover, &sampler);
     let processor = Processor::here();
     image
-        .par_chunks_mut(4 * width)
+        .par_chunks_mut(4 * BLOCK as usize * width)
         .enumerate()
-        .for_each(|(y, pixels)| {
-            processor.run(ImageRow {
+        .for_each(|(number, pixels)| {
+            processor.run(ImageRows {
                 width,
                 height,
                 offset: &map.offset,
@@ -62,7 +62,7 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
                 tint: paint.colour,
                 cover,
                 sampler,
-                y,
+                top: number * BLOCK as usize,
                 pixels,
             });
         });
@@ -106,20 +106,18 @@ pub(super) fn resolve_piecewise(
                 status: &mut *status,
             };
             piecewise.block_row(number as u32, rows);
-            for (y, pixels) in pixels.chunks_exact_mut(4 * width).enumerate() {
-                processor.run(ImageRow {
-                    width,
-                    height: count / width,
-                    offset,
-                    by_pixel,
-                    status,
-                    tint: paint.colour,
-                    cover,
-                    sampler,
-                    y,
-                    pixels,
-                });
-            }
+            processor.run(ImageRows {
+                width,
+                height: count / width,
+                offset,
+                by_pixel,
+                status,
+                tint: paint.colour,
+                cover,
+                sampler,
+                top: 0,
+                pixels: &mut *pixels,
+            });
             if let Some(ring) = &ring {
                 ring.mark(pixels, number as u32 * BLOCK, |index| {
                     status[index] == Status::Complete
@@ -279,8 +277,8 @@ impl Cover {
     }
 }
 
-/// One row of some rows of the picture. What is not seen is left as it is.
-struct ImageRow<'a> {
+/// Some of the given rows of the picture. What is not seen is left as it is.
+struct ImageRows<'a> {
     /// The width of the given rows.
     width: usize,
     height: usize,
@@ -291,59 +289,25 @@ struct ImageRow<'a> {
     tint: [f32; 3],
     cover: &'a Cover,
     sampler: &'a Sampler<'a>,
-    /// The index of the row.
-    y: usize,
+    /// The index of the first row that is wanted.
+    top: usize,
     pixels: &'a mut [u8],
 }
 
-impl Work for ImageRow<'_> {
+impl Work for ImageRows<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
         let pixels = std::mem::take(&mut self.pixels);
-        let here = self.y * self.width..(self.y + 1) * self.width;
-        let (offset, status) = (&self.offset[here.clone()], &self.status[here.clone()]);
-        let by_pixel = self.by_pixel.get(here);
-        let mut derivatives = [[0.0; STRIP]; 4];
-        let mut at = [[0.0; STRIP]; 2];
-        let mut light = [[0.0; STRIP]; 3];
-        for (strip, pixels) in pixels.chunks_mut(4 * STRIP).enumerate() {
-            let first = strip * STRIP;
-            let count = pixels.len() / 4;
-            for k in 0..count {
-                // What has no end is looked up where the camera is, and not shown.
-                let complete = status[first + k] == Status::Complete;
-                let [u, v] = offset[first + k];
-                at[0][k] = if complete { u } else { 0.0 };
-                at[1][k] = if complete { v } else { 0.0 };
+        let rows = pixels.len() / (4 * self.width);
+        // Strips under one another see neighbouring texels, which are in the cache for all of them.
+        for first in (0..self.width).step_by(STRIP) {
+            let count = STRIP.min(self.width - first);
+            for row in 0..rows {
+                let from = 4 * (row * self.width + first);
+                self.strip(self.top + row, first, &mut pixels[from..from + 4 * count]);
             }
-            if let Some(known) = by_pixel.map(|row| &row[first..first + count]) {
-                for (k, &[ax, ay, bx, by]) in known.iter().enumerate() {
-                    derivatives[0][k] = ax;
-                    derivatives[1][k] = ay;
-                    derivatives[2][k] = bx;
-                    derivatives[3][k] = by;
-                }
-            } else {
-                derivatives = [[f32::NAN; STRIP]; 4];
-            }
-            let [ax, ay, bx, by] = &derivatives;
-            let mut unknown = 0;
-            for k in 0..STRIP {
-                unknown |= u32::from(!is_finite(ax[k] + ay[k] + bx[k] + by[k]));
-            }
-            if unknown != 0 {
-                self.fill_unknown(first, count, &mut derivatives);
-            }
-            let footprints = self.sampler.footprints(&derivatives, self.y);
-            self.sampler.averages(&at, &footprints, &mut light);
-            for (light, tint) in light.iter_mut().zip(self.tint) {
-                for light in light {
-                    *light *= tint;
-                }
-            }
-            style::encode_pixels(&light, pixels);
         }
     }
 }
@@ -353,18 +317,69 @@ fn is_finite(x: f32) -> bool {
     x.abs() < f32::INFINITY
 }
 
-impl ImageRow<'_> {
+impl ImageRows<'_> {
+    /// Colours pixels of a row from a column on.
+    #[inline(always)]
+    fn strip(&self, y: usize, first: usize, pixels: &mut [u8]) {
+        let count = pixels.len() / 4;
+        let start = y * self.width + first;
+        let here = start..start + count;
+        let (offset, status) = (&self.offset[here.clone()], &self.status[here.clone()]);
+        let mut derivatives = [[0.0; STRIP]; 4];
+        let mut at = [[0.0; STRIP]; 2];
+        let mut light = [[0.0; STRIP]; 3];
+        for k in 0..count {
+            // What has no end is looked up where the camera is, and not shown.
+            let complete = status[k] == Status::Complete;
+            let [u, v] = offset[k];
+            at[0][k] = if complete { u } else { 0.0 };
+            at[1][k] = if complete { v } else { 0.0 };
+        }
+        if let Some(known) = self.by_pixel.get(here) {
+            for (k, &[ax, ay, bx, by]) in known.iter().enumerate() {
+                derivatives[0][k] = ax;
+                derivatives[1][k] = ay;
+                derivatives[2][k] = bx;
+                derivatives[3][k] = by;
+            }
+        } else {
+            derivatives = [[f32::NAN; STRIP]; 4];
+        }
+        let [ax, ay, bx, by] = &derivatives;
+        let mut unknown = 0;
+        for k in 0..STRIP {
+            unknown |= u32::from(!is_finite(ax[k] + ay[k] + bx[k] + by[k]));
+        }
+        if unknown != 0 {
+            self.fill_unknown(y, first, count, &mut derivatives);
+        }
+        let footprints = self.sampler.footprints(&derivatives, y);
+        self.sampler.averages(&at, &footprints, &mut light);
+        for (light, tint) in light.iter_mut().zip(self.tint) {
+            for light in light {
+                *light *= tint;
+            }
+        }
+        style::encode_pixels(&light, pixels);
+    }
+
     /// Gives pixels of a strip, from a column on, whose derivatives are not known the differences to their neighbours.
     #[inline(never)]
-    fn fill_unknown(&self, first: usize, count: usize, derivatives: &mut [[f32; STRIP]; 4]) {
+    fn fill_unknown(
+        &self,
+        y: usize,
+        first: usize,
+        count: usize,
+        derivatives: &mut [[f32; STRIP]; 4],
+    ) {
         for k in 0..STRIP {
             let sum: f32 = derivatives.iter().map(|all| all[k]).sum();
             if sum.is_finite() {
                 continue;
             }
-            let index = self.y * self.width + first + k;
+            let index = y * self.width + first + k;
             let found = if k < count && self.status[index] == Status::Complete {
-                self.differences(first + k)
+                self.differences(first + k, y)
             } else {
                 [0.0; 4]
             };
@@ -377,8 +392,8 @@ impl ImageRow<'_> {
     /// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
     /// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
     #[inline(never)]
-    fn differences(&self, x: usize) -> [f32; 4] {
-        let (width, cover, y) = (self.width, self.cover, self.y);
+    fn differences(&self, x: usize, y: usize) -> [f32; 4] {
+        let (width, cover) = (self.width, self.cover);
         let here = self.offset[y * width + x];
         let toward = |x: Option<usize>, y: Option<usize>| {
             let index = y? * width + x?;

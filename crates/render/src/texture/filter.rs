@@ -351,20 +351,24 @@ impl<const L: usize> PixelLevels<L> {
     /// Reads the level of each of L pixels.
     #[inline(always)]
     fn of(sampler: &Sampler, levels: &[i32; L]) -> Self {
-        let mut pixels = Self {
-            first: [0; L],
-            axes: [PixelAxis {
-                scale: [0.0; L],
-                texel: [0; L],
-                fraction: [0.0; L],
-                size: [1; L],
-            }; 2],
-        };
         let mut present = 0_u32;
         for &level in levels {
             present |= 1 << (level & 31);
         }
-        for (number, level) in (0..).zip(&sampler.levels) {
+        // Most pixels have the level of their neighbours.
+        let lowest = present.trailing_zeros() as usize;
+        let first = &sampler.levels[lowest];
+        let axis = |axis: &AxisSampler| PixelAxis {
+            scale: [axis.scale; L],
+            texel: [axis.texel; L],
+            fraction: [axis.fraction; L],
+            size: [axis.size; L],
+        };
+        let mut pixels = Self {
+            first: [first.first; L],
+            axes: [axis(&first.axes[0]), axis(&first.axes[1])],
+        };
+        for (number, level) in (0..).zip(&sampler.levels).skip(lowest + 1) {
             if present >> number & 1 == 0 {
                 continue;
             }
