@@ -245,7 +245,12 @@ fn what_cannot_be_measured_is_said() {
             2,
             "outside the domain",
         ),
-        (SPHERE, "--at 0,0 --surface q", 2, "declares no surface `q`"),
+        (
+            SPHERE,
+            "--at 0,0 --surface q",
+            2,
+            "declares no surface or metric `q`",
+        ),
         (
             "curve c(t) = (t, 0, 0), t : [0, 1];",
             "--at 0,0",

@@ -102,7 +102,7 @@ impl LoadedProgram {
                 message: format!("the derivatives of `{name}` are too large to be written out"),
                 hint: None,
             },
-            ManifoldError::Flat { .. } => Failure::Input {
+            ManifoldError::Flat { .. } | ManifoldError::Empty { .. } => Failure::Input {
                 message: error.to_string(),
                 hint: None,
             },
@@ -241,7 +241,7 @@ impl LoadedProgram {
                 hint: Some(format!("`solid copy = {name};` draws it")),
             });
         }
-        self.surface(name)
+        self.first_of(name, &["surface", "metric", "solid"])
     }
 
     /// Finds an object by its name.
@@ -269,41 +269,59 @@ impl LoadedProgram {
     /// # Errors
     /// [`Failure::Usage`] if there is no such surface.
     pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
+        self.first_of(name, &["surface", "metric"])
+    }
+
+    /// Finds an object of these kinds by its name; without a name, the first one.
+    fn first_of(&self, name: Option<&str>, kinds: &[&str]) -> Result<(ObjectId, &Object), Failure> {
         let scene = self.scene();
-        let surfaces = || {
-            scene
-                .numbered()
-                .filter(|(_, it)| it.shape.manifold().is_some())
+        let known = || {
+            let all = scene.numbered();
+            all.filter(|(_, object)| kinds.contains(&object.shape.kind()))
         };
         let found = match name {
-            Some(name) => surfaces().find(|(_, object)| object.name == name),
-            None => surfaces().next(),
+            Some(name) => known().find(|(_, object)| object.name == name),
+            None => known().next(),
         };
         found.ok_or_else(|| {
-            let names: Vec<String> = surfaces().map(|(_, object)| format!("`{}`", object.name)).collect();
             let file = &self.source.name;
-            let message = match name {
-                Some(name) if scene.object(name).is_some() => {
-                    format!("`{name}` is not a surface of `{file}`, but another object")
+            let wanted = alternatives(kinds, "or");
+            let message = match name.and_then(|name| scene.object(name)) {
+                Some((_, object)) => {
+                    let (name, kind) = (&object.name, object.shape.kind());
+                    format!("`{name}` of `{file}` is a {kind}, not a {wanted}")
                 }
-                Some(name) => format!("`{file}` declares no surface `{name}`"),
-                None => format!("`{file}` declares no surface"),
+                None => match name {
+                    Some(name) => format!("`{file}` declares no {wanted} `{name}`"),
+                    None => format!("`{file}` declares no {wanted}"),
+                },
             };
-            let some_metric = scene.objects.iter().any(|object| object.shape.is_metric());
+            let names: Vec<String> = known().map(|(_, object)| format!("`{}`", object.name)).collect();
+            let has = |kind: &&&str| known().any(|(_, object)| object.shape.kind() == **kind);
+            let present: Vec<&str> = kinds.iter().filter(has).copied().collect();
             let hint = match &names[..] {
                 [] => "a surface is declared like this: surface s(u, v) = (u, v, u v), u : [-1, 1], v : [-1, 1];".into(),
-                [only] if some_metric => format!("its metric is {only}"),
-                [only] => format!("its surface is {only}"),
-                several if some_metric => {
-                    format!("its surfaces and metrics are {}", several.join(", "))
+                [only] => format!("its {} is {only}", present[0]),
+                several => {
+                    let present: Vec<String> = present.iter().map(|kind| format!("{kind}s")).collect();
+                    format!("its {} are {}", alternatives(&present, "and"), several.join(", "))
                 }
-                several => format!("its surfaces are {}", several.join(", ")),
             };
             Failure::Usage {
                 message,
                 hint: Some(hint),
             }
         })
+    }
+}
+
+/// Words with commas and a last word between them.
+fn alternatives(words: &[impl AsRef<str>], between: &str) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match &words[..] {
+        [] => String::new(),
+        [only] => (*only).to_owned(),
+        [before @ .., last] => format!("{} {between} {last}", before.join(", ")),
     }
 }
 

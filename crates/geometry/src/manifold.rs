@@ -48,6 +48,11 @@ pub enum ManifoldError {
         /// The leaf whose map it is.
         leaf: String,
     },
+    /// No point is in the solid with these values of the params.
+    Empty {
+        /// The solid's name.
+        name: String,
+    },
 }
 
 impl Manifold {
@@ -134,6 +139,7 @@ impl fmt::Display for ManifoldError {
                     "`{name}` has no surface: the map of `{leaf}` takes volumes to 0"
                 )
             }
+            Self::Empty { name } => write!(f, "`{name}` has no surface: no point is in it"),
         }
     }
 }

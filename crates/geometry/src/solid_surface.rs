@@ -59,7 +59,9 @@ impl SolidSurface {
             return Err(ManifoldError::Flat { name: name(), leaf });
         }
         let bounds = (world.solid_count() > 0).then(|| world.bounds(0)).flatten();
-        let bounds = bounds.filter(|bounds| !bounds.is_empty());
+        if bounds.is_some_and(|bounds| bounds.is_empty()) {
+            return Err(ManifoldError::Empty { name: name() });
+        }
         let size = bounds.map(|bounds| (bounds.upper - bounds.lower).max_element());
         let uniforms = params.first_instance(scene, object);
         let surface = ImplicitSurface::new(&graph, field, &uniforms, size).map_err(too_large)?;

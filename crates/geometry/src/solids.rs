@@ -165,6 +165,8 @@ pub struct RayNote {
 pub enum RayFault {
     /// So many of all instances are not drawn: a map takes volumes to 0. The leaf whose map it is.
     SingularMap(u64, u64, String),
+    /// Not seen: no point is in it.
+    Empty,
     /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
     TooManyLeaves,
     /// Not drawn: its derivatives are too large.
@@ -447,9 +449,20 @@ impl RayScene {
         all.reduce(|a, b| a.union(&b))
     }
 
+    /// True if it is known that no point is in a solid of the world.
+    pub fn is_empty(&self, solid: usize) -> bool {
+        let bounds = self.world.bounds(solid);
+        bounds.is_some_and(|bounds| bounds.is_empty())
+    }
+
     /// Returns the notes on differences from what is declared. Those that depend on places are known once rays have met them.
     pub fn notes(&self) -> Vec<RayNote> {
         let mut notes = self.content.notes.clone();
+        let empty = (0..self.world.solid_count()).filter(|&solid| self.is_empty(solid));
+        notes.extend(empty.map(|solid| RayNote {
+            object: self.object_of_solid(solid).name.clone(),
+            fault: RayFault::Empty,
+        }));
         let looks = self.content.looks.iter();
         let looks = looks.map(|look| (&*look.object, &look.attributes));
         let staged = self.content.staged.iter();
@@ -824,6 +837,7 @@ impl std::fmt::Display for RayNote {
                 f,
                 "{few} of the {all} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
             ),
+            RayFault::Empty => write!(f, "`{name}` is not seen: no point is in it"),
             RayFault::TooManyLeaves => write!(
                 f,
                 "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"

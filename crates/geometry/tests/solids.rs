@@ -464,6 +464,26 @@ fn singular_instances_are_left_out_and_noted() {
 }
 
 #[test]
+fn an_empty_solid_is_noted() {
+    let mut writer = Writer::default();
+    let radius = writer.number(1.0);
+    let ball = writer.ball(radius);
+    let [here, there] = [0.0, 5.0].map(|x| {
+        let place = writer.numbers([x, 0.0, 0.0]);
+        let map = writer.moved(place);
+        writer.leaf("ball", ball, map)
+    });
+    let [first, second] = [SolidStep::Leaf(0), SolidStep::Leaf(1)];
+    let common = [first.clone(), second.clone(), SolidStep::Intersection];
+    let union = [first, second, SolidStep::Union];
+    writer.solid("common", vec![here.clone(), there.clone()], &common, &[]);
+    writer.solid("union", vec![here, there], &union, &[]);
+    let notes = writer.prepared().notes();
+    let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(told, ["`common` is not seen: no point is in it"]);
+}
+
+#[test]
 fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
     /// Six operations and one for all, 18 terms in each of two readings, a leaf that one surface bounds.
     const BALL: u64 = 32 * 7 + 2 * 18 + 16 + 24;

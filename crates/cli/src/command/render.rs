@@ -509,7 +509,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("the 3D view does without them".into()),
         },
-        RenderError::Manifold(ManifoldError::Flat { .. }) => Failure::Input {
+        RenderError::Manifold(ManifoldError::Flat { .. } | ManifoldError::Empty { .. }) => Failure::Input {
             message,
             hint: None,
         },

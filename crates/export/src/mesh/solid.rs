@@ -1,6 +1,6 @@
 //! Solids as meshes, by dual contouring.
 
-use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
+use geometry::solids::{MAX_SHAPE_WORK, RayFault, RayNote, RayScene, RaySceneOptions};
 use glam::DVec3;
 use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
@@ -66,7 +66,10 @@ pub(super) fn meshed(
     let told = || -> Vec<String> {
         // Vertices lie a little off curved surfaces: attributes may leave their ranges there and nowhere else.
         let notes = rays.notes().into_iter();
-        let notes = notes.filter(|note| !matches!(note.fault, RayFault::ClampedAttribute(_)));
+        // That a mesh is empty is told of all meshes.
+        let untold =
+            |note: &RayNote| !matches!(note.fault, RayFault::ClampedAttribute(_) | RayFault::Empty);
+        let notes = notes.filter(untold);
         notes.map(|note| note.to_string()).collect()
     };
     if rays.world().solid_count() == 0 {

@@ -45,7 +45,12 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     if rays.world().solid_count() == 0 {
         return text;
     }
-    text.push(extent(&rays, &start::of_object(scene, object)));
+    let start = start::of_object(scene, object);
+    if rays.is_empty(0) {
+        text.push(format!("empty{start}: no point is in it"));
+        return text;
+    }
+    text.push(extent(&rays, &start));
     text.extend(leaves(&rays));
     text
 }

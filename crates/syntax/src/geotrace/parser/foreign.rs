@@ -170,12 +170,17 @@ impl ForeignInterval<'_> {
         (2..=MOST).contains(&count).then_some(count)
     }
 
-    /// Returns the interval with the letters of other notations in its ends as they are written here.
+    /// Returns the ends with the letters of other notations as they are written here, the smaller number first.
     pub(super) fn ends_written(&self) -> [String; 2] {
-        self.ends.map(|end| {
+        let [a, b] = self.ends.map(|end| {
             let end = end.replace('π', "pi").replace('τ', "(2pi)");
             end.replace(['\u{2212}', '–'], "-")
-        })
+        });
+        let number = |end: &str| end.parse::<f64>().ok();
+        match (number(&a), number(&b)) {
+            (Some(first), Some(second)) if first > second => [b, a],
+            _ => [a, b],
+        }
     }
 
     /// The interval as it is written here.
