@@ -30,6 +30,7 @@ use render::PictureRequest;
 use render::bounds::Bounds;
 use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
+use render::style;
 use render::texture::Texture;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
@@ -38,7 +39,8 @@ use solid::Fineness;
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum MeshFormat {
-    /// Wavefront OBJ: text; an object for each name, with normals and texture coordinates; lines and points.
+    /// Wavefront OBJ: text; an object for each name, with normals, texture coordinates and colours of the picture at the
+    /// vertices; lines and points.
     Obj,
     /// Stanford PLY, binary, little endian: f64 places, normals, colours of the picture at the vertices; edges.
     Ply,
@@ -284,6 +286,28 @@ impl Part {
             Geometry::Lines(lines) => lines.places.len(),
             Geometry::Points(places) => places.len(),
         }
+    }
+}
+
+impl Mesh {
+    /// The colours of the places, sRGB: its own, or the image at the first vertex of a place, averaged over the distance to
+    /// its neighbours, times the colour of the object.
+    fn colours_of_places(&self, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
+        if !self.colours.is_empty() {
+            return self.colours.clone();
+        }
+        let tint = style::linear(colour);
+        // About how far apart vertices are: there are as many as in a square grid.
+        let step = 1.0 / (self.vertices.len() as f32).sqrt().max(1.0);
+        let sampler = texture.sampler();
+        let mut colours: Vec<Option<[u8; 3]>> = vec![None; self.places.len()];
+        for vertex in &self.vertices {
+            colours[vertex.place as usize].get_or_insert_with(|| {
+                let light = sampler.colour(vertex.uv, [step, 0.0], [0.0, step]);
+                std::array::from_fn(|k| style::encode(light[k] * tint[k]))
+            });
+        }
+        colours.into_iter().map(|c| c.unwrap_or(colour)).collect()
     }
 }
 

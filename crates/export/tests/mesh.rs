@@ -549,6 +549,39 @@ fn vertices_of_solids_have_the_colours_of_their_faces() {
 }
 
 #[test]
+fn vertices_of_obj_have_the_colours_of_ply() {
+    let model = exported(&format!(
+        "{TWO_BALLS} surface s(u,v) = (u,v,-2), u : [0,1,9], v : [0,1,9]; \
+         curve c(t) = (t,0,5), t : [0,1,3], color : (0.2,0.4,0.6); point p = (0,0,9), color : (1,0,1);"
+    ));
+    let bits = |place: DVec3| place.to_array().map(f64::to_bits);
+    let expected: HashMap<[u64; 3], [u8; 3]> = coloured_places(&model)
+        .into_iter()
+        .map(|(place, colour)| (bits(place), colour))
+        .collect();
+    let bytes = file(&model, MeshFormat::Obj);
+    let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &tobj::LoadOptions::default(), |_| {
+        Ok((Vec::new(), no_materials()))
+    })
+    .expect("an OBJ file");
+    let mut names = Vec::new();
+    for tobj::Model { mesh, name } in &models {
+        names.push(&**name);
+        assert_eq!(mesh.vertex_color.len(), mesh.positions.len(), "{name}");
+        let places = mesh.positions.chunks(3).map(DVec3::from_slice);
+        for (place, colour) in places.zip(mesh.vertex_color.chunks(3)) {
+            let bytes = [0, 1, 2].map(|k: usize| (255.0 * colour[k]).round() as u8);
+            assert_eq!(
+                expected.get(&bits(place)),
+                Some(&bytes),
+                "{name} at {place}"
+            );
+        }
+    }
+    assert_eq!(names, ["a", "b", "s", "c", "p"]);
+}
+
+#[test]
 fn gltf_has_the_colour_of_a_solid_or_those_of_its_vertices() {
     let binary = file(&exported(TWO_BALLS), MeshFormat::Glb);
     let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");

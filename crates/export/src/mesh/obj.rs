@@ -12,9 +12,10 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     for part in &model.parts {
         writeln!(out, "o {}", part.name)?;
         match &part.geometry {
-            Geometry::Surface(mesh, _) => {
-                for place in &mesh.places {
-                    write_place(&mut out, *place)?;
+            Geometry::Surface(mesh, texture) => {
+                let colours = mesh.colours_of_places(texture, part.colour);
+                for (place, colour) in mesh.places.iter().zip(colours) {
+                    write_place(&mut out, *place, colour)?;
                 }
                 for vertex in &mesh.vertices {
                     // OBJ counts an image's rows from its lower edge.
@@ -38,7 +39,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
             }
             Geometry::Lines(lines) => {
                 for place in &lines.places {
-                    write_place(&mut out, *place)?;
+                    write_place(&mut out, *place, part.colour)?;
                 }
                 for strip in &lines.strips {
                     write!(out, "l")?;
@@ -51,7 +52,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
             }
             Geometry::Points(points) => {
                 for place in points {
-                    write_place(&mut out, *place)?;
+                    write_place(&mut out, *place, part.colour)?;
                 }
                 for index in 0..points.len() {
                     writeln!(out, "p {}", places + index)?;
@@ -63,8 +64,9 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
+/// A place and its colour, sRGB from 0 to 1: not in the format's first description, but what other programs write and read.
 /// All digits: reading them gives the same f64.
-fn write_place(out: &mut impl Write, place: [f64; 3]) -> io::Result<()> {
+fn write_place(out: &mut impl Write, place: [f64; 3], colour: [u8; 3]) -> io::Result<()> {
     write!(out, "v")?;
     for x in place {
         if x == 0.0 || (1e-5..1e16).contains(&x.abs()) {
@@ -73,5 +75,6 @@ fn write_place(out: &mut impl Write, place: [f64; 3]) -> io::Result<()> {
             write!(out, " {x:e}")?;
         }
     }
-    writeln!(out)
+    let [r, g, b] = colour.map(|byte| f64::from(byte) / 255.0);
+    writeln!(out, " {r:.4} {g:.4} {b:.4}")
 }

@@ -6,8 +6,6 @@ use std::io::{self, Write};
 use glam::Vec3;
 
 use super::{Geometry, Mesh, Model, Part};
-use render::style;
-use render::texture::Texture;
 
 /// Writes the vertices of all parts, then faces, then edges. Each place is one vertex, also where seams meet.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
@@ -53,8 +51,9 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
         let mut plain = |place: &[f64; 3]| record(&mut out, *place, [0.0; 3], part.colour);
         match &part.geometry {
             Geometry::Surface(mesh, texture) => {
-                let (normals, colours) = (normals(mesh), colours(mesh, texture, part.colour));
-                for ((place, normal), colour) in mesh.places.iter().zip(normals).zip(colours) {
+                let colours = mesh.colours_of_places(texture, part.colour);
+                let places = mesh.places.iter().zip(normals(mesh));
+                for ((place, normal), colour) in places.zip(colours) {
                     record(&mut out, *place, normal, colour)?;
                 }
             }
@@ -124,24 +123,4 @@ fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
         mean.unwrap_or_default().to_array()
     })
     .collect()
-}
-
-/// The colours of the places: the mesh's, or the image at the first vertex of a place, averaged over the distance to its
-/// neighbours, times the colour of the object.
-fn colours(mesh: &Mesh, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
-    if !mesh.colours.is_empty() {
-        return mesh.colours.clone();
-    }
-    let tint = style::linear(colour);
-    // About how far apart vertices are: there are as many as in a square grid.
-    let step = 1.0 / (mesh.vertices.len() as f32).sqrt().max(1.0);
-    let sampler = texture.sampler();
-    let mut colours: Vec<Option<[u8; 3]>> = vec![None; mesh.places.len()];
-    for vertex in &mesh.vertices {
-        colours[vertex.place as usize].get_or_insert_with(|| {
-            let light = sampler.colour(vertex.uv, [step, 0.0], [0.0, step]);
-            std::array::from_fn(|k| style::encode(light[k] * tint[k]))
-        });
-    }
-    colours.into_iter().map(|c| c.unwrap_or(colour)).collect()
 }
