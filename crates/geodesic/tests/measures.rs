@@ -687,3 +687,48 @@ fn a_search_whose_rays_take_too_much_work_does_not_say_that_there_is_nothing() {
     let found = between(&surface, [0.1, 0.2], [4.0, -4.1], None);
     assert!(!found.complete, "{found:?}");
 }
+
+#[test]
+fn the_corners_of_a_domain_are_reached() {
+    let flat = waves_over_plane(&[], false, 1.0);
+    let mut places = vec![
+        [1.0, 1.0],
+        [-1.0, 1.0],
+        [1.0, -1.0],
+        [0.0, 1.0],
+        [-1.0, 0.3],
+    ];
+    places.extend([[0.999999, 0.999999], [1.0, 0.9981332886798686], [0.0, 0.0]]);
+    let mut random = Random(11);
+    places.extend((0..20).map(|_| [0, 1].map(|_| 2.0 * random.unit() - 1.0)));
+    let saddle = {
+        let mut m = Maker::new();
+        let (u, v) = (m.u, m.v);
+        let [uu, vv] = [u, v].map(|x| m.mul(x, x));
+        let vv = m.scale(-1.0, vv);
+        let z = m.add(uu, vv);
+        m.done([u, v, z], [[-1.0, 1.0]; 2])
+    };
+    let first = |surface: &dyn Surface, from, to| {
+        let all = between(surface, from, to, None);
+        all.found.first().map(|it| it.length)
+    };
+    let mut missed = Vec::new();
+    for (n, &from) in places.iter().enumerate() {
+        for &to in &places[..n.min(8)] {
+            let straight = (to[0] - from[0]).hypot(to[1] - from[1]);
+            for (from, to) in [(from, to), (to, from)] {
+                match first(&flat, from, to) {
+                    Some(length) => near("distance", length, straight, 1e-9),
+                    None => missed.push((from, to)),
+                }
+            }
+            let ways = [first(&saddle, from, to), first(&saddle, to, from)];
+            match ways {
+                [Some(one), Some(other)] => near("the way back", one, other, 1e-9),
+                _ => missed.push((from, to)),
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{} missed: {missed:?}", missed.len());
+}

@@ -140,7 +140,10 @@ pub(super) fn guesses(
                     next.push(angles);
                 }
             }
-            let mut cells = vec![cell];
+            // What is near the end of a ring may be seen from beyond it alone: beside an edge, few rays come so far.
+            let far = (lengths[1] + FINE * reach).min(reach);
+            let lengths = [lengths[0], far];
+            let mut cells = vec![DiscCell { angles, lengths }];
             while let Some(cell) = cells.pop() {
                 search.look(&cell, &mut cells, &mut guesses.found);
                 if is_spent() {
@@ -245,8 +248,12 @@ impl TargetSearch<'_> {
         let small = depth <= FINE * reach && across <= FINE * reach && width <= NARROW;
         match &centre {
             // Rays that have ended before do not come back.
-            None if ends[0].is_none() && ends[1].is_none() => return,
-            None if small => return,
+            None if ends[0].is_none() && ends[1].is_none() => {
+                let between = follow(self.place(middle.angle, near));
+                if small || between.is_none() {
+                    return;
+                }
+            }
             None => {}
             Some(end) => {
                 let radius = 0.5 * MARGIN * depth.hypot(across);
@@ -278,10 +285,9 @@ impl TargetSearch<'_> {
             stride: 2.0 * depth,
             iterations: 10,
         };
-        let starts = [middle]
-            .into_iter()
-            .chain(corners.into_iter().filter(|_| folded));
-        for start in starts {
+        // Of a cell through which an edge runs, a corner may be all that is inside.
+        let others = corners.into_iter().filter(|_| folded || centre.is_none());
+        for start in [middle].into_iter().chain(others) {
             let Some(hit) = shoot::newton(target, start, &bounds, follow) else {
                 continue;
             };
