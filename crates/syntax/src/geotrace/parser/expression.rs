@@ -96,11 +96,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             if [sign.kind, next.kind] == [TokenKind::Star; 2] && sign.span.end == next.span.start {
                 self.warn_power(span, sign.span);
             }
+            let argument = self.argument_of_one(sign.span);
             if sign.kind == TokenKind::Slash && matches!(next.kind, TokenKind::Number(_)) {
                 self.warn_fraction_of_power(sign.span, next.span);
             }
-            span = span.to(self.unary()?);
+            let divisor = self.unary()?;
+            span = span.to(divisor);
             self.operator(operator, span);
+            if let Some(argument) = argument {
+                self.warn_fraction_behind(argument, divisor);
+            }
         }
     }
 
@@ -229,6 +234,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let span = base.to(exponent);
         self.operator(Operator::Power, span);
         self.warn_power_of_argument(touching, base, exponent);
+        self.warn_short_exponent(base, exponent);
         Ok(span)
     }
 

@@ -304,6 +304,65 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(fraction, message, hint, &[&meant]);
     }
 
+    /// `e^-2t`: looks as if the factor behind the number were in the exponent. The current token is that factor. Of other bases
+    /// such a power is usual: `x^2y`.
+    #[inline]
+    pub(super) fn warn_short_exponent(&mut self, base: Span, exponent: Span) {
+        let is_number = matches!(self.previous.kind, TokenKind::Number(_));
+        let touches = self.previous.span.end == self.current.span.start;
+        if is_number && touches && self.is_value() && base.text(self.source) == "e" {
+            self.warn_exponent(base, exponent);
+        }
+    }
+
+    #[cold]
+    fn warn_exponent(&mut self, base: Span, exponent: Span) {
+        let (number, factor) = (exponent.text(self.source), self.current.span);
+        let read = format!("e^{number} {}", factor.text(self.source));
+        let meant = format!("e^({number}{})", factor.text(self.source));
+        let place = base.to(factor);
+        let written = quote(place.text(self.source));
+        let message = format!("{written} is read as {}", quote(&read));
+        // More factors, or a power of this one, may be meant to be in the exponent too.
+        let rest = self.source[factor.end as usize..].trim_start_matches([' ', '\t']);
+        if !rest.starts_with([',', ';', ')', ']', '}', '+', '-', '\n', '\r']) && !rest.is_empty() {
+            let hint = "write the exponent between brackets".to_owned();
+            self.warn(place, message, hint, &[]);
+            return;
+        }
+        let hint = format!(
+            "write {}, or {} if that is meant",
+            quote(&meant),
+            quote(&read)
+        );
+        self.warn(place, message, hint, &[&meant, &read]);
+    }
+
+    /// `sin 1/`: returns the application of a function to the number 1 that a slash stands behind.
+    pub(super) fn argument_of_one(&self, slash: Span) -> Option<Argument> {
+        let argument = self.lints.argument?;
+        let touches = argument.operand.end == slash.start && slash.text(self.source) == "/";
+        (touches && argument.operand.text(self.source) == "1").then_some(argument)
+    }
+
+    /// `sin 1/x`: looks as if the fraction were the operand.
+    #[cold]
+    pub(super) fn warn_fraction_behind(&mut self, argument: Argument, divisor: Span) {
+        let Argument { function, operand } = argument;
+        let place = function.to(divisor);
+        let name = function.text(self.source);
+        let rest = Span::new(operand.end, divisor.end).text(self.source);
+        let (read, meant) = (format!("({name} 1){rest}"), format!("{name}(1{rest})"));
+        let written = quote(place.text(self.source));
+        let message = format!("{written} is read as {}", quote(&read));
+        let hint = format!(
+            "write {}, or {} if that is meant",
+            quote(&meant),
+            quote(&read)
+        );
+        self.warn(place, message, hint, &[&meant, &read]);
+    }
+
     /// `sin^-1`: looks like the inverse function.
     pub(super) fn warn_inverse(&mut self, id: SymbolId, function: Span, exponent: Span) {
         let text = exponent.text(self.source);
