@@ -88,6 +88,25 @@ fn every_example_gives_the_same_picture() {
     assert!(still != turned, "t moves the gears");
 }
 
+#[test]
+fn a_transparent_plane_that_is_alone_refracts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = r#"
+Settings {
+    camera -> Camera { position -> vec3(0, 1, -4)  pointing -> vec3(0, 0, 0)  fov -> 60 }
+    lights -> [ PointLight { origin -> vec3(2, 4, -3)  color -> rgb(1, 1, 1)  ambient -> 0.2 } ]
+    background -> Background { horizon -> rgb(0.9, 0.9, 0.9)  sky -> rgb(0.2, 0.4, 0.9) }
+}
+Scene {
+    Plane { normal -> vec3(0, 1, 0)  position -> vec3(0, 0, 0)  material -> Material { color -> rgb(0.5, 0.8, 0.6)  transparency -> 0.8 } }
+    Sphere { center -> vec3(0, 0.8, 0)  radius -> 0.5  material -> Material { color -> rgb(0.9, 0.3, 0.2) } }
+}
+"#;
+    std::fs::write(folder.path().join("water.crt"), script).expect("written");
+    let text = expect_same(folder.path(), "water", "160x120", &[]);
+    assert!(text.contains("\nsolid "), "{text}");
+}
+
 /// Everything that a script may state, in one picture.
 const ALL: &str = r#"
 x = Sphere { center -> vec3(0, 0.3, 0)  radius -> 0.8  material -> Material { color -> rgb(1.6, 0.4, 0.2)  specularity -> 0.4  shininess -> 9 } }

@@ -709,6 +709,9 @@ fn what_is_thinner_than_a_cell_is_told() {
         ("solid t = ball | brim", true),
         ("solid t(x,y,z) = abs(x^2+y^2+z^2-1) - 0.005", true),
         ("solid t = plate @ rotate (0.5,0.7,0)", true),
+        // Shells of which the lines that meet them obliquely find corners.
+        ("solid t = ball \\ ball @ scale 0.99", true),
+        ("solid t(x,y,z) = abs(sqrt(x^2+y^2+z^2) - 1) - 0.004", true),
         ("solid t = ball", false),
         (
             "solid t = ball @ scale (3,1,1) @ rotate (0.3,0.4,0.5)",

@@ -41,8 +41,9 @@ const BEHIND: f64 = 0.623;
 /// silhouette there is one, unless the solid comes to an edge of less than about 20 degrees.
 const NEAR: usize = 3;
 /// A solid is thin, too, if along an axis more than this share of its chords contain no corner. Edges and silhouettes of
-/// solids a few cells thick have fewer.
-const MOST_LOST: f64 = 0.25;
+/// solids a few cells thick have fewer: a ball of radius r cells has 1/8r². Of a shell three quarters of a cell thick it is
+/// this share.
+const MOST_LOST: f64 = 1.0 / 16.0;
 /// The number of halvings that look for the place where an edge crosses, if no ray has found it.
 const HALVINGS: u32 = 40;
 

@@ -2,7 +2,7 @@
 //!
 //! Input: settings and emitted entities, in the script's coordinates. Output: declarations with y and z changed, and what the
 //! picture needs besides them. Shapes of one kind share a function; a lone plane becomes a parametric surface, since look
-//! `crt` shows those from one side.
+//! `crt` shows those from one side, unless it is transparent.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
@@ -174,8 +174,10 @@ impl<'w> Writer<'w> {
     }
 
     fn object(&mut self, entity: &Entity) {
+        // A plane through which light is refracted is the face of a half-space, though one that is seen from behind too.
         if let Some(Node::Object(object)) = entity.node()
             && object.is_plane
+            && object.material.transparency == 0.0
         {
             return self.plane(entity, object);
         }
