@@ -736,3 +736,29 @@ fn params_move_lights_and_turn_solids() {
     params.set(&writer.scene, "a", &[PI]).expect("in range");
     assert!(place(&params).distance(DVec3::NEG_X) < 1e-15);
 }
+
+/// A scene of a text, for rays.
+fn of_text(text: &str) -> RayScene {
+    let scene = scene::geotrace::compile(text).scene.expect("no errors");
+    Writer {
+        scene: Scene::clone(&scene),
+    }
+    .prepared()
+}
+
+#[test]
+fn only_a_pinhole_camera_sees_less_than_half_a_turn() {
+    for (states, expected) in [
+        ("projection : spherical, fov : 2pi", 2.0 * PI),
+        ("projection : cylindrical, fov : 1.5pi", 1.5 * PI),
+        ("projection : spherical, fov : pi", PI),
+    ] {
+        let scene = of_text(&format!("camera c = (1,0,0) @ (-3,0,0), {states};"));
+        assert_eq!(scene.cameras()[0].lens.fov, expected, "{states}");
+        assert_eq!(scene.notes(), [], "{states}");
+    }
+    let scene = of_text("param a = 4 : [0, 6]; camera c = (1,0,0) @ (-3,0,0), fov : a;");
+    let fov = scene.cameras()[0].lens.fov;
+    assert!(fov < PI && fov > 0.99 * PI, "{fov}");
+    assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("fov"));
+}

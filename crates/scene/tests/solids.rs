@@ -390,3 +390,35 @@ fn solids_that_double_and_long_chains_of_them_end_in_a_sentence_or_compile() {
     let found = compile(&nested(100_000)).diagnostics;
     assert_eq!(found[0].code.0, "too-deep");
 }
+
+#[test]
+fn an_opening_that_is_too_wide_is_told_by_the_projection() {
+    for (states, expected) in [
+        (
+            "fov : 75",
+            "the `fov` of a pinhole camera is below pi, but this is 75",
+        ),
+        (
+            "fov : 4, projection : pinhole",
+            "the `fov` of a pinhole camera is below pi, but this is 4",
+        ),
+        (
+            "projection : spherical, fov : 7",
+            "`fov` is > 0 and ≤ 2pi, but this is 7",
+        ),
+        (
+            "fov : 200, projection : cylindrical",
+            "`fov` is > 0 and ≤ 2pi, but this is 200",
+        ),
+        ("fov : -1", "`fov` is > 0 and ≤ 2pi, but this is -1"),
+    ] {
+        let compilation = compile(&format!("camera c = (1,0,0) @ (-3,0,0), {states};"));
+        let messages: Vec<&str> = compilation
+            .diagnostics
+            .iter()
+            .map(|it| &*it.message)
+            .collect();
+        assert_eq!(messages, [expected], "{states}");
+    }
+    scene("camera c = (1,0,0) @ (-3,0,0), projection : spherical, fov : 2pi;");
+}

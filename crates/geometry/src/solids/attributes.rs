@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DMat3, DVec3};
-use scene::{AffineNodes, Attribute, AttributeValue};
+use scene::{AffineNodes, Attribute, AttributeValue, stated_word};
 
 /// Attributes whose values are numbers.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -69,7 +69,7 @@ const ALL: [(A, &str); 22] = [
 
 /// The least number that counts as positive.
 const POSITIVE: f64 = 1e-12;
-/// The greatest opening of a camera.
+/// The greatest opening of a pinhole camera.
 const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
 
 impl A {
@@ -83,13 +83,13 @@ impl A {
         1 << self as u8
     }
 
-    /// The range of an attribute; `bright` for colours that may exceed 1: those of lights and of backgrounds.
-    fn range(self, bright: bool) -> [f64; 2] {
+    /// The range of an attribute of a set.
+    fn range(self, set: &AttributeSet) -> [f64; 2] {
         match self {
-            A::Color if !bright => [0.0, 1.0],
+            A::Color if !set.bright => [0.0, 1.0],
             A::Mirror | A::Glass | A::Soft => [0.0, 1.0],
             A::Ior | A::Depth | A::Shininess | A::Focus => [POSITIVE, f64::MAX],
-            A::Fov => [POSITIVE, WIDEST],
+            A::Fov => [POSITIVE, set.widest],
             A::Bump | A::Uv | A::Roll | A::Turn => [f64::MIN, f64::MAX],
             _ => [0.0, f64::MAX],
         }
@@ -100,7 +100,10 @@ impl A {
 #[derive(Debug)]
 pub(super) struct AttributeSet {
     groups: Vec<AttributeGroup>,
+    /// True for colours that may exceed 1: those of lights and of backgrounds.
     bright: bool,
+    /// The greatest opening of a camera with its projection.
+    widest: f64,
     faults: AttributeFaults,
 }
 
@@ -231,6 +234,10 @@ impl AttributeSet {
         Self {
             groups: groups.collect(),
             bright,
+            widest: match stated_word(attributes, "projection") {
+                Some("spherical" | "cylindrical") => std::f64::consts::TAU,
+                _ => WIDEST,
+            },
             faults: AttributeFaults::default(),
         }
     }
@@ -328,7 +335,7 @@ impl AttributeSet {
                 .fetch_or(attribute.bit(), Ordering::Relaxed);
             return None;
         }
-        let [least, most] = attribute.range(self.bright);
+        let [least, most] = attribute.range(self);
         let mut values = [0.0; 4];
         for (value, &number) in values.iter_mut().zip(given) {
             *value = number.clamp(least, most);

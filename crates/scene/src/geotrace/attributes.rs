@@ -22,6 +22,9 @@ pub(crate) struct DeclaredAttribute {
     pub(crate) value: ReadValue,
 }
 
+/// Makes the error of a constant that is out of the range of an attribute.
+type RangeError = fn(&AttributeRow, AttributeRange, f64) -> SemanticError;
+
 /// The value of an attribute as it was read.
 #[derive(Clone, Debug)]
 pub(crate) enum ReadValue {
@@ -37,6 +40,12 @@ impl DeclaredAttribute {
             ReadValue::Word(_) => None,
         }
     }
+
+    /// True if it states a projection that may see half a turn or more.
+    fn is_wide_projection(&self) -> bool {
+        let is_projection = self.read.word == AttributeWord::Projection;
+        is_projection && matches!(&self.value, ReadValue::Word(word) if **word != *"pinhole")
+    }
 }
 
 impl Declarations {
@@ -49,7 +58,9 @@ impl Declarations {
     ) -> (Vec<Attribute>, Dependencies) {
         let mut all = Vec::new();
         let mut dependencies = Dependencies::default();
-        for stated in std::mem::take(&mut self.attributes) {
+        let declared = std::mem::take(&mut self.attributes);
+        let is_pinhole = !declared.iter().any(DeclaredAttribute::is_wide_projection);
+        for stated in declared {
             let word = stated.read.word;
             let Some(row) = word.row(keyword) else {
                 continue;
@@ -61,8 +72,14 @@ impl Declarations {
                     let sets = &mut self.lowerer.dependencies;
                     dependencies = sets.union(dependencies, lowered.dependencies);
                     let is_constant = lowered.dependencies == Dependencies::default();
+                    let error = if row.word == AttributeWord::Fov && is_pinhole {
+                        wide_or_out_of_range
+                    } else {
+                        out_of_range
+                    };
+                    let error: Option<RangeError> = is_constant.then_some(error);
                     lowered.value.and_then(|found| {
-                        self.checked_attribute(row, &found, is_constant, stated.read.value_span)
+                        self.checked_attribute(row, &found, error, stated.read.value_span)
                     })
                 }
             };
@@ -73,7 +90,9 @@ impl Declarations {
                 map: None,
             }));
         }
-        self.check_field_of_view(&all);
+        if is_pinhole {
+            self.check_field_of_view(&all);
+        }
         (all, dependencies)
     }
 
@@ -88,12 +107,12 @@ impl Declarations {
         (attributes, self.lowerer.dependencies.union(rest, stated))
     }
 
-    /// The value of an attribute, within its range where it is constant.
+    /// The value of an attribute, within its range where it is constant: beyond that is an error of this kind.
     fn checked_attribute(
         &mut self,
         row: &AttributeRow,
         value: &Value,
-        is_constant: bool,
+        constant: Option<RangeError>,
         span: Span,
     ) -> Option<AttributeValue> {
         let (counts, what, range): (&[usize], &str, _) = match row.value {
@@ -112,15 +131,11 @@ impl Declarations {
         let graph = &self.lowerer.graph;
         // Values of geodesics are uniforms; such a value is clamped where it is used.
         let is_known = |node| graph.inputs(&[node]).is_empty();
-        for node in nodes
-            .iter()
-            .copied()
-            .filter(|node| is_constant && is_known(*node))
-        {
+        let known = nodes.iter().copied().filter(|node| is_known(*node));
+        for (node, error) in known.zip(constant.into_iter().cycle()) {
             let number = self.lowerer.numbers(&[node])[0];
             if !range.contains(number) {
-                let error = out_of_range(row, range, number);
-                self.found.push(error.at(span));
+                self.found.push(error(row, range, number).at(span));
                 return None;
             }
         }
@@ -129,12 +144,8 @@ impl Declarations {
 
     /// Reports a constant field of view of a pinhole camera that is half a turn or more.
     fn check_field_of_view(&mut self, attributes: &[Attribute]) {
-        let stated = |word: AttributeWord| attributes.iter().find(|it| it.word == word.text());
-        let is_pinhole = match stated(AttributeWord::Projection).map(|it| &it.value) {
-            Some(AttributeValue::Word(word)) => word == "pinhole",
-            _ => true,
-        };
-        let Some(fov) = stated(AttributeWord::Fov).filter(|_| is_pinhole) else {
+        let word = AttributeWord::Fov.text();
+        let Some(fov) = attributes.iter().find(|it| it.word == word) else {
             return;
         };
         let AttributeValue::Numbers(nodes) = &fov.value else {
@@ -163,10 +174,16 @@ fn wide(number: f64) -> SemanticError {
     SemanticError::new(ATTRIBUTE_RANGE, message).with_hint(hint)
 }
 
-fn out_of_range(row: &AttributeRow, range: AttributeRange, number: f64) -> SemanticError {
-    if row.word == AttributeWord::Fov && number > range.max {
-        return wide(number);
+/// The error of the opening of a pinhole camera that is out of its range.
+fn wide_or_out_of_range(row: &AttributeRow, range: AttributeRange, number: f64) -> SemanticError {
+    if number > range.max {
+        wide(number)
+    } else {
+        out_of_range(row, range, number)
     }
+}
+
+fn out_of_range(row: &AttributeRow, range: AttributeRange, number: f64) -> SemanticError {
     let is = match number {
         number if number.is_nan() => "undefined".to_owned(),
         number if number.is_infinite() => "infinite".to_owned(),
