@@ -762,3 +762,59 @@ fn only_a_pinhole_camera_sees_less_than_half_a_turn() {
     assert!(fov < PI && fov > 0.99 * PI, "{fov}");
     assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("fov"));
 }
+
+#[test]
+fn normals_at_poles_and_at_the_ends_of_domains_are_those_of_the_faces() {
+    const BOX: &str = ", x : [-1,1], y : [-1,1], z : [-1,1]";
+    let plane = |at: DVec3| (at.x.abs() < 1e-12).then_some(DVec3::X);
+    let tube = |at: DVec3| {
+        let around = DVec3::new(at.x, at.y, 0.0);
+        let is_near = (around.length() - 0.5).abs() < 1e-9;
+        is_near.then(|| around.normalize())
+    };
+    let planes = |at: DVec3| {
+        let near = |k: &DVec3| at.dot(*k).abs() < 1e-12;
+        let mut near = DVec3::AXES.into_iter().filter(near);
+        near.next().filter(|_| near.next().is_none())
+    };
+    type Face<'a> = &'a dyn Fn(DVec3) -> Option<DVec3>;
+    let solids: [(&str, &str, Face<'_>); 5] = [
+        ("1/x", BOX, &plane),
+        ("1/x^3", BOX, &plane),
+        ("1/(x^2 + y^2 - 0.25)", BOX, &tube),
+        ("x^(2/3) + y^(2/3) + z^(2/3) - 1", "", &planes),
+        ("sqrt x + sqrt y + sqrt z - 1", "", &planes),
+    ];
+    for (text, cut, face) in solids {
+        let scene = of_text(&format!("solid a(x,y,z) = {text}{cut};"));
+        let mut caster = scene.world().caster();
+        let mut met = 0;
+        for k in 0..400 {
+            // Sums of few binary digits, among others: many rays land exactly on a pole.
+            let turn = f64::from(k) * 0.61803;
+            let aside = [
+                0.05 + 0.0125 * f64::from(k % 20),
+                0.05 + 0.0125 * f64::from(k / 20),
+            ];
+            let target = DVec3::new(0.0, aside[0], aside[1]);
+            let away = match k % 2 {
+                0 => DVec3::new(1.0, 0.5, 0.5),
+                _ => DVec3::new(1.0, turn.sin(), turn.cos()),
+            };
+            let ray = Ray {
+                origin: target + away,
+                direction: -away,
+                leaving: None,
+            };
+            for crossing in caster.cast(&ray) {
+                let Some(normal) = face(crossing.position) else {
+                    continue;
+                };
+                met += 1;
+                let off = crossing.normal.cross(normal).length();
+                assert!(off < 1e-3, "{text}: {crossing:?}, not {normal}");
+            }
+        }
+        assert!(met > 100, "{text}: {met}");
+    }
+}

@@ -32,6 +32,9 @@ use crate::world::World;
 
 use queue::{Queue, RayOrder};
 
+/// The distances at which a gradient is looked for beside a place that has none, as shares of the place's size.
+const BESIDE: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
+
 /// A place where a ray enters or leaves a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
@@ -672,6 +675,7 @@ impl Caster<'_> {
         let piece = leaf.first_piece + event.piece as usize;
         let flat = world.low[piece].as_ref().and_then(|low| low.normal);
         let normal = flat.or_else(|| self.gradient(ray, event).try_normalize());
+        let normal = normal.or_else(|| self.normal_beside(ray, event));
         // Where the gradient says nothing, the normal is along the ray.
         let normal = normal.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z));
         let leads_out = (normal.dot(ray.direction) < 0.0) == entering;
@@ -687,6 +691,34 @@ impl Caster<'_> {
             position: ray.origin + event.t * ray.direction,
             normal: if leads_out { normal } else { -normal },
         }
+    }
+
+    /// The direction of the gradient of a function a little beside a place on the ray at which there is none: at a pole it is
+    /// that of the pole's surface, and where a domain ends the gradient grows towards the normal as a rule.
+    fn normal_beside(&mut self, ray: &Ray, event: SurfaceEvent) -> Option<DVec3> {
+        let world = self.world;
+        let leaf = &world.leaves[event.leaf as usize];
+        let LeafSurface::Field(field, _) = &leaf.compiled.pieces[event.piece as usize] else {
+            return None;
+        };
+        let position = ray.origin + event.t * ray.direction;
+        let size = position.abs().max(ray.origin.abs()).max_element();
+        let step = ray.direction.try_normalize()? * size;
+        let largest = |gradient: &DVec3| gradient.abs().max_element();
+        BESIDE.into_iter().find_map(|share| {
+            let sides = [-share, share].map(|share| {
+                let at = leaf
+                    .shape_from_world
+                    .transform_point3(position + share * step);
+                field.gradient(&mut self.field, at)
+            });
+            // Of a maximum, the function that has the pole.
+            let sides = sides.into_iter().filter(|gradient| gradient.is_finite());
+            let steepest = sides.max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
+            // The square of its length may not be finite.
+            let gradient = steepest / largest(&steepest);
+            (leaf.shape_from_world.matrix3.transpose() * gradient).try_normalize()
+        })
     }
 
     /// The gradient of the surface of an event.
