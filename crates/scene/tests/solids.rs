@@ -422,3 +422,32 @@ fn an_opening_that_is_too_wide_is_told_by_the_projection() {
     }
     scene("camera c = (1,0,0) @ (-3,0,0), projection : spherical, fov : 2pi;");
 }
+
+#[test]
+fn a_background_whose_numbers_are_bytes_has_a_warning() {
+    for (color, numbers) in [
+        ("(135, 206, 235)", Some("(135, 206, 235)")),
+        ("(0, 0, 64)", Some("(0, 0, 64)")),
+        ("(2, 2, 3)", Some("(2, 2, 3)")),
+        ("200", Some("(200, 200, 200)")),
+        ("(0.8, 0.9, 1)", None),
+        ("(1, 1, 8)", None),
+        ("(1, 0.5, 16)", None),
+        ("(1000, 1000, 1000)", None),
+        ("(135, 206, 235)/255", None),
+    ] {
+        let compilation = compile(&format!("background sky = {color};"));
+        let found: Vec<String> = compilation
+            .diagnostics
+            .iter()
+            .map(|it| format!("{}: {}", it.message, it.hint.as_deref().unwrap_or_default()))
+            .collect();
+        let expected = numbers.map(|numbers| {
+            format!(
+                "`sky` is far brighter than white: {numbers}: components of colours are 0…1: divide by 255"
+            )
+        });
+        assert_eq!(found, Vec::from_iter(expected), "{color}");
+        assert!(compilation.scene.is_some(), "{color}");
+    }
+}

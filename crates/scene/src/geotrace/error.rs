@@ -71,6 +71,8 @@ pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
 pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
 /// The instances of a set fill each other's holes.
 pub(crate) const FILLED_HOLES: Code = Code("filled-holes");
+/// The numbers of a background's colour are those of bytes.
+pub(crate) const BRIGHT_BACKGROUND: Code = Code("bright-background");
 /// There is a background already.
 pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
 /// The value of an attribute, or a background, has not the dimension that it must have.
@@ -210,6 +212,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         FILLED_HOLES,
         "A set is the union of its instances: where a grid moves only what is taken away, each instance fills the holes of the others.",
+    ),
+    (
+        BRIGHT_BACKGROUND,
+        "The components of a background's colour are about 0…1: where they are far above that, up to 255, bytes are meant.",
     ),
     (SECOND_BACKGROUND, "A program has one background."),
     (

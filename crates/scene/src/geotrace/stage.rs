@@ -157,11 +157,40 @@ impl Declarations {
             self.found.push(error.at(declaration.name_span));
             return None;
         }
+        let span = self.lowerer.code.span(body);
+        let warning = self.bytes_of_background(declaration.name, color, span);
+        self.found.extend(warning);
         let meaning = match count {
             0 => constant(lowered.value?, lowered.dependencies),
             _ => self.keep(declaration, body),
         };
         Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    /// A warning about a background that is white wherever its numbers are known, as if they were bytes.
+    fn bytes_of_background(
+        &self,
+        name: &str,
+        color: [NodeId; 3],
+        span: Span,
+    ) -> Option<Diagnostic> {
+        // A sky may be brighter than white.
+        const ALL_ABOVE: f64 = 2.0;
+        const ONE_ABOVE: f64 = 16.0;
+        let found = self.lowerer.numbers(&color);
+        let is_byte = found.iter().all(|number| (0.0..=255.0).contains(number));
+        let is_bright = found.iter().all(|number| *number >= ALL_ABOVE)
+            || found.iter().any(|number| *number > ONE_ABOVE);
+        if !(is_byte && is_bright) {
+            return None;
+        }
+        let numbers: Vec<String> = found.into_iter().map(number::text).collect();
+        let message = format!(
+            "`{name}` is far brighter than white: ({})",
+            numbers.join(", ")
+        );
+        let hint = "components of colours are 0…1: divide by 255";
+        Some(Diagnostic::warning(error::BRIGHT_BACKGROUND, span, message).with_hint(hint))
     }
 
     /// Red, green and blue of a value.
