@@ -17,18 +17,21 @@ use crate::closed::ClosedSurface;
 use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
+use crate::tips::tips;
 
 /// The rays along each axis that look for a solid, in a row: 20, and fewer where a scene has thousands of solids, whose points
 /// would take gigabytes.
 fn rays_in_a_row(solids: usize) -> usize {
     match solids {
-        0..=1_000 => 20,
+        0..=1_000 => MOST_RAYS,
         1_001..=4_000 => 10,
         4_001..=16_000 => 5,
         _ => 3,
     }
 }
 
+/// The most rays in a row. Tips between them are looked for.
+const MOST_RAYS: usize = 20;
 /// The operations of those rays, of all solids together; each has an equal share.
 const MOST_OPERATIONS: u64 = 1 << 28;
 
@@ -252,6 +255,7 @@ fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 
     }
     let size = bounds.upper - bounds.lower;
     let cells = (0..3).flat_map(|axis| (0..in_a_row * in_a_row).map(move |cell| (axis, cell)));
+    let mut crossings = Vec::new();
     let mut points = Vec::new();
     let mut caster = world.caster();
     caster.limit_fields(operations);
@@ -270,9 +274,17 @@ fn solid_points(rays: &RayScene, in_a_row: usize, operations: u64) -> Vec<[f64; 
             direction: DVec3::AXES[axis],
             leaving: None,
         };
-        let found = caster.cast(&ray).iter();
-        points.extend(found.map(|crossing| crossing.position.to_array()));
+        crossings.extend_from_slice(caster.cast(&ray));
     }
+    if in_a_row == MOST_RAYS {
+        let tips = tips(&mut caster, &bounds, &crossings, in_a_row, operations);
+        points.extend(tips.iter().map(DVec3::to_array));
+    }
+    points.extend(
+        crossings
+            .iter()
+            .map(|crossing| crossing.position.to_array()),
+    );
     points.retain(|point| point.iter().all(|x| x.is_finite()));
     points
 }

@@ -39,6 +39,7 @@ mod solids;
 mod stated_colours;
 pub mod style;
 pub mod texture;
+mod tips;
 pub mod trail;
 pub mod view;
 pub mod viewpoint;

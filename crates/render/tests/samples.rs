@@ -4,8 +4,10 @@ mod scenes;
 
 use glam::Vec3;
 use render::bounds::Bounds;
-use render::point::WorldPoint;
+use render::camera::Camera;
+use render::point::{PixelPoint, WorldPoint};
 use render::sample::{PositionSample, Samples, sample};
+use render::viewpoint::Viewpoint;
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::scene;
@@ -165,6 +167,77 @@ fn a_continuous_curve_is_framed_as_a_whole() {
                     "{position}: {sample:?}"
                 );
             }
+        }
+    }
+}
+
+#[test]
+fn the_first_camera_sees_the_tips_of_solids() {
+    let third = 1.0 / 3.0;
+    for (text, tips, count_without_tips) in [
+        (
+            "abs x + abs y + abs z - 1",
+            [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+            None,
+        ),
+        (
+            "x^2 + y^2 - (1 - z)^2/9, z : [-2, 1]",
+            [[0.0, 0.0, 1.0], [0.0, -1.0, -2.0]],
+            None,
+        ),
+        (
+            "max(-x, -y, -z, x + y + z - 1)",
+            [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+            None,
+        ),
+        (
+            "abs x + 2abs(y - 1/3) + abs(z)/2 - 1",
+            [[0.0, third, 2.0], [-1.0, third, 0.0]],
+            None,
+        ),
+        (
+            "sqrt(abs x) + sqrt(abs y) + sqrt(abs z) - 1",
+            [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+            None,
+        ),
+        (
+            "(x^2)^(1/3) + (y^2)^(1/3) + (z^2)^(1/3) - 1",
+            [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]],
+            None,
+        ),
+        (
+            "x^2 + y^2 + z^2 - 1",
+            [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]],
+            Some(1896),
+        ),
+        (
+            "max(abs x, abs y, abs z) - 1",
+            [[1.0, -1.0, 1.0], [-1.0, -1.0, 1.0]],
+            Some(2400),
+        ),
+        (
+            "max(x^2 + y^2 - 1, abs z - 2)",
+            [[0.0, -1.0, 2.0], [1.0, 0.0, -2.0]],
+            Some(2228),
+        ),
+    ] {
+        let scene = scene(&format!("solid a(x,y,z) = {text};"));
+        let bounds = Bounds::of(&scene, &ParamValues::initial(&scene));
+        for size in [[300, 300], [200, 500], [500, 200]] {
+            let camera = Camera::new(&bounds, &Viewpoint::default(), size).expect("a camera");
+            for tip in tips {
+                let at = camera.pixel_of(bounds.placement.local(WorldPoint(tip)));
+                let PixelPoint(at) = at.expect("before the eye");
+                let is_inside = |k: usize| (0.0..=f64::from(size[k])).contains(&at[k]);
+                assert!(
+                    is_inside(0) && is_inside(1),
+                    "{text} in {size:?}: {tip:?} at {at:?}"
+                );
+            }
+        }
+        // No tip of these is far from the places that rays meet.
+        if let Some(count) = count_without_tips {
+            assert_eq!(bounds.cloud.len(), count, "{text}");
         }
     }
 }
