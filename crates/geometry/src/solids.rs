@@ -32,7 +32,7 @@ use tracer::light::Light;
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass};
 use tracer::{BoundingBox, PictureLook, Sheet, Sheets, World, WorldBuilder};
 
-use attributes::{AffineTape, AttributeSet};
+use attributes::{AffineTape, AttributeSet, NumberAttribute};
 use bodies::{BodyPart, BodyShapes};
 use expand::{ExpandedSolid, Expansion, Omission, ShapeTable};
 use look::{FacePlace, LookProgram};
@@ -92,6 +92,8 @@ struct RayContent {
     looks: Vec<LookProgram>,
     /// The images that attributes name.
     images: Vec<String>,
+    /// The solids that state no place in an image, and no image.
+    unplaced: Vec<ObjectId>,
     lights: Vec<Light>,
     cameras: Vec<DeclaredCamera>,
     background: Option<DeclaredBackground>,
@@ -185,6 +187,8 @@ pub enum RayFault {
     ClampedAttribute(&'static str),
     /// The attribute is one number for a whole solid: its value at the origin is taken.
     NotUniform(&'static str),
+    /// An image is not shown: no `uv` says where.
+    UnplacedImage,
 }
 
 impl RayScene {
@@ -311,6 +315,19 @@ impl RayScene {
     /// The words of the images that attributes of faces name.
     pub fn images(&self) -> &[String] {
         &self.content.images
+    }
+
+    /// A note for each of these objects, which have images of their own, whose image is not shown.
+    pub fn unplaced(&self, images: impl Fn(ObjectId) -> bool) -> impl Iterator<Item = RayNote> {
+        let objects = self.content.objects.iter();
+        let is_unplaced = move |object: &&RayObject| {
+            let mut unplaced = self.content.unplaced.iter();
+            unplaced.any(|id| object.id == Some(*id) && images(*id))
+        };
+        objects.filter(is_unplaced).map(|object| RayNote {
+            object: object.name.clone(),
+            fault: RayFault::UnplacedImage,
+        })
     }
 
     /// The word of the image that the declared background states.
@@ -629,15 +646,24 @@ impl<'a> Draft<'a> {
         let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
         let first_look = self.content.looks.len() as u32;
         let first_name = self.content.names.len() as u32;
+        let (mut has_unplaced, mut has_places) = (false, false);
         for leaf in &solid.leaves {
             // In a scene script a colour may be brighter than white.
             let bright = scene.picture.is_some();
             let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, bright);
             let image = self.image(id, &leaf.attributes);
+            let is_stated = image.is_some_and(|image| image.stated.is_some());
+            has_unplaced |= is_stated && !attributes.states(NumberAttribute::Uv);
+            has_places |= attributes.states(NumberAttribute::Uv);
             let picture_look = self.options.picture_look;
             let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
             self.content.looks.push(look);
             self.content.names.push((leaf.name.clone(), leaf.name_span));
+        }
+        if has_unplaced {
+            self.note(object, RayFault::UnplacedImage);
+        } else if !has_places {
+            self.content.unplaced.extend(id);
         }
         let mut instance_of = instances.iter();
         let mut current = instance_of.next();
@@ -879,6 +905,9 @@ impl std::fmt::Display for RayNote {
                 f,
                 "`{word}` of `{name}` is one number for the whole solid: its value at the origin is taken"
             ),
+            RayFault::UnplacedImage => {
+                write!(f, "`{name}` has no `uv`, so its image is not shown")
+            }
         }
     }
 }

@@ -818,3 +818,27 @@ fn normals_at_poles_and_at_the_ends_of_domains_are_those_of_the_faces() {
         assert!(met > 100, "{text}: {met}");
     }
 }
+
+#[test]
+fn an_image_that_has_no_place_on_a_solid_is_noted() {
+    const BALL: &str = "solid b(x,y,z) = x^2 + y^2 + z^2 - 1";
+    let faults = |text: &str| -> Vec<String> {
+        let scene = of_text(text);
+        let notes = scene.notes().into_iter().chain(scene.unplaced(|_| true));
+        notes.map(|note| note.to_string()).collect()
+    };
+    let note = "`b` has no `uv`, so its image is not shown";
+    assert_eq!(faults(&format!("{BALL}, image : im;")), [note]);
+    assert_eq!(
+        faults(&format!("{BALL}, image : im, uv : (x, y);")),
+        [""; 0]
+    );
+    // One that is chosen for it.
+    assert_eq!(faults(&format!("{BALL};")), [note]);
+    assert_eq!(faults(&format!("{BALL}, uv : (x, y);")), [""; 0]);
+    let scene = of_text(&format!(
+        "{BALL}; surface s(u,v) = (u,v,2), u : [0,1], v : [0,1], image : im;"
+    ));
+    assert_eq!(scene.notes(), []);
+    assert_eq!(scene.unplaced(|_| false).count(), 0);
+}

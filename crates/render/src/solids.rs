@@ -14,7 +14,7 @@ mod tables;
 
 pub(crate) use tables::{AttributeList, SceneTables, TableField, TableLook};
 
-pub(crate) use store::{SolidScene, SolidStore, TracedScene};
+pub(crate) use store::{SolidScene, SolidStore, TracedScene, notes};
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -26,6 +26,7 @@ use crate::camera::Camera;
 use crate::counters::PixelCounters;
 use crate::error::RenderError;
 use crate::point::WorldPoint;
+use crate::request::PictureRequest;
 use crate::style;
 
 /// Pixels along a tile's side.
@@ -130,12 +131,12 @@ impl<'a> SolidPainter<'a> {
     ///
     /// # Errors
     /// [`RenderError::TooMuchWork`] if they are not.
-    pub(crate) fn notes(&self) -> Result<Vec<String>, RenderError> {
+    pub(crate) fn notes(&self, request: &PictureRequest) -> Result<Vec<String>, RenderError> {
         if self.is_out_of_work() {
             let most = most_space_operations(self.camera.size);
             return Err(RenderError::TooMuchWork(most));
         }
-        let notes = self.scene.notes();
+        let notes = self.scene.notes(request);
         let cut_short = cut_short_note(self.cut_short.load(Ordering::Relaxed));
         Ok(notes.chain(cut_short).collect())
     }

@@ -12,6 +12,7 @@ use render::counters::WorkCounters;
 use render::gpu::{Gpu, Pixels};
 use render::point::PixelPoint;
 use render::request::part::SpaceOptions;
+use render::texture::Texture;
 use render::view::Interrupt;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{Projection, Viewpoint};
@@ -442,4 +443,31 @@ fn a_stated_colour_wins_over_a_chosen_one_and_is_dim_with_it() {
     // Nothing is written on it.
     let texture = request.texture(ObjectId(1));
     assert!(Arc::ptr_eq(&texture, &render::texture::Texture::plain()));
+}
+
+#[test]
+fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
+    let scene = scenes::scene(
+        "solid b(x,y,z) = x^2 + y^2 + z^2 - 1;
+        solid c(x,y,z) = x^2 + y^2 + (z - 3)^2 - 1, uv : (x, y);",
+    );
+    let traced = TracedOptions {
+        samples: Some(1),
+        ..TracedOptions::default()
+    };
+    let space = request(Scene::clone(&scene), SpaceOptions::default());
+    let mut seen = [space.clone(), space];
+    seen[1].view = traced.into();
+    for request in &mut seen {
+        let mut renderer = Renderer::software();
+        let drawn = renderer.draw(request).expect("a picture");
+        assert_eq!(drawn.notes, [] as [&str; 0]);
+        let image = Arc::new(Texture::from_image(RgbaImage::new(2, 2)));
+        for id in [0, 1] {
+            let object = ObjectId(id);
+            request.textures.push((object, (&image).into()));
+        }
+        let drawn = renderer.draw(request).expect("a picture");
+        assert_eq!(drawn.notes, ["`b` has no `uv`, so its image is not shown"]);
+    }
 }

@@ -188,12 +188,17 @@ impl SolidScene {
     }
 
     /// Sentences about all that is not as it is declared.
-    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
-        self.rays
-            .notes()
-            .into_iter()
-            .map(|note: RayNote| note.to_string())
+    pub(crate) fn notes(&self, request: &PictureRequest) -> impl Iterator<Item = String> {
+        notes(&self.rays, request)
     }
+}
+
+/// Sentences about all that is not as it is declared, or as a request has it.
+pub(crate) fn notes(rays: &RayScene, request: &PictureRequest) -> impl Iterator<Item = String> {
+    let unplaced = rays.unplaced(|id| request.chosen_texture(id).is_some());
+    let unplaced: Vec<RayNote> = unplaced.collect();
+    let notes = rays.notes().into_iter().chain(unplaced);
+    notes.map(|note| note.to_string())
 }
 
 impl TracedScene {

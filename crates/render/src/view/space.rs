@@ -256,7 +256,7 @@ impl ViewRenderer for SpaceRenderer {
             (Pixels::Image(image), notes)
         };
         if let Some(painter) = &painter {
-            notes.extend(painter.notes()?);
+            notes.extend(painter.notes(request)?);
         }
         let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera, request.scale));
         if is_labelled(request, &overlay) {

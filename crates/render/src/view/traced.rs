@@ -37,7 +37,7 @@ use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::part::SpaceOptions;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
-use crate::solids::{SceneTables, TracedScene, cut_short_note};
+use crate::solids::{self, SceneTables, TracedScene, cut_short_note};
 use crate::style;
 
 /// The view's name.
@@ -436,11 +436,7 @@ impl ViewRenderer for TracedRenderer {
             overlays,
             legend,
             samples: Some([done, added]),
-            notes: scene
-                .rays()
-                .notes()
-                .iter()
-                .map(ToString::to_string)
+            notes: solids::notes(scene.rays(), request)
                 .chain(cut_short)
                 .chain(partial)
                 .collect(),

@@ -49,7 +49,7 @@ impl SpaceRenderer {
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
         if let Some(painter) = &painter {
-            notes.extend(painter.notes()?);
+            notes.extend(painter.notes(request)?);
         }
         let shown = options.show_camera.as_ref();
         let key = overlay::space_key_place(request, shown)?;
