@@ -87,6 +87,30 @@ fn an_interval_is_written_with_the_words_of_the_language() {
 }
 
 #[test]
+fn what_replaces_a_character_does_not_run_into_its_neighbours() {
+    for (source, meant) in [
+        ("function f(t) = t²3;", "function f(t) = t^2 3;"),
+        ("define a = 2²2;", "define a = 2^2 2;"),
+        ("define a = 3³.5;", "define a = 3^3 .5;"),
+        ("define a = 2²e3;", "define a = 2^2 e3;"),
+        ("function f(x) = exπ;", "function f(x) = ex pi;"),
+        ("function f(t) = 2πt;", "function f(t) = 2pi t;"),
+        ("function f(x) = 2x√2;", "function f(x) = 2x sqrt 2;"),
+    ] {
+        // A name that is not defined is no matter of the characters.
+        let found = parse(source).0.diagnostics;
+        let fixes: Vec<_> = found.iter().flat_map(|found| &found.fixes).collect();
+        let [fix] = fixes[..] else {
+            panic!("{source}: {found:?}");
+        };
+        let place = fix.span.start as usize..fix.span.end as usize;
+        let mut text = source.to_owned();
+        text.replace_range(place, &fix.replacement);
+        assert_eq!(text, meant);
+    }
+}
+
+#[test]
 fn a_set_with_a_wrong_sign_has_one_error() {
     for set in ["b - b \\ b", "b + b & b", "b + b | b"] {
         let source = format!("solid b(x, y, z) = x y z; solid c = {set};");

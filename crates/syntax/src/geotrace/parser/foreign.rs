@@ -173,8 +173,13 @@ impl ForeignInterval<'_> {
     /// Returns the ends with the letters of other notations as they are written here, the smaller number first.
     pub(super) fn ends_written(&self) -> [String; 2] {
         let [a, b] = self.ends.map(|end| {
-            let end = end.replace('π', "pi").replace('τ', "(2pi)");
-            end.replace(['\u{2212}', '–'], "-")
+            let end = end.replace('τ', "(2pi)").replace(['\u{2212}', '–'], "-");
+            let mut parts = end.split('π');
+            let first = parts.next().unwrap_or_default().to_owned();
+            parts.fold(first, |before, after| {
+                let written = apart(&before, "pi", after);
+                before + &written + after
+            })
         });
         let number = |end: &str| end.parse::<f64>().ok();
         match (number(&a), number(&b)) {
@@ -191,6 +196,26 @@ impl ForeignInterval<'_> {
             None => format!("[{a}, {b}]"),
         }
     }
+}
+
+/// The text that is written in the place of a character, with spaces where it would run into what stands around it.
+pub(super) fn apart(before: &str, text: &str, after: &str) -> String {
+    let is_letter_or_digit = |c: char| c.is_ascii_alphanumeric();
+    let begins_word = text.starts_with(|c: char| c.is_ascii_alphabetic());
+    let run = before.trim_end_matches(is_letter_or_digit).len();
+    let is_behind_word = before[run..].contains(|c: char| c.is_ascii_alphabetic());
+    let joins = match text.ends_with(|c: char| c.is_ascii_digit()) {
+        // A number goes on with `.` and `e` too.
+        true => after.starts_with(|c: char| c.is_ascii_digit() || ".e".contains(c)),
+        false => begins_word && after.starts_with(is_letter_or_digit),
+    };
+    let left = if begins_word && is_behind_word {
+        " "
+    } else {
+        ""
+    };
+    let right = if joins { " " } else { "" };
+    format!("{left}{text}{right}")
 }
 
 fn is_word(text: &str) -> bool {
@@ -220,7 +245,7 @@ pub(super) fn first_item(text: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{angle_vector, block_comment, interval, round_interval};
+    use super::{angle_vector, apart, block_comment, interval, round_interval};
 
     #[test]
     fn intervals_of_other_notations_are_read() {
@@ -233,6 +258,8 @@ mod tests {
             ("t in [0, 2pi];", "t : [0, 2pi]"),
             ("t = 0..1", "t : [0, 1]"),
             ("t ∈ (a, b)", "t : [a, b]"),
+            ("0 ≤ t ≤ 2π", "t : [0, 2pi]"),
+            ("-nπ ≤ t ≤ 2ππa", "t : [-n pi, 2pi pi a]"),
         ] {
             let found = interval(text).map(|found| found.written());
             assert_eq!(found.as_deref(), Some(written), "{text}");
@@ -248,6 +275,26 @@ mod tests {
             "(0, 1)",
         ] {
             assert_eq!(interval(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_text_in_the_place_of_a_character_stands_apart() {
+        for (before, text, after, written) in [
+            ("t", "^2", "3", "^2 "),
+            ("2", "^2", ".5", "^2 "),
+            ("t", "^2", "e3", "^2 "),
+            ("t", "^2", "t", "^2"),
+            ("ex", "pi", "", " pi"),
+            ("x2", "pi", ")", " pi"),
+            ("3 + 2", "pi", ";", "pi"),
+            ("2", "pi", "r", "pi "),
+            ("", "sqrt", "2", "sqrt "),
+            ("2", "sqrt", "(2)", "sqrt"),
+            ("a", "(2pi)", "3", "(2pi)"),
+            ("a", "*", "3", "*"),
+        ] {
+            assert_eq!(apart(before, text, after), written, "{before}…{after}");
         }
     }
 

@@ -60,7 +60,12 @@ fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
         return diagnostic.with_hint(COMMENT).with_fix(fix.with_all());
     }
     if let Some(text) = equivalent(first).filter(|_| single) {
-        diagnostic = diagnostic.with_fix(Fix::change(span, text, true).with_all());
+        let (before, after) = (&source[..span.start as usize], &source[span.end as usize..]);
+        let written = foreign::apart(before, text, after);
+        diagnostic = diagnostic.with_fix(Fix {
+            replacement: written,
+            ..Fix::change(span, text, true).with_all()
+        });
     }
     match substitute(first) {
         Some(hint) => diagnostic.with_hint(hint),
