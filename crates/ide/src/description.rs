@@ -22,7 +22,35 @@ impl Description {
     /// The description as plain text.
     pub fn plain(&self) -> String {
         let mut all = vec![self.code.clone()];
-        all.extend(self.text.iter().map(|text| text.replace(['`', '*'], "")));
+        all.extend(self.text.iter().map(|text| without_marks(text)));
         all.join("\n\n")
+    }
+}
+
+/// The text of Markdown without its marks. Between backquotes stands code, where a `*` is one.
+fn without_marks(text: &str) -> String {
+    let parts = text.split('`').zip([false, true].into_iter().cycle());
+    let plain = parts.map(|(part, is_code)| match is_code {
+        true => part.to_owned(),
+        false => part.replace('*', ""),
+    });
+    plain.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Description;
+
+    #[test]
+    fn plain_text_keeps_the_signs_of_code() {
+        let description = Description {
+            language: "geotrace",
+            code: "h(x, y)".to_owned(),
+            text: vec!["**value**: `h(2*3, *4) = 96` *exactly*, see `2*3`".to_owned()],
+        };
+        assert_eq!(
+            description.plain(),
+            "h(x, y)\n\nvalue: h(2*3, *4) = 96 exactly, see 2*3"
+        );
     }
 }
