@@ -140,7 +140,8 @@ impl<G: Grammar> Document<G> {
         });
         check_size(text.len())?;
         let mut ends = Vec::new();
-        G::cut(text, 0, G::CutState::default(), &mut ends);
+        let state = G::cut(text, 0, G::CutState::default(), &mut ends);
+        G::cut_last(text, state, &mut ends);
         document.counters.cut += text.len() as u64;
         ends.push(text.len());
         let mut start = 0;

@@ -270,6 +270,8 @@ const PIECES: &[&str] = &[
     "camera",
     "background b",
     "color : x",
+    "; t : [0, 1]",
+    ";\n x: ",
     ", x : [0, 1]",
     "scale 2",
     "rotate",

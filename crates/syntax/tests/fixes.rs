@@ -120,6 +120,46 @@ fn a_set_with_a_wrong_sign_has_one_error() {
     }
 }
 
+#[test]
+fn what_other_notations_mean_is_written_with_all_fixes() {
+    for (source, meant) in [
+        (
+            "point p = (0, 0, 0), color : #f00;\ndefine a = 1;",
+            "point p = (0, 0, 0), color : (1, 0, 0);\ndefine a = 1;",
+        ),
+        (
+            "curve c(t) = (t, t, 0);\nt : [0, 2pi];",
+            "curve c(t) = (t, t, 0),\nt : [0, 2pi];",
+        ),
+        (
+            "surface s(u, v) = (u, v, 0), u : [0, 1]; v : [0, 1];",
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];",
+        ),
+        (
+            "solid b = x^2 + y^2 + z^2 - 1;",
+            "solid b(x, y, z) = x^2 + y^2 + z^2 - 1;",
+        ),
+        (
+            "solid b(x, y, z) = x; solid c = b @ scale 1/2;",
+            "solid b(x, y, z) = x; solid c = b @ scale (1/2);",
+        ),
+        (
+            "solid b(x, y, z) = x; solid c = b @ rotate pi/2 (0, 0, 1);",
+            "solid b(x, y, z) = x; solid c = b @ rotate (0, 0, pi/2);",
+        ),
+        ("function h(x) -> x^2;", "function h(x) = x^2;"),
+    ] {
+        let found = parse(source).0.diagnostics;
+        assert_eq!(found.len(), 1, "{source}: {found:?}");
+        let fix = &found[0].fixes[0];
+        let place = fix.span.start as usize..fix.span.end as usize;
+        let mut text = source.to_owned();
+        text.replace_range(place, &fix.replacement);
+        assert_eq!(text, meant);
+        assert_eq!(program_findings(&text), [""; 0], "{text}");
+    }
+}
+
 /// The messages of a script that have a preferred fix or one for *Fix all*, with what it writes.
 fn preferred(script: &str) -> Vec<String> {
     let document = syntax::crt::document::Document::new(script, &());

@@ -130,6 +130,7 @@ impl<G: Grammar> Document<G> {
             }
             cut_to = all.len();
             let Some(next) = self.sequence.next(last) else {
+                G::cut_last(&all, state, &mut ends);
                 ends.push(all.len());
                 break;
             };

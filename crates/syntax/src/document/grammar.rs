@@ -44,6 +44,11 @@ pub trait Grammar: Clone + Debug + Sized {
     fn cut(text: &str, from: usize, state: Self::CutState, ends: &mut Vec<usize>)
     -> Self::CutState;
 
+    /// Appends the ends that [`cut`](Self::cut) left open, where no text follows.
+    fn cut_last(text: &str, state: Self::CutState, ends: &mut Vec<usize>) {
+        let _ = (text, state, ends);
+    }
+
     /// The builtin symbols. Their handles count up from 0 in this order; of equal names the first is found.
     fn builtins(builtins: &Self::Builtins) -> Vec<Self::Symbol>;
 

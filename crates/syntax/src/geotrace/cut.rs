@@ -1,6 +1,6 @@
 //! The ends of declarations, found without parsing them.
 //!
-//! A `;` ends a declaration. Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a
+//! A `;` ends a declaration, unless an item such as `t : [0, 1]` follows: the parser says that the item belongs to it. Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a
 //! comment or nothing follows; else it was meant to separate components, and the parser says so. So the beginning of a
 //! declaration also decides where the one above ends ([`LOOKAHEAD`]).
 
@@ -36,7 +36,7 @@ pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> Cut
             b')' | b']' | b'}' => state.depth = state.depth.saturating_sub(1),
             b';' => {
                 let is_end = match state.depth {
-                    0 => Some(true),
+                    0 => is_item(&text[at + 1..]).map(|is_item| !is_item),
                     _ => is_end_between_brackets(&text[at + 1..]),
                 };
                 let Some(is_end) = is_end else {
@@ -55,6 +55,13 @@ pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> Cut
     state
 }
 
+/// Appends the end behind a `;` that [`cut`] left open for want of text, where no more follows.
+pub(super) fn cut_last(text: &str, state: CutState, ends: &mut Vec<usize>) {
+    if state.depth == 0 && text.as_bytes().get(state.at) == Some(&b';') {
+        ends.push(state.at + 1);
+    }
+}
+
 /// Returns true if a `;` between brackets ends a declaration, by the text behind it; `None` if that is too short to say.
 fn is_end_between_brackets(behind: &str) -> Option<bool> {
     let behind = behind.trim_start();
@@ -64,6 +71,24 @@ fn is_end_between_brackets(behind: &str) -> Option<bool> {
     }
     let word = &behind[..end.unwrap_or(behind.len())];
     Some(behind.starts_with('#') || DeclarationKeyword::from_text(word).is_some())
+}
+
+/// Returns true if a word and a `:` follow, as those of an interval, which no declaration begins with; `None` if the text is too
+/// short to say.
+pub(super) fn is_item(behind: &str) -> Option<bool> {
+    let behind = behind.trim_start();
+    let bytes = &behind.as_bytes()[..behind.len().min(LOOKAHEAD)];
+    let word = bytes.iter().position(|byte| !byte.is_ascii_alphanumeric());
+    let begins_word = bytes.first().is_none_or(u8::is_ascii_alphabetic);
+    let end = bytes[word.unwrap_or(bytes.len())..]
+        .iter()
+        .find(|byte| !matches!(byte, b' ' | b'\t'));
+    match end {
+        _ if !begins_word => Some(false),
+        Some(end) => Some(*end == b':'),
+        None if bytes.len() < LOOKAHEAD => None,
+        None => Some(false),
+    }
 }
 
 /// Returns the place from a `;` between brackets to the last one before the innermost of them closes. Returns `None` if it

@@ -16,7 +16,7 @@ use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::actions::{Actions, Declaration, Interval, Operator, Parameter, StatedAttribute};
-use super::cut::{CutState, LOOKAHEAD, cut};
+use super::cut::{CutState, LOOKAHEAD, cut, cut_last};
 use super::declarations::DeclarationKeyword;
 use super::parser::deferred::{Deferred, References};
 use super::parser::lints::shadowed_split;
@@ -121,6 +121,10 @@ impl Grammar for Geotrace {
 
     fn cut(text: &str, _: usize, state: CutState, ends: &mut Vec<usize>) -> CutState {
         cut(text, state, ends)
+    }
+
+    fn cut_last(text: &str, state: CutState, ends: &mut Vec<usize>) {
+        cut_last(text, state, ends);
     }
 
     fn builtins(vocabulary: &Vocabulary) -> Vec<Symbol> {

@@ -37,7 +37,7 @@ use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexer, quoted_name};
 use crate::geotrace::symbols::{NameScope, Parsed, Symbol, Vocabulary};
-use crate::geotrace::token::{Token, TokenKind};
+use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::line_index::LineIndex;
 use crate::span::Span;
 use crate::spelling::Search;
@@ -159,6 +159,8 @@ struct DeclarationState<'s> {
     in_body: bool,
     /// A set is being read: its signs are tokens.
     in_set: bool,
+    /// The map of a set that was read last, and its operand.
+    map: Option<(MapWord, Span)>,
     /// It is a solid, whose parameters are x, y and z if it lists none.
     is_of_space: bool,
     /// The attributes that have been read, with their places.
@@ -269,7 +271,8 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                     run = match fault {
                         Some(Fault::Character(first)) => {
                             let known = quoted_name(self.source, token.span)
-                                .or_else(|| self.angle_vector(token.span));
+                                .or_else(|| self.angle_vector(token.span))
+                                .or_else(|| self.absolute_value(token.span));
                             Some((known.unwrap_or(token.span), first))
                         }
                         Some(Fault::LonePoint) => {

@@ -5,8 +5,9 @@ use super::messages::quote;
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
-use crate::diagnostic::Fix;
+use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, Declaration, Operator};
+use crate::geotrace::codes;
 use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
 use crate::geotrace::token::TokenKind;
@@ -429,6 +430,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `"=" EXPR` over the parameters.
     fn body(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
+            let rest = &self.source[self.current.span.start as usize..];
+            if let Some(arrow) = ["->", ":="].into_iter().find(|it| rest.starts_with(it)) {
+                return Err(self.reject_arrow(arrow));
+            }
             return Err(self.expected("`=` after the parameters"));
         }
         self.state.in_body = true;
@@ -436,6 +441,20 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state.body = self.expression()?;
         self.state.in_body = false;
         Ok(())
+    }
+
+    /// Rejects a sign of another language in the place of `=`.
+    #[cold]
+    fn reject_arrow(&mut self, sign: &str) -> Stop {
+        let start = self.current.span.start;
+        let place = Span::new(start, start + sign.len() as u32);
+        let message = format!("expected `=` after the parameters, found `{sign}`");
+        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
+            .with_hint("write `=`")
+            .with_fix(Fix::change(place, "=", true).with_all());
+        let stop = self.reject(diagnostic);
+        self.state.quiet = true;
+        stop
     }
 
     /// `HEAD = id "(" IDS ")"`

@@ -149,6 +149,67 @@ pub(super) fn angle_vector(text: &str) -> Option<&str> {
     None
 }
 
+/// The colour `#ff8000` or `#f80` with which a text begins: its length, and how it is written here.
+pub(super) fn color(text: &str) -> Option<(usize, String)> {
+    let behind = text.strip_prefix('#')?;
+    let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
+    let digits = &behind[..end.unwrap_or(behind.len())];
+    let (size, greatest) = match digits.len() {
+        3 => (1, 15.0),
+        6 => (2, 255.0),
+        _ => return None,
+    };
+    let parts: Option<Vec<String>> = (0..3)
+        .map(|part| {
+            let value = u8::from_str_radix(&digits[part * size..(part + 1) * size], 16).ok()?;
+            let thousandths = (f64::from(value) / greatest * 1000.0).round();
+            Some((thousandths / 1000.0).to_string())
+        })
+        .collect();
+    Some((1 + digits.len(), format!("({})", parts?.join(", "))))
+}
+
+/// The text between the bars of `|x|` with which a text begins, if it has one line and no comma.
+pub(super) fn between_bars(text: &str) -> Option<&str> {
+    let inside = text.strip_prefix('|')?;
+    let end = inside.find(['|', ',', ';', '\n', '#'])?;
+    let (inside, behind) = inside.split_at(end);
+    let opened = inside.matches('(').count();
+    let is_whole = opened == inside.matches(')').count();
+    (behind.starts_with('|') && is_whole && !inside.trim().is_empty()).then_some(inside)
+}
+
+/// The vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or behind it.
+pub(super) fn rotation(text: &str) -> Option<String> {
+    let opening = text.find('(')?;
+    let closing = opening + text[opening..].find(')')?;
+    let before = text[..opening]
+        .trim()
+        .trim_end_matches(['*', ','])
+        .trim_end();
+    let behind = text[closing + 1..]
+        .trim()
+        .trim_start_matches(['*', ','])
+        .trim_start();
+    let angle = [before, behind].concat();
+    let is_one_side = before.is_empty() != behind.is_empty();
+    if !is_one_side || angle.contains(['(', ')', ',']) {
+        return None;
+    }
+    let axis: Vec<&str> = text[opening + 1..closing]
+        .split(',')
+        .map(str::trim)
+        .collect();
+    let is_axis = axis.len() == 3
+        && axis.iter().filter(|part| **part == "1").count() == 1
+        && axis.iter().filter(|part| **part == "0").count() == 2;
+    let parts = axis
+        .iter()
+        .map(|part| if *part == "1" { &angle } else { "0" });
+    let parts: Vec<&str> = parts.collect();
+    is_axis.then(|| format!("({})", parts.join(", ")))
+}
+
 /// The attribute for a word that sets the same in other languages.
 pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
     Some(match word {
@@ -245,7 +306,9 @@ pub(super) fn first_item(text: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{angle_vector, apart, block_comment, interval, round_interval};
+    use super::{
+        angle_vector, apart, between_bars, block_comment, color, interval, rotation, round_interval,
+    };
 
     #[test]
     fn intervals_of_other_notations_are_read() {
@@ -333,6 +396,49 @@ mod tests {
             "(1, 2)",
         ] {
             assert_eq!(angle_vector(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_colour_in_hexadecimal_digits_is_a_vector() {
+        for (text, expected) in [
+            ("#ff0000;", Some((7, "(1, 0, 0)"))),
+            ("#FF8000", Some((7, "(1, 0.502, 0)"))),
+            ("#0f8, x", Some((4, "(0, 1, 0.533)"))),
+            ("# ff0000", None),
+            ("#ff00", None),
+            ("#ff0000x", None),
+            ("#red", None),
+            ("ff0000", None),
+        ] {
+            let found = color(text);
+            let found = found
+                .as_ref()
+                .map(|(length, text)| (*length, text.as_str()));
+            assert_eq!(found, expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn an_angle_and_an_axis_are_one_vector() {
+        for (text, written) in [
+            ("pi/2 (0,0,1)", Some("(0, 0, pi/2)")),
+            ("(1, 0, 0) pi", Some("(pi, 0, 0)")),
+            ("2 * (0, 1, 0)", Some("(0, 2, 0)")),
+            ("pi/2", None),
+            ("pi/2 (1, 1, 0)", None),
+            ("(0, 0, 1)", None),
+            ("2(3) (0, 0, 1)", None),
+        ] {
+            assert_eq!(rotation(text).as_deref(), written, "{text}");
+        }
+    }
+
+    #[test]
+    fn bars_around_a_term_are_found() {
+        assert_eq!(between_bars("|x - (y)| + 1"), Some("x - (y)"));
+        for text in ["|x", "||", "| |", "|x, y|", "|(x|", "x|y|"] {
+            assert_eq!(between_bars(text), None, "{text}");
         }
     }
 

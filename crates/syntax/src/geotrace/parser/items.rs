@@ -8,6 +8,7 @@ use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, StatedAttribute};
 use crate::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
 use crate::geotrace::codes;
+use crate::geotrace::cut::is_item;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::TokenKind;
@@ -30,6 +31,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             if !ends {
                 return Err(self.expected("`,` and an interval for each parameter"));
             }
+            if self.is_before_item() {
+                return self.items();
+            }
             let name = quote(self.state.name);
             let missing: Vec<String> = (self.state.parameters.iter())
                 .take(2)
@@ -39,9 +43,67 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let message = format!("{name} needs an interval for each parameter, found {found}");
             let hint = format!("write {} before the `;`", quote(&missing.concat()));
             let diagnostic = self.here(codes::MISSING_INTERVAL, message).with_hint(hint);
+            let diagnostic = match self.implicit_form() {
+                Some(form) => {
+                    let form = quote(&form);
+                    diagnostic.with_hint(format!(
+                        "a surface has two parameters; where a function of three is at most 0 is a solid: write {form}"
+                    ))
+                }
+                None => diagnostic,
+            };
             return Err(self.reject(diagnostic));
         }
         self.items()
+    }
+
+    /// The solid that a surface with three parameters and one number as its value is meant to be.
+    fn implicit_form(&self) -> Option<String> {
+        let is_surface = self.state.keyword == Some(DeclarationKeyword::Surface);
+        let value = self.state.body.text(self.source);
+        let is_tuple = value.starts_with('(') && value.ends_with(')') && value.contains(',');
+        let [a, b, c] = &self.state.parameters[..] else {
+            return None;
+        };
+        let (a, b, c, name) = (&a.name, &b.name, &c.name, self.state.name);
+        (is_surface && !is_tuple).then(|| format!("solid {name}({a}, {b}, {c}) = …"))
+    }
+
+    /// Returns true at a `,` before an item, and at a `;` that was meant to be one, which it reports.
+    fn is_before_item(&mut self) -> bool {
+        match self.current.kind {
+            TokenKind::Comma => true,
+            TokenKind::Semicolon => self.takes_end(),
+            _ => false,
+        }
+    }
+
+    #[cold]
+    fn takes_end(&mut self) -> bool {
+        let place = self.current.span;
+        let behind = &self.source[place.end as usize..];
+        let word = behind.trim_start();
+        let end = word.find(|c: char| !c.is_ascii_alphanumeric());
+        let word = &word[..end.unwrap_or(word.len())];
+        let is_parameter = self.state.parameter_trie.get(word).is_some();
+        let is_known = is_parameter || AttributeWord::from_text(word).is_some();
+        if !is_known || is_item(behind) != Some(true) {
+            return false;
+        }
+        let (item, name) = (quote(word), quote(self.state.name));
+        let message = match is_parameter {
+            true => format!("the interval of {item} belongs to {name}: it stands before the `;`"),
+            false => format!("{item} belongs to {name}: it stands before the `;`"),
+        };
+        let diagnostic = self
+            .here(codes::UNEXPECTED_TOKEN, message)
+            .with_hint("write `,` in the place of this `;`")
+            .with_fix(Fix {
+                title: "Write `,` for `;`".to_owned(),
+                ..Fix::change(place, ",", true).with_all()
+            });
+        self.reject(diagnostic);
+        true
     }
 
     /// `ATTRS = "," ITEMS |`
@@ -54,7 +116,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     fn items(&mut self) -> Result<(), Stop> {
-        while self.current.kind == TokenKind::Comma {
+        while self.is_before_item() {
             self.advance(Mode::Item);
             self.item()?;
         }

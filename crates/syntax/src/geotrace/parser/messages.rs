@@ -7,10 +7,10 @@ use crate::geotrace::actions::Actions;
 use crate::geotrace::attributes::{self, AttributeWord};
 use crate::geotrace::codes;
 use crate::geotrace::cut::separators;
-use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::declarations::{COORDINATES, DeclarationKeyword};
 use crate::geotrace::lexer::Fault;
 use crate::geotrace::symbols::{NO_CONDITIONS, NameScope};
-use crate::geotrace::token::{Token, TokenKind};
+use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 
 /// The number of characters of the text that a sentence quotes at most.
@@ -182,6 +182,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 diagnostic = self.bad_component(span);
                 self.state.silent = true;
             }
+            '|' if text.contains(|c: char| c.is_ascii_alphanumeric()) => {
+                let inside = text.trim_matches('|').trim();
+                let written = match inside.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
+                    true => format!("abs {inside}"),
+                    false => format!("abs({inside})"),
+                };
+                diagnostic = diagnostic
+                    .with_hint(format!("write {}", quote(&written)))
+                    .with_fix(Fix::change(span, &written, true).with_all());
+            }
+            '>' if self.is_arrow(span) => return self.report_arrow(span),
             '<' if text.contains(',') => {
                 let written = format!("({})", &text[1..text.len() - 1]);
                 diagnostic = diagnostic
@@ -264,6 +275,83 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         );
         let found = foreign::angle_vector(&self.source[first.start as usize..])?;
         is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
+    }
+
+    /// The place of `|x|` in the function of a solid, if it begins with this bar.
+    pub(super) fn absolute_value(&self, bar: Span) -> Option<Span> {
+        let is_in_function = self.state.is_of_space && !self.state.parameters.is_empty();
+        let is_behind_value = matches!(
+            self.previous.kind,
+            TokenKind::Variable(_) | TokenKind::Constant(_) | TokenKind::ParenClose
+        );
+        if !is_in_function || is_behind_value {
+            return None;
+        }
+        let inside = foreign::between_bars(&self.source[bar.start as usize..])?;
+        Some(Span::new(bar.start, bar.end + inside.len() as u32 + 1))
+    }
+
+    /// Returns true if the sign `>` ends an arrow `->` of a vector.
+    fn is_arrow(&self, sign: Span) -> bool {
+        let is_behind_minus =
+            self.previous.kind == TokenKind::Minus && self.previous.span.end == sign.start;
+        is_behind_minus && self.state.keyword == Some(DeclarationKeyword::Vector)
+    }
+
+    /// Reports the arrow of a vector, which is the one report of its declaration.
+    fn report_arrow(&mut self, sign: Span) {
+        let arrow = self.previous.span.to(sign);
+        let diagnostic = Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot stand here")
+            .with_hint("write `direction @ origin`: from p to q, the vector is `(q - p) @ p`");
+        self.report(diagnostic);
+        self.state.quiet = true;
+        self.state.rejected = true;
+    }
+
+    /// The form of a solid that is given by a function, if the set that is read looks like one.
+    pub(super) fn field_form(&self) -> Option<(String, Fix)> {
+        let name = self.state.name_span;
+        let behind = self.source[name.end as usize..]
+            .trim_start()
+            .strip_prefix('=')?;
+        let body = foreign::first_item(behind.trim_start());
+        let mut words = body.split(|c: char| !c.is_ascii_alphabetic());
+        let is_coordinate = |word| COORDINATES.contains(&word) && self.parsed.get(word).is_none();
+        let is_set = self.state.keyword == Some(DeclarationKeyword::Solid)
+            && self.state.parameters.is_empty()
+            && self.state.attributes.is_empty();
+        let is_field = is_set && words.any(is_coordinate) && !body.contains('@');
+        let form = format!("solid {}(x, y, z) = …", self.state.name);
+        let fix = Fix::insert("Insert `(x, y, z)`", name.end, "(x, y, z)");
+        is_field.then_some((form, fix))
+    }
+
+    /// Returns the error of the token behind a map's operand, with how that is written.
+    fn with_map(&self, diagnostic: Diagnostic, map: MapWord, operand: Span) -> Diagnostic {
+        let behind = &self.source[operand.start as usize..];
+        let item = foreign::first_item(behind);
+        let end = item.find(['|', '&', '\\', '@']).unwrap_or(item.len());
+        let item = item[..end].trim_end();
+        let place = Span::new(operand.start, operand.start + item.len() as u32);
+        let (reason, written) = match map {
+            MapWord::Scale => ("a factor of several parts stands in brackets", {
+                Some(format!("({item})")).filter(|_| !item.contains(','))
+            }),
+            MapWord::Rotate => (
+                "the axis times the angle is one vector",
+                foreign::rotation(item),
+            ),
+        };
+        let example = written.as_deref().unwrap_or(match map {
+            MapWord::Scale => "(1/2)",
+            MapWord::Rotate => "(0, 0, pi/2)",
+        });
+        let form = quote(&format!("{} {example}", map.text()));
+        let diagnostic = diagnostic.with_hint(format!("{reason}: write {form}"));
+        match written {
+            Some(written) => diagnostic.with_fix(Fix::change(place, &written, true)),
+            None => diagnostic,
+        }
     }
 
     /// Reports a comparison, and says what is written in its place here.
@@ -375,6 +463,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// The current token begins no expression.
     pub(super) fn expected_expression(&mut self) -> Stop {
+        if let Some(diagnostic) = self.hexadecimal_color() {
+            return self.reject(diagnostic);
+        }
         let found = self.found();
         // Comments are passed without being a token to stand after.
         let message = if self.previous.kind == TokenKind::Eoi {
@@ -385,6 +476,20 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         let diagnostic = self.here(codes::UNEXPECTED_TOKEN, message);
         self.reject(diagnostic)
+    }
+
+    /// The error of a colour `#ff0000` before the current token, which was passed as a comment.
+    fn hexadecimal_color(&self) -> Option<Diagnostic> {
+        let is_value = matches!(self.previous.kind, TokenKind::Colon | TokenKind::Equals);
+        let start = self.previous.span.end;
+        let passed = Span::new(start, self.current.span.start.max(start)).text(self.source);
+        let comment = passed.trim_start();
+        let (length, written) = foreign::color(comment).filter(|_| is_value)?;
+        let start = start + (passed.len() - comment.len()) as u32;
+        let place = Span::new(start, start + length as u32);
+        let message = format!("`#` begins a comment here: a colour is written `{written}`");
+        let fix = Fix::change(place, &written, true).with_all();
+        Some(Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message).with_fix(fix))
     }
 
     /// A bracket that was opened at `opening` is not closed by the current token.
@@ -535,6 +640,22 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 let diagnostic = self.expected_diagnostic("`;`");
                 self.with_bound(diagnostic)
             }
+            TokenKind::Slash
+            | TokenKind::ParenOpen
+            | TokenKind::BracketOpen
+            | TokenKind::Number(_)
+            | TokenKind::Constant(_)
+            | TokenKind::Function(_)
+                if let Some((map, operand)) = self.state.map
+                    && operand.end == self.previous.span.end =>
+            {
+                let diagnostic = self.expected_diagnostic("`;`");
+                self.with_map(diagnostic, map, operand)
+            }
+            _ if let Some((form, fix)) = self.field_form() => self
+                .expected_diagnostic("`;`")
+                .with_hint(format!("a solid by a function is written {}", quote(&form)))
+                .with_fix(fix),
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),

@@ -303,11 +303,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     fn report_undefined(&mut self) {
         let span = self.current.span;
         let word = span.text(self.source);
-        let known = &mut self.state.undefined;
+        let known = &self.state.undefined;
         if known.len() >= MAX_UNDEFINED || known.contains(&word) {
             return;
         }
-        known.push(word);
+        if self.is_differential(word) && known.iter().any(|word| self.is_differential(word)) {
+            return;
+        }
+        self.state.undefined.push(word);
         let whole_span = self.lexer.word();
         let whole = whole_span.text(self.source);
         let mut message = format!("{} is not defined", quote(word));
@@ -316,12 +319,16 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             let reading = quote(&format!("{front} {word}"));
             message.push_str(&format!(": {} is read as {reading}", quote(whole)));
         }
-        let diagnostic = self.here(codes::UNDEFINED_NAME, message);
+        let mut diagnostic = self.here(codes::UNDEFINED_NAME, message);
         let is_applied = self.following(whole_span.end) == Some(b'(');
         let equivalent = [whole, word]
             .into_iter()
             .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)));
-        let own = self.undefined_hint(whole, word);
+        let mut own = self.undefined_hint(whole, word);
+        if let Some((form, fix)) = self.field_form().filter(|_| own.is_none()) {
+            own = Some(format!("a solid by a function is written {}", quote(&form)));
+            diagnostic = diagnostic.with_fix(fix);
+        }
         let replacement = equivalent
             .filter(|_| own.is_none())
             .and_then(|(length, it)| Some((length, it.replacement?)));
@@ -334,6 +341,23 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             parameters: (self.state.in_body).then(|| self.state.parameter_trie.clone()),
         };
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
+    }
+
+    /// Returns true for `dx` in the value of a metric that has the parameter x.
+    fn is_differential(&self, word: &str) -> bool {
+        let is_metric = self.state.keyword == Some(DeclarationKeyword::Metric);
+        let parameters = &self.state.parameter_trie;
+        let rest = word
+            .strip_prefix('d')
+            .filter(|_| is_metric && self.state.in_body);
+        rest.is_some_and(|rest| parameters.longest_prefix(rest).is_some())
+    }
+
+    /// The value of a metric, as a hint.
+    fn metric_form(&self) -> String {
+        let names: Vec<&str> = self.state.parameters.iter().map(|it| &*it.name).collect();
+        let [x, y] = names[..].first_chunk().copied().unwrap_or(["u", "v"]);
+        format!("a metric's value is `(E, F, G)`, of E d{x}² + 2F d{x} d{y} + G d{y}²")
     }
 
     /// The hint for an undefined word that is not declared below, as far as it follows from the declaration alone.
@@ -358,6 +382,16 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     format!("{name} is a parameter: an interval's ends are constants")
                 },
             );
+        }
+        if self.is_differential(word) {
+            return Some(self.metric_form());
+        }
+        match word {
+            "max" if self.state.in_set => return Some("the points of both are `a & b`".to_owned()),
+            "min" if self.state.in_set => {
+                return Some("the points of either are `a | b`".to_owned());
+            }
+            _ => {}
         }
         let map = MapWord::ALL
             .into_iter()
