@@ -184,6 +184,44 @@ fn completions_of_attributes_say_what_may_stand_there() {
 }
 
 #[test]
+fn the_value_of_an_attribute_has_the_parameters_of_its_declaration() {
+    for (source, label, insert) in [
+        ("solid s(x,y,z) = x, u¦", "uv", "uv : ${1:(x, y)}"),
+        ("solid s(a,b,c) = a, u¦", "uv", "uv : ${1:(a, b)}"),
+        (
+            "solid s(a,b,c) = a, bu¦",
+            "bump",
+            "bump : ${1:0.01sin(40c)}",
+        ),
+        (
+            "solid s(a,b,e2) = a, bu¦",
+            "bump",
+            "bump : ${1:0.01sin(40 e2)}",
+        ),
+        (
+            "solid s(x,y,z) = x; solid t = s, bu¦",
+            "bump",
+            "bump : ${1:0.01sin(40z)}",
+        ),
+        (
+            "surface s(u,v) = (u,v,0), u : [0,1], v : [0,1], u¦",
+            "uv",
+            "uv : ${1:(u, v)}",
+        ),
+        (
+            "surface s(p,q) = (p,q,0), p : [0,1], q : [0,1], bu¦",
+            "bump",
+            "bump : ${1:0.01sin(40q)}",
+        ),
+    ] {
+        let (analysis, offset) = marked(source);
+        let found = completions(&analysis, offset, true).list;
+        let found = found.iter().find(|it| it.label == label);
+        assert_eq!(found.map(|it| &*it.insert), Some(insert), "{source}");
+    }
+}
+
+#[test]
 fn hover_tells_what_a_solid_is() {
     let at = |mark: &str| {
         let place = STAGE.find(mark).expect("in the program");

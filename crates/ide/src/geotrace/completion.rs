@@ -1,6 +1,6 @@
 //! Completion at a place of a program.
 
-use syntax::geotrace::attributes::{self, AttributeRow, AttributeType};
+use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, TABLE};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::geotrace::token::{MapWord, TokenKind};
@@ -142,7 +142,7 @@ fn items(
     let rows = rows.filter(|row| item.variables().all(|name| name != row.text));
     let has_value = behind_word(analysis.document(), offset).starts_with(':');
     let alone = |it| if has_value { word_alone(it) } else { it };
-    list.extend(rows.map(|row| alone(attribute(row, snippets))));
+    list.extend(rows.map(|row| alone(attribute(row, &item, snippets))));
     list
 }
 
@@ -183,8 +183,8 @@ fn words(row: &AttributeRow) -> Vec<Completion> {
     words.collect()
 }
 
-fn attribute(row: &AttributeRow, snippets: bool) -> Completion {
-    let value = row.example.split_once(" : ").map_or("", |(_, value)| value);
+fn attribute(row: &AttributeRow, owner: &Item<'_>, snippets: bool) -> Completion {
+    let value = example_value(row, owner);
     Completion {
         label: row.text.to_owned(),
         kind: CompletionKind::Attribute,
@@ -194,6 +194,21 @@ fn attribute(row: &AttributeRow, snippets: bool) -> Completion {
             false => format!("{} : ", row.text),
         },
         snippet: snippets,
+    }
+}
+
+/// The value of an attribute to begin with, over the parameters of its declaration.
+fn example_value(row: &AttributeRow, owner: &Item<'_>) -> String {
+    let names: Vec<&str> = owner.variables().collect();
+    match (row.word, &names[..]) {
+        (AttributeWord::Uv, [first, second, ..]) => format!("({first}, {second})"),
+        // A number goes on with the letter e before digits.
+        (AttributeWord::Bump, [.., last]) if last.starts_with('e') => format!("0.01sin(40 {last})"),
+        (AttributeWord::Bump, [.., last]) => format!("0.01sin(40{last})"),
+        _ => {
+            let value = row.example.split_once(" : ");
+            value.map_or("", |(_, value)| value).to_owned()
+        }
     }
 }
 
