@@ -154,6 +154,18 @@ fn hover_tells_values_signatures_and_geometry() {
         told.contains("sin x") && told.contains("derivative: `cos x"),
         "{told}"
     );
+    for (name, derivative) in [
+        ("sqrt", "x'/(2 sqrt x)"),
+        ("tan", "x'/cos^2 x"),
+        ("tanh", "x'/cosh^2 x"),
+        ("exp", "exp x x'"),
+    ] {
+        let told = tell(&format!("define x = |{name} 2;")).expect("a hover");
+        assert!(
+            told.contains(&format!("derivative: `{derivative}`")),
+            "{told}"
+        );
+    }
     let torus = "surface s|(u,v) = ((2+cosv)cosu, (2+cosv)sinu, sinv), u : [0,2pi], v : [0,2pi];";
     let told = tell(torus).expect("a hover");
     // At v = pi: E = (2−1)², F = 0, G = 1, K = cos v/(2+cos v) = −1.

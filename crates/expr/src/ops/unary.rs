@@ -48,7 +48,7 @@ macro_rules! unary_operations {
                 match self { $(Self::$variant => $wgsl,)+ }
             }
 
-            /// The rule of its derivative, for readers: x is the operand, x' its derivative, y the result.
+            /// The rule of its derivative, for readers: x is the operand, x' its derivative.
             pub fn derivative_text(self) -> &'static str {
                 match self { $(Self::$variant => $text,)+ }
             }
@@ -120,13 +120,13 @@ unary_operations! {
     /// Sine of an angle in radians.
     Sin = "sin", builtin: Some("sin"), wgsl: Wgsl::Builtin("sin"),
     eval: |x| x.sin(),
-    derivative: "cos x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) },
+    derivative: "cos x x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) },
     slopes: |n, x, y| [n.unary(Unary::Cos, x), n.neg(y)];
 
     /// Cosine of an angle in radians.
     Cos = "cos", builtin: Some("cos"), wgsl: Wgsl::Builtin("cos"),
     eval: |x| x.cos(),
-    derivative: "-sin x · x'", |g, x, _y, dx| {
+    derivative: "-sin x x'", |g, x, _y, dx| {
         let s = g.unary(Unary::Sin, x);
         let product = g.mul(s, dx);
         g.neg(product)
@@ -136,7 +136,7 @@ unary_operations! {
     /// Tangent of an angle in radians.
     Tan = "tan", builtin: Some("tan"), wgsl: Wgsl::Builtin("tan"),
     eval: |x| x.tan(),
-    derivative: "(1 + y²) x'", |g, _x, y, dx| {
+    derivative: "x'/cos^2 x", |g, _x, y, dx| {
         let one = g.constant(1.0);
         let square = g.mul(y, y);
         let sum = g.add(one, square);
@@ -153,13 +153,13 @@ unary_operations! {
     /// The exponential function: e to a power.
     Exp = "exp", builtin: Some("exp"), wgsl: Wgsl::Builtin("exp"),
     eval: |x| x.exp(),
-    derivative: "y x'", |g, _x, y, dx| g.mul(y, dx),
+    derivative: "exp x x'", |g, _x, y, dx| g.mul(y, dx),
     slopes: |_n, _x, y| [y, y];
 
     /// Natural logarithm; undefined below zero, minus infinity at zero.
     Log = "log", builtin: Some("log"), wgsl: Wgsl::Builtin("log"),
     eval: |x| x.ln(),
-    derivative: "x' / x", |g, x, _y, dx| g.div(dx, x),
+    derivative: "x'/x", |g, x, _y, dx| g.div(dx, x),
     slopes: |n, x, _y| {
         let one = n.constant(1.0);
         let first = n.div(one, x);
@@ -170,7 +170,7 @@ unary_operations! {
     /// Square root; undefined below zero.
     Sqrt = "sqrt", builtin: Some("sqrt"), wgsl: Wgsl::Builtin("sqrt"),
     eval: |x| x.sqrt(),
-    derivative: "x' / 2y", |g, _x, y, dx| {
+    derivative: "x'/(2 sqrt x)", |g, _x, y, dx| {
         let two = g.constant(2.0);
         let double = g.mul(two, y);
         g.div(dx, double)
@@ -187,7 +187,7 @@ unary_operations! {
     /// The angle in [-π/2, π/2] with this sine; undefined outside [-1, 1].
     Asin = "asin", builtin: Some("asin"), wgsl: Wgsl::Builtin("asin"),
     eval: |x| x.asin(),
-    derivative: "x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+    derivative: "x'/sqrt(1 - x^2)", |g, x, _y, dx| {
         let root = sine_of_complement(g, x);
         g.div(dx, root)
     },
@@ -196,7 +196,7 @@ unary_operations! {
     /// The angle in [0, π] with this cosine; undefined outside [-1, 1].
     Acos = "acos", builtin: Some("acos"), wgsl: Wgsl::Builtin("acos"),
     eval: |x| x.acos(),
-    derivative: "-x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+    derivative: "-x'/sqrt(1 - x^2)", |g, x, _y, dx| {
         let root = sine_of_complement(g, x);
         let quotient = g.div(dx, root);
         g.neg(quotient)
@@ -206,7 +206,7 @@ unary_operations! {
     /// The angle in (-π/2, π/2) with this tangent.
     Atan = "atan", builtin: Some("atan"), wgsl: Wgsl::Builtin("atan"),
     eval: |x| x.atan(),
-    derivative: "x' / (1 + x²)", |g, x, _y, dx| {
+    derivative: "x'/(1 + x^2)", |g, x, _y, dx| {
         let one = g.constant(1.0);
         let square = g.mul(x, x);
         let sum = g.add(one, square);
@@ -217,19 +217,19 @@ unary_operations! {
     /// Hyperbolic sine.
     Sinh = "sinh", builtin: Some("sinh"), wgsl: Wgsl::Builtin("sinh"),
     eval: |x| x.sinh(),
-    derivative: "cosh x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) },
+    derivative: "cosh x x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) },
     slopes: |n, x, y| [n.unary(Unary::Cosh, x), y];
 
     /// Hyperbolic cosine.
     Cosh = "cosh", builtin: Some("cosh"), wgsl: Wgsl::Builtin("cosh"),
     eval: |x| x.cosh(),
-    derivative: "sinh x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) },
+    derivative: "sinh x x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) },
     slopes: |n, x, y| [n.unary(Unary::Sinh, x), y];
 
     /// Hyperbolic tangent.
     Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
     eval: |x| x.tanh(),
-    derivative: "(1 - y)(1 + y) x'", |g, _x, y, dx| {
+    derivative: "x'/cosh^2 x", |g, _x, y, dx| {
         let product = one_minus_square(g, y);
         g.mul(product, dx)
     },
@@ -243,7 +243,7 @@ unary_operations! {
     /// Absolute value. Its derivative at zero is taken to be zero.
     Abs = "abs", builtin: Some("abs"), wgsl: Wgsl::Builtin("abs"),
     eval: |x| x.abs(),
-    derivative: "sign x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) },
+    derivative: "x' x/abs x", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) },
     slopes: |n, x, _y| [n.unary(Unary::Sign, x), n.constant(0.0)];
 
     /// The sign of a number: -1, 0 or 1; 0 for both zeros.
