@@ -120,13 +120,13 @@ unary_operations! {
     /// Sine of an angle in radians.
     Sin = "sin", builtin: Some("sin"), wgsl: Wgsl::Builtin("sin"),
     eval: |x| x.sin(),
-    derivative: "cos x x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) },
+    derivative: "x' cos x", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) },
     slopes: |n, x, y| [n.unary(Unary::Cos, x), n.neg(y)];
 
     /// Cosine of an angle in radians.
     Cos = "cos", builtin: Some("cos"), wgsl: Wgsl::Builtin("cos"),
     eval: |x| x.cos(),
-    derivative: "-sin x x'", |g, x, _y, dx| {
+    derivative: "-x' sin x", |g, x, _y, dx| {
         let s = g.unary(Unary::Sin, x);
         let product = g.mul(s, dx);
         g.neg(product)
@@ -153,7 +153,7 @@ unary_operations! {
     /// The exponential function: e to a power.
     Exp = "exp", builtin: Some("exp"), wgsl: Wgsl::Builtin("exp"),
     eval: |x| x.exp(),
-    derivative: "exp x x'", |g, _x, y, dx| g.mul(y, dx),
+    derivative: "x' exp x", |g, _x, y, dx| g.mul(y, dx),
     slopes: |_n, _x, y| [y, y];
 
     /// Natural logarithm; undefined below zero, minus infinity at zero.
@@ -217,13 +217,13 @@ unary_operations! {
     /// Hyperbolic sine.
     Sinh = "sinh", builtin: Some("sinh"), wgsl: Wgsl::Builtin("sinh"),
     eval: |x| x.sinh(),
-    derivative: "cosh x x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) },
+    derivative: "x' cosh x", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) },
     slopes: |n, x, y| [n.unary(Unary::Cosh, x), y];
 
     /// Hyperbolic cosine.
     Cosh = "cosh", builtin: Some("cosh"), wgsl: Wgsl::Builtin("cosh"),
     eval: |x| x.cosh(),
-    derivative: "sinh x x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) },
+    derivative: "x' sinh x", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) },
     slopes: |n, x, y| [n.unary(Unary::Sinh, x), y];
 
     /// Hyperbolic tangent.
