@@ -41,7 +41,7 @@ pub(crate) fn tips(
         .filter(|(place, _)| place.is_finite())
         .map(|(place, normal)| [place, normal])
         .collect();
-    let mut search = Search {
+    let mut search = TipSearch {
         caster,
         frame,
         cell: 2.0 / in_a_row as f64,
@@ -76,7 +76,7 @@ fn directions() -> impl Iterator<Item = DVec3> {
 }
 
 /// Looks for tips in a frame in which the box is from −1 to 1.
-struct Search<'a, 'w> {
+struct TipSearch<'a, 'w> {
     caster: &'a mut Caster<'w>,
     frame: DAffine3,
     /// The distance of rays.
@@ -84,7 +84,7 @@ struct Search<'a, 'w> {
     operations: u64,
 }
 
-impl Search<'_, '_> {
+impl TipSearch<'_, '_> {
     /// The place that is found to lie furthest in a direction, near one on the solid.
     fn tip(&mut self, from: DVec3, direction: DVec3) -> DVec3 {
         let (a, b) = direction.any_orthonormal_pair();
