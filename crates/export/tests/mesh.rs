@@ -703,6 +703,9 @@ fn what_is_thinner_than_a_cell_is_told() {
 
     let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
     assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
+    let unknown = exported("solid star(x,y,z) = x^(2/3) + y^(2/3) + z^(2/3) - 1;");
+    let told = "`star` has no mesh: no box around it was found, and it may be endless; ";
+    assert!(unknown.notes[0].starts_with(told), "{:?}", unknown.notes);
 
     for (source, is_partly_thin) in [
         // A brim, a shell, and a plate that no axis is normal to.

@@ -79,7 +79,8 @@ pub(super) fn meshed(
     let Some(bounds) = rays.world().bounds(0) else {
         let mut notes = told();
         notes.push(format!(
-            "`{name}` is endless and has no mesh: intervals cut it, such as `x : [-3, 3]` behind it"
+            "`{name}` has no mesh: no box around it was found, and it may be endless; intervals cut it, such as \
+             `x : [-3, 3]` behind it"
         ));
         return (None, notes);
     };
