@@ -202,4 +202,33 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_declaration_of_another_notation_has_one_message() {
+        let ball = "solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;";
+        for (source, hint) in [
+            ("solid b = x^2 + y^2 + z^2 - 1;", "solid b(x, y, z)"),
+            ("solid b(x, y, z) = |x| - 1;", "abs x"),
+            ("solid c = max(ball, ball @ (1, 0, 0));", "a & b"),
+            ("solid c = min(ball, ball @ (1, 0, 0));", "a | b"),
+            ("solid c = ball @ scale 1/2;", "scale (1/2)"),
+            ("solid c = ball @ rotate pi/2 (0, 0, 1);", "(0, 0, pi/2)"),
+            ("surface s(x, y, z) = x^2 - 1;", "solid s(x, y, z)"),
+            ("vector v = (0, 0, 0) -> (1, 1, 1);", "direction @ origin"),
+            ("function h(x) -> x^2;", "`=`"),
+            (
+                "metric h(x, y) = (dx^2 + dy^2)/y^2, x : [0, 1], y : [1, 2];",
+                "(E, F, G)",
+            ),
+            ("curve c(t) = (cos t, sin t, 0);\nt : [0, 2pi];", "`,`"),
+        ] {
+            let source = format!("{ball}\n{source}");
+            let found = crate::geotrace::compile(&source).diagnostics;
+            let [found] = &found[..] else {
+                panic!("{source}: {found:?}");
+            };
+            let told = found.hint.as_deref().unwrap_or_default();
+            assert!(told.contains(hint), "{source}: {told}");
+        }
+    }
 }
