@@ -747,20 +747,23 @@ fn of_text(text: &str) -> RayScene {
 }
 
 #[test]
-fn only_a_pinhole_camera_sees_less_than_half_a_turn() {
+fn only_a_spherical_camera_sees_half_a_turn_or_more() {
     for (states, expected) in [
         ("projection : spherical, fov : 2pi", 2.0 * PI),
-        ("projection : cylindrical, fov : 1.5pi", 1.5 * PI),
+        ("projection : cylindrical, fov : 0.9pi", 0.9 * PI),
         ("projection : spherical, fov : pi", PI),
     ] {
         let scene = of_text(&format!("camera c = (1,0,0) @ (-3,0,0), {states};"));
         assert_eq!(scene.cameras()[0].lens.fov, expected, "{states}");
         assert_eq!(scene.notes(), [], "{states}");
     }
-    let scene = of_text("param a = 4 : [0, 6]; camera c = (1,0,0) @ (-3,0,0), fov : a;");
-    let fov = scene.cameras()[0].lens.fov;
-    assert!(fov < PI && fov > 0.99 * PI, "{fov}");
-    assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("fov"));
+    for projection in ["pinhole", "cylindrical"] {
+        let camera = "camera c = (1,0,0) @ (-3,0,0), fov : a, projection";
+        let scene = of_text(&format!("param a = 4 : [0, 6]; {camera} : {projection};"));
+        let fov = scene.cameras()[0].lens.fov;
+        assert!(fov < PI && fov > 0.99 * PI, "{fov}");
+        assert_eq!(scene.notes()[0].fault, RayFault::ClampedAttribute("fov"));
+    }
 }
 
 #[test]

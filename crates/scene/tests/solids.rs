@@ -396,11 +396,11 @@ fn an_opening_that_is_too_wide_is_told_by_the_projection() {
     for (states, expected) in [
         (
             "fov : 75",
-            "the `fov` of a pinhole camera is below pi, but this is 75",
+            "the `fov` of a camera that is not spherical is below pi, but this is 75",
         ),
         (
             "fov : 4, projection : pinhole",
-            "the `fov` of a pinhole camera is below pi, but this is 4",
+            "the `fov` of a camera that is not spherical is below pi, but this is 4",
         ),
         (
             "projection : spherical, fov : 7",
@@ -408,7 +408,7 @@ fn an_opening_that_is_too_wide_is_told_by_the_projection() {
         ),
         (
             "fov : 200, projection : cylindrical",
-            "`fov` is > 0 and ≤ 2pi, but this is 200",
+            "the `fov` of a camera that is not spherical is below pi, but this is 200",
         ),
         ("fov : -1", "`fov` is > 0 and ≤ 2pi, but this is -1"),
     ] {

@@ -69,7 +69,7 @@ const ALL: [(A, &str); 22] = [
 
 /// The least number that counts as positive.
 const POSITIVE: f64 = 1e-12;
-/// The greatest opening of a pinhole camera.
+/// The greatest opening of a camera that is not spherical: its picture is scaled by the tangent of half of it.
 const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
 
 impl A {
@@ -235,7 +235,7 @@ impl AttributeSet {
             groups: groups.collect(),
             bright,
             widest: match stated_word(attributes, "projection") {
-                Some("spherical" | "cylindrical") => std::f64::consts::TAU,
+                Some("spherical") => std::f64::consts::TAU,
                 _ => WIDEST,
             },
             faults: AttributeFaults::default(),

@@ -41,10 +41,10 @@ impl DeclaredAttribute {
         }
     }
 
-    /// True if it states a projection that may see half a turn or more.
-    fn is_wide_projection(&self) -> bool {
+    /// True if it states the projection that may see half a turn or more.
+    fn is_spherical(&self) -> bool {
         let is_projection = self.read.word == AttributeWord::Projection;
-        is_projection && matches!(&self.value, ReadValue::Word(word) if **word != *"pinhole")
+        is_projection && matches!(&self.value, ReadValue::Word(word) if **word == *"spherical")
     }
 }
 
@@ -59,7 +59,7 @@ impl Declarations {
         let mut all = Vec::new();
         let mut dependencies = Dependencies::default();
         let declared = std::mem::take(&mut self.attributes);
-        let is_pinhole = !declared.iter().any(DeclaredAttribute::is_wide_projection);
+        let is_narrow = !declared.iter().any(DeclaredAttribute::is_spherical);
         for stated in declared {
             let word = stated.read.word;
             let Some(row) = word.row(keyword) else {
@@ -72,7 +72,7 @@ impl Declarations {
                     let sets = &mut self.lowerer.dependencies;
                     dependencies = sets.union(dependencies, lowered.dependencies);
                     let is_constant = lowered.dependencies == Dependencies::default();
-                    let error = if row.word == AttributeWord::Fov && is_pinhole {
+                    let error = if row.word == AttributeWord::Fov && is_narrow {
                         wide_or_out_of_range
                     } else {
                         out_of_range
@@ -90,7 +90,7 @@ impl Declarations {
                 map: None,
             }));
         }
-        if is_pinhole {
+        if is_narrow {
             self.check_field_of_view(&all);
         }
         (all, dependencies)
@@ -142,7 +142,7 @@ impl Declarations {
         Some(AttributeValue::Numbers(nodes.to_vec()))
     }
 
-    /// Reports a constant field of view of a pinhole camera that is half a turn or more.
+    /// Reports a constant field of view of a camera that is not spherical, if it is half a turn or more.
     fn check_field_of_view(&mut self, attributes: &[Attribute]) {
         let word = AttributeWord::Fov.text();
         let Some(fov) = attributes.iter().find(|it| it.word == word) else {
@@ -160,10 +160,10 @@ impl Declarations {
     }
 }
 
-/// The error of a pinhole camera that sees half a turn or more.
+/// The error of a camera that is not spherical and sees half a turn or more.
 fn wide(number: f64) -> SemanticError {
     let message = format!(
-        "the `fov` of a pinhole camera is below pi, but this is {}",
+        "the `fov` of a camera that is not spherical is below pi, but this is {}",
         number::text(number)
     );
     let degrees = if number < 180.0 { number } else { 75.0 };
@@ -174,7 +174,7 @@ fn wide(number: f64) -> SemanticError {
     SemanticError::new(ATTRIBUTE_RANGE, message).with_hint(hint)
 }
 
-/// The error of the opening of a pinhole camera that is out of its range.
+/// The error of the opening of a camera that is not spherical, where it is out of its range.
 fn wide_or_out_of_range(row: &AttributeRow, range: AttributeRange, number: f64) -> SemanticError {
     if number > range.max {
         wide(number)
