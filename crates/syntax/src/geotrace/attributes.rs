@@ -145,7 +145,7 @@ attributes! {
     Size on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
         "the radius of the ball that shines: soft shadows", "size : 0.3";
     Fov on &[Camera], AttributeType::Number(AttributeRange::TURN), "pi/4",
-        "the vertical field of view, in radians: below pi for a pinhole camera", "fov : 75pi/180";
+        "the vertical field of view, in radians: below pi unless the camera is spherical", "fov : 75pi/180";
     Focus on &[Camera], AttributeType::Number(AttributeRange::POSITIVE), "the length of the direction",
         "the distance of the plane that is sharp", "focus : 3";
     Aperture on &[Camera], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",

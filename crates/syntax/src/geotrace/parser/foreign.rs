@@ -183,16 +183,11 @@ pub(super) fn between_bars(text: &str) -> Option<&str> {
 pub(super) fn rotation(text: &str) -> Option<String> {
     let opening = text.find('(')?;
     let closing = opening + text[opening..].find(')')?;
-    let before = text[..opening]
-        .trim()
-        .trim_end_matches(['*', ','])
-        .trim_end();
-    let behind = text[closing + 1..]
-        .trim()
-        .trim_start_matches(['*', ','])
-        .trim_start();
-    let angle = [before, behind].concat();
+    let is_between = |c: char| c.is_whitespace() || c == '*' || c == ',';
+    let [before, behind] = [&text[..opening], &text[closing + 1..]];
+    let [before, behind] = [before, behind].map(|side| side.trim_matches(is_between));
     let is_one_side = before.is_empty() != behind.is_empty();
+    let angle = [before, behind].concat();
     if !is_one_side || angle.contains(['(', ')', ',']) {
         return None;
     }

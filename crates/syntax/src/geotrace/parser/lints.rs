@@ -82,6 +82,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_with(span, message, hint, fixes.collect());
     }
 
+    /// Reports a warning about a text that may be meant in one way and is read in another; both can be written.
+    fn warn_of_reading(&mut self, place: Span, written: &str, meant: &str, read: &str) {
+        let message = format!("{} is read as {}", quote(written), quote(read));
+        let hint = format!(
+            "write {}, or {} if that is meant",
+            quote(meant),
+            quote(read)
+        );
+        self.warn(place, message, hint, &[meant, read]);
+    }
+
     /// Reports a warning whose first fix writes what it looks like: it may be applied together with others.
     fn warn_of_argument(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         let fixes = written.iter().map(|text| Fix::write(span, text));
@@ -167,12 +178,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.warn(span, message, hint, &[]);
             return;
         }
-        let hint = format!(
-            "write {}, or {} if that is meant",
-            quote(&meant),
-            quote(&read)
-        );
-        self.warn(span, message, hint, &[&meant, &read]);
+        let written = format!("{name} {number}{between}{next}");
+        self.warn_of_reading(span, &written, &meant, &read);
     }
 
     /// Returns true if a name is that of a builtin that is a word of its own only before a bracket.
@@ -321,21 +328,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let read = format!("e^{number} {}", factor.text(self.source));
         let meant = format!("e^({number}{})", factor.text(self.source));
         let place = base.to(factor);
-        let written = quote(place.text(self.source));
-        let message = format!("{written} is read as {}", quote(&read));
         // More factors, or a power of this one, may be meant to be in the exponent too.
         let rest = self.source[factor.end as usize..].trim_start_matches([' ', '\t']);
         if !rest.starts_with([',', ';', ')', ']', '}', '+', '-', '\n', '\r']) && !rest.is_empty() {
+            let written = quote(place.text(self.source));
+            let message = format!("{written} is read as {}", quote(&read));
             let hint = "write the exponent between brackets".to_owned();
             self.warn(place, message, hint, &[]);
             return;
         }
-        let hint = format!(
-            "write {}, or {} if that is meant",
-            quote(&meant),
-            quote(&read)
-        );
-        self.warn(place, message, hint, &[&meant, &read]);
+        let written = place.text(self.source);
+        self.warn_of_reading(place, written, &meant, &read);
     }
 
     /// `sin 1/`: returns the application of a function to the number 1 that a slash stands behind.
@@ -353,14 +356,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let name = function.text(self.source);
         let rest = Span::new(operand.end, divisor.end).text(self.source);
         let (read, meant) = (format!("({name} 1){rest}"), format!("{name}(1{rest})"));
-        let written = quote(place.text(self.source));
-        let message = format!("{written} is read as {}", quote(&read));
-        let hint = format!(
-            "write {}, or {} if that is meant",
-            quote(&meant),
-            quote(&read)
-        );
-        self.warn(place, message, hint, &[&meant, &read]);
+        let written = place.text(self.source);
+        self.warn_of_reading(place, written, &meant, &read);
     }
 
     /// `sin^-1`: looks like the inverse function.
