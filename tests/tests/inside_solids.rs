@@ -224,8 +224,14 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
         run.expect_status(2);
         run.stderr
     };
-    let empty = refused("solid none(x,y,z) = x^2 + 1;", &[]);
-    assert!(empty.contains("needs a place"), "{empty}");
+    let two_balls = "solid two(x,y,z) = min((x-2)^2+(y-2)^2+z^2, (x+2)^2+(y+2)^2+z^2) - 1;";
+    let beside = refused(two_balls, &[]);
+    assert!(beside.contains("needs a place"), "{beside}");
+    let empty = geotrace(["render", "-", "-o", "never.png", "--view", "geodesic"])
+        .input("solid none(x,y,z) = x^2 + 1;")
+        .run();
+    empty.expect_status(1);
+    empty.expect_text("`none` has no surface: no point is in it");
     let middle = refused(BALL, &["--at", "0,0,0"]);
     assert!(middle.contains("not brought onto"), "{middle}");
     let two = refused(BALL, &["--at", "0,0"]);

@@ -64,7 +64,7 @@ fn a_metric_is_found_by_its_name_and_a_geodesic_is_none() {
     named("h").expect_status(0);
     let run = named("g");
     run.expect_status(2);
-    run.expect_text("`g` is not a surface");
+    run.expect_text("is a geodesic, not a surface, metric or solid");
     run.expect_text("its metric is `h`");
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use geometry::{Manifold, ManifoldError};
 use ide::language::{Compiled, Scope};
-use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Value};
+use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Shape, Value};
 use syntax::diagnostic::Diagnostic;
 
 use crate::argument::{Assignment, Format, PlaceArgument, Quantity};
@@ -241,7 +241,8 @@ impl LoadedProgram {
                 hint: Some(format!("`solid copy = {name};` draws it")),
             });
         }
-        self.first_of(name, &["surface", "metric", "solid"])
+        let is_ground = |shape: &Shape| shape.has_inside();
+        self.first_of(name, "surface, metric or solid", &is_ground)
     }
 
     /// Finds an object by its name.
@@ -269,23 +270,25 @@ impl LoadedProgram {
     /// # Errors
     /// [`Failure::Usage`] if there is no such surface.
     pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
-        self.first_of(name, &["surface", "metric"])
+        let is_one = |shape: &Shape| shape.manifold().is_some();
+        self.first_of(name, "surface or metric", &is_one)
     }
 
-    /// Finds an object of these kinds by its name; without a name, the first one.
-    fn first_of(&self, name: Option<&str>, kinds: &[&str]) -> Result<(ObjectId, &Object), Failure> {
+    /// Finds an object of a shape that is `wanted` by its name; without a name, the first one.
+    fn first_of(
+        &self,
+        name: Option<&str>,
+        wanted: &str,
+        is_one: &dyn Fn(&Shape) -> bool,
+    ) -> Result<(ObjectId, &Object), Failure> {
         let scene = self.scene();
-        let known = || {
-            let all = scene.numbered();
-            all.filter(|(_, object)| kinds.contains(&object.shape.kind()))
-        };
+        let known = || scene.numbered().filter(|(_, object)| is_one(&object.shape));
         let found = match name {
             Some(name) => known().find(|(_, object)| object.name == name),
             None => known().next(),
         };
         found.ok_or_else(|| {
             let file = &self.source.name;
-            let wanted = alternatives(kinds, "or");
             let message = match name.and_then(|name| scene.object(name)) {
                 Some((_, object)) => {
                     let (name, kind) = (&object.name, object.shape.kind());
@@ -297,14 +300,18 @@ impl LoadedProgram {
                 },
             };
             let names: Vec<String> = known().map(|(_, object)| format!("`{}`", object.name)).collect();
-            let has = |kind: &&&str| known().any(|(_, object)| object.shape.kind() == **kind);
-            let present: Vec<&str> = kinds.iter().filter(has).copied().collect();
+            let mut kinds: Vec<&str> = Vec::new();
+            for (_, object) in known() {
+                if !kinds.contains(&object.shape.kind()) {
+                    kinds.push(object.shape.kind());
+                }
+            }
             let hint = match &names[..] {
                 [] => "a surface is declared like this: surface s(u, v) = (u, v, u v), u : [-1, 1], v : [-1, 1];".into(),
-                [only] => format!("its {} is {only}", present[0]),
+                [only] => format!("its {} is {only}", kinds.concat()),
                 several => {
-                    let present: Vec<String> = present.iter().map(|kind| format!("{kind}s")).collect();
-                    format!("its {} are {}", alternatives(&present, "and"), several.join(", "))
+                    let kinds: Vec<String> = kinds.iter().map(|kind| format!("{kind}s")).collect();
+                    format!("its {} are {}", joined(&kinds), several.join(", "))
                 }
             };
             Failure::Usage {
@@ -315,13 +322,12 @@ impl LoadedProgram {
     }
 }
 
-/// Words with commas and a last word between them.
-fn alternatives(words: &[impl AsRef<str>], between: &str) -> String {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    match &words[..] {
+/// Words with commas, and an `and` before the last.
+fn joined(words: &[String]) -> String {
+    match words {
         [] => String::new(),
-        [only] => (*only).to_owned(),
-        [before @ .., last] => format!("{} {between} {last}", before.join(", ")),
+        [only] => only.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
     }
 }
 

@@ -96,18 +96,18 @@ fn a_geodesic_that_cannot_start_says_why() {
 fn a_camera_stands_where_the_ray_along_x_leaves() {
     let scene = scene();
     for (name, place, within) in [
-        ("ball", Some([2.0, 0.0, 0.0]), 1e-8),
+        ("ball", [2.0, 0.0, 0.0], 1e-8),
         // Through the hole, and out on its other side. Its box is a little wider than the ring.
-        ("ring", Some([2.5, 0.0, 0.0]), 0.02),
-        ("pipe", Some([1.0, 0.0, 0.0]), 1e-12),
-        ("empty", None, 0.0),
+        ("ring", [2.5, 0.0, 0.0], 0.02),
+        ("pipe", [1.0, 0.0, 0.0], 1e-12),
     ] {
         let found = solid(&scene, name).expect("a solid").first_place();
-        match (found, place) {
-            (Some(found), Some(place)) => assert!(apart(found, place) < within, "{name} {found:?}"),
-            (found, place) => assert_eq!(found, place, "{name}"),
-        }
+        let found = found.expect("a place");
+        assert!(apart(found, place) < within, "{name} {found:?}");
     }
+    let name = "empty".to_owned();
+    let refused = solid(&scene, &name).expect_err("no surface");
+    assert_eq!(refused, ManifoldError::Empty { name });
     assert!(solid(&scene, "pipe").expect("a solid").bounds().is_none());
     let refused = solid(&scene, "p").expect_err("a point");
     assert_eq!(

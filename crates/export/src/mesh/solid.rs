@@ -67,9 +67,9 @@ pub(super) fn meshed(
         // Vertices lie a little off curved surfaces: attributes may leave their ranges there and nowhere else.
         let notes = rays.notes().into_iter();
         // That a mesh is empty is told of all meshes.
-        let untold =
+        let is_kept =
             |note: &RayNote| !matches!(note.fault, RayFault::ClampedAttribute(_) | RayFault::Empty);
-        let notes = notes.filter(untold);
+        let notes = notes.filter(is_kept);
         notes.map(|note| note.to_string()).collect()
     };
     if rays.world().solid_count() == 0 {
