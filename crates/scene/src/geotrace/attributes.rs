@@ -131,12 +131,13 @@ impl Declarations {
         let graph = &self.lowerer.graph;
         // Values of geodesics are uniforms; such a value is clamped where it is used.
         let is_known = |node| graph.inputs(&[node]).is_empty();
-        let known = nodes.iter().copied().filter(|node| is_known(*node));
-        for (node, error) in known.zip(constant.into_iter().cycle()) {
-            let number = self.lowerer.numbers(&[node])[0];
-            if !range.contains(number) {
-                self.found.push(error(row, range, number).at(span));
-                return None;
+        if let Some(error) = constant {
+            for node in nodes.iter().copied().filter(|node| is_known(*node)) {
+                let number = self.lowerer.numbers(&[node])[0];
+                if !range.contains(number) {
+                    self.found.push(error(row, range, number).at(span));
+                    return None;
+                }
             }
         }
         Some(AttributeValue::Numbers(nodes.to_vec()))

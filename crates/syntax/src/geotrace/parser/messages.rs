@@ -308,7 +308,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state.rejected = true;
     }
 
-    /// The form of a solid that is given by a function, if the set that is read looks like one.
+    /// How a solid that is given by a function is written, as a hint, if the set that is read looks like one.
     pub(super) fn field_form(&self) -> Option<(String, Fix)> {
         let name = self.state.name_span;
         let behind = self.source[name.end as usize..]
@@ -321,9 +321,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             && self.state.parameters.is_empty()
             && self.state.attributes.is_empty();
         let is_field = is_set && words.any(is_coordinate) && !body.contains('@');
-        let form = format!("solid {}(x, y, z) = …", self.state.name);
+        let form = quote(&format!("solid {}(x, y, z) = …", self.state.name));
+        let hint = format!("a solid by a function is written {form}");
         let fix = Fix::insert("Insert `(x, y, z)`", name.end, "(x, y, z)");
-        is_field.then_some((form, fix))
+        is_field.then_some((hint, fix))
     }
 
     /// Returns the error of the token behind a map's operand, with how that is written.
@@ -652,10 +653,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 let diagnostic = self.expected_diagnostic("`;`");
                 self.with_map(diagnostic, map, operand)
             }
-            _ if let Some((form, fix)) = self.field_form() => self
-                .expected_diagnostic("`;`")
-                .with_hint(format!("a solid by a function is written {}", quote(&form)))
-                .with_fix(fix),
+            _ if let Some((hint, fix)) = self.field_form() => {
+                let diagnostic = self.expected_diagnostic("`;`");
+                diagnostic.with_hint(hint).with_fix(fix)
+            }
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),

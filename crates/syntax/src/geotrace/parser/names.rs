@@ -325,8 +325,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .into_iter()
             .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)));
         let mut own = self.undefined_hint(whole, word);
-        if let Some((form, fix)) = self.field_form().filter(|_| own.is_none()) {
-            own = Some(format!("a solid by a function is written {}", quote(&form)));
+        if let Some((hint, fix)) = self.field_form().filter(|_| own.is_none()) {
+            own = Some(hint);
             diagnostic = diagnostic.with_fix(fix);
         }
         let replacement = equivalent

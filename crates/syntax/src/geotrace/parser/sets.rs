@@ -1,7 +1,6 @@
 //! Sets of points: `SET` and all below it. Each function reads its nonterminal from the current token on, hands its steps to
 //! the hooks in postfix order and returns where it stands.
 
-use super::messages::quote;
 use super::names::Mode;
 use super::{MAX_DEPTH, Parse, Parser};
 use crate::geotrace::actions::{Actions, Operator};
@@ -117,8 +116,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let hint = "a set names solids; a solid by a function lists its parameters, as in `solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;`";
             diagnostic = diagnostic.with_hint(hint);
         }
-        if let Some((form, fix)) = self.field_form() {
-            let hint = format!("a solid by a function is written {}", quote(&form));
+        if let Some((hint, fix)) = self.field_form() {
             diagnostic = diagnostic.with_hint(hint).with_fix(fix);
         }
         self.reject(diagnostic)
