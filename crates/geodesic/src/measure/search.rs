@@ -69,8 +69,15 @@ enum Outlook {
     Over,
     /// They lie too far from each other for a few of them to stand for all.
     Wide,
-    /// They go on; the greatest curvature at their ends, and whether the few do stand for all.
-    Open(f64, bool),
+    /// They go on.
+    Open {
+        /// The greatest curvature at their ends.
+        curvature: f64,
+        /// True if the few do stand for all.
+        is_resolved: bool,
+        /// True if some have ended.
+        has_over: bool,
+    },
 }
 
 /// Finds the geodesics from a place to a target that are no longer than `reach`, or the shortest of them.
@@ -127,23 +134,28 @@ pub(super) fn guesses(
                 guesses.complete = false;
                 break 'rings;
             }
-            let cell = DiscCell { angles, lengths };
+            let mut cell = DiscCell { angles, lengths };
             match search.outlook(&cell) {
                 Outlook::Over => continue,
                 Outlook::Wide => {
                     sectors.extend(halves(angles).into_iter().rev());
                     continue;
                 }
-                Outlook::Open(here, is_resolved) => {
+                Outlook::Open {
+                    curvature: here,
+                    is_resolved,
+                    has_over,
+                } => {
                     guesses.complete &= is_resolved;
                     curvature = curvature.max(here);
                     next.push(angles);
+                    if has_over {
+                        // Beside an edge few rays come to the end of a ring: what is near it may be missed beyond it.
+                        cell.lengths[1] = (lengths[1] + FINE * reach).min(reach);
+                    }
                 }
             }
-            // What is near the end of a ring may be seen from beyond it alone: beside an edge, few rays come so far.
-            let far = (lengths[1] + FINE * reach).min(reach);
-            let lengths = [lengths[0], far];
-            let mut cells = vec![DiscCell { angles, lengths }];
+            let mut cells = vec![cell];
             while let Some(cell) = cells.pop() {
                 search.look(&cell, &mut cells, &mut guesses.found);
                 if is_spent() {
@@ -209,7 +221,11 @@ impl TargetSearch<'_> {
         if begin.iter().flatten().all(away) {
             return Outlook::Over;
         }
-        Outlook::Open(greatest, is_resolved && (has_over || width > SURE_WIDTH))
+        Outlook::Open {
+            curvature: greatest,
+            is_resolved: is_resolved && (has_over || width > SURE_WIDTH),
+            has_over,
+        }
     }
 
     /// The greatest size of the curvature at some ends, and the curvature beside which a cell has to be small for its ends to
