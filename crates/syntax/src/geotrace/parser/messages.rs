@@ -308,7 +308,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state.rejected = true;
     }
 
-    /// How a solid that is given by a function is written, as a hint, if the set that is read looks like one.
+    /// Returns how a solid that is given by a function is written, as a hint, if the set that is read looks like one.
     pub(super) fn field_form(&self) -> Option<(String, Fix)> {
         let name = self.state.name_span;
         let behind = self.source[name.end as usize..]
