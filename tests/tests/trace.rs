@@ -92,6 +92,31 @@ fn conjugate_points_and_the_jacobi_field_are_those_of_constant_curvature() {
     );
 }
 
+#[test]
+fn a_solid_of_a_script_is_that_at_the_time_that_is_set() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = "s = Sphere { center -> vec3(0, 0, 0) radius -> 1 + t / 10.0 } Scene { s }";
+    std::fs::write(folder.path().join("a.crt"), script).expect("written");
+    let end = |time: &str| {
+        let run = geotrace([
+            "trace",
+            "a.crt",
+            "--from",
+            "1.9,0,0",
+            "--direction",
+            "0,1,0",
+        ]);
+        let run = run.arguments(&["--length", "1", "--format", "json", "--set", time]);
+        let json = run.folder(folder.path()).run().expect_status(0).json();
+        let [x, y, z] = numbers(&json["position"])[..] else {
+            panic!("{json}");
+        };
+        x.hypot(y).hypot(z)
+    };
+    assert_close("the radius", end("t=0"), 1.0, 1e-9);
+    assert_close("the radius", end("t=10"), 2.0, 1e-9);
+}
+
 /// Traces on the surface `s` of a program.
 #[track_caller]
 fn trace(program: &str, from: [f64; 2], direction: [f64; 2], length: f64) -> End {

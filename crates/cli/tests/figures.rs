@@ -167,3 +167,34 @@ fn figures_and_paths_are_drawn_as_the_window_shows_them() {
     refused("--path s=0,0", "two places or more");
     refused("--path s=0,0:0,9", "lies outside the domain");
 }
+
+#[test]
+fn a_path_is_as_long_as_it_is_on_the_surface_of_each_frame() {
+    let folder = folder();
+    let folder = folder.path();
+    let shown = "--labels --path s=0.5,1.2:0.6,1.3:0.7,1.6";
+    let camera = "--view geodesic --at 0.7,1.2 --zoom 1";
+    let output = render(
+        folder,
+        &format!("-o f.png {shown} {camera} --animate a=1:3 --frames 2"),
+    );
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    let still = picture(folder, &format!("{shown} {camera} --set a=3"));
+    assert!(std::fs::read(folder.join("f-0002.png")).expect("a frame") == still);
+}
+
+#[test]
+fn a_camera_on_a_solid_is_shown_and_its_way_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let solid = "solid q(x, y, z) = x^4 + y^4 + z^4 - 1;";
+    std::fs::write(folder.join("a.gtr"), solid).expect("writing");
+    assert!(picture(folder, "--show-camera q") != picture(folder, ""));
+    std::fs::write(folder.join(".a.gtr.geotrace.json"), REMEMBERED).expect("writing");
+    picture(folder, "--view geodesic:q --like-window");
+    let output = render(folder, "-o out.png --view geodesic:q --walk 1 --trail");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("--trail"), "{told}");
+}

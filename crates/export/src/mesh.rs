@@ -364,8 +364,8 @@ fn geometry(
     let geometry = match (&samples, object.shape.position()) {
         (Samples::Points(samples), Some(position)) => {
             let places = positions(scene, params, object, position);
-            let defined = samples.iter().map(|sample| sample.defined != 0.0);
-            let kept = places.into_iter().zip(defined).filter(|(_, kept)| *kept);
+            let both = places.into_iter().zip(samples);
+            let kept = both.filter(|(place, it)| it.defined != 0.0 && weld::is_held(place));
             Geometry::Points(kept.map(|(place, _)| place).collect())
         }
         (Samples::Vectors(samples), _) => {
@@ -376,8 +376,8 @@ fn geometry(
             let directions = positions(scene, params, object, direction);
             let mut lines = Polylines::default();
             for ((from, by), sample) in origins.iter().zip(&directions).zip(samples) {
-                if sample.defined != 0.0 {
-                    let tip = [0, 1, 2].map(|k| from[k] + by[k]);
+                let tip = [0, 1, 2].map(|k| from[k] + by[k]);
+                if sample.defined != 0.0 && weld::is_held(from) && weld::is_held(&tip) {
                     lines.add(&[Some(*from), Some(tip)]);
                 }
             }
@@ -391,7 +391,8 @@ fn geometry(
                 let pairs = places.iter().zip(samples);
                 let line = pairs.flat_map(|(place, sample)| {
                     let end = sample.is_last().then_some(None);
-                    std::iter::once((sample.defined != 0.0).then_some(*place)).chain(end)
+                    let is_there = sample.defined != 0.0 && weld::is_held(place);
+                    std::iter::once(is_there.then_some(*place)).chain(end)
                 });
                 lines.add(&line.collect::<Vec<_>>());
             }
@@ -400,7 +401,8 @@ fn geometry(
         (Samples::Curves { .. }, None) => {
             let mut lines = Polylines::default();
             for line in &follow_declared(scene, params, id).lines {
-                let line = line.iter().map(|knot| knot.and_then(|knot| knot.position));
+                let places = line.iter().map(|knot| knot.and_then(|knot| knot.position));
+                let line = places.map(|place| place.filter(weld::is_held));
                 lines.add(&line.collect::<Vec<_>>());
             }
             Geometry::Lines(lines)

@@ -266,6 +266,29 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
 }
 
 #[test]
+fn a_declared_camera_moves_as_the_program_says() {
+    let scene = scene(
+        "param t : [0, 5]; solid b(x, y, z) = x^2 + y^2 + z^2 - 1; camera eye = (-t, 8, 0) @ (t, -8, 0);",
+    );
+    let params = ParamValues::initial(&scene);
+    let request = Wanted::space([64, 64]).of(&scene, &params);
+    let mut script = Script {
+        changes: vec![ParamChange {
+            name: "t".into(),
+            from: vec![0.0],
+            to: vec![5.0],
+        }],
+        ..Script::default()
+    };
+    let steady = script.steady(&request).expect("a camera");
+    assert_eq!(steady.view, request.view);
+    // One that is turned stands still but for that.
+    script.turntable = true;
+    let turned = script.steady(&request).expect("a camera");
+    assert!(turned.view != request.view);
+}
+
+#[test]
 fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     let scene = scene(SPHERE);
     let params = ParamValues::initial(&scene);

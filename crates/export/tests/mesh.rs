@@ -754,3 +754,39 @@ fn what_is_thinner_than_a_cell_is_told() {
         assert_eq!(notes.len(), usize::from(is_partly_thin), "{source}");
     }
 }
+
+#[test]
+fn what_single_precision_does_not_hold_is_left_open() {
+    let lines = |source: &str| {
+        let model = exported(source);
+        let lines = model.parts.iter().map(|part| match &part.geometry {
+            Geometry::Lines(lines) => lines.places.len(),
+            Geometry::Points(places) => places.len(),
+            Geometry::Surface(mesh, _) => mesh.places.len(),
+        });
+        lines.sum::<usize>()
+    };
+    let near = "point p = (0, 0, 1); ";
+    assert_eq!(
+        lines(&format!(
+            "{near}curve c(t) = (1e39 t, t, 0), t : [0, 1, 3];"
+        )),
+        1
+    );
+    assert_eq!(lines(&format!("{near}point far = (1e39, 0, 0);")), 1);
+    assert_eq!(
+        lines(&format!("{near}vector v = (1e39, 0, 0) @ (0, 0, 0);")),
+        1
+    );
+    let model = exported(&format!(
+        "{near}solid b(x, y, z) = (x - 1e39)^2 + y^2 + z^2 - 1e76;"
+    ));
+    assert!(
+        model
+            .notes
+            .iter()
+            .any(|note| note.contains("single precision")),
+        "{:?}",
+        model.notes
+    );
+}

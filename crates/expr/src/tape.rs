@@ -46,7 +46,6 @@ pub struct Registers {
     interval_waves: ranges::InputWaves<Interval>,
     slopes: Vec<Slope>,
     slope_waves: ranges::InputWaves<Slope>,
-    choices: Vec<ranges::Branch>,
 }
 
 /// The source of an instruction's operand.
@@ -70,8 +69,15 @@ enum TapeOperation {
     Unary(Unary, Operand),
     Binary(Binary, Operand, Operand),
     Power(Operand, i32),
-    /// The operand as it is: what is left of an operation that chooses, once its choice is known.
-    Copy(Operand),
+}
+
+impl TapeOperation {
+    fn operands(self) -> (Operand, Option<Operand>) {
+        match self {
+            Self::Unary(_, a) | Self::Power(a, _) => (a, None),
+            Self::Binary(_, a, b) => (a, Some(b)),
+        }
+    }
 }
 
 impl Tape {
@@ -175,7 +181,6 @@ impl Tape {
                 TapeOperation::Unary(op, a) => op.eval(read(registers, a)),
                 TapeOperation::Binary(op, a, b) => op.eval(read(registers, a), read(registers, b)),
                 TapeOperation::Power(a, n) => ops::integer_power(read(registers, a), n),
-                TapeOperation::Copy(a) => read(registers, a),
             };
         }
         for (out, &root) in out.iter_mut().zip(&self.roots) {
@@ -212,10 +217,6 @@ impl Tape {
                 TapeOperation::Power(a, n) => match lanes(blocks, inputs, a) {
                     Lanes::Each(a) => ops::integer_power_lanes(a, n, result),
                     Lanes::Same(a) => **result = [ops::integer_power(a, n); LANES],
-                },
-                TapeOperation::Copy(a) => match lanes(blocks, inputs, a) {
-                    Lanes::Each(a) => **result = *a,
-                    Lanes::Same(a) => **result = [a; LANES],
                 },
             }
             std::mem::swap(result, &mut blocks[instruction.out as usize]);

@@ -61,7 +61,7 @@ fn cylinder_by(angle: Angle) -> ParametricSurface {
     let (u, v, one) = (m.u, m.v, m.c(1.0));
     let a = angle.node(&mut m, u);
     let p = m.around(one, a, v);
-    m.done(p, [[0.0, 1.0], [-1.0, 1.0]])
+    m.done(p, [[0.0, 1.0], [-4.0, 4.0]])
 }
 
 /// Longitude a, latitude v.
@@ -526,5 +526,35 @@ fn places_about_a_pole_of_uneven_longitude_are_as_far_apart_as_on_the_sphere() {
         let found = measure::distance(&surface, from, to).expect("places");
         let found = found.expect("a geodesic");
         near(&format!("{from:?} {to:?}"), found.length, cos.acos(), 1e-9);
+    }
+}
+
+#[test]
+fn a_ray_through_a_pole_of_uneven_longitude_ends_there() {
+    // The meridian behind the pole is not the one half a period away.
+    let surface = sphere_by_uneven_longitude(0.3);
+    let pole_after = |heading: f64| {
+        let from = [1.0, 0.4];
+        let jet = surface.jet(from.into());
+        let direction = [heading.cos() / jet.du[0].hypot(jet.du[1]), heading.sin()];
+        let options = geodesic::trace::Options::default();
+        geodesic::trace::trace(&surface, from, direction, 3.0, &options).expect("a start")
+    };
+    let through = pole_after(PI / 2.0);
+    assert_eq!(through.status, Status::ConePoint);
+    near("length", through.length, PI / 2.0 - 0.4, 1e-9);
+    assert_eq!(pole_after(PI / 2.0 - 0.01).status, Status::Complete);
+}
+
+#[test]
+fn a_circle_over_the_seam_is_that_of_the_twin() {
+    let [even, uneven] = [Angle::Even, Angle::Exponential].map(cylinder_by);
+    for radius in [0.7, 0.99, 1.02] {
+        let [even, uneven] = [&even, &uneven].map(|surface| {
+            let circle = measure::circle(surface, [0.5, 0.0], PI * radius).expect("a place");
+            circle.map(|it| it.overlaps)
+        });
+        assert_eq!(even, Ok(radius > 1.0));
+        assert_eq!(uneven, even, "{radius}");
     }
 }

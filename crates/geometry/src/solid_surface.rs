@@ -20,11 +20,14 @@ pub struct SolidSurface {
 }
 
 impl SolidSurface {
-    /// Compiles a solid; of one that depends on grids that are given no value, the union of all instances.
+    /// Compiles a solid, for these values of the params; of one that depends on grids that are given no value, the union of all
+    /// instances.
     ///
     /// # Errors
     /// [`ManifoldError`].
     pub fn new(scene: &Scene, params: &ParamValues, id: ObjectId) -> Result<Self, ManifoldError> {
+        let made = scene.made_anew(params);
+        let scene = made.as_deref().unwrap_or(scene);
         let Some(object) = scene.get(id) else {
             return Err(ManifoldError::NoSurface { name: None });
         };

@@ -340,11 +340,6 @@ impl RayScene {
         self.content.background.is_some()
     }
 
-    /// The name of the declared background.
-    pub fn background_name(&self) -> Option<&str> {
-        self.content.background.as_ref().map(|found| &*found.name)
-    }
-
     /// The linear light from a unit direction where nothing else is: that of the declared background or of its `image` at a
     /// place from (0, 0), the top left, to (1, 1); without one, that of [`standard_sky`], which is `above` (sRGB) overhead.
     pub fn background(

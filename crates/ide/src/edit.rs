@@ -2,6 +2,8 @@
 
 use syntax::span::Span;
 
+use crate::text::Text;
+
 /// A piece of the text and what takes its place.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Edit {
@@ -18,6 +20,18 @@ impl Edit {
             span: Span::new(offset, offset),
             text: text.into(),
         }
+    }
+
+    /// New lines behind the last one.
+    pub(crate) fn append(text: &dyn Text, lines: &str) -> Self {
+        let end = text.len();
+        let last = text.slice(Span::new(end.saturating_sub(1), end));
+        let gap = match last.as_deref() {
+            Some("" | "\n") => "",
+            // There is no last byte by itself where a character has several.
+            _ => "\n",
+        };
+        Self::insert(end, format!("{gap}{lines}"))
     }
 
     /// Something else in a place.

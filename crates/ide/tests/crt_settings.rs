@@ -58,6 +58,10 @@ fn a_script_without_a_camera_gets_one() {
         ("Scene { }\n", "Settings {\n    camera -> Camera {"),
         ("a = 1", "a = 1\nSettings {\n    camera -> Camera {"),
         (
+            "-- für später: ü",
+            "-- für später: ü\nSettings {\n    camera -> Camera {",
+        ),
+        (
             "-- first\na = 1\nScene { }\n",
             "-- first\na = 1\nSettings {",
         ),

@@ -36,6 +36,7 @@ fn a_camera_that_is_not_declared_stands_at_the_end() {
         ("", ""),
         ("define a = 1;", "define a = 1;\n"),
         ("define a = 1;\n", "define a = 1;\n"),
+        ("# für später: ü", "# für später: ü\n"),
     ] {
         assert_eq!(written(text, "eye"), Ok(format!("{before}{wanted}")));
     }

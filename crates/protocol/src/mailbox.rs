@@ -78,34 +78,10 @@ impl Mailbox {
         }
     }
 
-    /// The next command, if one waits.
-    #[must_use]
-    pub fn try_take(&self) -> Option<Command> {
-        self.lock().waiting.pop_front()
-    }
-
     /// Nothing more comes in; what waits can still be taken.
     pub fn close(&self) {
         self.lock().closed = true;
         self.news.notify_all();
-    }
-
-    /// Returns whether nothing more comes in.
-    #[must_use]
-    pub fn is_closed(&self) -> bool {
-        self.lock().closed
-    }
-
-    /// The number of waiting commands.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.lock().waiting.len()
-    }
-
-    /// Returns whether no command waits.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -231,7 +207,7 @@ mod tests {
     }
 
     fn all(mailbox: &Mailbox) -> Vec<Command> {
-        std::iter::from_fn(|| mailbox.try_take()).collect()
+        mailbox.lock().waiting.drain(..).collect()
     }
 
     #[test]
@@ -297,7 +273,8 @@ mod tests {
             mailbox.put(show(&format!("s{version}")));
             mailbox.put(Command::Show { view: None });
         }
-        assert!(mailbox.len() <= MOST_VIEWS + 2, "{}", mailbox.len());
+        let waiting = mailbox.lock().waiting.len();
+        assert!(waiting <= MOST_VIEWS + 2, "{waiting}");
         assert_eq!(mailbox.take(), Some(text(99_999)));
     }
 
@@ -310,7 +287,8 @@ mod tests {
         }
         mailbox.put(text(2));
         assert_eq!(all(&mailbox), [hello, Command::Close]);
-        assert!(mailbox.is_closed() && mailbox.is_empty());
+        let state = mailbox.lock();
+        assert!(state.closed && state.waiting.is_empty());
         assert_eq!(mailbox.take(), None);
     }
 

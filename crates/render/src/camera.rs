@@ -5,7 +5,7 @@
 //! the near plane, 0 at infinity. An orthographic camera's w is everywhere the distance of its target's plane, and its
 //! depth is linear: 1/2 in that plane.
 
-use glam::{DMat4, DVec3, Mat4, Vec3};
+use glam::{DMat4, DVec3, Mat4};
 
 use crate::bounds::Bounds;
 use crate::error::RenderError;
@@ -165,27 +165,6 @@ impl Camera {
         self.view().as_mat4()
     }
 
-    /// Returns the matrix from drawing units to clip space.
-    pub fn clip_from_world(&self) -> Mat4 {
-        let [x, y] = self.half_tangents();
-        // The columns of z and of 1; in perspective, depth is near / w and needs no far plane (reversed, infinite).
-        let (z, one) = match self.parallel {
-            None => ([0.0, 0.0, 0.0, -1.0], [0.0, 0.0, self.near, 0.0]),
-            Some(Parallel { distance, reach }) => {
-                let slope = 0.5 * distance / reach;
-                let middle = 0.5 * distance + slope * distance;
-                ([0.0, 0.0, slope, 0.0], [0.0, 0.0, middle, distance])
-            }
-        };
-        let clip_from_view = DMat4::from_cols_array_2d(&[
-            [1.0 / x, 0.0, 0.0, 0.0],
-            [0.0, 1.0 / y, 0.0, 0.0],
-            z,
-            one,
-        ]);
-        (clip_from_view * self.view()).as_mat4()
-    }
-
     /// Returns the place of the picture at which a place in drawing units is seen, in pixels; `None` for what lies behind
     /// the eye.
     pub fn pixel_of(&self, place: DrawingPoint) -> Option<PixelPoint> {
@@ -227,11 +206,6 @@ impl Camera {
     /// Pixels of one drawing unit at the distance 1 along the view direction; at the distance w it has 1/w of them.
     pub fn pixels_per_unit(&self) -> f32 {
         (f64::from(self.size[0]) / (2.0 * self.half_tangents()[0])) as f32
-    }
-
-    /// The eye in drawing units.
-    pub fn eye_local(&self) -> Vec3 {
-        self.eye.as_vec3()
     }
 
     fn view(&self) -> DMat4 {

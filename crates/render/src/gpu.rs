@@ -63,14 +63,6 @@ pub fn kernel_samples(
     })
 }
 
-/// The name of the GPU that pictures are drawn on.
-///
-/// # Errors
-/// [`RenderError::NoGpu`].
-pub fn adapter_name() -> Result<&'static str, RenderError> {
-    device::open().map(|gpu| gpu.name.as_str())
-}
-
 /// A fault in generated text as an error of rendering; `None` if the expression is only too large for a shader.
 fn internal(error: GenerateError) -> Option<RenderError> {
     match error {

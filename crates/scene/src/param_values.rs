@@ -111,10 +111,13 @@ impl Scene {
     /// The scene for these values of its params: the given one, unless the values may change more than numbers. Where the
     /// text has an error for them, the given one.
     pub fn at(self: &Arc<Self>, params: &ParamValues) -> Arc<Self> {
-        let rerun = self.rerun.as_ref();
+        self.made_anew(params).unwrap_or_else(|| self.clone())
+    }
+
+    /// The same where it is another one than the given one.
+    pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
-        let scene = rerun.and_then(|rerun| rerun.at(params.uniforms(), attach));
-        scene.unwrap_or_else(|| self.clone())
+        self.rerun.as_ref()?.at(params.uniforms(), attach)
     }
 }
 

@@ -93,14 +93,6 @@ impl Scene {
         self.numbered().filter(move |(_, object)| lies_on(object))
     }
 
-    /// The number of the value of a geodesic to which a uniform belongs.
-    pub fn geodesic_value_of(&self, uniform: u32) -> Option<usize> {
-        let all = &self.geodesic_values;
-        let index = all.partition_point(|value| value.first <= uniform);
-        let index = index.checked_sub(1)?;
-        (uniform < all[index].first + all[index].width()).then_some(index)
-    }
-
     /// Computes the values of geodesics that an object reads, and writes them among its uniforms.
     pub(crate) fn fill(&self, object: &Object, uniforms: &mut [f64]) {
         for &index in &object.geodesic_values {

@@ -84,6 +84,7 @@ impl Editor {
             self.conflict = Some(text);
             return false;
         }
+        self.conflict = None;
         self.replace(text.clone());
         self.saved = text;
         true
@@ -184,5 +185,19 @@ mod tests {
         assert!(editor.settle(true));
         assert!(!editor.is_changed());
         assert_eq!(editor.text, "theirs");
+    }
+
+    #[test]
+    fn a_conflict_ends_when_the_file_is_followed_again() {
+        let mut editor = editor();
+        editor.text = "mine".into();
+        editor.take_changed("theirs".into());
+        assert!(editor.conflict.is_some());
+        // The edit is undone, and the file changes once more.
+        editor.text = "one".into();
+        assert!(editor.take_changed("theirs, later".into()));
+        assert_eq!(editor.conflict, None);
+        assert!(!editor.settle(true));
+        assert_eq!(editor.text, "theirs, later");
     }
 }

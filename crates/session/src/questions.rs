@@ -92,6 +92,9 @@ impl MeasureQuestion {
 /// The sentence for the user where [`MeasureAnswer::WayBack`] has no step.
 pub const NO_WAY_BACK: &str = "No geodesic back to the start of the trail was found.";
 
+/// The sentence for the user where the camera has moved since it was asked for the way back.
+pub const OLD_WAY_BACK: &str = "The camera has moved since: ask again for the way back.";
+
 /// An answer.
 #[derive(Debug)]
 pub enum MeasureAnswer {
@@ -101,9 +104,15 @@ pub enum MeasureAnswer {
     Figure(PlacedFigure, Measured),
     /// Of a walk.
     Walk(Vec<Quantity>),
-    /// The surface's name, and the step of the camera that leads back, in units of its frame; none where no geodesic was
-    /// found.
-    WayBack(String, Option<[f64; 2]>),
+    /// The way back.
+    WayBack {
+        /// The surface's name.
+        surface: String,
+        /// The frame of the camera that was asked for.
+        from: Frame,
+        /// The step of the camera that leads back, in units of that frame; none where no geodesic was found.
+        step: Option<[f64; 2]>,
+    },
 }
 
 /// Answers questions, and keeps the surface of the last one.
@@ -164,8 +173,11 @@ fn answer(
         } => MeasureAnswer::Walk(walk(surface, start, end, *turned, *length)),
         MeasureQuestion::WayBack { from, to } => {
             let name = subject.scene.objects.get(subject.surface.0 as usize);
-            let name = name.map_or_else(String::new, |object| object.name.clone());
-            MeasureAnswer::WayBack(name, way_back(surface, from, *to))
+            MeasureAnswer::WayBack {
+                surface: name.map_or_else(String::new, |object| object.name.clone()),
+                from: *from,
+                step: way_back(surface, from, *to),
+            }
         }
     })
 }

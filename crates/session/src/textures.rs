@@ -99,6 +99,12 @@ impl<S: ImageSource> Library<S> {
         images
     }
 
+    /// Forgets all images: another program is shown, whose words mean other files.
+    pub fn forget(&mut self) {
+        self.images.clear();
+        self.named.clear();
+    }
+
     /// Looks again for the files of images that programs name, and that were not there.
     pub fn look_again(&mut self) {
         let (images, source) = (&mut self.images, &self.source);

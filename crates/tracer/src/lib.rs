@@ -87,4 +87,4 @@ pub use line::{Ray, SurfaceId};
 pub use look::{PictureLook, decoded, encoded, gamma_encoded};
 pub use sheet::{Sheet, SheetCounters, SheetHit, SheetScratch};
 pub use sheets::{Sheets, SheetsRay};
-pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder};
+pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder, is_singular};

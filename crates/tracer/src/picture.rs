@@ -35,6 +35,24 @@ pub struct PictureProgress {
     pub share: f32,
     /// The work on them, in operations, as [`Caster::operations`](crate::Caster::operations).
     pub operations: u64,
+    /// The work that all tiles are expected to take: told once, when those that are drawn first are done, and only where
+    /// they are enough to tell.
+    pub expected: Option<u64>,
+}
+
+/// One tile of so many is drawn before the others: they are spread over the picture, and tell the work of all.
+const DRAWN_FIRST: usize = 16;
+/// Fewer tiles do not tell the work of all.
+const LEAST_DRAWN_FIRST: usize = 256;
+
+/// The tiles in the order in which they are drawn, and how many of them are spread over the picture.
+fn tile_order(count: usize) -> (Vec<usize>, usize) {
+    // In each run of tiles another one, so that they form no columns.
+    let is_first = |tile: &usize| tile % DRAWN_FIRST == tile / DRAWN_FIRST * 5 % DRAWN_FIRST;
+    let mut order: Vec<usize> = (0..count).filter(is_first).collect();
+    let first = order.len();
+    order.extend((0..count).filter(|tile| !is_first(tile)));
+    (order, first)
 }
 
 /// The light of one tile, row by row, with its first pixel.
@@ -90,24 +108,37 @@ impl LightSums {
         let frame = camera.frame(self.size);
         let next = AtomicUsize::new(0);
         let stopped = std::sync::atomic::AtomicBool::new(false);
-        let [cut_short, operations] = [const { AtomicU64::new(0) }; 2];
+        let (order, first) = tile_order(tiles);
+        let [cut_short, operations, first_operations] = [const { AtomicU64::new(0) }; 3];
+        let first_drawn = AtomicUsize::new(0);
         let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
         let work = || {
             let mut tracer = LightTracer::new(scenery);
             let mut own: Vec<Tile> = Vec::new();
             let mut known = 0;
             while !stopped.load(Ordering::Relaxed) {
-                let tile = next.fetch_add(1, Ordering::Relaxed);
-                if tile >= tiles {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                let Some(&tile) = order.get(place) else {
                     break;
-                }
+                };
                 let corner = [tile as u32 % columns, tile as u32 / columns].map(|k| k * TILE);
                 own.push((corner, self.tile(&mut tracer, axes, &frame, corner, count)));
                 let so_far = tracer.operations();
                 let new = so_far - std::mem::replace(&mut known, so_far);
+                let mut expected = None;
+                if place < first {
+                    first_operations.fetch_add(new, Ordering::Relaxed);
+                    // The last of them sees what the others have added.
+                    let is_last = first_drawn.fetch_add(1, Ordering::AcqRel) + 1 == first;
+                    let share = tiles as f64 / first as f64;
+                    let sum = || first_operations.load(Ordering::Relaxed) as f64;
+                    expected =
+                        (is_last && first >= LEAST_DRAWN_FIRST).then(|| (share * sum()) as u64);
+                }
                 let progress = progress(PictureProgress {
-                    share: (tile + 1) as f32 / tiles as f32,
+                    share: (place + 1) as f32 / tiles as f32,
                     operations: operations.fetch_add(new, Ordering::Relaxed) + new,
+                    expected,
                 });
                 if !progress {
                     stopped.store(true, Ordering::Relaxed);

@@ -109,6 +109,15 @@ const PIECE_WORK: u64 = 24;
 /// A map whose determinant is smaller beside the product of its columns' lengths is singular.
 const LEAST_DETERMINANT: f64 = 1e-12;
 
+/// True if a map has no inverse to speak of: leaves are not placed by it.
+pub fn is_singular(map: &DAffine3) -> bool {
+    let matrix = map.matrix3;
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let volume: f64 = columns.map(DVec3::length).iter().product();
+    let is_regular = matrix.determinant().abs() > LEAST_DETERMINANT * volume;
+    !(map.is_finite() && is_regular)
+}
+
 impl<'a> WorldBuilder<'a> {
     /// Begins a world of expressions of this graph; `uniform` gives the numbers of its uniforms.
     pub fn new(graph: &'a Graph, uniform: &'a dyn Fn(Input) -> f64) -> Self {
@@ -184,13 +193,7 @@ impl<'a> WorldBuilder<'a> {
         for step in steps {
             solid.steps.push(match *step.borrow() {
                 SetStep::Leaf(ShapeId(shape), map) => {
-                    let matrix = map.matrix3;
-                    let volume: f64 = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
-                        .map(DVec3::length)
-                        .iter()
-                        .product();
-                    let determinant = matrix.determinant().abs();
-                    if !(map.is_finite() && determinant > LEAST_DETERMINANT * volume) {
+                    if is_singular(&map) {
                         return Err(BuildError::SingularMap(index));
                     }
                     operands += 1;

@@ -140,6 +140,12 @@ impl Arguments {
             }
             script.walk = Some(program.number("--walk", walk, params)?);
         }
+        let shown = request.view.shown_camera();
+        if self.trail && shown.is_some_and(|camera| scene.is_solid(camera.surface)) {
+            return Err(Failure::usage(
+                "--trail draws the way of a camera on a surface, and this one is on a solid",
+            ));
+        }
         Ok(script)
     }
 

@@ -13,7 +13,6 @@ use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
-use render::trail::TrailKind;
 use render::view::{Interrupt, space, traced};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use tracer::PictureLook;
@@ -351,10 +350,10 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
         frame.textures = images.at(&frame.scene, &frame.params)?;
         frame.curved.clear();
         if *frame.params != *request.params {
-            // They are measured on the surface as it is now.
-            frame.trails.retain(|trail| trail.kind == TrailKind::Walked);
-            let figures = picture::figures(arguments, program, &frame.params)?;
-            frame.trails.extend(figures);
+            // They are those of the surface as it is now; the camera's own is already.
+            let walked = frame.trails.split_off(request.trails.len());
+            frame.trails = picture::trails(arguments, program, &frame.params)?;
+            frame.trails.extend(walked);
         }
         Ok(frame)
     };

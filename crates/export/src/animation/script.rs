@@ -12,7 +12,7 @@ use render::trail::Trail;
 use render::view::space;
 use render::viewpoint::Viewpoint;
 use render::{PictureRequest, RenderError};
-use scene::SetError;
+use scene::{SetError, Shape};
 
 /// The changes of an animation.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -137,7 +137,8 @@ impl Script {
             return Ok(request);
         };
         let moves = self.turntable || !self.changes.is_empty();
-        if camera.eye.is_some() && camera.target.is_some() || !moves {
+        let is_placed = camera.eye.is_some() && camera.target.is_some();
+        if is_placed || !moves || self.follows_declared(&request) {
             return Ok(request);
         }
         let params = Self {
@@ -188,6 +189,17 @@ impl Script {
             };
         }
         Ok(request)
+    }
+
+    /// True if the picture is seen by a camera that the program declares, and that stands in each frame where its expressions
+    /// put it.
+    fn follows_declared(&self, request: &PictureRequest) -> bool {
+        let mut stage = request.scene.stage.iter();
+        let is_free = request
+            .view
+            .space()
+            .is_some_and(|space| space.camera.eye.is_none() && space.camera.target.is_none());
+        is_free && !self.turntable && stage.any(|it| matches!(it.shape, Shape::Camera(_)))
     }
 
     fn move_camera(&self, request: &mut PictureRequest, length: f64) -> Result<(), RenderError> {

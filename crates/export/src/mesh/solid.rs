@@ -6,7 +6,7 @@ use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
 use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, encoded};
 
-use super::weld::{Mesh, Vertex};
+use super::weld::{Mesh, Vertex, is_held};
 
 /// The most cells along the longest side of the box of a solid whose intervals state no counts.
 pub const USUAL_CELLS: u32 = 128;
@@ -84,6 +84,16 @@ pub(super) fn meshed(
         ));
         return (None, notes);
     };
+    if ![bounds.lower, bounds.upper]
+        .iter()
+        .all(|it| is_held(&it.to_array()))
+    {
+        let mut notes = told();
+        notes.push(format!(
+            "`{name}` has no mesh: files of meshes have single precision, which does not hold its places"
+        ));
+        return (None, notes);
+    }
     let longest = (bounds.upper - bounds.lower).max_element();
     let stated = rays.stated_cell(0);
     let asked = stated.map(|cell| (longest / cell * (1.0 - ROUNDING)).ceil());

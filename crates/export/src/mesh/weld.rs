@@ -151,15 +151,18 @@ struct SampleGrid<'a> {
     class: Vec<u32>,
 }
 
+/// True if single precision holds a place. Every format leaves open what it does not, so that all formats agree.
+pub(super) fn is_held(place: &[f64; 3]) -> bool {
+    place.iter().all(|x| x.abs() < f64::from(f32::MAX))
+}
+
 impl<'a> SampleGrid<'a> {
     fn new(count: [u32; 2], places: &'a [[f64; 3]], samples: &[SurfaceSample]) -> Self {
-        // Every format leaves open what single precision cannot hold, so that all formats agree.
-        let held = |place: &[f64; 3]| place.iter().all(|x| x.abs() < f64::from(f32::MAX));
         let both = places.iter().zip(samples);
         let mut grid = Self {
             places,
             defined: both
-                .map(|(place, sample)| sample.defined != 0.0 && held(place))
+                .map(|(place, sample)| sample.defined != 0.0 && is_held(place))
                 .collect(),
             open: samples.iter().map(SurfaceSample::is_last).collect(),
             size: count.map(|n| n as usize),

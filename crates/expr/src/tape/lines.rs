@@ -61,7 +61,6 @@ impl Tape {
                 Binary::Add | Binary::Sub | Binary::Mul | Binary::Div | Binary::Min | Binary::Max
             ),
             TapeOperation::Power(_, n) => matches!(n, 3 | 4),
-            TapeOperation::Copy(_) => true,
         };
         let mut operations = self.instructions.iter().map(|it| it.operation);
         operations.all(|operation| {
@@ -224,7 +223,6 @@ impl VectorWork for OnLines<'_> {
                             _ => LineRanges::number(s, f64::NAN),
                         }
                     }
-                    TapeOperation::Copy(a) => read(s, &registers, &inputs, a),
                 };
                 known.note(&found);
                 registers[instruction.out as usize] = found;

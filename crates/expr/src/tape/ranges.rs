@@ -1,21 +1,11 @@
-//! Evaluation on intervals, and shorter tapes for a box.
+//! Evaluation on intervals.
 //!
 //! Input: an interval for each input. Output: for each root an interval that its values do not leave, by the same
-//! instructions that evaluate numbers; with slopes, their derivatives along a line too. An evaluation notes which operand
-//! of each `min`, `max` and `abs` counts everywhere in the box; [`Tape::pruned`] leaves out what only the others need.
+//! instructions that evaluate numbers; with slopes, their derivatives along a line too.
 
 use crate::interval::{Interval, Slope};
 use crate::ops::{Binary, Unary};
-use crate::tape::{Instruction, Operand, Registers, Tape, TapeOperation};
-
-/// The operand of an instruction that counts in a box.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(super) enum Branch {
-    First,
-    Second,
-    /// Both may, or the instruction does not choose.
-    Open,
-}
+use crate::tape::{Operand, Registers, Tape, TapeOperation};
 
 /// Sine and cosine of inputs, which often occur together.
 pub(super) type InputWaves<R> = Vec<(u32, [R; 2])>;
@@ -23,7 +13,6 @@ pub(super) type InputWaves<R> = Vec<(u32, [R; 2])>;
 /// The numbers that instructions compute with.
 trait Range: Copy {
     fn constant(x: f64) -> Self;
-    fn interval(self) -> Interval;
     fn unary(op: Unary, a: Self) -> Self;
     /// Sine and cosine.
     fn waves(self) -> [Self; 2];
@@ -46,10 +35,9 @@ impl Tape {
         let Registers {
             intervals,
             interval_waves,
-            choices,
             ..
         } = registers;
-        self.eval_ranges(intervals, interval_waves, choices, inputs, out);
+        self.eval_ranges(intervals, interval_waves, inputs, out);
     }
 
     /// Evaluates with slopes along a line.
@@ -60,60 +48,15 @@ impl Tape {
         let Registers {
             slopes,
             slope_waves,
-            choices,
             ..
         } = registers;
-        self.eval_ranges(slopes, slope_waves, choices, inputs, out);
-    }
-
-    /// Returns the tape without what has no influence in the box that the registers were last used for, with this
-    /// tape, by an evaluation of intervals or slopes; `None` if nothing can be left out.
-    pub fn pruned(&self, registers: &Registers) -> Option<Tape> {
-        let choices = registers.choices.get(..self.instructions.len())?;
-        if choices.iter().all(|choice| *choice == Branch::Open) {
-            return None;
-        }
-        let mut wanted = vec![false; self.register_count];
-        let want = |wanted: &mut [bool], operand| {
-            if let Operand::Register(register) = operand {
-                wanted[register as usize] = true;
-            }
-        };
-        for &root in &self.roots {
-            want(&mut wanted, root);
-        }
-        let mut kept = Vec::with_capacity(self.instructions.len());
-        for (instruction, choice) in self.instructions.iter().zip(choices).rev() {
-            let out = &mut wanted[instruction.out as usize];
-            if !std::mem::take(out) {
-                continue;
-            }
-            let operation = instruction.operation.decided(*choice);
-            let (first, second) = operation.operands();
-            want(&mut wanted, first);
-            if let Some(second) = second {
-                want(&mut wanted, second);
-            }
-            let to_itself = TapeOperation::Copy(Operand::Register(instruction.out));
-            if operation != to_itself {
-                let out = instruction.out;
-                kept.push(Instruction { out, operation });
-            }
-        }
-        kept.reverse();
-        Some(Tape {
-            instructions: kept,
-            inputs: self.inputs.clone(),
-            roots: self.roots.clone(),
-            register_count: self.register_count,
-        })
+        self.eval_ranges(slopes, slope_waves, inputs, out);
     }
 
     fn eval_ranges<R: Range>(
         &self,
         registers: &mut Vec<R>,
         waves: &mut InputWaves<R>,
-        choices: &mut Vec<Branch>,
         inputs: &[R],
         out: &mut [R],
     ) {
@@ -122,7 +65,6 @@ impl Tape {
         if registers.len() < self.register_count {
             registers.resize(self.register_count, R::constant(0.0));
         }
-        choices.clear();
         waves.clear();
         let read = |registers: &[R], operand| match operand {
             Operand::Constant(value) => R::constant(value),
@@ -130,7 +72,6 @@ impl Tape {
             Operand::Register(register) => registers[register as usize],
         };
         for instruction in &self.instructions {
-            let mut choice = Branch::Open;
             registers[instruction.out as usize] = match instruction.operation {
                 TapeOperation::Unary(op @ (Unary::Sin | Unary::Cos), Operand::Input(input)) => {
                     let known = waves.iter().find(|(other, _)| *other == input);
@@ -142,21 +83,13 @@ impl Tape {
                     });
                     if op == Unary::Sin { sine } else { cosine }
                 }
-                TapeOperation::Unary(op, a) => {
-                    let a = read(registers, a);
-                    choice = choice_of_unary(op, a.interval());
-                    R::unary(op, a)
-                }
+                TapeOperation::Unary(op, a) => R::unary(op, read(registers, a)),
                 TapeOperation::Binary(Binary::Mul, a, b) if a == b => read(registers, a).square(),
                 TapeOperation::Binary(op, a, b) => {
-                    let (a, b) = (read(registers, a), read(registers, b));
-                    choice = choice_of_binary(op, a.interval(), b.interval());
-                    R::binary(op, a, b)
+                    R::binary(op, read(registers, a), read(registers, b))
                 }
                 TapeOperation::Power(a, n) => read(registers, a).integer_power(n),
-                TapeOperation::Copy(a) => read(registers, a),
             };
-            choices.push(choice);
         }
         for (out, &root) in out.iter_mut().zip(&self.roots) {
             *out = read(registers, root);
@@ -164,64 +97,9 @@ impl Tape {
     }
 }
 
-/// For `abs`, the first choice is the operand, the second its negative.
-fn choice_of_unary(op: Unary, a: Interval) -> Branch {
-    if op != Unary::Abs || a.is_empty() {
-        Branch::Open
-    } else if a.lower() > 0.0 {
-        Branch::First
-    } else if a.upper() < 0.0 {
-        Branch::Second
-    } else {
-        Branch::Open
-    }
-}
-
-fn choice_of_binary(op: Binary, a: Interval, b: Interval) -> Branch {
-    // What is left out must be defined: else the result is not.
-    if a.is_partial() || b.is_partial() {
-        return Branch::Open;
-    }
-    let (first, second) = match op {
-        Binary::Min => (a.upper() <= b.lower(), b.upper() < a.lower()),
-        Binary::Max => (a.lower() >= b.upper(), b.lower() > a.upper()),
-        _ => (false, false),
-    };
-    match (first, second) {
-        (true, _) => Branch::First,
-        (false, true) => Branch::Second,
-        (false, false) => Branch::Open,
-    }
-}
-
-impl TapeOperation {
-    /// The operation with its choice made.
-    fn decided(self, choice: Branch) -> Self {
-        match (self, choice) {
-            (_, Branch::Open) => self,
-            (Self::Unary(_, a), Branch::First) => Self::Copy(a),
-            (Self::Unary(_, a), Branch::Second) => Self::Unary(Unary::Neg, a),
-            (Self::Binary(_, a, _), Branch::First) => Self::Copy(a),
-            (Self::Binary(_, _, b), Branch::Second) => Self::Copy(b),
-            (Self::Power(..) | Self::Copy(_), _) => self,
-        }
-    }
-
-    pub(super) fn operands(self) -> (Operand, Option<Operand>) {
-        match self {
-            Self::Unary(_, a) | Self::Power(a, _) | Self::Copy(a) => (a, None),
-            Self::Binary(_, a, b) => (a, Some(b)),
-        }
-    }
-}
-
 impl Range for Interval {
     fn constant(x: f64) -> Self {
         Self::point(x)
-    }
-
-    fn interval(self) -> Interval {
-        self
     }
 
     fn unary(op: Unary, a: Self) -> Self {
@@ -248,10 +126,6 @@ impl Range for Interval {
 impl Range for Slope {
     fn constant(x: f64) -> Self {
         Self::constant(x)
-    }
-
-    fn interval(self) -> Interval {
-        self.value
     }
 
     fn unary(op: Unary, a: Self) -> Self {

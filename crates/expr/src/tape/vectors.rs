@@ -80,7 +80,6 @@ impl Tape {
                     }
                 }
                 TapeOperation::Power(a, n) => integer_power(s, read(s, numbers, inputs, a), n),
-                TapeOperation::Copy(a) => read(s, numbers, inputs, a),
             };
             numbers[instruction.out as usize] = value;
         }

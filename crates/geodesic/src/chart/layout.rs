@@ -29,8 +29,16 @@ pub(crate) struct ChartLayout {
 
 impl ChartLayout {
     pub(crate) fn of(surface: &dyn Surface) -> Self {
-        let (domain, sides) = (surface.domain(), surface.sides());
+        let (domain, mut sides) = (surface.domain(), surface.sides());
         let apexes = [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end)));
+        for (sides, apexes) in [&mut sides.u, &mut sides.v].into_iter().zip(&apexes) {
+            for (side, apex) in sides.iter_mut().zip(apexes) {
+                // A ray through a pole goes on along the meridian half a period away only where directions are even.
+                if apex.is_some_and(|apex| apex.smooth && !apex.regular) {
+                    *side = Side::Edge;
+                }
+            }
+        }
         let charts = [0, 1].map(|axis| {
             [0, 1].map(|end| {
                 let apex = apexes[axis][end].filter(|apex: &Apex| apex.regular)?;

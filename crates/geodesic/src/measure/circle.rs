@@ -9,6 +9,7 @@ use super::quadrature;
 use super::source::RaySource;
 use crate::field::absolute_integral;
 use crate::point::Uv;
+use crate::reparametrised::Reparametrised;
 use crate::status::Status;
 use crate::surface::Surface;
 
@@ -61,6 +62,20 @@ pub fn circle(
         return Err(MeasureError::BadLength { length: radius });
     }
     let uv = uv.into();
+    // Angles count from one direction in both parametrisations.
+    match Reparametrised::of(surface) {
+        Some(even) => {
+            circle_on(&even, even.changed(uv).0, radius).map_err(|error| error.restored(&even))
+        }
+        None => circle_on(surface, uv, radius),
+    }
+}
+
+fn circle_on(
+    surface: &dyn Surface,
+    uv: Uv,
+    radius: f64,
+) -> Result<Result<Circle, RayStop>, MeasureError> {
     let source = RaySource::at(surface, uv)?;
     let mut passes_conjugate = false;
     let mut ray = |angle: f64| {

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use expr::{Input, NodeId};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use scene::{BoundGrid, Cut, Object, ParamValues, Scene, Solid, SolidStep};
-use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
+use tracer::{BuildError, SetStep, ShapeId, WorldBuilder, is_singular};
 
 use super::attributes::AffineTape;
 
@@ -202,17 +202,6 @@ impl Expansion<'_> {
         });
         Ok(())
     }
-}
-
-/// A map whose determinant is at most this share of the product of its columns' lengths is singular.
-const LEAST_DETERMINANT: f64 = 1e-12;
-
-fn is_singular(map: &DAffine3) -> bool {
-    let matrix = map.matrix3;
-    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
-    let volume: f64 = columns.map(DVec3::length).iter().product();
-    let regular = matrix.determinant().abs() > LEAST_DETERMINANT * volume;
-    !(map.is_finite() && regular)
 }
 
 /// The shapes of a world by what they are made of, so that equal ones are one.

@@ -180,16 +180,7 @@ fn added(analysis: &CrtAnalysis, stated: &str) -> Edit {
     let block = format!("Settings {{\n    {stated}\n}}\n");
     match scene {
         Some((base, scene)) => Edit::insert(base + scene.span.start, block + "\n"),
-        None => {
-            let end = analysis.text().len();
-            let last = analysis.slice(Span::new(end.saturating_sub(1), end));
-            let gap = if last.is_empty() || last == "\n" {
-                ""
-            } else {
-                "\n"
-            };
-            Edit::insert(end, format!("{gap}{block}"))
-        }
+        None => Edit::append(analysis.text(), &block),
     }
 }
 

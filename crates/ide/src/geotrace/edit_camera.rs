@@ -34,7 +34,10 @@ pub fn edit_camera(
     let view = format!("{direction} @ {position}");
     match analysis.declared(name) {
         Some(item) if item.keyword == DeclarationKeyword::Camera => replace(analysis, &item, view),
-        None if is_free(analysis, name) => Ok(append(analysis, name, &view)),
+        None if is_free(analysis, name) => {
+            let line = format!("camera {name} = {view};\n");
+            Ok(Edit::append(analysis.document(), &line))
+        }
         _ => Err(EditCameraError::NotACamera {
             name: name.to_owned(),
         }),
@@ -70,15 +73,4 @@ fn replace(
     let span = value.iter().map(|token| token.span).reduce(Span::to);
     span.map(|span| Edit::replace(span, view))
         .ok_or(EditCameraError::Faulty { name })
-}
-
-/// A new camera behind the last line.
-fn append(analysis: &GeotraceAnalysis, name: &str, view: &str) -> Edit {
-    let end = analysis.len();
-    let last = analysis.slice(Span::new(end.saturating_sub(1), end));
-    let gap = match last.as_str() {
-        "" | "\n" => "",
-        _ => "\n",
-    };
-    Edit::insert(end, format!("{gap}camera {name} = {view};\n"))
 }

@@ -1,10 +1,8 @@
 //! From a use to its declaration, and back to all uses.
 
 use syntax::span::Span;
-use syntax::symbol::SymbolId;
 
 use super::analysis::GeotraceAnalysis;
-use super::targets::Target;
 use crate::occurrence::Occurrence;
 
 /// The name at a place, and where it is introduced; none for builtins and for what is no name.
@@ -31,13 +29,4 @@ pub fn occurrences(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Occurrence> 
             })
         })
         .collect()
-}
-
-/// The object that is declared at or used at a place: what a view should show.
-pub fn object_at(analysis: &GeotraceAnalysis, offset: u32) -> Option<SymbolId> {
-    let used = analysis.token_at(offset).and_then(|k| analysis.target(k));
-    match used {
-        Some(Target::Symbol(id)) if analysis.item_of(id).is_some() => Some(id),
-        _ => analysis.item_at(offset)?.symbol,
-    }
 }

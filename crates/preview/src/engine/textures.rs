@@ -89,6 +89,14 @@ impl ImageSource for ImageFiles {
     }
 }
 
+/// Goes on with the program in a folder, or with one that has none yet.
+pub(crate) fn turn_to(library: &mut Library, folder: Option<&Path>) {
+    if library.source.folder.as_deref() != folder {
+        library.forget();
+        library.source.folder = folder.map(Path::to_owned);
+    }
+}
+
 /// Reads an image that the user has chosen, again if it has been read before.
 pub(crate) fn open(library: &mut Library, path: PathBuf) {
     library.source.opened.note(&path);
@@ -104,7 +112,7 @@ mod tests {
     use session::Choice;
     use session::textures::TextureRead;
 
-    use super::{ImageFiles, Library, open};
+    use super::{ImageFiles, Library, open, turn_to};
     use crate::channel::EventSender;
     use crate::io::path_list::PathList;
 
@@ -152,5 +160,32 @@ mod tests {
         let (mut second, events) = library();
         assert_eq!(trouble(&mut second, &events, &other), None);
         assert!(second.texture(&Choice::Image(other)).is_some());
+    }
+
+    #[test]
+    fn a_word_means_the_image_beside_the_program_that_is_shown() {
+        let source = "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1], image : earth;";
+        let scene = scene::geotrace::compile(source).scene.expect("a scene");
+        let folder = tempfile::tempdir().expect("a folder");
+        let (sender, events) = EventSender::new(egui::Context::default());
+        let mut library = Library::new(ImageFiles::new(sender));
+        let mut shown = |program: Option<&Path>| {
+            turn_to(&mut library, program);
+            if library.named(&scene).is_empty() && program.is_some() {
+                library.take(events.recv().expect("an answer"));
+            }
+            let named = library.named(&scene);
+            named
+                .first()
+                .map(|(_, texture)| texture.levels()[0].texels[0][0])
+        };
+        for shade in [10, 200] {
+            let program = folder.path().join(shade.to_string());
+            std::fs::create_dir(&program).expect("made");
+            let image = image::RgbImage::from_pixel(2, 2, image::Rgb([shade; 3]));
+            image.save(program.join("earth.png")).expect("written");
+            assert_eq!(shown(Some(&program)), Some(shade));
+            assert_eq!(shown(None), None, "a program without a folder");
+        }
     }
 }

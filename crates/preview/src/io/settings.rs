@@ -42,9 +42,8 @@ impl SharedSettings {
     /// Reads the settings that are kept in a folder.
     pub(crate) fn in_folder(folder: &Path) -> Self {
         let file = folder.join("settings.json");
-        let bytes = std::fs::read(&file).unwrap_or_default();
         Self {
-            now: serde_json::from_slice(&bytes).unwrap_or_default(),
+            now: read(&file),
             file: Some(file),
         }
     }
@@ -54,17 +53,27 @@ impl SharedSettings {
         self.now
     }
 
-    /// Changes the settings, for all windows that are opened from now on.
-    pub(crate) fn change(&mut self, settings: Settings) {
-        self.now = settings;
+    /// Changes the settings as they are now, which another window may have changed: for this window, and for all that are
+    /// opened from now on.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut Settings)) {
+        if let Some(file) = &self.file {
+            self.now = read(file);
+        }
+        change(&mut self.now);
         if let Some(file) = &self.file
             && let Some(folder) = file.parent()
             && std::fs::create_dir_all(folder).is_ok()
-            && let Ok(bytes) = serde_json::to_vec_pretty(&settings)
+            && let Ok(bytes) = serde_json::to_vec_pretty(&self.now)
         {
             let _ = write_whole(file, &bytes);
         }
     }
+}
+
+/// Reads the settings of a file; those that it does not have are at their defaults.
+fn read(file: &Path) -> Settings {
+    let bytes = std::fs::read(file).unwrap_or_default();
+    serde_json::from_slice(&bytes).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -77,10 +86,9 @@ mod tests {
         let place = folder.path().join("not/there/yet");
         let mut settings = SharedSettings::in_folder(&place);
         assert!(settings.now().remembers_views);
-        settings.change(Settings {
-            remembers_views: false,
-            scale: Some(1.5),
-            ..settings.now()
+        settings.change(|settings| {
+            settings.remembers_views = false;
+            settings.scale = Some(1.5);
         });
         assert_eq!(SharedSettings::in_folder(&place).now().scale, Some(1.5));
         assert!(!SharedSettings::in_folder(&place).now().remembers_views);
@@ -88,5 +96,16 @@ mod tests {
         assert_eq!(SharedSettings::in_folder(&place).now(), Settings::default());
         std::fs::write(place.join("settings.json"), "{}").expect("written");
         assert_eq!(SharedSettings::in_folder(&place).now(), Settings::default());
+    }
+
+    #[test]
+    fn a_window_keeps_what_another_one_has_set() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [mut one, mut other] = [(); 2].map(|()| SharedSettings::in_folder(folder.path()));
+        one.change(|settings| settings.remembers_views = false);
+        other.change(|settings| settings.scale = Some(1.5));
+        let now = SharedSettings::in_folder(folder.path()).now();
+        assert!(!now.remembers_views);
+        assert_eq!(now.scale, Some(1.5));
     }
 }

@@ -17,7 +17,7 @@ use session::camera_controller::Subject;
 use session::clicks::ClickedObject;
 use session::measuring::{Measured, PlacedFigure, Quantity, hint, title};
 use session::motion::Motion;
-use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK, PointedPlace};
+use session::questions::{MeasureAnswer, MeasureQuestion, NO_WAY_BACK, OLD_WAY_BACK, PointedPlace};
 use session::snapping::Snapping;
 use session::{CameraPath, ChartCamera, InsideCamera, StatusMessage};
 
@@ -326,12 +326,24 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
             }
         }
         MeasureAnswer::Walk(rows) => measuring.walked = rows,
-        MeasureAnswer::WayBack(surface, Some(step)) => {
-            window.model.move_camera(&surface, Motion::Walk(step));
-            window.model.history.settle();
-        }
-        MeasureAnswer::WayBack(_, None) => {
-            window.status_message = Some(StatusMessage::info(NO_WAY_BACK));
+        MeasureAnswer::WayBack {
+            surface,
+            from,
+            step,
+        } => {
+            let camera = window.model.view.inside.get(&surface);
+            let camera = camera.and_then(InsideCamera::chart);
+            let is_there = camera.is_some_and(|camera| camera.frame() == from);
+            let sentence = match step {
+                Some(step) if is_there => {
+                    window.model.move_camera(&surface, Motion::Walk(step));
+                    window.model.history.settle();
+                    return;
+                }
+                Some(_) => OLD_WAY_BACK,
+                None => NO_WAY_BACK,
+            };
+            window.status_message = Some(StatusMessage::info(sentence));
         }
     }
 }

@@ -36,7 +36,7 @@ use session::{CameraPath, Model, StatusMessage};
 
 use crate::engine::compiler::Compiler;
 use crate::engine::render_thread::RenderThread;
-use crate::engine::textures::{ImageFiles, Library};
+use crate::engine::textures::{ImageFiles, Library, turn_to};
 use crate::io::link::Link;
 use crate::io::persistence::{Drawn, DrawnFigure};
 use crate::io::report::{Counters, Report};
@@ -174,7 +174,7 @@ impl Window {
 
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
-        self.pictures.library.source.folder = program.parent().map(Path::to_owned);
+        turn_to(&mut self.pictures.library, program.parent());
         if !self.remembers_views() {
             return;
         }

@@ -38,7 +38,7 @@ pub struct PlacedSolidCamera {
 }
 
 impl PlacedSolidCamera {
-    /// Puts a camera on its solid.
+    /// Puts a camera on its solid, which is that for these values of the params.
     ///
     /// # Errors
     /// [`RenderError::Manifold`], [`RenderError::Camera`].

@@ -299,6 +299,9 @@ impl TracedContent {
     }
 }
 
+/// The work that a part of the picture lets expect may be too high by one in so many.
+const EXPECTED_ABOVE: u64 = 5;
+
 /// The samples that are added at once: all, or each by itself where what is done so far may be wanted; where the work is
 /// limited, the first one by itself.
 fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Item = Range<u32>> {
@@ -395,7 +398,11 @@ impl ViewRenderer for TracedRenderer {
                         .max_operations
                         .filter(|_| is_measured && step.start == 0);
                     let goes_on = |it: PictureProgress| {
-                        let is_too_much = most.is_some_and(|most| it.operations > most);
+                        let is_too_much = most.is_some_and(|most| {
+                            let certain =
+                                it.expected.map_or(0, |work| work - work / EXPECTED_ABOVE);
+                            it.operations.max(certain) > most
+                        });
                         exceeded.fetch_or(is_too_much, Ordering::Relaxed);
                         goes_on(&step, it.share) && !is_too_much
                     };

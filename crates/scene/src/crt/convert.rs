@@ -173,6 +173,11 @@ impl<'w> Writer<'w> {
         self.declarations.push_str(";\n");
     }
 
+    /// A comment on the next declaration.
+    fn remark(&mut self, sentence: &str) {
+        let _ = writeln!(self.declarations, "# {sentence}.");
+    }
+
     fn object(&mut self, entity: &Entity) {
         // A plane through which light is refracted is the face of a half-space, though one that is seen from behind too.
         if let Some(Node::Object(object)) = entity.node()
@@ -223,6 +228,10 @@ impl<'w> Writer<'w> {
         if let Some(label) = label(entity) {
             whole.name = label.to_owned();
         }
+        let is_half_plane = |node: &Node| matches!(node, Node::Object(object) if object.is_plane && object.second.is_some());
+        if entity.node().is_some_and(is_half_plane) {
+            self.remark("The script's half-plane is one face: this solid has a second one, which refracts too");
+        }
         self.named(whole);
     }
 
@@ -232,6 +241,11 @@ impl<'w> Writer<'w> {
         let mut declaration = format!("solid {name} = {}", set.text);
         if let Some(material) = &set.material {
             let _ = write!(declaration, ",\n    {}", look(material, true));
+            if material.transparency > 0.0 && brightest(material) > 1.0 {
+                self.remark(
+                    "No glass here brightens what is seen through it, as the script's does",
+                );
+            }
         }
         self.declare(&declaration);
         name
@@ -531,14 +545,18 @@ impl<'w> Writer<'w> {
     }
 }
 
+/// The greatest part of a material's colour, or 1 if that is more.
+fn brightest(material: &Material) -> f64 {
+    let parts = material.color.iter();
+    parts.fold(1.0f64, |most, part| most.max(*part))
+}
+
 /// The attributes of a material, of a solid or else of a surface.
 ///
-/// A colour past 1, which no attribute may have, is divided by its greatest part, and what is multiplied by it is multiplied.
+/// A colour past 1, which no attribute may have, is divided by its greatest part, and the light that it reflects is multiplied
+/// by that; the light that passes through glass is not.
 fn look(material: &Material, is_solid: bool) -> String {
-    let most = material
-        .color
-        .iter()
-        .fold(1.0f64, |most, part| most.max(*part));
+    let most = brightest(material);
     let color = material.color.map(|part| (part / most).max(0.0));
     let usual = (1.0 - material.reflectivity - material.transparency).max(0.0);
     let diffuse = most * material.diffuse.unwrap_or(usual);

@@ -515,13 +515,23 @@ impl<'s> Interpreter<'s> {
         None
     }
 
+    /// The names that can be meant where the run is, in no order.
+    fn visible_names(&self) -> Vec<&str> {
+        let parent = |scope: &usize| self.scopes[*scope].parent;
+        let scopes = std::iter::successors(Some(self.scope), parent);
+        let names = scopes.flat_map(|scope| self.scopes[scope].names.keys());
+        names.map(|name| &**name).collect()
+    }
+
     fn variable(&mut self, name: &Arc<str>, span: Span) -> Result<ScriptValue, Stopped> {
         match self.resolved(name) {
             Some(Binding::Value(value)) => Ok(value),
             Some(_) => Err(Stopped),
             None => {
-                let all = self.scopes.iter().flat_map(|names| names.names.keys());
-                let near = nearest(name, all.map(|name| &**name));
+                let mut all = self.visible_names();
+                // Of names that are equally near it is the first.
+                all.sort_unstable();
+                let near = nearest(name, all.into_iter());
                 let message = format!("no variable `{name}` has been assigned");
                 let mut diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, span, message);
                 if let Some(near) = near {

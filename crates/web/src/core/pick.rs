@@ -212,7 +212,11 @@ impl Core {
         let (subject, path, camera) = self.walked().ok_or(NO_WAY_BACK)?;
         let question = MeasureQuestion::way_back(&path, &camera);
         match self.measurer.answer(&subject, &question) {
-            Some(MeasureAnswer::WayBack(surface, Some(step))) => {
+            Some(MeasureAnswer::WayBack {
+                surface,
+                step: Some(step),
+                ..
+            }) => {
                 self.model.move_camera(&surface, Motion::Walk(step));
                 self.model.history.settle();
                 self.note_motion();

@@ -20,7 +20,7 @@ pub(super) fn completed(
     let ViewId { kind, object } = arguments.view(program.scene());
     let of_object = views.get(&kind).is_some_and(|view| view.is_of_object());
     let object = match of_object {
-        true => Some(program.surface(object.as_deref())?.1.name.clone()),
+        true => Some(program.ground(object.as_deref())?.1.name.clone()),
         false => None,
     };
     let request = remembered(arguments, program, context, &ViewId { kind, object })?;

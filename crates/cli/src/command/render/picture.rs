@@ -31,10 +31,8 @@ pub(super) fn request(
 ) -> Result<PictureRequest, Failure> {
     let params = program.params(&arguments.set)?;
     let view = view(arguments, views, program, &params)?;
-    let mut trails = paths(arguments, program, &params)?;
-    trails.extend(figures(arguments, program, &params)?);
     Ok(PictureRequest {
-        trails,
+        trails: trails(arguments, program, &params)?,
         overlays: overlays(arguments),
         theme: arguments.theme,
         scale: arguments.scale as f32,
@@ -51,6 +49,20 @@ pub(super) fn request(
             arguments.size(program.scene()),
         )
     })
+}
+
+/// Returns the lines of paths and figures on the surfaces of some params.
+///
+/// # Errors
+/// A place that is none of the surface, or what cannot be measured there.
+pub(super) fn trails(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<Vec<Shared<Trail>>, Failure> {
+    let mut trails = paths(arguments, program, params)?;
+    trails.extend(figures(arguments, program, params)?);
+    Ok(trails)
 }
 
 /// Returns the paths.
@@ -75,10 +87,7 @@ fn paths(
 }
 
 /// Returns the lines of the figures, measured on the surfaces of some params.
-///
-/// # Errors
-/// A place that is none of the surface, or what cannot be measured there.
-pub(super) fn figures(
+fn figures(
     arguments: &Arguments,
     program: &LoadedProgram,
     params: &ParamValues,
@@ -216,7 +225,7 @@ fn view(
     }
     let shown = match (&arguments.show_camera, view.geodesic_camera()) {
         (_, Some(own)) => Some(own.surface),
-        (Some(name), None) if view.space().is_some() => Some(program.surface(Some(name))?.0),
+        (Some(name), None) if view.space().is_some() => Some(program.ground(Some(name))?.0),
         _ => None,
     };
     if let Some(surface) = shown {

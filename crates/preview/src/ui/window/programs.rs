@@ -15,9 +15,10 @@ use super::text::{SAVED, TextSource, WindowText};
 use crate::Failure;
 use crate::engine::compiler::Compiler;
 use crate::engine::saving;
+use crate::engine::textures::turn_to;
 use crate::io::path_list::PathList;
 use crate::io::persistence::{Known, ViewStore};
-use crate::io::settings::{Settings, SharedSettings};
+use crate::io::settings::SharedSettings;
 use crate::io::watch::Watch;
 use crate::ui::panes::Panes;
 
@@ -110,10 +111,9 @@ impl Window {
         let now = (preferences.theme, preferences.scale);
         let before = self.records.appearance.replace(now);
         if before.is_some_and(|before| before != now) {
-            self.records.settings.change(Settings {
-                theme: Some(now.0),
-                scale: Some(now.1),
-                ..self.records.settings.now()
+            self.records.settings.change(|settings| {
+                settings.theme = Some(now.0);
+                settings.scale = Some(now.1);
             });
         }
     }
@@ -123,12 +123,11 @@ impl Window {
         self.records.settings.now().remembers_views
     }
 
-    /// Sets whether views are remembered beside programs, from now on and in all windows.
+    /// Sets whether views are remembered beside programs: from now on, in this window and in all that are opened later.
     pub(crate) fn remember_views(&mut self, on: bool) {
-        self.records.settings.change(Settings {
-            remembers_views: on,
-            ..self.records.settings.now()
-        });
+        self.records
+            .settings
+            .change(|settings| settings.remembers_views = on);
         self.records.view_store = None;
         let is_new = matches!(&self.text.source, TextSource::File { editor, .. } if editor.is_new);
         if let Some(path) = self.text.file().filter(|_| !is_new) {
@@ -226,6 +225,7 @@ impl Window {
         self.focus.surface = None;
         self.panes = Panes::new(first, true);
         crate::ui::measure::close(self);
+        turn_to(&mut self.pictures.library, None);
         self.pictures.forget_all();
         self.status_message = None;
         self.text.compile();
@@ -259,6 +259,7 @@ impl Window {
         let events = self.events.sender.for_part(WindowEvent::File);
         // A file that is not watched is looked at before it is written over.
         *_watch = Watch::start(&path, editor.text.clone(), events).ok();
+        turn_to(&mut self.pictures.library, path.parent());
         self.keep_view_of(path, Known::default());
         self.status_message = Some(StatusMessage::info(SAVED));
         self.note_recent();
