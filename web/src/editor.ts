@@ -51,6 +51,8 @@ export interface Shown extends Finding {
     line: number;
     column: number;
     fix: Fix | undefined;
+    /** The version of the text that it belongs to. */
+    version: number;
 }
 
 export interface EditorEvents {
@@ -219,6 +221,7 @@ export class Editor {
                 line: line.number,
                 column: from - line.from + 1,
                 fix: own.find((fix) => fix.preferred),
+                version,
             };
         });
         const diagnostics = shown.map((finding, at): Diagnostic => {

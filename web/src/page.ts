@@ -60,7 +60,7 @@ export class Page {
         });
         this.problems = new Problems({
             show: (range) => this.show(range),
-            fix: (fix) => this.editor.apply(fix.edits, this.editor.version, "the fix"),
+            fix: (fix, version) => this.editor.apply(fix.edits, version, "the fix"),
         });
         const editorBox = make("div", { class: "editor" });
         this.editor = new Editor(editorBox, this.core, {

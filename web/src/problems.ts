@@ -8,7 +8,8 @@ import type { Fix, TextRange } from "./protocol.ts";
 export interface ProblemsEvents {
     /** A place is to be shown. */
     show(range: TextRange): void;
-    fix(fix: Fix): void;
+    /** A fix of the text as it was at a version is to be applied. */
+    fix(fix: Fix, version: number): void;
 }
 
 export class Problems {
@@ -36,7 +37,7 @@ export class Problems {
     }
 
     private row(finding: Shown): HTMLElement {
-        const { line, column, message, hint, related, fix, severity } = finding;
+        const { line, column, message, hint, related, fix, severity, version } = finding;
         const go = make(
             "button",
             { type: "button", onclick: () => this.events.show(finding) },
@@ -48,7 +49,7 @@ export class Problems {
         const others = related.map(({ message: about, ...range }) =>
             make("button", { type: "button", class: "related", onclick: () => this.events.show(range) }, "↳ ", inline(about)),
         );
-        const press = fix && button(fix.title.replaceAll("`", ""), () => this.events.fix(fix));
+        const press = fix && button(fix.title.replaceAll("`", ""), () => this.events.fix(fix, version));
         return make("li", { class: severity }, go, ...others, press);
     }
 }

@@ -117,6 +117,17 @@ test("a fix is offered and applied", async () => {
     await state.close(page);
 });
 
+test("a fix of a text that has changed meanwhile is refused", async () => {
+    const page = await state.open(link("point p = (1, 2, sqr(2));\n"));
+    const fix = await page.locator(".problems li > .button").first().elementHandle();
+    await write(page, "p");
+    // As before the new text's mistakes are shown.
+    await fix.evaluate((button) => button.click());
+    await page.locator(".toast", { hasText: "The text has changed meanwhile: the fix is not done." }).waitFor();
+    assert.equal(await text(page), "p");
+    await state.close(page);
+});
+
 test("the picture follows the text", async () => {
     const page = await state.open(link(SPHERE));
     const before = await picture(page);
