@@ -483,11 +483,8 @@ export class Page {
             }
         });
         document.addEventListener("keydown", (event) => this.key(event));
-        document.addEventListener("keyup", (event) => {
-            if (event.target === document.body) {
-                this.views.current()?.releaseKey(event);
-            }
-        });
+        document.addEventListener("keyup", (event) => this.views.releaseKey(event));
+        addEventListener("blur", () => this.views.releaseAll());
         const over = (event: DragEvent) => {
             if (event.dataTransfer?.types.includes("Files")) {
                 event.preventDefault();

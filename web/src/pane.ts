@@ -180,6 +180,7 @@ export class Pane {
     }
 
     end(): void {
+        this.releaseAll();
         this.resize.disconnect();
         this.element.remove();
     }

@@ -98,6 +98,23 @@ export class Views {
         return last ?? [...this.panes.values()].find((pane) => pane.declared() !== undefined);
     }
 
+    /** Takes the release of a key: the focus may have gone elsewhere since it was pressed. */
+    releaseKey(event: KeyboardEvent): void {
+        for (const pane of this.panes.values()) {
+            // The pane that has the focus hears of it by itself.
+            if (event.target !== pane.canvas) {
+                pane.releaseKey(event);
+            }
+        }
+    }
+
+    /** Releases all keys: the window does not hear of them. */
+    releaseAll(): void {
+        for (const pane of this.panes.values()) {
+            pane.releaseAll();
+        }
+    }
+
     /** The open panes, in their order. */
     list(): Pane[] {
         const open = [...this.panes.values()];

@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { settled } from "./browser.mjs";
-import { becomes, changed, link, middle, picture, setup, SPHERE } from "./harness.mjs";
+import { becomes, changed, link, middle, picture, rest, setup, SPHERE } from "./harness.mjs";
 
 const state = setup();
 const INSIDE = "geodesic:s";
@@ -71,6 +71,27 @@ test("keys move the camera of the picture that has the focus", async () => {
         await page.waitForTimeout(120);
         await page.keyboard.up(key);
         inside = await changed(page, inside, INSIDE);
+    }
+    await state.close(page);
+});
+
+test("a key that is held moves the camera until it is released, wherever the focus is then", async () => {
+    const page = await state.open(link(SPHERE));
+    let space = await picture(page);
+    const leave = [
+        () => page.locator(".cm-content").focus(),
+        () => page.evaluate(() => window.dispatchEvent(new Event("blur"))),
+    ];
+    for (const go of leave) {
+        await page.evaluate(() => document.activeElement.blur());
+        await page.keyboard.down("a");
+        await page.waitForTimeout(120);
+        await go();
+        if (go === leave[0]) {
+            await page.keyboard.up("a");
+        }
+        space = await changed(page, space);
+        assert.equal((await rest(page)).digest, space.digest);
     }
     await state.close(page);
 });
