@@ -148,7 +148,11 @@ export class Measuring {
         }
         this.isAsking = false;
         if (this.figure === figure && this.kind === kind && this.isOpen) {
+            const isCurrent = this.state() === state;
             this.show(figure, answer);
+            if (isCurrent) {
+                this.asked = this.state();
+            }
         }
         void this.ask();
     }
@@ -169,7 +173,6 @@ export class Measuring {
         if (missing <= 0 && figure !== undefined) {
             // The centre of a circle is where the camera was, also when that has gone on.
             this.figure = { ...figure, places: answer.places };
-            this.asked = this.state();
         }
     }
 }

@@ -57,6 +57,47 @@ test("a distance on a sphere is that of the great circle, follows a slider, and 
     await state.close(page);
 });
 
+test("a slider that moves while the measures are awaited is followed", async () => {
+    const init = () => {
+        window.measures = 0;
+        window.Worker = class extends Worker {
+            asked = new Set();
+            postMessage(message, ...rest) {
+                if (message.call === "measure") {
+                    this.asked.add(message.id);
+                    window.measures += 1;
+                }
+                super.postMessage(message, ...rest);
+            }
+            addEventListener(type, listener) {
+                // As of a surface whose measures take long.
+                super.addEventListener(type, (event) => setTimeout(() => listener(event), this.asked.has(event.data?.answer) ? 400 : 0));
+            }
+        };
+    };
+    const page = await state.open(link(SPHERE), { init });
+    await page.getByRole("button", { name: "Measure", exact: true }).click();
+    await settled(page);
+    const { x, y } = await middle(page);
+    await page.mouse.click(x - 40, y - 30);
+    await page.mouse.click(x + 50, y + 20);
+    await shown(page, "distance");
+    const distance = Number(await row(page, "distance"));
+    await page.waitForTimeout(1000);
+    const measures = await page.evaluate(() => window.measures);
+    const value = page.getByRole("textbox", { name: "Value of r" });
+    await value.fill("1.5");
+    await value.press("Enter");
+    await page.waitForFunction((before) => window.measures > before, measures);
+    await value.fill("2");
+    await value.press("Enter");
+    await page.waitForFunction(
+        (before) => Math.abs(Number(document.querySelector(".measuring dd")?.textContent) - 2 * before) < 1e-5,
+        distance,
+    );
+    await state.close(page);
+});
+
 test("a triangle on a sphere has the excess of its area, and M opens the tool", async () => {
     const page = await state.open(link(SPHERE));
     const before = await rest(page);
