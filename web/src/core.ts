@@ -1,7 +1,8 @@
 // The core in its Worker: calls, notices and events of `protocol.ts`, and another Worker where one has died.
 //
 // What a Worker knows, the page knows too: the program, its version and the settings. So a new Worker goes on where the
-// old one ended. One that fails again at once on the same program is not started a third time.
+// old one ended. If that one fails at once, whether it crashes or does not answer, no third one is started until the program
+// is changed or another one is opened.
 
 import {
     Connection,
@@ -32,8 +33,8 @@ export type Listeners = { [K in EventName]?: (params: Events[K]) => void } & {
 /** Starts a Worker. */
 export type Start = () => Worker;
 
-/** A Worker that fails so soon after another one, in milliseconds, fails because of the program. */
-const AGAIN = 10_000;
+/** A Worker has failed at once if it was heard for less than this, in milliseconds, before it failed. */
+const AT_ONCE = 10_000;
 /** A call that takes longer than this, in milliseconds, has met a program that is too much for it. */
 const PATIENCE = 45_000;
 
@@ -65,7 +66,11 @@ export class Core {
     /** What a new Worker is told before the program is opened, and after. */
     private readonly kept = new Map<NoticeName, unknown>();
     private readonly images = new Map<string, ArrayBuffer>();
-    private failures: number[] = [];
+    /** When the Worker was ready, and when it was heard last. */
+    private ready = 0;
+    private heard = 0;
+    /** The Worker has taken the place of one that failed on this program. */
+    private isSecond = false;
     private watch: ReturnType<typeof setTimeout> | undefined;
     private waiting = 0;
     /** The version of the text that findings have come for. */
@@ -82,7 +87,7 @@ export class Core {
     async open(program: Program, settings: Settings = {}): Promise<Calls["open"]["result"]> {
         this.program = program;
         this.settings = settings;
-        this.failures = [];
+        this.isSecond = false;
         if (this.connection === undefined) {
             this.begin();
         }
@@ -122,7 +127,7 @@ export class Core {
         // A text of a megabyte is not put together for each key, only where it is needed.
         Object.defineProperty(this.program, "text", { get: text });
         if (this.connection === undefined) {
-            this.failures = [];
+            this.isSecond = false;
             this.begin();
             this.reopen();
         } else {
@@ -164,9 +169,12 @@ export class Core {
         const worker = this.start();
         this.waiting = 0;
         this.checked = -1;
+        this.ready = 0;
+        this.heard = 0;
         const connection = new Connection(worker, {
             ...this.on,
             ready: (event) => {
+                this.ready = Date.now();
                 if (event.threads > 1) {
                     this.channel = new BroadcastChannel(event.channel);
                     this.channel.onmessage = ({ data }: MessageEvent<string>) => this.lose(data);
@@ -190,8 +198,13 @@ export class Core {
             crashed: ({ message }) => this.lose(message),
         });
         worker.addEventListener("message", ({ data }: MessageEvent<FromWorker>) => {
+            if (connection !== this.connection) {
+                return;
+            }
+            connection.receive(data);
+            // It may have said that it crashed, and another one is there.
             if (connection === this.connection) {
-                connection.receive(data);
+                this.heard = Date.now();
                 this.guard();
             }
         });
@@ -218,9 +231,9 @@ export class Core {
 
     private lose(why: string): void {
         this.end();
-        const now = Date.now();
-        this.failures = [...this.failures.filter((at) => now - at < AGAIN), now];
-        const isBack = this.failures.length < 3 && this.program !== undefined;
+        const isAtOnce = this.heard - this.ready < AT_ONCE;
+        const isBack = !(this.isSecond && isAtOnce) && this.program !== undefined;
+        this.isSecond = true;
         if (isBack) {
             this.begin();
             this.reopen();

@@ -204,6 +204,60 @@ test("a Worker that dies is started again, with text and settings", async () => 
     await state.close(page);
 });
 
+/** If `window.fails` is "crash", the Workers that start fail by a message that no page sends. If it is "silence", none gets
+ * messages, and the time that they are waited for passes in half a second. */
+const failing = () => {
+    window.workers = [];
+    window.Worker = class extends Worker {
+        constructor(...all) {
+            super(...all);
+            window.workers.push(this);
+            if (window.fails === "crash") {
+                super.postMessage(null);
+            }
+        }
+        postMessage(...all) {
+            if (window.fails !== "silence") {
+                super.postMessage(...all);
+            }
+        }
+    };
+    const [after, now] = [window.setTimeout, Date.now];
+    let skipped = 0;
+    Date.now = () => now() + skipped;
+    window.setTimeout = (action, delay, ...all) => {
+        if (window.fails !== "silence" || delay !== 45_000) {
+            return after(action, delay, ...all);
+        }
+        return after(() => {
+            skipped += delay - 500;
+            action();
+        }, 500);
+    };
+};
+
+for (const fails of ["crash", "silence"]) {
+    test(`a Worker that fails at once after another one, by ${fails}, is the last one until the program is changed`, async () => {
+        const page = await state.open(link(SPHERE), { init: failing });
+        const before = await rest(page);
+        const start = await page.evaluate(() => window.workers.length);
+        await page.evaluate((how) => (window.fails = how), fails);
+        if (fails === "crash") {
+            await page.evaluate(() => window.workers.at(-1).postMessage(null));
+        } else {
+            await write(page, `${SPHERE}# a comment\n`);
+        }
+        await page.locator(".toast.bad", { hasText: "keeps failing" }).waitFor();
+        await page.waitForTimeout(1500);
+        assert.equal(await page.evaluate(() => window.workers.length), start + 1);
+        await page.evaluate(() => (window.fails = undefined));
+        await write(page, SPHERE.replace("r cos(v))", "2r cos(v))"));
+        await changed(page, before);
+        assert.equal(await page.evaluate(() => window.workers.length), start + 2);
+        await state.close(page);
+    });
+}
+
 test("a program of a megabyte leaves the editor usable", async () => {
     const page = await state.open(link(SPHERE));
     const name = (k) => `x${k.toString(26).replaceAll(/\d/g, (digit) => "qrstuvwxyz"[digit])}`;
