@@ -88,10 +88,7 @@ export class Core {
         this.program = program;
         this.settings = settings;
         this.isSecond = false;
-        if (this.connection === undefined) {
-            this.begin();
-        }
-        return this.call("open", { ...program, settings });
+        return this.connection === undefined ? this.restore(program) : this.call("open", { ...program, settings });
     }
 
     call<K extends CallName>(
@@ -128,8 +125,7 @@ export class Core {
         Object.defineProperty(this.program, "text", { get: text });
         if (this.connection === undefined) {
             this.isSecond = false;
-            this.begin();
-            this.reopen();
+            this.restore(this.program).catch(() => {});
         } else {
             this.connection.tell("edit", { version, changes });
             this.guard();
@@ -231,29 +227,27 @@ export class Core {
 
     private lose(why: string): void {
         this.end();
+        const { program } = this;
         const isAtOnce = this.heard - this.ready < AT_ONCE;
-        const isBack = !(this.isSecond && isAtOnce) && this.program !== undefined;
+        const isBack = !(this.isSecond && isAtOnce) && program !== undefined;
         this.isSecond = true;
         if (isBack) {
-            this.begin();
-            this.reopen();
+            this.restore(program).catch(() => {});
         }
         this.on.lost?.(why, isBack);
     }
 
-    private reopen(): void {
-        const { connection, program, settings } = this;
-        if (connection === undefined || program === undefined) {
-            return;
+    /** Starts another Worker, opens a program there and tells it what the one before knew. */
+    private restore({ name, text, version }: Program): Promise<Calls["open"]["result"]> {
+        this.begin();
+        for (const [image, bytes] of this.images) {
+            this.call("texture", { name: image, bytes: bytes.slice(0) }).catch(() => {});
         }
-        for (const [name, bytes] of this.images) {
-            this.call("texture", { name, bytes: bytes.slice(0) }).catch(() => {});
-        }
-        const { name, text, version } = program;
-        this.call("open", { name, text, version, settings }).catch(() => {});
+        const opened = this.call("open", { name, text, version, settings: this.settings });
         for (const [notice, params] of this.kept) {
-            connection.tell(notice, params as never);
+            this.connection?.tell(notice, params as never);
         }
+        return opened;
     }
 }
 

@@ -152,6 +152,23 @@ export async function middle(page, view = "3d") {
     return { x: box.x + box.width / 2, y: box.y + box.height / 2, ...{ width: box.width, height: box.height } };
 }
 
+/** Drops Geotrace's icon, as a file icon.png, on a place of the screen. */
+export function dropImage(page, x, y) {
+    const image = readFileSync(join(web, "../docs/images/icon.png")).toString("base64");
+    return page.evaluate(
+        async ([base64, clientX, clientY]) => {
+            const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+            const transfer = new DataTransfer();
+            transfer.items.add(new File([bytes], "icon.png", { type: "image/png" }));
+            const target = document.elementFromPoint(clientX, clientY);
+            for (const name of ["dragenter", "dragover", "drop"]) {
+                target.dispatchEvent(new DragEvent(name, { bubbles: true, cancelable: true, dataTransfer: transfer, clientX, clientY }));
+            }
+        },
+        [image, x, y],
+    );
+}
+
 /** Replaces the text of the editor as a reader does. */
 export async function write(page, text) {
     await page.locator(".cm-content").click();

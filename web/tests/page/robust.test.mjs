@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { settled } from "./browser.mjs";
 import { serve } from "./serve.mjs";
-import { assertAlike, changed, dist, hideCameras, link, middle, picture, rest, setup, SPHERE, text, write } from "./harness.mjs";
+import { assertAlike, changed, dist, dropImage, hideCameras, link, middle, picture, rest, setup, SPHERE, text, write } from "./harness.mjs";
 
 const state = setup();
 const files = (folder) =>
@@ -257,6 +257,30 @@ for (const fails of ["crash", "silence"]) {
         await state.close(page);
     });
 }
+
+test("a program that is opened after one that kept failing has its light and its images", async () => {
+    const page = await state.open(link(SPHERE), { init: failing });
+    await hideCameras(page);
+    const plain = await rest(page);
+    const { x, y } = await middle(page);
+    await dropImage(page, x, y);
+    await changed(page, plain);
+    const before = await rest(page);
+    await page.evaluate(() => {
+        window.fails = "crash";
+        window.workers.at(-1).postMessage(null);
+    });
+    await page.locator(".toast.bad", { hasText: "keeps failing" }).waitFor();
+    await page.evaluate(() => (window.fails = undefined));
+    const drawn = page.evaluate(
+        () => new Promise((resolve) => document.querySelector('[data-view="3d"]').addEventListener("picture", () => resolve(), { once: true })),
+    );
+    const settings = { preferences: { marks: { cameras: false } }, textures: ["icon.png"], looks: { s: { texture: { image: "icon.png" } } } };
+    await page.evaluate((hash) => (location.hash = hash), link(SPHERE, settings));
+    await drawn;
+    assertAlike(before, await rest(page));
+    await state.close(page);
+});
 
 test("a program of a megabyte leaves the editor usable", async () => {
     const page = await state.open(link(SPHERE));

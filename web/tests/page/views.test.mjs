@@ -1,10 +1,8 @@
 // The pictures: keys, pointer and wheel move the cameras, clicks find what is seen, sliders and looks change them.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { join } from "node:path";
 import { test } from "node:test";
 import { settled } from "./browser.mjs";
-import { becomes, changed, link, middle, picture, rest, setup, SPHERE } from "./harness.mjs";
+import { becomes, changed, dropImage, link, middle, picture, rest, setup, SPHERE } from "./harness.mjs";
 
 const state = setup();
 const INSIDE = "geodesic:s";
@@ -224,20 +222,8 @@ test("a view is closed and opened again", async () => {
 test("an image that is dropped on a surface lies on it", async () => {
     const page = await state.open(link(SPHERE));
     const before = await picture(page);
-    const image = readFileSync(join(import.meta.dirname, "../../../docs/images/icon.png")).toString("base64");
     const { x, y } = await middle(page);
-    await page.evaluate(
-        async ([base64, clientX, clientY]) => {
-            const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-            const transfer = new DataTransfer();
-            transfer.items.add(new File([bytes], "icon.png", { type: "image/png" }));
-            const target = document.elementFromPoint(clientX, clientY);
-            for (const name of ["dragenter", "dragover", "drop"]) {
-                target.dispatchEvent(new DragEvent(name, { bubbles: true, cancelable: true, dataTransfer: transfer, clientX, clientY }));
-            }
-        },
-        [image, x, y],
-    );
+    await dropImage(page, x, y);
     await changed(page, before);
     await page.getByRole("tab", { name: "Objects" }).click();
     assert.equal(await page.getByLabel("Texture of s").inputValue(), "image icon.png");
