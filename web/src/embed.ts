@@ -118,6 +118,10 @@ class GeotraceView extends HTMLElement {
         if (core === undefined) {
             return;
         }
+        this.version += 1;
+        const { version } = this;
+        // The element may be removed, or get another program, while this one is fetched.
+        const isWanted = () => core === this.core && version === this.version;
         try {
             const src = this.getAttribute("src");
             const extension = this.getAttribute("language") === "crt" ? "crt" : "gtr";
@@ -132,11 +136,15 @@ class GeotraceView extends HTMLElement {
                 }
                 text = await response.text();
             }
-            this.version += 1;
+            if (!isWanted()) {
+                return;
+            }
             const settings: Settings = { preferences: { traced: this.isTraced } };
-            await core.open({ name, text: text.replaceAll(/\r\n?/g, "\n"), version: this.version }, settings);
+            await core.open({ name, text: text.replaceAll(/\r\n?/g, "\n"), version }, settings);
         } catch (error) {
-            this.say((error as Error).message);
+            if (isWanted()) {
+                this.say((error as Error).message);
+            }
         }
     }
 

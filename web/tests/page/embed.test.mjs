@@ -80,3 +80,48 @@ test("an element that is removed ends its Worker, and its view can be changed", 
     assert.equal(page.workers().length, workers - 1);
     await page.close();
 });
+
+/** Holds the program slow.gtr back; returns what waits until it is asked for. */
+const slow = (page) => new Promise((asked) => void page.route("**/slow.gtr", asked));
+/** Answers with a program that has a mistake, and waits until it would be seen. */
+const answer = async (page, route) => {
+    await route.fulfill({ body: "point p = (q, 0, 0);" });
+    await page.waitForTimeout(1000);
+};
+
+test("of two programs that are fetched the one that was asked for last is shown", async () => {
+    const page = await browser.newPage();
+    const asked = slow(page);
+    await page.goto(`${lecture.url}lecture.html`);
+    await page.waitForFunction(() => document.getElementById("space").shadowRoot?.querySelector(".view[data-exact=true]"));
+    const set = (src) => page.evaluate((value) => document.getElementById("space").setAttribute("src", value), src);
+    await set("slow.gtr");
+    const route = await asked;
+    await set("torus.gtr?again");
+    await page.waitForFunction(() => document.getElementById("space").shadowRoot.querySelector(".view").dataset.version !== "1");
+    await answer(page, route);
+    const message = await page.evaluate(() => document.getElementById("space").shadowRoot.querySelector(".message").textContent);
+    assert.equal(message, "");
+    await page.close();
+});
+
+test("an element that is removed while its program is fetched starts no other Worker", async () => {
+    const page = await browser.newPage();
+    const asked = slow(page);
+    await page.goto(`${lecture.url}lecture.html`);
+    for (const id of ["wrong", "none"]) {
+        await page.waitForFunction((name) => document.getElementById(name).shadowRoot?.querySelector(".message").textContent, id);
+    }
+    const workers = page.workers().length;
+    await page.evaluate(() => {
+        const element = document.createElement("geotrace-view");
+        element.id = "late";
+        element.setAttribute("src", "slow.gtr");
+        document.body.prepend(element);
+    });
+    const route = await asked;
+    await page.evaluate(() => document.getElementById("late").remove());
+    await answer(page, route);
+    assert.equal(page.workers().length, workers);
+    await page.close();
+});
