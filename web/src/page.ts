@@ -294,14 +294,19 @@ export class Page {
     }
 
     private openMenu(): { label: string; keys?: string; press(): void }[] {
-        const before = store.recent().map((program) => ({
-            label: `${program.name}: ${program.text.trim().split("\n")[0]?.slice(0, 40) ?? ""}`,
+        const before = this.recentMenu(({ name, text }) => `${name}: ${text.trim().split("\n")[0]?.slice(0, 40) ?? ""}`);
+        return [{ label: "Open a file…", keys: "Ctrl+O", press: () => chooseFile(PROGRAMS, (file) => void this.openFile(file)) }, ...before];
+    }
+
+    /** The programs that were open before, the last one first, with their labels. */
+    private recentMenu(label: (program: store.Kept) => string): { label: string; press(): void }[] {
+        return store.recent().map((program) => ({
+            label: label(program),
             press: () => {
                 this.dropLink();
                 this.open(program, true);
             },
         }));
-        return [{ label: "Open a file…", keys: "Ctrl+O", press: () => chooseFile(PROGRAMS, (file) => void this.openFile(file)) }, ...before];
     }
 
     private async openFile(file: File): Promise<void> {
@@ -364,7 +369,7 @@ export class Page {
         const more = button("Menu", () => {}, { icon: "menu", text: false, kind: "phone" });
         menu(more, () => [
             { label: "Open a file…", press: () => chooseFile(PROGRAMS, (file) => void this.openFile(file)) },
-            ...store.recent().slice(0, 3).map((it) => ({ label: `Open ${it.name} again`, press: () => this.open(it, true) })),
+            ...this.recentMenu(({ name }) => `Open ${name} again`).slice(0, 3),
             ...this.newMenu().map((it) => ({ ...it, label: it.label === "First program" ? it.label : `New: ${it.label}` })),
             ...this.exportMenu(),
             { label: "Light or dark", press: () => this.flipTheme() },

@@ -108,6 +108,20 @@ test("what was typed is there after a reload, and a link does not take it away",
     await state.close(page);
 });
 
+test("on a phone a program that was open before takes the place of a link", async () => {
+    const page = await state.open("", { isPhone: true });
+    await page.locator(".bottom").getByRole("tab", { name: "Program" }).tap();
+    await write(page, "point p = (1, 2, 3);");
+    await page.goto(`${state.server.url}${link(SPHERE, undefined, "linked.gtr")}`);
+    await page.waitForFunction(() => document.querySelector(".head .name").value === "linked.gtr");
+    await page.getByRole("button", { name: "Menu" }).tap();
+    await page.getByRole("menuitem", { name: "Open first.gtr again" }).tap();
+    await page.waitForFunction(() => document.querySelector(".head .name").value === "first.gtr");
+    assert.equal(await text(page), "point p = (1, 2, 3);");
+    assert.equal(await page.evaluate(() => location.hash), "");
+    await state.close(page);
+});
+
 test("a reload before the pause loses nothing", async () => {
     const page = await state.open();
     await write(page, "point p = (1, 2, 3);");
