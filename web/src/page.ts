@@ -42,6 +42,8 @@ export class Page {
     private readonly steps: HTMLElement;
     private scene: Scene | undefined;
     private fileName = "first.gtr";
+    /** The program that is open, as it was opened. */
+    private opened: store.Kept | undefined;
     /** The reader has written the text, or changed it. */
     private isOwn = false;
     private saving: ReturnType<typeof setTimeout> | undefined;
@@ -115,6 +117,7 @@ export class Page {
             store.remember(this.kept());
         }
         this.isOwn = isOwn;
+        this.opened = program;
         this.fileName = program.name;
         this.name.value = program.name;
         this.editor.open(program.text);
@@ -260,7 +263,14 @@ export class Page {
             this.settingsChanged();
         };
         replace({});
-        say("All settings are as they were at first.", { action: { label: "Undo", press: () => replace(before) } });
+        const { opened } = this;
+        const undo = () => {
+            // They are not those of another program.
+            if (this.opened === opened) {
+                replace(before);
+            }
+        };
+        say("All settings are as they were at first.", { action: { label: "Undo", press: undo } });
     }
 
     private async undo(call: "undo" | "redo"): Promise<void> {

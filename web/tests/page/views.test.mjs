@@ -150,6 +150,32 @@ test("a slider changes both pictures, and its value can be written into the text
     await state.close(page);
 });
 
+test("the settings are reset, and put back unless another program is open", async () => {
+    const page = await state.open(link(SPHERE));
+    const value = page.getByRole("textbox", { name: "Value of r" });
+    const reset = async () => {
+        await page.getByRole("tab", { name: "Params" }).click();
+        await value.fill("1.7");
+        await value.press("Enter");
+        await page.getByRole("tab", { name: "Views" }).click();
+        await page.getByRole("button", { name: "Reset all settings" }).click();
+        await page.getByRole("tab", { name: "Params" }).click();
+        await page.waitForFunction(() => document.querySelector('[aria-label="Value of r"]').value === "1");
+        const undo = page.locator(".toast", { hasText: "as they were at first" }).getByRole("button", { name: "Undo" });
+        return undo.elementHandle();
+    };
+    const press = (undo) => undo.evaluate((button) => button.click());
+    await press(await reset());
+    await page.waitForFunction(() => document.querySelector('[aria-label="Value of r"]').value === "1.7");
+    const undo = await reset();
+    await page.evaluate((hash) => (location.hash = hash), link(SPHERE.replace("r = 1", "r = 0.8"), undefined, "other.gtr"));
+    await page.waitForFunction(() => document.querySelector('[aria-label="Value of r"]').value === "0.8");
+    await press(undo);
+    await page.waitForTimeout(500);
+    assert.equal(await value.inputValue(), "0.8");
+    await state.close(page);
+});
+
 test("a param is animated and stopped", async () => {
     const page = await state.open(link(SPHERE));
     const value = () => page.getByRole("slider", { name: "r" }).inputValue();
