@@ -326,7 +326,7 @@ fn a_connection_begins_and_ends_at_the_places_given_at_unit_speed() {
             near("speed", speed.sum::<f64>(), 1.0, 1e-9);
         }
     }
-    let outside = measure::distance(&s, [0.25, 1.5], [0.5, 0.0]).expect_err("no place");
+    let outside = measure::distance(&s, [0.25, 4.5], [0.5, 0.0]).expect_err("no place");
     let measure::MeasureError::Outside { at, .. } = outside else {
         panic!("{outside:?}");
     };

@@ -287,8 +287,10 @@ mod tests {
         }
         mailbox.put(text(2));
         assert_eq!(all(&mailbox), [hello, Command::Close]);
-        let state = mailbox.lock();
-        assert!(state.closed && state.waiting.is_empty());
+        {
+            let state = mailbox.lock();
+            assert!(state.closed && state.waiting.is_empty());
+        }
         assert_eq!(mailbox.take(), None);
     }
 

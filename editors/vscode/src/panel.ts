@@ -7,7 +7,12 @@
 import * as vscode from "vscode";
 
 /** The languages that have a preview. */
-const LANGUAGES = ["geotrace", "crt"];
+export const LANGUAGES = ["geotrace", "crt"];
+
+/** Returns whether a document is a program in one of the languages. */
+export function isProgram(document: vscode.TextDocument): boolean {
+    return LANGUAGES.includes(document.languageId);
+}
 
 interface TextEdit {
     from: number;
@@ -49,7 +54,7 @@ export class Panels implements vscode.Disposable {
 
     /** Opens the panel of a document, or shows it if it is open. */
     async show(document: vscode.TextDocument): Promise<void> {
-        if (!LANGUAGES.includes(document.languageId)) {
+        if (!isProgram(document)) {
             void vscode.window.showErrorMessage(`${nameOf(document.uri)} is not a Geotrace program, so it has no preview.`);
             return;
         }

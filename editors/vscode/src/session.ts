@@ -12,7 +12,7 @@ import {
     type StaticFeature,
 } from "vscode-languageclient";
 import { newFromExample } from "./examples";
-import { Panels } from "./panel";
+import { LANGUAGES, Panels, isProgram } from "./panel";
 
 /** What VS Code runs in: an operating system with programs, or a browser. */
 export interface Host {
@@ -31,8 +31,8 @@ export interface Connected {
 /** Why there is no server; the message is a sentence for the user, who can mend it in the settings. */
 export class ServerMissing extends Error {}
 
-/** The languages that the server knows. */
-const LANGUAGES = [{ language: "geotrace" }, { language: "crt" }];
+/** The documents that the server knows. */
+const SELECTOR = LANGUAGES.map((language) => ({ language }));
 
 /** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
 const PREVIEW = "geotrace.preview";
@@ -87,7 +87,7 @@ export async function end(): Promise<void> {
 /** One run of the server after the other. */
 class Session implements vscode.Disposable {
     client: BaseLanguageClient | undefined;
-    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", LANGUAGES);
+    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", SELECTOR);
     readonly shown = new Map<string, Shown>();
     readonly panels: Panels;
     private cursor: ReturnType<typeof setTimeout> | undefined;
@@ -120,6 +120,8 @@ class Session implements vscode.Disposable {
             }),
             vscode.window.onDidChangeTextEditorSelection((change) => this.cursorMoved(change.textEditor)),
         ];
+        // The first document is open before the extension runs.
+        vscode.workspace.textDocuments.forEach((document) => this.opened(document));
     }
 
     start(): Promise<void> {
@@ -185,7 +187,7 @@ class Session implements vscode.Disposable {
 
     private clientOptions(): LanguageClientOptions {
         return {
-            documentSelector: LANGUAGES,
+            documentSelector: SELECTOR,
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
             middleware: {
@@ -229,7 +231,8 @@ class Session implements vscode.Disposable {
     /** Opens the preview with a document, if that is wanted. The server does it where the preview is a window. */
     private opened(document: vscode.TextDocument): void {
         const when = vscode.workspace.getConfiguration("geotrace").get("preview.open");
-        const isOurs = LANGUAGES.some(({ language }) => language === document.languageId);
+        // An old version, beside which the new one is compared, is none that anybody works on.
+        const isOurs = isProgram(document) && document.uri.scheme !== "git";
         if (this.isInPanel() && when === "onOpen" && isOurs) {
             void this.openPanel(document.uri);
         }
@@ -247,7 +250,7 @@ class Session implements vscode.Disposable {
 
     /** Tells where the cursor stands, some moves at once. */
     private cursorMoved(editor: vscode.TextEditor): void {
-        if (editor.document.languageId === "geotrace") {
+        if (isProgram(editor.document)) {
             clearTimeout(this.cursor);
             this.cursor = setTimeout(() => this.tellCursor(editor), CURSOR_DELAY);
         }
@@ -255,7 +258,7 @@ class Session implements vscode.Disposable {
 
     private tellCursor(editor: vscode.TextEditor | undefined): void {
         const client = this.client;
-        if (editor?.document.languageId !== "geotrace" || client?.state !== State.Running) {
+        if (editor === undefined || !isProgram(editor.document) || client?.state !== State.Running) {
             return;
         }
         const { code2ProtocolConverter: converter } = client;

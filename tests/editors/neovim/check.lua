@@ -515,13 +515,23 @@ test(":help geotrace opens the manual, and its links lead somewhere", function()
 end)
 
 test("restarting gives a new server and the diagnostics again", function()
-  open("define b = sinn 2;")
-  local first = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1].id
+  local repository = scratch .. "/repository"
+  vim.fn.mkdir(repository .. "/.git", "p")
+  vim.fn.writefile({ "define b = sinn 2;" }, repository .. "/a.gtr")
+  vim.cmd.edit(repository .. "/a.gtr")
+  eventually("the server", function()
+    return #vim.lsp.get_clients({ bufnr = 0, name = "geotrace" }) == 1
+  end)
+  local before = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+  local first = before.id
+  assert(before.root_dir, "no folder with the marker")
   vim.cmd.GeotraceRestart()
   eventually("another server", function()
     local client = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
     return client and client.id ~= first and client.initialized
   end)
+  local after = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+  equal(after.root_dir, before.root_dir, "the folder")
   eventually("a diagnostic", function()
     return #diagnostics() == 1
   end)

@@ -84,10 +84,8 @@ pub(super) fn meshed(
         ));
         return (None, notes);
     };
-    if ![bounds.lower, bounds.upper]
-        .iter()
-        .all(|it| is_held(&it.to_array()))
-    {
+    let corners = [bounds.lower, bounds.upper].map(|corner| corner.to_array());
+    if !bounds.is_empty() && !corners.iter().all(is_held) {
         let mut notes = told();
         notes.push(format!(
             "`{name}` has no mesh: files of meshes have single precision, which does not hold its places"

@@ -103,7 +103,9 @@ function M.restart()
   end, 20)
   local config = vim.lsp.config.geotrace
   for buffer in pairs(buffers) do
-    vim.lsp.start(config, { bufnr = buffer })
+    -- The markers alone are read by `vim.lsp.enable` only.
+    local root = vim.fs.root(buffer, config.root_markers or {})
+    vim.lsp.start(vim.tbl_extend("force", config, { root_dir = root }), { bufnr = buffer })
   end
 end
 
