@@ -26,10 +26,6 @@ fn is_undefined(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7fffffffu) > 0x7f800000u;
 }
 
-fn is_finite2(x: vec2f) -> bool {
-    return is_finite(x.x) && is_finite(x.y);
-}
-
 fn is_finite3(x: vec3f) -> bool {
     return is_finite(x.x) && is_finite(x.y) && is_finite(x.z);
 }

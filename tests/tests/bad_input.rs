@@ -995,11 +995,17 @@ fn no_picture_takes_the_place_of_an_image_that_it_shows() {
             run.expect_status(0);
         } else {
             run.expect_status(2)
-                .expect_text("it is an image that the picture shows");
+                .expect_text("it is one of the images of the picture");
         }
         let left = ["map.png", "q-0001.png"].map(|name| std::fs::read(path(name)).expect("read"));
         assert!(left == images, "{arguments}");
     }
+    // One that cannot be read is somebody's file too.
+    std::fs::write(path("map.png"), "no image").expect("written");
+    let run = geotrace("render a.gtr -o map.png".split(' '));
+    let run = run.folder(folder.path()).run();
+    run.expect_status(2)
+        .expect_text("it is one of the images of the picture");
 }
 
 #[test]

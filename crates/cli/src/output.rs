@@ -97,7 +97,7 @@ impl Inputs {
             return Some("it is the program itself");
         }
         let is_image = self.images.contains(&path);
-        is_image.then_some("it is an image that the picture shows")
+        is_image.then_some("it is one of the images of the picture")
     }
 }
 

@@ -52,6 +52,16 @@ pub const MAX_SHEETS: usize = 4096;
 /// The most work that reading the shapes of a scene's solids and looking for their boxes may take, in operations on intervals.
 pub const MAX_SHAPE_WORK: u64 = 50_000_000;
 
+/// The class of a leaf that polynomials of up to this degree bound, which tells how rays meet it; `None` for other functions.
+pub fn leaf_class(degree: Option<usize>) -> &'static str {
+    match degree {
+        Some(0 | 1) => "plane",
+        Some(2) => "quadric",
+        Some(3 | 4) => "quartic",
+        Some(_) | None => "general",
+    }
+}
+
 /// The parts of a scene that become a [`RayScene`], and how they look where they do not say it themselves.
 #[derive(Clone, Copy)]
 pub struct RaySceneOptions<'a> {

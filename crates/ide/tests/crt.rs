@@ -64,6 +64,11 @@ fn variables_are_renamed_in_their_scope() {
     // What may see either variable makes them one.
     let text = "i = 1\nm = Macro () { i = i + 1 }\n";
     assert_eq!(read(text).occurrences(0).len(), 3);
+    // What a run may pass by does not hide the outer one.
+    for body in ["if (c) { x = 1 }", "while (c) { x = 1 }", "c ? x = 1 : 2"] {
+        let text = format!("x = 5\nm = Macro (c) {{\n    {body}\n    x\n}}\n");
+        assert_eq!(read(&text).occurrences(0).len(), 3, "{text}");
+    }
     let analysis = read(SCRIPT);
     let taken = analysis.rename(at(SCRIPT, "n = 18"), "max");
     assert!(matches!(
@@ -362,6 +367,14 @@ fn modifiers_are_completed_and_attributes_with_a_value_alone() {
     let radius = list.iter().find(|it| it.label == "radius");
     let radius = radius.expect("the attribute");
     assert_eq!((radius.insert.as_str(), radius.snippet), ("radius", false));
+    for (text, label) in [
+        ("a = ve|(1, 2, 3)", "vec3"),
+        ("Scene { Sph| { radius -> 1 } }", "Sphere"),
+    ] {
+        let list = completed(text);
+        let found = list.iter().find(|it| it.label == label).expect("the word");
+        assert_eq!((found.insert.as_str(), found.snippet), (label, false));
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use ide::fix;
 use ide::geotrace::completion::completions;
 use ide::geotrace::semantic::semantic_tokens;
-use ide::geotrace::{GeotraceAnalysis, hints, hover, lens, navigation, outline, signature};
+use ide::geotrace::{GeotraceAnalysis, color, hints, hover, lens, navigation, outline, signature};
 use ide::semantic::{Modifiers, TokenType};
 use syntax::span::Span;
 
@@ -307,6 +307,7 @@ fn signature_help_counts_the_arguments() {
         ("sin(x)", "builtin function")
     );
     assert_eq!(help("define x = (1, |2);"), None);
+    assert_eq!(help("define x = sin( # of wh|at\n2);"), None);
 }
 
 #[test]
@@ -378,6 +379,30 @@ fn hints_show_how_words_are_split_and_what_defines_are() {
             (41, " ".to_owned())
         ]
     );
+}
+
+#[test]
+fn a_derivative_is_applied() {
+    let text = "function f(u,v) = u v;\ndefine a = (1, 2);\ndefine d = f_ua;";
+    let analysis = GeotraceAnalysis::new(text);
+    let split = text.len() as u32 - 2;
+    // The word in front may lie outside the range that is asked for.
+    for range in [whole(&analysis), Span::new(split - 1, text.len() as u32)] {
+        let hints = hints::hints(&analysis, range);
+        let hint = hints
+            .iter()
+            .find(|hint| hint.offset == split)
+            .expect("a hint");
+        assert_eq!(hint.tooltip, "read as `u` applied to `a`");
+    }
+}
+
+#[test]
+fn a_colour_that_holds_a_comment_is_not_picked() {
+    let colors = |text: &str| color::colors(&GeotraceAnalysis::new(text)).len();
+    let point = "point p = (0, 0, 0), color : ";
+    assert_eq!(colors(&format!("{point}(1, 0.5, 0); # red")), 1);
+    assert_eq!(colors(&format!("{point}(1, # red\n0.5, 0);")), 0);
 }
 
 #[test]

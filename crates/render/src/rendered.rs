@@ -52,7 +52,7 @@ impl<P> RenderedImage<P> {
     /// Returns the notes about what is seen: without those that say what the picture took and how exact it is.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
         let is_figure = |note: &str| {
-            note.contains("evaluations of the surface") || note.starts_with("the error is")
+            note.contains("evaluations of the surface") || note.starts_with("the error ")
         };
         let notes = self.notes.iter().map(String::as_str);
         notes.filter(move |note| !is_figure(note))

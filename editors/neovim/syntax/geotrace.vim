@@ -9,7 +9,7 @@ syntax keyword geotraceConstant pi e
 syntax match geotraceKeyword /\v%(^|;)\s*\zs%(solid|light|camera|background)>\ze\s+\a\w*\s*[=(]/
 syntax match geotraceAttribute /\v%(^|,)\s*\zs%(color|mirror|glass|ior|depth|diffuse|specular|shininess|bump|uv|radius|power|ambient|falloff|angle|soft|size|fov|focus|aperture|roll|projection|image|bokeh|turn)>\ze\s*:%(\s*\[)@!/
 syntax match geotraceFunction /\v\@\s*\zs%(scale|rotate)>\ze\s*[-+0-9.(\[{a-zA-Z]/
-syntax match geotraceNumber /\v(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?/
+syntax match geotraceNumber /\v(\d+\.?\d*|\.\d+)(e[-+]?\d+)?/
 syntax match geotraceOperator "[-+*/^_'|\\&]"
 syntax match geotraceComment /#.*$/ contains=@Spell
 highlight default link geotraceKeyword Keyword

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR, instance_grids};
+use geometry::solids::{
+    MAX_SHAPE_WORK, RayScene, RaySceneOptions, SOLID_COLOR, instance_grids, leaf_class,
+};
 use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
@@ -201,7 +203,7 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
             leaves: leaves
                 .map(|(name, degree)| LeafEntry {
                     name: name.to_owned(),
-                    class: class(degree),
+                    class: leaf_class(degree),
                 })
                 .collect(),
             instances: params
@@ -216,16 +218,6 @@ fn solids(scene: &Scene, params: &ParamValues) -> Vec<SolidEntry> {
         })
     });
     entries.collect()
-}
-
-/// The way in which rays are met with a leaf that polynomials of up to this degree bound.
-fn class(degree: Option<usize>) -> &'static str {
-    match degree {
-        Some(0 | 1) => "plane",
-        Some(2) => "quadric",
-        Some(3 | 4) => "quartic",
-        Some(_) | None => "general",
-    }
 }
 
 fn intrinsic(scene: &Scene, param_values: &ParamValues) -> Vec<IntrinsicEntry> {

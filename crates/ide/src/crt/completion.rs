@@ -125,6 +125,9 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             snippet: false,
         });
     }
+    let behind = behind_word(&analysis.snapshot, offset);
+    let has_braces = behind.starts_with('{');
+    let has_brackets = behind.starts_with('(');
     for object in ObjectName::objects() {
         let required = object.attributes().iter().filter(|row| row.is_required());
         let lines = required.enumerate().map(|(k, row)| {
@@ -136,11 +139,11 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             label: object.text().to_owned(),
             kind: CompletionKind::Solid,
             detail: object.purpose().to_owned(),
-            insert: match snippets {
+            insert: match snippets && !has_braces {
                 true => format!("{} {{\n{lines}}}", object.text()),
                 false => object.text().to_owned(),
             },
-            snippet: snippets,
+            snippet: snippets && !has_braces,
         });
     }
     for (name, arguments, _) in FUNCTIONS {
@@ -152,11 +155,11 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             label: (*name).to_owned(),
             kind: CompletionKind::Function,
             detail: format!("({})", arguments.join(", ")),
-            insert: match snippets {
+            insert: match snippets && !has_brackets {
                 true => format!("{name}({})", fields.join(", ")),
                 false => (*name).to_owned(),
             },
-            snippet: snippets,
+            snippet: snippets && !has_brackets,
         });
     }
 }

@@ -41,7 +41,7 @@ pub struct Variable {
     pub origin: Origin,
     /// The place of the assignment that gave it.
     pub assignment: Span,
-    /// The place of the scope: of the macro's body; `None` for the script.
+    /// The place of the scope: of the macro with its parameters; `None` for the script.
     pub scope: Option<Span>,
     /// When it was bound first, in the order of the text.
     order: usize,
@@ -97,7 +97,7 @@ pub struct ScriptNames {
     pub starts: Vec<u32>,
     /// The places of the `>` that close modifiers.
     pub modifier_ends: Vec<u32>,
-    /// The calls of `rgb` and `rgba` with numbers.
+    /// The calls of `rgb` with numbers.
     pub colors: Vec<(Span, [f64; 3])>,
     /// The strings that name images, with the places between their quotes.
     pub images: Vec<(Span, Arc<str>)>,
@@ -110,6 +110,7 @@ impl ScriptNames {
             names: Self::default(),
             base: 0,
             scope: 0,
+            is_conditional: false,
         };
         walk.names.scopes.push(MacroScope {
             parent: None,
@@ -249,11 +250,17 @@ struct Walk {
     /// The offset of the piece.
     base: u32,
     scope: usize,
+    /// True within what a run may pass by.
+    is_conditional: bool,
 }
 
 impl Walk {
     fn bind(&mut self, name: &Arc<str>, span: Span, origin: Origin, assignment: Span) {
-        let order = self.names.uses.len();
+        // What may not be bound leaves later readings to the outer variable.
+        let order = match self.is_conditional {
+            true => usize::MAX,
+            false => self.names.uses.len(),
+        };
         let fresh = self.names.variables.len();
         let scope = &mut self.names.scopes[self.scope];
         let variable = *scope.bound.entry(Arc::clone(name)).or_insert(fresh);
@@ -268,7 +275,16 @@ impl Walk {
                 same: fresh,
             });
         }
+        let known = &mut self.names.variables[variable].order;
+        *known = order.min(*known);
         self.name(name, span, Some(assignment.moved(self.base)));
+    }
+
+    /// Walks what a run may pass by.
+    fn conditionally(&mut self, walk: impl FnOnce(&mut Self)) {
+        let before = std::mem::replace(&mut self.is_conditional, true);
+        walk(self);
+        self.is_conditional = before;
     }
 
     fn name(&mut self, name: &Arc<str>, span: Span, binds: Option<Span>) {
@@ -300,7 +316,7 @@ impl Walk {
                     self.arm(arm);
                 }
                 if let Some(body) = otherwise {
-                    self.body(body);
+                    self.conditionally(|walk| walk.body(body));
                 }
             }
         }
@@ -308,7 +324,7 @@ impl Walk {
 
     fn arm(&mut self, arm: &Arm) {
         self.expression(&arm.condition);
-        self.body(&arm.body);
+        self.conditionally(|walk| walk.body(&arm.body));
     }
 
     fn object(
@@ -354,10 +370,11 @@ impl Walk {
             }
             ExpressionKind::List(elements) => elements.iter().for_each(|it| self.expression(it)),
             ExpressionKind::Macro(it) => {
-                let outer = self.scope;
+                let outer = (self.scope, self.is_conditional);
                 self.scope = self.names.scopes.len();
+                self.is_conditional = false;
                 self.names.scopes.push(MacroScope {
-                    parent: Some(outer),
+                    parent: Some(outer.0),
                     span: Some(expression.span.moved(self.base)),
                     bound: HashMap::new(),
                 });
@@ -366,7 +383,7 @@ impl Walk {
                     self.bind(&parameter.text, span, Origin::Parameter, span);
                 }
                 self.body(&it.body);
-                self.scope = outer;
+                (self.scope, self.is_conditional) = outer;
             }
             ExpressionKind::Group(inner) | ExpressionKind::Prefix(_, inner) => {
                 self.expression(inner);
@@ -395,7 +412,11 @@ impl Walk {
                     _ => self.expression(target),
                 }
             }
-            ExpressionKind::Conditional(parts) => parts.iter().for_each(|it| self.expression(it)),
+            ExpressionKind::Conditional(parts) => {
+                let [condition, choices @ ..] = &**parts;
+                self.expression(condition);
+                self.conditionally(|walk| choices.iter().for_each(|it| walk.expression(it)));
+            }
             ExpressionKind::Chain(first, links) => {
                 self.expression(first);
                 links.iter().for_each(|link| self.expression(&link.operand));
@@ -429,15 +450,14 @@ impl Walk {
     }
 }
 
-/// The colour of a call of `rgb` or `rgba` with numbers.
+/// The colour of a call of `rgb` with numbers. That of `rgba` has a fourth number, which a picker would drop.
 fn stated_color(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
-    let parts = match called.identifier().map(|name| &**name) {
-        Some("rgb") if arguments.len() == 3 => arguments,
-        Some("rgba") if arguments.len() == 4 => &arguments[..3],
-        _ => return None,
-    };
+    let is_rgb = called.identifier().is_some_and(|name| &**name == "rgb");
+    if !is_rgb || arguments.len() != 3 {
+        return None;
+    }
     let mut color = [0.0; 3];
-    for (place, part) in color.iter_mut().zip(parts) {
+    for (place, part) in color.iter_mut().zip(arguments) {
         *place = number(part)?;
     }
     Some(color)

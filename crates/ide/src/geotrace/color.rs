@@ -42,6 +42,12 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
             .is_some_and(|next| matches!(next.kind, TokenKind::Comma | TokenKind::Semicolon));
         if ends && let Some(rgb) = color(&value) {
             let span = value.iter().map(|token| token.span).reduce(Span::to);
+            // Another colour in its place would take a comment with it.
+            let has_comment = |span: &Span| {
+                let mut within = analysis.tokens(analysis.tokens_in(*span));
+                within.any(|token| token.kind == TokenKind::Comment)
+            };
+            let span = span.filter(|span| !has_comment(span));
             found.extend(span.map(|span| StatedColor { span, rgb }));
         }
     }

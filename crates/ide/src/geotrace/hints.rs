@@ -30,13 +30,20 @@ fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
                 | TokenKind::Undefined
         )
     };
-    let pairs = tokens.windows(2).filter(|pair| {
+    let pairs = tokens.windows(2).enumerate().filter(|(_, pair)| {
         is_word(pair[0].kind) && is_word(pair[1].kind) && pair[0].span.end == pair[1].span.start
     });
+    let before = analysis
+        .tokens_before(analysis.tokens_in(range).start)
+        .next();
+    let is_derivative = |k: usize| {
+        let before = k.checked_sub(1).map_or(before, |k| Some(tokens[k]));
+        before.is_some_and(|token| token.kind == TokenKind::Underscore)
+    };
     pairs
-        .map(|pair| {
+        .map(|(k, pair)| {
             let (one, other) = (pair[0].text, pair[1].text);
-            let applied = matches!(pair[0].kind, TokenKind::Function(_));
+            let applied = matches!(pair[0].kind, TokenKind::Function(_)) || is_derivative(k);
             let (label, told) = if applied {
                 (" ", "applied to")
             } else {

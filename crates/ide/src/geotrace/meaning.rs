@@ -35,13 +35,18 @@ impl Hash for Meaning {
 impl Meaning {
     /// Returns the meaning of a token of a document, without going through all of it.
     pub(crate) fn of(document: &Snapshot, kind: TokenKind) -> Self {
+        Self::by(kind, |id| document.declaration_of(id).map(|it| it as usize))
+    }
+
+    /// Returns the meaning of a token by the number of each symbol's declaration.
+    fn by(kind: TokenKind, declaration: impl FnOnce(SymbolId) -> Option<usize>) -> Self {
         let (id, is_function) = match kind {
             TokenKind::Constant(id) => (id, false),
             TokenKind::Function(id) => (id, true),
             kind => return Self::Plain(kind),
         };
-        match document.declaration_of(id) {
-            Some(item) => Self::Declared(item as usize, is_function),
+        match declaration(id) {
+            Some(item) => Self::Declared(item, is_function),
             None => Self::Builtin(kind),
         }
     }
@@ -62,14 +67,6 @@ impl Meanings {
     }
 
     pub(crate) fn get(&self, kind: TokenKind) -> Meaning {
-        let (id, is_function) = match kind {
-            TokenKind::Constant(id) => (id, false),
-            TokenKind::Function(id) => (id, true),
-            kind => return Meaning::Plain(kind),
-        };
-        match self.declared.get(&id) {
-            Some(item) => Meaning::Declared(*item, is_function),
-            None => Meaning::Builtin(kind),
-        }
+        Meaning::by(kind, |id| self.declared.get(&id).copied())
     }
 }

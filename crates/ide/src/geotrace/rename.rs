@@ -99,7 +99,7 @@ pub(crate) fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
     is_name(name) && !is_reserved(name) && analysis.document().named(name).is_none()
 }
 
-/// Returns true if the name is one, and free.
+/// Refuses a name that is none, or taken.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
     if !is_name(name) {
         return Err(RenameError::NotAName(name.to_owned()));
@@ -221,7 +221,7 @@ impl Renamed {
         })
     }
 
-    /// Returns true if the same errors are found: a name that was taken would be free where it is declared once more,
+    /// Refuses a renaming after which other errors are found: a name that was taken would be free where it is declared once more,
     /// and would then mean something else there.
     fn keeps_errors(&self, old: &GeotraceAnalysis) -> Result<(), RenameError> {
         for &chunk in &self.read {

@@ -10,6 +10,10 @@ use crate::signature::Signature;
 /// The innermost function with a bracket around a place.
 pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> {
     let mut at = analysis.document().tokens_ended(offset) as usize;
+    let behind = analysis.token(at);
+    if behind.is_some_and(|it| it.kind == TokenKind::Comment && it.span.start < offset) {
+        return None;
+    }
     let mut depth = 0;
     let mut commas = 0;
     while let Some(k) = at.checked_sub(1) {

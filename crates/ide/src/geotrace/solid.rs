@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
-use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, leaf_class};
 use glam::DVec3;
 use scene::{ParamValues, Scene};
 
@@ -118,7 +118,7 @@ fn end(x: f64) -> String {
 fn leaves(rays: &RayScene) -> Option<String> {
     let mut found: Vec<(String, &str, u64)> = Vec::new();
     for (name, degree) in rays.leaves() {
-        let class = class(degree);
+        let class = leaf_class(degree);
         let known = found
             .iter_mut()
             .find(|(other, kind, _)| other == name && *kind == class);
@@ -141,16 +141,6 @@ fn leaves(rays: &RayScene) -> Option<String> {
         told.push_str(", …");
     }
     (!found.is_empty()).then_some(told)
-}
-
-/// The class of a leaf by the degree of its polynomials.
-fn class(degree: Option<usize>) -> &'static str {
-    match degree {
-        Some(0 | 1) => "plane",
-        Some(2) => "quadric",
-        Some(_) => "quartic",
-        None => "general",
-    }
 }
 
 /// The values of nodes that read no variable; `None` if one does, or is undefined.

@@ -176,7 +176,7 @@ fn set_aside(place: &Path, reason: &str) -> String {
     let aside = place.with_extension("json.unreadable");
     let numbered = (2..).map(|k| place.with_extension(format!("json.unreadable-{k}")));
     let aside = std::iter::once(aside.clone())
-        .chain(numbered.take(MOST_ASIDE))
+        .chain(numbered.take(MOST_ASIDE - 1))
         .find(free)
         .unwrap_or(aside);
     let kept = match std::fs::rename(place, &aside) {

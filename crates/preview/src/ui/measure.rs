@@ -187,7 +187,10 @@ pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
 
 /// There is nothing under the pointer.
 pub(crate) fn point_at_nothing(window: &mut Window) {
-    window.dialogs.measuring.pointer.words.clear();
+    let pointer = &mut window.dialogs.measuring.pointer;
+    pointer.found = None;
+    pointer.words.clear();
+    pointer.rows.clear();
 }
 
 /// Asks a question of the thread that measures, which begins with the first one.

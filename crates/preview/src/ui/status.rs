@@ -88,11 +88,12 @@ const SHOWN: f64 = 10.0;
 
 /// Takes a sentence about something that was done away after a while.
 fn expire(message: &mut Option<StatusMessage>, ui: &Ui) {
+    let id = egui::Id::unique("sentence of the status line");
     let Some(shown) = message.clone().filter(|it| it.kind == MessageKind::Done) else {
+        ui.data_mut(|data| data.remove::<(String, f64)>(id));
         return;
     };
     let now = ui.input(|input| input.time);
-    let id = egui::Id::unique("sentence of the status line");
     let known = ui.data(|data| data.get_temp::<(String, f64)>(id));
     let since = known.filter(|(text, _)| *text == shown.text);
     let since = since.map_or(now, |(_, since)| since);
@@ -192,14 +193,11 @@ fn trail(window: &Window, ui: &mut Ui) {
     }
 }
 
-/// Shows the notes of the pictures.
+/// Shows the notes of the pictures that are seen.
 fn notes(pictures: &Pictures, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
-    for picture in pictures
-        .of_views
-        .values()
-        .filter_map(|view| view.picture.as_ref())
-    {
+    let seen = pictures.of_views.values().filter(|view| view.on_screen);
+    for picture in seen.filter_map(|view| view.picture.as_ref()) {
         // What a picture took is in the status line itself.
         for note in &picture.notes {
             if !notes.contains(&note.as_str()) {

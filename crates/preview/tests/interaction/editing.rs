@@ -271,6 +271,25 @@ fn a_text_is_found_and_replaced() {
 }
 
 #[test]
+fn a_replacement_that_holds_the_word_is_not_replaced_again() {
+    let mut hand = Hand::on("define a = r + r;");
+    hand.press(Modifiers::COMMAND, Key::F);
+    hand.settle();
+    types(&mut hand, "r");
+    let by = hand
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Replace by");
+    by.focus();
+    hand.harness.run_steps(2);
+    types(&mut hand, "radius");
+    for text in ["define a = radius + r;", "define a = radius + radius;"] {
+        hand.click_on(Role::Button, "Replace");
+        hand.settle();
+        assert_eq!(hand.window().text(), Some(text));
+    }
+}
+
+#[test]
 fn after_a_replacement_the_keys_are_those_of_the_text() {
     let mut hand = Hand::on(SPHERE);
     hand.press(Modifiers::COMMAND, Key::F);

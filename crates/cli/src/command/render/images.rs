@@ -23,6 +23,8 @@ pub(in crate::command) struct Images {
     pub(super) background: Option<Shared<Texture>>,
     /// Sentences about images that the program names and that are not shown.
     missing: Vec<String>,
+    /// The files of those that are there and cannot be read.
+    unreadable: Vec<PathBuf>,
     /// Surfaces that are coloured by curvature, which may change with the params.
     pub(super) curved: Vec<ObjectId>,
 }
@@ -42,12 +44,13 @@ impl Images {
         Ok([self.loaded.clone(), curved?].concat())
     }
 
-    /// The files that the images were read from.
+    /// The files of the images, also of those that could not be read.
     pub(in crate::command) fn files(&self) -> impl Iterator<Item = &Path> {
         let loaded = self.loaded.iter().map(|(_, texture)| texture);
         let named = self.named.iter().map(|(_, texture)| texture);
         let all = loaded.chain(named).chain(&self.background);
-        all.filter_map(|texture| texture.file())
+        let read = all.filter_map(|texture| texture.file());
+        read.chain(self.unreadable.iter().map(PathBuf::as_path))
     }
 
     /// Notes on the colours of curvature, and on images that are not shown.
@@ -94,17 +97,23 @@ pub(in crate::command) fn textures(
         named: Vec::new(),
         background: None,
         missing: Vec::new(),
+        unreadable: Vec::new(),
         curved: Vec::new(),
     };
     let beside = Path::new(&program.source.name).parent();
     let folders = beside.into_iter().chain(folder).map(Path::to_owned);
     let folders: Vec<PathBuf> = folders.collect();
     for word in scene.image_words() {
-        let read = named_file(word, &folders).ok_or_else(|| missing_file(word, &folders));
-        let load = |file: PathBuf| Texture::load(&file, &budget).map_err(|error| error.to_string());
-        match read.and_then(load) {
+        let Some(file) = named_file(word, &folders) else {
+            images.missing.push(missing_file(word, &folders));
+            continue;
+        };
+        match Texture::load(&file, &budget) {
             Ok(image) => images.named.push((word.to_owned(), image.into())),
-            Err(sentence) => images.missing.push(sentence),
+            Err(error) => {
+                images.missing.push(error.to_string());
+                images.unreadable.push(file);
+            }
         }
     }
     for file in files {

@@ -18,7 +18,7 @@ pub(crate) struct PaneView {
     /// The pixels that the pane had room for when it was last on the screen.
     pub(crate) room: Option<[u32; 2]>,
     /// Set if it was on the screen when the window last drew itself.
-    pub(super) on_screen: bool,
+    pub(crate) on_screen: bool,
     /// The request that was sent last.
     pub(super) request: Option<PictureRequest>,
     pub(super) waiting: Waiting,

@@ -17,7 +17,7 @@ use crate::engine::compiler::Compiler;
 use crate::engine::saving;
 use crate::engine::textures::turn_to;
 use crate::io::path_list::PathList;
-use crate::io::persistence::{Known, ViewStore};
+use crate::io::persistence::{self, Known, ViewStore};
 use crate::io::settings::SharedSettings;
 use crate::io::watch::Watch;
 use crate::ui::panes::Panes;
@@ -131,7 +131,9 @@ impl Window {
         self.records.view_store = None;
         let is_new = matches!(&self.text.source, TextSource::File { editor, .. } if editor.is_new);
         if let Some(path) = self.text.file().filter(|_| !is_new) {
-            self.keep_view_of(path, Known::default());
+            // The layouts of other kinds of windows stay.
+            let known = persistence::read(&path).unwrap_or_default();
+            self.keep_view_of(path, known);
         }
     }
 

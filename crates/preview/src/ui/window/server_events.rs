@@ -143,7 +143,7 @@ impl Window {
     /// Compiles the text of the window's own where it was written into, or says why it was not.
     pub(crate) fn note_written(&mut self, written: Result<bool, String>) {
         match written {
-            Ok(true) => self.text.compile(),
+            Ok(true) => self.has_edited(),
             Ok(false) => {}
             Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
         }

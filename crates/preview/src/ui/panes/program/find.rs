@@ -178,7 +178,11 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
             editor.wants_keys = true;
             edited = true;
             let places = typing::find(&editor.text, &find.wanted);
-            if let Some(next) = places.get(find.current).or(places.first()) {
+            // The search goes on behind what was put in, which may hold the word itself.
+            let behind = replaced[0].start + find.replacement.len();
+            let next = places.iter().position(|place| place.start >= behind);
+            find.current = next.unwrap_or(0);
+            if let Some(next) = places.get(find.current) {
                 show_place(editor, next);
             }
         }
