@@ -137,7 +137,7 @@ pub(super) struct Arguments {
     /// A setting of the view: `centre=off` leaves out the ring at the picture's centre
     #[arg(long, value_name = "NAME=on|off", value_parser = argument::setting, help_heading = "Geodesic view", hide_short_help = true)]
     setting: Vec<(String, bool)>,
-    /// The distance from the picture's centre to its edge, on the surface
+    /// The distance from the picture's centre to its nearest edge, on the surface
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
     zoom: Option<Quantity>,
     /// How the geodesics are followed
