@@ -183,7 +183,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         NO_FORMULA,
-        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but on no parameter of a surface or a metric.",
+        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but on no parameter of a surface, a metric, a solid or an attribute.",
     ),
     (
         GEODESIC_UNDEFINED,

@@ -363,7 +363,9 @@ impl CallFrame {
 fn no_formula(name: &str) -> SemanticError {
     SemanticError::new(
         error::NO_FORMULA,
-        format!("`{name}` is integrated, and cannot be over the parameters of a surface or a metric"),
+        format!(
+            "`{name}` is integrated, and cannot be over the parameters of a surface, a metric or a solid, or of an attribute"
+        ),
     )
     .with_hint(format!(
         "the argument of `{name}` depends on constants, params and grids, or on the parameter of a curve"
