@@ -236,14 +236,20 @@ pub(crate) fn print_within(
     let mut times = Vec::new();
     // The first find nothing in the processor's caches.
     for k in 0..20 {
-        if time(k).is_err() {
-            println!("    {what:<44} the server has ended");
+        if let Err(error) = time(k) {
+            println!("    {what:<44} the server has ended: {error}");
             return;
         }
     }
     let start = Instant::now();
     while times.len() < count && start.elapsed() < enough {
-        times.extend(time(times.len()));
+        match time(times.len()) {
+            Ok(time) => times.push(time),
+            Err(error) => {
+                println!("    {what:<44} the server has ended: {error}");
+                return;
+            }
+        }
     }
     times.sort_unstable();
     let at = |share: f64| {

@@ -173,15 +173,8 @@ fn all_methods_find_the_same_ends() {
         (Method::Rk4 { steps: 64 }, 0.1, 0.05),
     ];
     for name in ["torus", "monkey", "klein", "halfplane"] {
-        let Some(example) = examples::all()
-            .into_iter()
-            .find(|example| example.name == name)
-        else {
-            continue;
-        };
-        let Some(view) = opening(&scene(&example.source)) else {
-            continue;
-        };
+        let example = examples::one(name);
+        let view = opening(&scene(&example.source)).expect("a surface");
         let surface = view.surface();
         for (method, tolerance, bound) in methods {
             let options = MapOptions {

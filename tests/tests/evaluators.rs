@@ -130,7 +130,12 @@ fn rows(scene: &Scene, shape: &Shape, uniforms: &[f64]) -> Vec<Vec<f64>> {
             Input::Uniform(index) => uniforms[index as usize],
             Input::Variable(index) => {
                 // A low-discrepancy sequence, another irrational step for each parameter.
-                let step = [0.618_033_988_749_895, 0.414_213_562_373_095][index as usize % 2];
+                const STEPS: [f64; 3] = [
+                    0.618_033_988_749_895,
+                    0.414_213_562_373_095,
+                    0.732_050_807_568_877,
+                ];
+                let step = STEPS[index as usize % 3];
                 let share = (f64::from(k) * step + 0.1).fract();
                 // A geodesic on a solid reads the solid's field, over places in space.
                 let range = *domains.get(index as usize).unwrap_or(&space);

@@ -178,6 +178,7 @@ fn perspective_does_not_bend_a_curves_parameter() {
     let (scene, params) = compiled(text);
     let request = from([1.0, -3.0, 2.0], [0.0, 4.0, 0.0]);
     let mut stage = Renderer::software();
+    let mut hits = 0;
     for k in 0..160 {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
@@ -189,9 +190,11 @@ fn perspective_does_not_bend_a_curves_parameter() {
                     (hit.parameters[0] - position(&hit)[1]).abs() < 0.12,
                     "{at:?}: {hit:?}"
                 );
+                hits += 1;
             }
         }
     }
+    assert!(hits > 20, "{hits}");
 }
 
 #[test]

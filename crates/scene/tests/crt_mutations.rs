@@ -154,7 +154,7 @@ fn mutations() -> usize {
 #[test]
 fn scripts_that_are_changed_at_random_are_read_run_and_built() {
     let mut random = Random(5);
-    let (mut sound, mut faulty) = (0, 0);
+    let (mut sound, mut faulty, mut given_up_runs) = (0, 0, 0);
     // A loop that never ends goes round a million times; one that goes on for long is given up, as an editor's next key does.
     let given_up = Arc::new(AtomicBool::new(false));
     let (begun, runs) = mpsc::channel::<()>();
@@ -192,6 +192,7 @@ fn scripts_that_are_changed_at_random_are_read_run_and_built() {
         let run = run_unless(&script, &text, &given_up);
         ended.send(()).expect("the watch");
         let Some(run) = run else {
+            given_up_runs += 1;
             continue;
         };
         for found in &run.diagnostics {
@@ -207,4 +208,8 @@ fn scripts_that_are_changed_at_random_are_read_run_and_built() {
     watch.join().expect("the watch ends");
     println!("{sound} were sound to read, {faulty} were not");
     assert!(sound * 20 > mutations() && faulty * 20 > mutations());
+    assert!(
+        given_up_runs * 2 < mutations(),
+        "{given_up_runs} runs did not end"
+    );
 }

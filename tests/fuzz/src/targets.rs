@@ -76,7 +76,7 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "expression",
-        about: "simplified values, intervals, derivatives and WGSL agree with the expression as it stands",
+        about: "simplified values and intervals are those of the expression as it stands, its derivative is among its slopes, its WGSL is valid",
         seeds: expression::seeds,
         words: &[],
         run: expression::run,

@@ -1,9 +1,10 @@
 //! Expressions: an input is a program for a stack of nodes.
 
-use expr::interval::Interval;
+use expr::interval::{Interval, Slope};
 use expr::ops::Operation;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
+use wgsl::kernel::GenerateError;
 
 /// The most operations of an expression.
 const LONGEST: usize = 64;
@@ -33,8 +34,8 @@ struct Term {
     values: [Option<f64>; 4],
 }
 
-/// Builds an expression. Its tape has the value of the expression as it stands, intervals about its places contain it, and
-/// the kernel of each eighth expression is valid WGSL or is refused.
+/// Builds an expression. Its tape has the value of the expression as it stands, intervals about its places contain it, its
+/// derivative lies among its slopes, and the kernel of each eighth expression is valid WGSL or too large.
 pub(crate) fn run(input: &[u8]) {
     let mut graph = Graph::default();
     let mut stack = Vec::new();
@@ -70,13 +71,15 @@ pub(crate) fn run(input: &[u8]) {
         return;
     };
     check_values(&graph, &term);
+    check_derivative(&mut graph, &term);
     // Validating a kernel takes a hundred times as long as all else.
     if !input.len().is_multiple_of(8) {
         return;
     }
     let zero = graph.constant(0.0);
-    if let Ok(kernel) = wgsl::kernel::sample_surface(&graph, [term.node, zero, zero]) {
-        assert!(!kernel.source().is_empty(), "a kernel has a text");
+    match wgsl::kernel::sample_surface(&graph, [term.node, zero, zero]) {
+        Ok(_) | Err(GenerateError::TooLarge { .. }) => {}
+        Err(error) => panic!("{}: {error}", text(&graph, term.node)),
     }
 }
 
@@ -98,17 +101,62 @@ fn apply(graph: &mut Graph, operation: Operation, operands: &[Term]) -> Term {
     Term { node, values }
 }
 
-fn check_values(graph: &Graph, term: &Term) {
-    let tape = Tape::new(graph, &[term.node]);
-    let pick = |input: &Input, place: [f64; 2]| match *input {
+/// An expression for a message.
+fn text(graph: &Graph, node: NodeId) -> String {
+    expr::print::expression(graph, node, 500)
+}
+
+/// The values of a tape's inputs at a place.
+fn row(tape: &Tape, place: [f64; 2]) -> Vec<f64> {
+    let of = |input: &Input| match *input {
         Input::Variable(k) => place[k as usize],
         Input::Uniform(_) => f64::NAN,
     };
+    tape.inputs().iter().map(of).collect()
+}
+
+/// Checks the derivative by the first variable: its range at a place and that of the slopes there both contain the true one.
+fn check_derivative(graph: &mut Graph, term: &Term) {
+    let Ok(found) = graph.derivatives(&[term.node], Input::Variable(0)) else {
+        return;
+    };
+    let [function, derivative] = [term.node, found[0]].map(|node| Tape::new(graph, &[node]));
+    for place in PLACES {
+        let points: Vec<Interval> = row(&derivative, place)
+            .into_iter()
+            .map(Interval::point)
+            .collect();
+        let mut range = [Interval::point(0.0)];
+        derivative.eval_intervals(&mut Registers::default(), &points, &mut range);
+        let lines = function.inputs().iter().map(|input| match *input {
+            Input::Variable(0) => Slope::line(place[0], 1.0, Interval::point(0.0)),
+            Input::Variable(_) => Slope::constant(place[1]),
+            Input::Uniform(_) => Slope::constant(f64::NAN),
+        });
+        let mut out = [Slope::constant(0.0)];
+        let lines: Vec<Slope> = lines.collect();
+        function.eval_slopes(&mut Registers::default(), &lines, &mut out);
+        let [Slope { value, slope }] = out;
+        let is_known = |it: Interval| !it.is_partial() && it.width().is_finite();
+        if is_known(range[0]) && is_known(value) && is_known(slope) {
+            let meet = range[0].lower() <= slope.upper() && slope.lower() <= range[0].upper();
+            assert!(
+                meet,
+                "{} at {place:?} has the derivative {:?}, and slopes {slope:?}",
+                text(graph, term.node),
+                range[0]
+            );
+        }
+    }
+}
+
+fn check_values(graph: &Graph, term: &Term) {
+    let tape = Tape::new(graph, &[term.node]);
     for (place, expected) in PLACES.into_iter().zip(term.values) {
-        let row: Vec<f64> = tape.inputs().iter().map(|it| pick(it, place)).collect();
+        let row = row(&tape, place);
         let mut out = [f64::NAN];
         tape.eval(&mut Registers::default(), &row, &mut out);
-        let text = || expr::print::expression(graph, term.node, 500);
+        let text = || text(graph, term.node);
         if let Some(expected) = expected {
             assert!(
                 out[0] == expected,
