@@ -175,7 +175,7 @@ impl LoadedProgram {
         }
     }
 
-    /// Evaluates the numbers of a point or a direction, each as [`Program::number`] does.
+    /// Evaluates the numbers of a point or a direction, each as [`Self::number`] does.
     pub(crate) fn numbers<const N: usize>(
         &self,
         option: &str,
@@ -189,10 +189,10 @@ impl LoadedProgram {
         Ok(numbers)
     }
 
-    /// Evaluates the numbers of a place or a direction on an object that takes so many, each as [`Program::number`] does.
+    /// Evaluates the numbers of a place or a direction on an object that takes so many, each as [`Self::number`] does.
     ///
     /// # Errors
-    /// [`Failure::Usage`]: another count of numbers than the object takes, or those of [`Program::number`].
+    /// [`Failure::Usage`]: another count of numbers than the object takes, or those of [`Self::number`].
     pub(crate) fn place<const N: usize>(
         &self,
         option: &str,

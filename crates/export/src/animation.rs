@@ -52,6 +52,14 @@ impl AnimationFormat {
             _ => None,
         }
     }
+
+    /// The parts of a second in which a file counts how long a picture is shown.
+    fn parts(self) -> u32 {
+        match self {
+            Self::Gif => 100,
+            Self::Apng => 1000,
+        }
+    }
 }
 
 /// The length and the size of an animation.
@@ -137,11 +145,12 @@ impl<W: Write> Recorder<W> {
         }
         match &mut self.encoder {
             Encoder::Gif(encoder) => {
-                let delay = self.clip.ticks(self.added, 100);
+                let delay = self.clip.ticks(self.added, AnimationFormat::Gif.parts());
                 encoder.write_frame(&palette::frame(image, delay))?;
             }
             Encoder::Apng(encoder) => {
-                encoder.set_frame_delay(self.clip.ticks(self.added, 1000), 1000)?;
+                let parts = AnimationFormat::Apng.parts();
+                encoder.set_frame_delay(self.clip.ticks(self.added, parts), parts as u16)?;
                 encoder.write_image_data(image.as_raw())?;
             }
         }
@@ -183,6 +192,13 @@ impl<W: Write> Recorder<W> {
 }
 
 impl Clip {
+    /// The length of a film in seconds, as its file states it.
+    pub fn seconds(&self, format: AnimationFormat) -> f64 {
+        let parts = format.parts();
+        let ticks = (0..self.frames).map(|frame| u64::from(self.ticks(frame, parts)));
+        ticks.sum::<u64>() as f64 / f64::from(parts)
+    }
+
     /// The duration of a picture in units of 1/`parts` second, rounded so that the errors do not add up.
     fn ticks(&self, frame: u32, parts: u32) -> u16 {
         let until = |frames: u32| (f64::from(frames) * f64::from(parts) / self.rate).round();

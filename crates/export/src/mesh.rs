@@ -32,6 +32,7 @@ use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
 use render::style;
 use render::texture::Texture;
+use render::view::space;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 use solid::Fineness;
@@ -234,7 +235,7 @@ impl Model {
                 notes: self.notes.clone(),
             });
         }
-        let vertices: usize = self.parts.iter().map(Part::vertices).sum();
+        let vertices: usize = self.parts.iter().map(|part| part.vertices(format)).sum();
         // PLY's indices are signed, and glTF keeps the greatest one for itself.
         if vertices > i32::MAX as usize {
             return Err(ExportError::TooLarge { format });
@@ -279,10 +280,14 @@ impl Part {
         }
     }
 
-    /// The number of vertices.
-    pub fn vertices(&self) -> usize {
+    /// The number of vertices in a file: in OBJ and PLY, one for each place; else one for each corner with a normal or texture
+    /// coordinates of its own.
+    pub fn vertices(&self, format: MeshFormat) -> usize {
         match &self.geometry {
-            Geometry::Surface(mesh, _) => mesh.vertices.len(),
+            Geometry::Surface(mesh, _) => match format {
+                MeshFormat::Obj | MeshFormat::Ply => mesh.places.len(),
+                MeshFormat::Stl | MeshFormat::Gltf | MeshFormat::Glb => mesh.vertices.len(),
+            },
             Geometry::Lines(lines) => lines.places.len(),
             Geometry::Points(places) => places.len(),
         }
@@ -297,8 +302,9 @@ impl Mesh {
             return self.colours.clone();
         }
         let tint = style::linear(colour);
-        // About how far apart vertices are: there are as many as in a square grid.
-        let step = 1.0 / (self.vertices.len() as f32).sqrt().max(1.0);
+        // About how far apart the vertices of an instance are: there are as many as in a square grid.
+        let vertices = self.vertices.len() as f32 / self.instances.max(1) as f32;
+        let step = 1.0 / vertices.sqrt().max(1.0);
         let sampler = texture.sampler();
         let mut colours: Vec<Option<[u8; 3]>> = vec![None; self.places.len()];
         for vertex in &self.vertices {
@@ -414,7 +420,7 @@ fn geometry(
             for (places, samples) in places.chunks(size).zip(samples.chunks(size)) {
                 mesh.add(*count, places, samples);
             }
-            Geometry::Surface(mesh, request.texture(id))
+            Geometry::Surface(mesh, space::texture_in_space(request, id))
         }
         _ => return (None, notes),
     };

@@ -798,3 +798,17 @@ fn what_single_precision_does_not_hold_is_left_open() {
         model.notes
     );
 }
+
+#[test]
+fn a_closed_surface_has_the_image_that_is_read_from_outside() {
+    // σu×σv points inwards on the first, and outwards on the second.
+    let image = |source: &str| match &exported(&source.replace('N', "20")).parts[0].geometry {
+        Geometry::Surface(_, texture) => texture.levels()[0].texels.clone(),
+        _ => panic!("a surface"),
+    };
+    let inwards = image(SPHERE);
+    let outwards =
+        image("surface s(u,v) = (cosv sinu, sinv sinu, cosu), u : [0,pi,N], v : [0,2pi,N];");
+    assert!(inwards == Texture::orientation_from_behind().levels()[0].texels);
+    assert!(outwards == Texture::orientation().levels()[0].texels);
+}

@@ -138,7 +138,7 @@ impl<'s> Atlas<'s> {
             Chart::Apex(chart) => {
                 let inner = chart.inner();
                 let r = state.at[0].hypot(state.at[1]);
-                if chart.apex.smooth && r < inner {
+                if chart.is_interpolated() && r < inner {
                     return self.inner(chart, state, r, inner);
                 }
                 self.about_apex(chart, state)

@@ -79,7 +79,7 @@ impl Metric {
         self.e * a[0] * b[0] + self.f * (a[0] * b[1] + a[1] * b[0]) + self.g * a[1] * b[1]
     }
 
-    /// A tangent vector turned by `angle` from σu towards σv (DESIGN: first fundamental form; thesis 2.2.2):
+    /// A tangent vector turned by `angle` from σu towards σv (C. Grundmann, *Geodesic Tracing*, 2022, 2.2.2):
     /// (a cos θ − (aF+bG)/R sin θ, (aE+bF)/R sin θ + b cos θ).
     pub fn turn(&self, vector: impl Into<TangentVector>, angle: f64) -> TangentVector {
         let TangentVector([a, b]) = vector.into();

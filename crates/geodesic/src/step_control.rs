@@ -128,6 +128,9 @@ impl ErrorSum {
 
     /// A bound for errors that may all have one sign (Cauchy and Schwarz).
     pub(crate) fn bound(&self) -> f64 {
+        if self.position.is_nan() {
+            return f64::INFINITY;
+        }
         (self.terms * self.position.max(0.0)).sqrt()
     }
 }

@@ -31,6 +31,9 @@ pub struct Apex {
     /// True if the coordinates are of use: the angle grows evenly with t, or at a smooth tip as on an ellipse that is run along
     /// with the speed of its area.
     pub regular: bool,
+    /// True if the lines of constant t go on through the tip without a kink of their speed or direction: then the acceleration
+    /// in (a, b) is smooth there.
+    pub odd: bool,
 }
 
 /// The kinds of all four sides.
@@ -51,6 +54,9 @@ const FULL_TURN: f64 = 1e-4;
 
 /// By how much directions may be off an ellipse, relative to its size.
 const SAME_ELLIPSE: f64 = 1e-5;
+
+/// The least change of speed or direction at a tip, over the domain's width, that is a kink.
+const KINK: f64 = 1e-5;
 
 /// Lines that leave a tip are straight while they turn less than this angle about it.
 const STRAIGHT: f64 = 0.5;
@@ -289,6 +295,9 @@ fn apex(
     let mut slope = 0.0;
     let mut winding = 0.0;
     let mut directions = Vec::new();
+    // |w|² and the speed of the area, of a metric.
+    let mut sizes = Vec::new();
+    let mut areas = Vec::new();
     for n in 0..SAMPLES {
         let across = (f64::from(n) + 0.5) / f64::from(SAMPLES);
         let near = jet(at(domain, place(axis, share(NEAR), across)));
@@ -296,6 +305,8 @@ fn apex(
         directions.push(direction);
         // The angle's rate |w × w_t|/|w|², for w the direction and t the other parameter.
         let rate = norm(cross(direction, near.duv)) / dot(direction, direction);
+        sizes.push(dot(direction, direction));
+        areas.push(rate * dot(direction, direction));
         let around = if axis == 0 { near.dv } else { near.du };
         // How fast t has to change for the line to leave the tip at a right angle to the curves about it; their being
         // ellipses cancels over a turn.
@@ -321,8 +332,11 @@ fn apex(
         bend,
         reach: (STRAIGHT / (winding.abs() * width)).min(1.0),
         smooth,
-        regular: if smooth {
-            !is_embedded || is_ellipse(&directions)
+        odd: power.is_some_and(|power| is_odd(jet, domain, axis, end, power, is_embedded)),
+        regular: if smooth && is_embedded {
+            is_ellipse(&directions)
+        } else if smooth {
+            is_ellipse_by_sizes(&sizes, &areas)
         } else {
             power.is_some() && even && total > 1e-3
         },
@@ -350,6 +364,70 @@ fn is_ellipse(directions: &[[f64; 3]]) -> bool {
         let off = combine(1.0 / size, *direction, -1.0, fitted);
         // Curvature moves all of them along the normal.
         norm(cross(off, normal)) <= SAME_ELLIPSE * norm(normal)
+    })
+}
+
+/// The same for a metric, whose directions have no common frame: their sizes squared are a₀ + a₁ cos 2t + a₂ sin 2t, and the
+/// speed of the area is even.
+fn is_ellipse_by_sizes(sizes: &[f64], areas: &[f64]) -> bool {
+    let count = sizes.len() as f64;
+    let turned = |n: usize| 2.0 * TAU * n as f64 / count;
+    let mut fit = [0.0; 3];
+    for (n, size) in sizes.iter().enumerate() {
+        let (sin, cos) = turned(n).sin_cos();
+        for (sum, share) in fit.iter_mut().zip([1.0, 2.0 * cos, 2.0 * sin]) {
+            *sum += share * size / count;
+        }
+    }
+    let mean = areas.iter().sum::<f64>() / count;
+    let is_even = |area: &f64| (area - mean).abs() <= SAME_ELLIPSE * mean;
+    let is_fitted = |(n, size): (usize, &f64)| {
+        let (sin, cos) = turned(n).sin_cos();
+        (size - fit[0] - fit[1] * cos - fit[2] * sin).abs() <= SAME_ELLIPSE * fit[0]
+    };
+    areas.iter().all(is_even) && sizes.iter().enumerate().all(is_fitted)
+}
+
+/// Returns whether the lines that leave the apex go on through it without a kink: with r, neither their speed nor their
+/// direction in the surface changes at r = 0. A metric tells the speed alone.
+fn is_odd(
+    jet: &dyn Fn(Uv) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    power: f64,
+    is_embedded: bool,
+) -> bool {
+    const OFF: f64 = 1e-5;
+    let [low, high] = domain[axis];
+    let sign = if end == 0 { 1.0 } else { -1.0 };
+    let reach = (high - low).powf(1.0 / power);
+    // The rates of speed and direction with r, relative to the speed.
+    let rates = |across: f64, off: f64| {
+        let r = (off * (high - low)).powf(1.0 / power);
+        let share = if end == 0 { off } else { 1.0 - off };
+        let jet = jet(at(domain, place(axis, share, across)));
+        let (w, ww, around) = if axis == 0 {
+            (jet.du, jet.duu, jet.dv)
+        } else {
+            (jet.dv, jet.dvv, jet.du)
+        };
+        let first = sign * power * r.powf(power - 1.0);
+        let by_r = w.map(|x| x * first);
+        let by_rr = combine(first * first, ww, first * (power - 1.0) / r, w);
+        let square = dot(by_r, by_r);
+        let across = combine(1.0, around, -dot(around, by_r) / square, by_r);
+        let aside = dot(by_rr, across) / norm(across) / square.sqrt();
+        [
+            dot(by_rr, by_r) / square,
+            if is_embedded { aside } else { 0.0 },
+        ]
+    };
+    PLACES.iter().all(|&across| {
+        // What grows with r is left out.
+        let near = rates(across, OFF);
+        let twice = rates(across, OFF * 2.0f64.powf(power));
+        (0..2).all(|k| ((2.0 * near[k] - twice[k]) * reach).abs() <= KINK)
     })
 }
 

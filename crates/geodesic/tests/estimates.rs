@@ -222,5 +222,5 @@ fn without_comparison_the_estimate_is_a_bound() {
         );
         compared += 1;
     }
-    assert!(compared > 80, "{compared}");
+    assert!(compared > 50, "{compared}");
 }

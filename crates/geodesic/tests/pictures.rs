@@ -411,3 +411,20 @@ fn each_pixel_by_itself_is_as_true_as_is_asked() {
         assert!(errors.max <= estimate.max, "{errors}, {estimate:?}");
     }
 }
+
+#[test]
+fn a_strip_that_lies_between_the_places_looked_at_is_seen() {
+    let mut m = Maker::new();
+    let position = [m.u, m.v, m.c(0.0)];
+    let strip = m.done(position, [[0.0, 40.0], [0.0, 1.0]]);
+    for (size, zoom) in [([300, 300], 20.0), ([512, 384], 30.0), ([800, 600], 40.0)] {
+        let frame = Frame::new(&strip, [20.0, 0.5], 0.3, zoom).expect("a frame");
+        let map = exponential_map(&strip, &frame, size, &MapOptions::default(), &|_| ());
+        let pixels = f64::from(size[0].min(size[1])) / (2.0 * zoom);
+        let seen = map.status.iter().filter(|it| **it == Status::Complete);
+        // The strip's length in the picture, which is turned, times its width.
+        let area = 40.0f64.min(2.0 * zoom) * pixels * pixels;
+        let share = seen.count() as f64 / area;
+        assert!((0.97..1.03).contains(&share), "{size:?}: {share}");
+    }
+}

@@ -164,3 +164,93 @@ fn a_cone_has_the_angle_of_its_unrolled_plane() {
         assert!(!tip.smooth && tip.regular, "{slope}: {tip:?}");
     }
 }
+
+/// The end of a ray that starts at a distance from the pole and passes it by a share of that, and where it is in the plane, in
+/// which it is straight.
+fn past_the_pole(
+    surface: &dyn Surface,
+    from: [f64; 2],
+    direction: [f64; 2],
+    length: f64,
+    in_plane: impl Fn([f64; 2]) -> [f64; 2],
+    expected: [f64; 2],
+) -> f64 {
+    let end = geodesic::trace::trace(surface, from, direction, length, &Options::default());
+    let end = end.expect("a start");
+    assert_eq!(end.status, Status::Complete, "{end:?}");
+    let found = in_plane(end.uv.0);
+    (found[0] - expected[0]).hypot(found[1] - expected[1])
+}
+
+#[test]
+fn lines_beside_a_pole_whose_meridians_are_run_unevenly_are_straight() {
+    // The radius v + v².
+    let mut m = Maker::new();
+    let square = m.mul(m.v, m.v);
+    let (u, radius, zero) = (m.u, m.add(m.v, square), m.c(0.0));
+    let position = m.around(radius, u, zero);
+    let disc = m.done(position, [[0.0, TAU], [0.0, 1.0]]);
+    let in_plane = |[u, v]: [f64; 2]| [(v + v * v) * u.cos(), (v + v * v) * u.sin()];
+    for off in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6] {
+        // From (0.75, 0) in the plane, where r' = 2 and the angle turns by 1/r.
+        let way: [f64; 2] = [-1.0, off];
+        let size = way[0].hypot(way[1]);
+        let [x, y] = way.map(|x| x / size);
+        let expected = [0.75 + 1.5 * x, 1.5 * y];
+        let direction = [y / 0.75, x / 2.0];
+        let error = past_the_pole(&disc, [0.0, 0.5], direction, 1.5, in_plane, expected);
+        assert!(error < 1e-8, "{off}: {error:e}");
+    }
+}
+
+#[test]
+fn lines_beside_a_pole_of_a_metric_with_uneven_angles_are_straight() {
+    // The plane, with the angle v + sin v / 2.
+    let metric = metric([[0.0, 3.0], [0.0, TAU]], |m| {
+        let cos = m.f(Unary::Cos, m.v);
+        let half = m.scale(0.5, cos);
+        let rate = m.plus(1.0, half);
+        let speed = m.mul(m.u, rate);
+        [m.c(1.0), m.c(0.0), m.mul(speed, speed)]
+    });
+    let angle = |v: f64| v + 0.5 * v.sin();
+    let in_plane = |[u, v]: [f64; 2]| [u * angle(v).cos(), u * angle(v).sin()];
+    let from: [f64; 2] = [0.7, 1.0];
+    let rate = 1.0 + 0.5 * from[1].cos();
+    let [p, q] = in_plane(from);
+    for off in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let size = 1.0_f64.hypot(off);
+        let [inward, aside] = [-1.0 / size, off / size];
+        let direction = [inward, aside / (from[0] * rate)];
+        let (sin, cos) = angle(from[1]).sin_cos();
+        let expected = [
+            p + 1.5 * (inward * cos - aside * sin),
+            q + 1.5 * (inward * sin + aside * cos),
+        ];
+        let error = past_the_pole(&metric, from, direction, 1.5, in_plane, expected);
+        assert!(error < 1e-8, "{off}: {error:e}");
+    }
+    let through = geodesic::trace::trace(&metric, from, [-1.0, 0.0], 1.5, &Options::default());
+    assert_eq!(through.expect("a start").status, Status::ConePoint);
+}
+
+#[test]
+fn rays_pass_the_rim_of_a_flat_spheroid() {
+    for flatness in [1e-3, 3e-4, 1e-4] {
+        let surface = spheroid(1.0, flatness);
+        for n in 0..8 {
+            let heading = 0.3 + 0.7 * f64::from(n);
+            let from = [0.2, -0.5];
+            let jet = surface.jet(from.into());
+            let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let direction = [heading.cos() / size(jet.du), heading.sin() / size(jet.dv)];
+            let options = Options {
+                max_evaluations: 10_000_000,
+                ..Options::default()
+            };
+            let end = geodesic::trace::trace(&surface, from, direction, 4.0, &options);
+            let end = end.expect("a start");
+            assert_eq!(end.status, Status::Complete, "{flatness} {n}: {end:?}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use export::mesh::{self, ExportError, MeshFormat};
 use render::PictureRequest;
-use scene::{ObjectId, Scene};
+use scene::{Object, ObjectId, Scene};
 
 use super::render::textures;
 use crate::argument::{self, Assignment, Choice, Format, TextureFile};
@@ -19,7 +19,7 @@ use crate::registry::Context;
 ///
 /// Places are in the program's units, as exact as the format allows. Where a surface closes (a sphere's poles, a
 /// torus' seams) its triangles close too; where it is undefined they leave a hole. The mesh of a solid is closed and keeps
-/// sharp edges; PLY and glTF have its colours.
+/// sharp edges; OBJ, PLY and glTF have its colours.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -93,6 +93,19 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let target = OutputTarget::apart_from(&arguments.output, &inputs)?;
     let model = mesh::model(&request, objects.as_deref());
     let mut notes = images.notes(&program, &request);
+    let has_no_image = |name: &str| {
+        let is_solid = |(_, object): (_, &Object)| object.shape.solid().is_some();
+        let is_background = scene.background().is_some_and(|object| object.name == name);
+        is_background || scene.object(name).is_some_and(is_solid)
+    };
+    let left_out = arguments
+        .texture
+        .iter()
+        .filter(|it| has_no_image(&it.object));
+    notes.extend(left_out.map(|it| {
+        let name = &it.object;
+        format!("the image of `{name}` is left out: in a file of meshes only surfaces have images")
+    }));
     notes.extend(model.notes.clone());
     target.write_with(|out| {
         model
@@ -112,7 +125,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         output::print_error(&format!("note: {note}\n"));
     }
     let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
-    let vertices: usize = model.parts.iter().map(|part| part.vertices()).sum();
+    let vertices: usize = model.parts.iter().map(|part| part.vertices(format)).sum();
     let mut size = number::count(triangles, "triangle");
     if !format.has_only_triangles() {
         size = format!("{} vertices, {size}", number::grouped(vertices as u64));

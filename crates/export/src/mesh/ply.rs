@@ -5,15 +5,12 @@ use std::io::{self, Write};
 
 use glam::Vec3;
 
-use super::{Geometry, Mesh, Model, Part};
+use super::{Geometry, Mesh, MeshFormat, Model, Part};
 
 /// Writes the vertices of all parts, then faces, then edges. Each place is one vertex, also where seams meet.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
-    let places = |part: &Part| match &part.geometry {
-        Geometry::Surface(mesh, _) => mesh.places.len(),
-        Geometry::Lines(_) | Geometry::Points(_) => part.vertices(),
-    };
+    let places = |part: &Part| part.vertices(MeshFormat::Ply);
     let edges = |part: &Part| match &part.geometry {
         Geometry::Lines(lines) => lines.strips.iter().map(|strip| strip.len() - 1).sum(),
         Geometry::Surface(..) | Geometry::Points(_) => 0_usize,

@@ -27,6 +27,8 @@ pub struct Mesh {
     /// Indices into the vertices. Seen from where the normals point to, triangles run counterclockwise; those of a
     /// closed surface are seen so from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// The number of instances, each of which has the whole image.
+    pub(super) instances: u32,
 }
 
 /// A corner of triangles.
@@ -43,6 +45,7 @@ pub struct Vertex {
 impl Mesh {
     /// Adds an instance: the grid's `places`, u fastest, with the normals and the definedness of its `samples`.
     pub(super) fn add(&mut self, count: [u32; 2], places: &[[f64; 3]], samples: &[SurfaceSample]) {
+        self.instances += 1;
         let grid = SampleGrid::new(count, places, samples);
         let triangles: Vec<[usize; 3]> = grid.triangles().collect();
         // Vertices in the order of the grid, those only that a triangle needs.

@@ -118,9 +118,14 @@ impl ApexChart {
         self.sign * (at[self.axis] - self.base)
     }
 
-    /// The radius of the neighbourhood in which the acceleration is interpolated.
+    /// The radius of the neighbourhood in which the acceleration is interpolated, where it is smooth at the tip.
     pub(crate) fn inner(&self) -> f64 {
         (INNER * self.radius).min(INNER_BEND * self.apex.bend)
+    }
+
+    /// Returns whether the acceleration is interpolated about the tip.
+    pub(crate) fn is_interpolated(&self) -> bool {
+        self.apex.smooth && self.apex.odd
     }
 
     /// The longest stretch, in arc length, that a step may go near a tip that is not smooth: towards it so that
@@ -155,8 +160,14 @@ impl ApexChart {
     pub(crate) fn noise(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
         let way = (to[0] - from[0]).hypot(to[1] - from[1]);
         let nearest = nearest_between(from, to);
-        let floor = if self.apex.smooth { self.inner() } else { 0.0 };
-        let r = nearest[0].hypot(nearest[1]).max(floor);
+        let floor = match self.is_interpolated() {
+            true => self.inner(),
+            false => 0.0,
+        };
+        let r = nearest[0]
+            .hypot(nearest[1])
+            .max(floor)
+            .max(HIT * self.radius);
         // Beside the direction itself, the acceleration at a stage that falls near the apex, with its weight.
         let stage = if self.apex.smooth {
             (STAGE * way / r).max(1.0)

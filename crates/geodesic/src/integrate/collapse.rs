@@ -11,8 +11,10 @@ use crate::surface::Side;
 const LOW: f64 = 1e-2;
 /// Nearer than this share of the surface's size to a loss of rank, a ray is at it.
 const AT_HAND: f64 = 1e-6;
-/// R has vanished at this share of what it was.
+/// R, with a sign, has vanished at this share of what it was.
 const GONE: f64 = 1e-6;
+/// At most this share of it is left there: where the normal has only turned by a right angle, R with a sign is 0, and R is not.
+const LEFT: f64 = 1e-3;
 
 impl Ray<'_, '_> {
     /// R = |σu×σv| here, in (u,v).
@@ -37,10 +39,11 @@ impl Ray<'_, '_> {
         let normal = cross(self.local.tangents[0], self.local.tangents[1]);
         let point = |t: f64| [0, 1].map(|k| self.state.at[k] + t * self.state.velocity[k]);
         // With a sign, so that the secant passes through 0.
-        let signed = |t: f64| {
+        let normal_at = |t: f64| {
             let jet = self.atlas.jet(point(t));
-            dot(cross(jet.du, jet.dv), normal) / rank
+            cross(jet.du, jet.dv)
         };
+        let signed = |t: f64| dot(normal_at(t), normal) / rank;
         let (mut a, mut b) = ((0.0, rank), (ahead, signed(ahead)));
         for _ in 0..6 {
             if b.1.abs() <= GONE * rank {
@@ -49,7 +52,10 @@ impl Ray<'_, '_> {
             let next = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
             (a, b) = (b, (next, signed(next)));
         }
-        let found = b.1.abs() <= GONE * rank && b.0 > 0.0 && b.0 <= 4.0 * ahead;
+        let found = b.1.abs() <= GONE * rank
+            && b.0 > 0.0
+            && b.0 <= 4.0 * ahead
+            && norm(normal_at(b.0)) <= LEFT * rank;
         let end = point(b.0);
         let inside = (0..2).all(|axis| {
             let [low, high] = self.atlas.layout.domain[axis];

@@ -161,7 +161,10 @@ impl<'s> RaySource<'s> {
     ) -> Result<(Arrival, Trace), MeasureError> {
         let [exact, loose] = TOLERANCES;
         let found = self.follow_with(angle, length, keep_fields, exact)?;
+        // A ray that starts at a tip and does not leave it has met rounding.
+        let is_stuck = matches!(self.origin, Origin::Tip { .. }) && found.1.length == 0.0;
         match found.0.status {
+            Status::ConePoint if is_stuck => self.follow_with(angle, length, keep_fields, loose),
             Status::Complete | Status::LeftDomain | Status::ConePoint => Ok(found),
             Status::Degenerate | Status::Undefined | Status::WorkLimit => {
                 self.follow_with(angle, length, keep_fields, loose)

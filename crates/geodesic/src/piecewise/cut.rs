@@ -25,7 +25,8 @@ const BESIDE: f64 = 0.2;
 
 /// From a node to the next one that is looked at: without a common divisor with how many there are.
 const STRIDE: usize = 3 * COUNT - 1;
-/// The pixels of the smallest square that are looked at first; where all of them show nothing, the others do neither.
+/// The pixels of the smallest square that are looked at first; where all of them show nothing, on one side of the surface, the
+/// others do neither.
 const FIRST: [[u32; 2]; 9] = [
     [0, 0],
     [7, 0],
@@ -150,6 +151,10 @@ impl<const N: usize> Subdivider<'_, N> {
         match samples.agreement {
             Agreement::Alike(Status::Complete) => {}
             Agreement::Alike(status) => {
+                let nodes = samples.nodes.iter().map(|(_, end)| end);
+                if self.may_straddle(samples.corners.iter().chain(nodes)) {
+                    return Attempt::Divide(1);
+                }
                 return Attempt::Covered(Piece::Nothing {
                     corner: square.corner,
                     side: square.side,
@@ -320,6 +325,18 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
+    /// Returns whether the surface may lie between ends that have all left it: where all say where they are, but not beyond one
+    /// edge.
+    fn may_straddle<'a>(&self, ends: impl Iterator<Item = &'a End<N>> + Clone) -> bool {
+        let is_beyond = |axis: usize| {
+            let [low, high] = self.bounds[axis];
+            ends.clone().all(|end| end.at[axis] < low)
+                || ends.clone().all(|end| end.at[axis] > high)
+        };
+        let has_edges = self.bounds.iter().flatten().any(|it| it.is_finite());
+        has_edges && ends.clone().all(goes_on) && !(0..N).any(is_beyond)
+    }
+
     /// Returns how often a square with this error is to be divided, if it is.
     fn divisions(&self, error: f64) -> Option<u32> {
         let twice = error > 2.0 * HALVED * self.tolerance;
@@ -420,7 +437,8 @@ impl<const N: usize> Subdivider<'_, N> {
         self.look(&first.map(place), pieces);
         if let Some(end) = pieces.seen.first() {
             let status = end.status;
-            if status != Status::Complete && pieces.seen.iter().all(|end| end.status == status) {
+            let is_alike = pieces.seen.iter().all(|end| end.status == status);
+            if status != Status::Complete && is_alike && !self.may_straddle(pieces.seen.iter()) {
                 return Piece::Nothing {
                     corner: square.corner,
                     side: square.side,

@@ -118,8 +118,7 @@ impl View for SpaceView {
                 continue;
             }
             if object.shape.is_surface() {
-                let closed = ObjectCloud::new(&request.scene, &request.params, object).closed;
-                textured.push(request.texture_seen(id, is_seen_from_behind(closed)));
+                textured.push(texture_in_space(request, id));
             }
             let planned = object_plan(&request.scene, &request.params, id, object, plan.gpu);
             plan.objects.extend(planned);
@@ -572,6 +571,16 @@ fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
 /// The texture of a surface. The letters of the built-in one are read from the outside of a closed surface.
 fn texture(request: &PictureRequest, framed: &Framed, id: ObjectId) -> Arc<Texture> {
     let closed = framed.object(id).and_then(|cloud| cloud.closed);
+    request.texture_seen(id, is_seen_from_behind(closed))
+}
+
+/// The texture of a surface as the 3D view has it, without a picture.
+pub fn texture_in_space(request: &PictureRequest, id: ObjectId) -> Arc<Texture> {
+    let cloud = |object| ObjectCloud::new(&request.scene, &request.params, object);
+    let closed = request
+        .scene
+        .get(id)
+        .and_then(|object| cloud(object).closed);
     request.texture_seen(id, is_seen_from_behind(closed))
 }
 
