@@ -144,7 +144,7 @@ for (const one of packages) {
     }
 }
 if (packages.length === 0) {
-    faults.push(`nothing is linked: is there a package \`${program}\`?`);
+    faults.push(`nothing is linked: is there a package ${programs.join(" or ")}?`);
 }
 if (faults.length > 0) {
     console.error(faults.join("\n"));

@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use ide::Languages;
@@ -366,7 +367,11 @@ impl Editor {
         };
         std::fs::create_dir_all(&folder).expect("a folder");
         let lines: String = self.transcript.iter().map(|m| format!("{m}\n")).collect();
-        std::fs::write(folder.join(format!("{}.jsonl", self.name)), lines).expect("a file");
+        // Tests that have the same name, in one program or in two, each leave a file.
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("{}-{}-{count}.jsonl", self.name, std::process::id());
+        std::fs::write(folder.join(name), lines).expect("a file");
     }
 
     /// The messages of the server so far.
