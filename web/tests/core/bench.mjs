@@ -4,8 +4,8 @@
 // camera that has moved on, drawn as a view at rest. "key" is an edit of a number, until its findings are there. "both" is
 // such an edit until both views have a picture, maybe a coarse one; "fps" are the pairs of pictures a second while a key moves
 // the camera of the geodesic view, or of the 3D view where there is no other.
-import { readFileSync } from "node:fs";
-import { join } from "node:path";
+import { existsSync, readFileSync } from "node:fs";
+import { basename, join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { Session, examples, root } from "./open.mjs";
 
@@ -105,8 +105,10 @@ for (const { file, text } of chosen) {
     session.close();
 }
 
-const built = join(root, "web/src/core");
-for (const name of ["core_bg.wasm", "core.js"]) {
-    const bytes = readFileSync(join(built, name));
-    console.log(`${name}: ${bytes.length} bytes, gzip ${gzipSync(bytes, { level: 9 }).length}, brotli ${brotliCompressSync(bytes).length}`);
+// The language server for VS Code in a browser is built apart: `bash web/build server`.
+const server = "editors/vscode/wasm/server_bg.wasm";
+const files = ["web/src/core/core_bg.wasm", "web/src/core/core.js"];
+for (const file of existsSync(join(root, server)) ? [...files, server] : files) {
+    const bytes = readFileSync(join(root, file));
+    console.log(`${basename(file)}: ${bytes.length} bytes, gzip ${gzipSync(bytes, { level: 9 }).length}, brotli ${brotliCompressSync(bytes).length}`);
 }
