@@ -3,14 +3,14 @@
 //   node run.mjs CACHE EXTENSION WORKSPACE PROGRAM
 //
 // CACHE holds code-server and playwright-core (see `install`), EXTENSION is the unpacked .vsix, WORKSPACE a folder of
-// the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 3 where it did not report in time.
+// the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 4 where it did not report in time.
 import { spawn, spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { openSuiteBrowser } from "./suite_browser.mjs";
+import { NO_REPORT, openSuiteBrowser } from "./suite_browser.mjs";
 
 const [cache, extension, workspace, program] = process.argv.slice(2);
 const here = dirname(fileURLToPath(import.meta.url));
@@ -68,7 +68,7 @@ const windows = () => {
 const finish = async (status) => {
     const open = windows();
     await browser.close(status);
-    if (status === 3) {
+    if (status === NO_REPORT) {
         console.error(log);
     }
     if (status === 0 && open !== "") {

@@ -2,8 +2,11 @@
 import { createRequire } from "node:module";
 import { join } from "node:path";
 
+/** The exit status where a suite has not reported in time; that of web/build for no compiler is 3. */
+export const NO_REPORT = 4;
+
 /**
- * Starts it and opens a tab. `cache` holds playwright-core. `finish` receives the suite's exit status, or 3 where it has not
+ * Starts it and opens a tab. `cache` holds playwright-core. `finish` receives the suite's exit status, or NO_REPORT where it has not
  * reported after `limit` milliseconds.
  */
 export async function openSuiteBrowser(cache, limit, finish) {
@@ -36,7 +39,7 @@ export async function openSuiteBrowser(cache, limit, finish) {
     tab.on("pageerror", (error) => lines.push(String(error)));
     setTimeout(() => {
         console.error(`no report within ${limit / 1000} s`);
-        void finish(3);
+        void finish(NO_REPORT);
     }, limit);
     /** Closes the browser; of a failure, the last lines are printed. GEOTRACE_SCREENSHOT is a file for a picture of the end. */
     const close = async (status) => {

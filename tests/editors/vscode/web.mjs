@@ -4,7 +4,7 @@
 //   node web.mjs CACHE EXTENSION SUITE
 //
 // CACHE holds code-server, whose workbench is taken without its server, and playwright-core (see `install`), EXTENSION is the
-// unpacked .vsix, SUITE the bundled suite. Exit status: that of the suite; 3 where it did not report in time.
+// unpacked .vsix, SUITE the bundled suite. Exit status: that of the suite; 4 where it did not report in time.
 import { createReadStream, readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join, normalize } from "node:path";
