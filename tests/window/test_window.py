@@ -828,12 +828,14 @@ class Faults(OnScreen):
                 self.assertIn("view", json.loads(memory.read_text()))
 
     def test_a_full_disk_is_told_and_nothing_is_lost(self):
-        if os.geteuid() != 0:
+        root = [] if os.geteuid() == 0 else ["sudo", "-n"]
+        if root and not (shutil.which("sudo") and subprocess.run([*root, "true"], capture_output=True).returncode == 0):
             self.skipTest("only the superuser can mount a small disk")
         disk = Path(tempfile.mkdtemp(prefix="geotrace-disk-"))
-        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], check=True)
         self.addCleanup(disk.rmdir)
-        self.addCleanup(subprocess.run, ["umount", "-l", str(disk)], check=True)
+        options = f"size=256k,uid={os.geteuid()}"
+        subprocess.run([*root, "mount", "-t", "tmpfs", "-o", options, "tmpfs", str(disk)], check=True)
+        self.addCleanup(subprocess.run, [*root, "umount", "-l", str(disk)], check=True)
         notes = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
         self.addCleanup(shutil.rmtree, notes)
         window = self.open(SPHERE, folder=disk, notes=notes)
