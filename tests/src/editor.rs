@@ -362,13 +362,13 @@ impl Editor {
     }
 
     fn leave_transcript(&self) {
+        // Tests that have the same name, in one program or in two, each leave a file.
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
         let Some(folder) = std::env::var_os("GEOTRACE_TRANSCRIPTS").map(PathBuf::from) else {
             return;
         };
         std::fs::create_dir_all(&folder).expect("a folder");
         let lines: String = self.transcript.iter().map(|m| format!("{m}\n")).collect();
-        // Tests that have the same name, in one program or in two, each leave a file.
-        static COUNT: AtomicUsize = AtomicUsize::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("{}-{}-{count}.jsonl", self.name, std::process::id());
         std::fs::write(folder.join(name), lines).expect("a file");

@@ -26,6 +26,11 @@ pub mod wanted;
 
 use syntax::diagnostic::Code;
 
+/// Whether tests write what they expect in place of comparing with it: `UPDATE=1`, and no other value.
+pub fn writes_expected() -> bool {
+    std::env::var_os("UPDATE").is_some_and(|value| value == "1")
+}
+
 /// Every code that reading and running a CRT script can give, with what it means.
 pub fn crt_codes() -> impl Iterator<Item = (Code, &'static str)> {
     let reading = syntax::crt::codes::CODES.iter();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use image::RgbaImage;
 
 use crate::examples::repository;
+use crate::writes_expected;
 
 /// How much two pictures differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +45,7 @@ pub fn difference(a: &RgbaImage, b: &RgbaImage, threshold: u8) -> Difference {
 #[track_caller]
 pub fn assert_golden(name: &str, picture: &RgbaImage, share: f64) {
     let path = repository().join(format!("tests/cases/pictures/{name}.png"));
-    if std::env::var_os("UPDATE").is_some() {
+    if writes_expected() {
         picture.save(&path).expect("the golden picture is writable");
         return;
     }

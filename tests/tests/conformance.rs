@@ -36,7 +36,7 @@ fn files() -> Vec<PathBuf> {
 
 #[test]
 fn every_case_gives_what_is_written_beside_it() {
-    let update = std::env::var_os("UPDATE").is_some();
+    let update = testing::writes_expected();
     let (mut count, mut failures) = (0, String::new());
     for file in files() {
         let text = std::fs::read_to_string(&file).expect("the cases are readable");

@@ -12,6 +12,7 @@ use testing::binary::geotrace;
 use testing::draw::scene;
 use testing::examples::repository;
 use testing::pictures::difference;
+use testing::writes_expected;
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(repository().join(path))
@@ -41,7 +42,7 @@ fn diagnostics() -> String {
 fn every_code_stands_in_the_table_of_diagnostics() {
     let expected = diagnostics();
     let path = "docs/diagnostics.md";
-    if std::env::var_os("UPDATE").is_some() {
+    if writes_expected() {
         std::fs::write(repository().join(path), expected).expect("docs/ is writable");
         return;
     }
@@ -384,7 +385,7 @@ fn the_page_of_the_language_has_every_attribute_with_its_declarations_its_range_
     let table = lines.join("\n");
     let path = repository().join("docs/language.md");
     let page = read("docs/language.md");
-    if std::env::var_os("UPDATE").is_some() {
+    if writes_expected() {
         let (before, rest) = page.split_once("| attribute |").expect("the table");
         let (_, after) = rest.split_once("\n\n").expect("the end of the table");
         std::fs::write(path, format!("{before}{table}\n\n{after}")).expect("the page is writable");

@@ -397,7 +397,7 @@ fn page() -> String {
 #[test]
 fn the_page_of_limits_has_the_numbers_of_the_code() {
     let path = repository().join("docs/limits.md");
-    if std::env::var_os("UPDATE").is_some() {
+    if testing::writes_expected() {
         std::fs::write(path, page()).expect("docs/ is writable");
         return;
     }

@@ -62,7 +62,7 @@ fn the_fixed_passes_are_valid() {
 #[track_caller]
 fn assert_text(name: &str, text: &str) {
     let path: PathBuf = repository().join(format!("tests/cases/wgsl/{name}.wgsl"));
-    if std::env::var_os("UPDATE").is_some() {
+    if testing::writes_expected() {
         std::fs::write(&path, text).expect("the golden text is writable");
         return;
     }
