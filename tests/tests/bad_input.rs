@@ -320,6 +320,31 @@ fn numbers_out_of_range_are_named() {
 }
 
 #[test]
+fn a_name_and_a_list_of_params_have_a_greatest_length() {
+    let name = "z".repeat(256);
+    error_at(format!("define {name} = 1;"), "name-too-long", 1, 8);
+    check(format!("define {} = 1;", &name[1..])).expect_status(0);
+    let intervals = vec!["[0, 1]"; 10_000].join(",");
+    error_at(
+        format!("param a : {intervals};\nparam b : {intervals};"),
+        "too-many-params",
+        2,
+        7,
+    );
+}
+
+#[test]
+fn the_last_of_too_many_errors_says_that_others_are_left_out() {
+    let run = check("\0 ".repeat(100_001));
+    let json = run.expect_status(1).json();
+    let found = json["diagnostics"].as_array().expect("a list");
+    assert_eq!(found.len(), 100_000);
+    let (last, others) = found.split_last().expect("a diagnostic");
+    assert_eq!(last["code"], "too-many-errors");
+    assert!(others.iter().all(|it| it["code"] == "bad-character"));
+}
+
+#[test]
 fn many_errors_are_all_counted_and_end() {
     let program = "define a = ;\n".repeat(20_000);
     let run = check(program.clone());
@@ -384,6 +409,24 @@ fn files_that_cannot_be_read_are_wrong_usage() {
     std::fs::write(&good, "define a = ;").expect("writable");
     let run = geotrace(["check"]).argument(&good).argument(&missing).run();
     run.expect_status(2).expect_text("good.gtr:1:12");
+}
+
+#[test]
+fn a_file_that_is_longer_than_64_mb_is_not_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("long.gtr");
+    // A sparse file: its bytes take no space.
+    let file = std::fs::File::create(&path).expect("writable");
+    file.set_len((64 << 20) + 1).expect("a long file");
+    let long = geotrace(["check"]).argument(&path).memory(MEMORY).run();
+    long.expect_status(2).expect_text("longer than 64 MB");
+    let input = vec![b' '; (64 << 20) + 1];
+    let long = geotrace(["check", "-"]).input(input).memory(MEMORY).run();
+    long.expect_status(2).expect_text("longer than 64 MB");
+    // One byte less is read.
+    file.set_len(64 << 20).expect("a file");
+    let run = geotrace(["check"]).argument(&path).memory(MEMORY).run();
+    run.expect_status(1).expect_text("bad-character");
 }
 
 #[test]
@@ -715,6 +758,14 @@ fn eval_reports_in_the_expression() {
         eval(wrong).expect_status(1);
     }
     eval(&"(".repeat(50_000)).expect_status(1);
+    // A geodesic that ends before has none there.
+    let run = geotrace(["eval", "-", "g(2)"])
+        .input(
+            "surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];\n\
+             geodesic g(t) : s = (1, 0) @ (0.25, 0.5), t : [0, 2];\n",
+        )
+        .run();
+    run.expect_status(0).expect_text("[geodesic-undefined]");
     // A program with errors has no values.
     let run = geotrace(["eval", "-", "1"]).input("define a = ;").run();
     run.expect_status(1).expect_text("1:12");

@@ -46,8 +46,16 @@ const REPLACEMENT_LENGTH: u32 = char::REPLACEMENT_CHARACTER.len_utf8() as u32;
 
 #[cfg(test)]
 mod tests {
-    use super::decode;
+    use super::{decode, too_large};
     use crate::line_index::{LineIndex, Position};
+
+    /// No test has a text of 4 GiB.
+    #[test]
+    fn a_text_that_is_too_large_has_a_code_and_names_the_limit() {
+        let diagnostic = too_large();
+        assert_eq!(diagnostic.code.0, "file-too-large");
+        assert!(diagnostic.message.contains("4 GiB"));
+    }
 
     #[test]
     fn a_text_is_decoded_without_a_copy() {
