@@ -143,28 +143,27 @@ fn words_of(line: &str) -> Vec<std::ffi::OsString> {
     words.collect()
 }
 
+/// A word's number, with what stands before and behind it.
+fn number(word: &str) -> Option<(&str, f64, &str)> {
+    let text = word.trim_matches(|c: char| !(c.is_ascii_digit() || c == '-'));
+    let (before, behind) = word.split_once(text)?;
+    Some((before, text.parse().ok()?, behind))
+}
+
 /// Compares two texts word by word: numbers to nine digits, but for estimates of errors, which are compared by their size.
 fn is_same_text(a: &str, b: &str) -> bool {
-    let number = |word: &str| {
-        let word = word.trim_matches(|c: char| !(c.is_ascii_digit() || c == '-'));
-        word.parse::<f64>().ok()
-    };
     a.lines().count() == b.lines().count()
         && a.lines().zip(b.lines()).all(|(a, b)| {
-            let tolerance = if a.contains("error estimate") {
-                1e-7
-            } else {
-                1e-9
+            let is_near = |x: f64, y: f64| match a.contains("error estimate") {
+                true => x == y || (0.2..=5.0).contains(&(x / y)),
+                false => (x - y).abs() <= 1e-9 * x.abs().max(1.0),
             };
-            let (a, b): (Vec<_>, Vec<_>) = (
-                a.split_whitespace().collect(),
-                b.split_whitespace().collect(),
-            );
+            let [words, others] = [a, b].map(|line| line.split_whitespace().collect::<Vec<_>>());
             let near = |(a, b): (&&str, &&str)| match (number(a), number(b)) {
-                (Some(x), Some(y)) => (x - y).abs() <= tolerance * x.abs().max(1.0),
+                (Some((p, x, s)), Some((q, y, t))) => (p, s) == (q, t) && is_near(x, y),
                 _ => a == b,
             };
-            a.len() == b.len() && a.iter().zip(&b).all(near)
+            words.len() == others.len() && words.iter().zip(&others).all(near)
         })
 }
 
@@ -184,7 +183,20 @@ fn the_lesson_shows_what_its_commands_print() {
         count += 1;
     }
     assert_eq!(count, 9);
-    assert!(!is_same_text("K = 1.0", "K = 1.1") && !is_same_text("K = 1", "H = 1"));
+    for (a, b) in [
+        ("K = 1.0", "K = 1.1"),
+        ("K = 1", "H = 1"),
+        ("k1 = 2", "k2 = 2"),
+        ("k1 = 2", "h1 = 2"),
+        ("(1.5°)", "1.5°"),
+        ("error estimate 1e-9", "error estimate 6e-9"),
+        ("error estimate 1e-9", "error estimate 1e-10"),
+        ("error estimate 1e-9", "error estimate -1e-9"),
+    ] {
+        assert!(!is_same_text(a, b), "{a} is not {b}");
+    }
+    assert!(is_same_text("(1.5°), 2", "(1.50000000001°), 2"));
+    assert!(is_same_text("error estimate 1e-9", "error estimate 3e-9"));
 }
 
 /// Our own programs have the layout that `geotrace format` writes.
