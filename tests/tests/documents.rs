@@ -4,7 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use expr::ops::{CONSTANTS, Unary};
-use syntax::diagnostic::Code;
+use ide::Language;
+use ide::crt::Crt;
+use ide::geotrace::Geotrace;
+use syntax::diagnostic::{Code, Severity};
 use syntax::geotrace::attributes::{self, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{DeclarationKeyword, DeclarationRow, TABLE};
 use syntax::geotrace::token::MapWord;
@@ -268,9 +271,78 @@ fn the_commands_of_the_tutorial_run() {
     }
 }
 
+/// The words of a command, for a picture of few pixels, frames and samples.
+fn small(line: &str) -> Vec<std::ffi::OsString> {
+    // Behind it stands what is written, for the reader.
+    let line = line.split(" #").next().unwrap_or("");
+    let mut words = words_of(line);
+    let renders = line.starts_with("geotrace render ");
+    let moves = ["--animate", "--walk", "--turntable"].map(|it| line.contains(it));
+    let is_traced = line.contains("--view traced") || line.contains(".crt");
+    for (option, value, fits) in [
+        ("--size", "40x30", renders),
+        ("--frames", "3", renders && moves.contains(&true)),
+        ("--samples", "1", renders && is_traced),
+    ] {
+        match words.iter().position(|word| word == option) {
+            Some(k) => words[k + 1] = value.into(),
+            None if fits => words.extend([option.into(), value.into()]),
+            None => {}
+        }
+    }
+    words
+}
+
+#[test]
+fn the_commands_of_the_pages_on_output_solids_and_scripts_run() {
+    for (page, expected) in [("output", 11), ("solids", 9), ("crt", 2)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut count = 0;
+        for block in blocks(&format!("docs/{page}.md"), "sh") {
+            for line in block.lines() {
+                let words = small(line);
+                let output = words.iter().position(|word| word == "-o");
+                let output = output.map(|k| words[k + 1].clone());
+                let run = geotrace(words).folder(folder.path()).run();
+                run.expect_status(0);
+                match output.filter(|name| name != "-") {
+                    Some(name) => {
+                        // Frames are numbered.
+                        let first = name.to_string_lossy().replace(".png", "-0001.png");
+                        let names = [folder.path().join(&name), folder.path().join(first)];
+                        assert!(names.iter().any(|name| name.exists()), "{line}");
+                    }
+                    None => assert!(!run.stdout.is_empty(), "{line}"),
+                }
+                count += 1;
+            }
+        }
+        assert_eq!(count, expected, "docs/{page}.md");
+    }
+}
+
+#[test]
+fn the_programs_and_scripts_of_the_pages_compile() {
+    let languages: [(&str, &dyn Language); 2] = [("gtr", &Geotrace), ("crt", &Crt)];
+    let mut counts = [0; 2];
+    for (page, _) in pages() {
+        for ((ending, language), count) in languages.iter().zip(&mut counts) {
+            for block in blocks(&page, ending) {
+                let compiled = language.compile(&block).expect("a small program");
+                let mut found = compiled.diagnostics.iter();
+                let error = found.find(|it| it.severity == Severity::Error);
+                assert!(error.is_none(), "{page}: {error:?}\n{block}");
+                *count += 1;
+            }
+        }
+    }
+    assert_eq!(counts, [16, 1]);
+}
+
 #[test]
 fn the_commands_of_the_page_on_figures_run() {
     let folder = tempfile::tempdir().expect("a folder");
+    let mut count = 0;
     for block in blocks("docs/figures.md", "sh") {
         for line in block.lines() {
             let words = words_of(line);
@@ -278,8 +350,10 @@ fn the_commands_of_the_page_on_figures_run() {
             let output = folder.path().join(&words[output.expect("a file") + 1]);
             geotrace(words).folder(folder.path()).run().expect_status(0);
             assert!(output.exists(), "{line}");
+            count += 1;
         }
     }
+    assert_eq!(count, 5);
 }
 
 /// The words of a text between two others.
