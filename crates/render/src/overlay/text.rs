@@ -231,37 +231,104 @@ pub(super) fn write_outlined(
             }
         });
     }
-    let steps = pad as isize;
-    let near: Vec<(isize, isize, f32)> = (-steps..=steps)
-        .flat_map(|dy| (-steps..=steps).map(move |dx| (dx, dy)))
-        .map(|(dx, dy)| (dx, dy, reach + 0.5 - (dx as f32).hypot(dy as f32)))
-        .filter(|(_, _, share)| *share > 0.0)
-        .collect();
     // The stems of small letters cover no pixel whole: stronger, they and their outline are solid.
     for coverage in &mut mask {
         *coverage = (STRENGTH * *coverage).min(1.0);
     }
-    let at_pixel = |x: isize, y: isize| {
-        let inside = x >= 0 && y >= 0 && x < size[0] as isize && y < size[1] as isize;
-        if inside {
-            mask[y as usize * size[0] + x as usize]
-        } else {
-            0.0
-        }
-    };
-    for y in 0..size[1] as isize {
-        for x in 0..size[0] as isize {
-            let around = near
-                .iter()
-                .map(|&(dx, dy, share)| share.min(1.0) * at_pixel(x + dx, y + dy));
-            let around = around.fold(0.0, f32::max);
-            if around > 0.0 {
-                let place = [corner[0] + x as f32, corner[1] + y as f32];
-                lay(image, place, ink.outline, ink.share * around);
-                lay(image, place, ink.words, ink.share * at_pixel(x, y));
-            }
+    let around = grown(&mask, size, reach);
+    for (k, (around, coverage)) in around.into_iter().zip(mask).enumerate() {
+        if around > 0.0 {
+            let [x, y] = [k % size[0], k / size[0]];
+            let place = [corner[0] + x as f32, corner[1] + y as f32];
+            lay(image, place, ink.outline, ink.share * around);
+            lay(image, place, ink.words, ink.share * coverage);
         }
     }
+}
+
+/// Returns a mask of a width and height with a rim around it: at each pixel the greatest coverage within reach, less of it
+/// over the last pixel of the way.
+fn grown(mask: &[f32], size: [usize; 2], reach: f32) -> Vec<f32> {
+    let steps = reach.ceil() as isize + 1;
+    // The steps from a pixel with the squares of their lengths, and the share of the coverage there.
+    let mut near: Vec<([isize; 2], usize, f32)> = (-steps..=steps)
+        .flat_map(|dy| (-steps..=steps).map(move |dx| [dx, dy]))
+        .map(|step| {
+            let [dx, dy] = step;
+            let share = reach + 0.5 - (dx as f32).hypot(dy as f32);
+            (step, (dx * dx + dy * dy) as usize, share.min(1.0))
+        })
+        .filter(|(_, _, share)| *share > 0.0)
+        .collect();
+    near.sort_by_key(|(_, square, _)| *square);
+    let whole = near.partition_point(|(_, _, share)| *share >= 1.0);
+    let whole = near[..whole].last().map_or(0, |(_, square, _)| *square);
+    let to_covered = squared_distances(mask, size, steps as usize, |it| it > 0.0);
+    let to_solid = squared_distances(mask, size, steps as usize, |it| it >= 1.0);
+    let at = |k: usize, [dx, dy]: [isize; 2]| {
+        let x = (k % size[0]).checked_add_signed(dx)?;
+        let y = (k / size[0]).checked_add_signed(dy)?;
+        let inside = x < size[0] && y < size[1];
+        inside.then(|| mask[y * size[0] + x])
+    };
+    let rim = |(k, (covered, solid)): (usize, (&usize, &usize))| {
+        if *solid <= whole {
+            return 1.0;
+        }
+        let first = near.partition_point(|(_, square, _)| square < covered);
+        let mut greatest = 0.0_f32;
+        for (step, _, share) in &near[first..] {
+            // What is farther counts no more than its share.
+            if *share <= greatest {
+                break;
+            }
+            greatest = greatest.max(share * at(k, *step).unwrap_or(0.0));
+        }
+        greatest
+    };
+    let distances = to_covered.iter().zip(&to_solid);
+    distances.enumerate().map(rim).collect()
+}
+
+/// Returns the square of each pixel's distance from the nearest one whose coverage counts; beyond `reach` it is only known to
+/// be greater than that.
+fn squared_distances(
+    mask: &[f32],
+    [width, _]: [usize; 2],
+    reach: usize,
+    counts: impl Fn(f32) -> bool,
+) -> Vec<usize> {
+    let far = reach + 1;
+    // Within a column first, then over the columns.
+    let mut within = vec![far; mask.len()];
+    for k in 0..mask.len() {
+        let above = k.checked_sub(width).map_or(far, |above| within[above]);
+        within[k] = if counts(mask[k]) {
+            0
+        } else {
+            far.min(above + 1)
+        };
+    }
+    for k in (0..mask.len().saturating_sub(width)).rev() {
+        within[k] = within[k].min(within[k + width] + 1);
+    }
+    let rows = within.chunks(width.max(1));
+    let nearest = |row: &[usize], x: usize| {
+        let mut least = row[x] * row[x];
+        for across in 1..=far {
+            if across * across >= least {
+                break;
+            }
+            let sides = [x.checked_sub(across), Some(x + across)];
+            let columns = sides.into_iter().flatten().filter_map(|x| row.get(x));
+            for column in columns {
+                least = least.min(across * across + column * column);
+            }
+        }
+        least
+    };
+    rows.flat_map(|row| (0..row.len()).map(move |x| nearest(row, x)))
+        .collect()
 }
 
 /// Lays a colour over the pixel at a place, if it lies in the picture.
@@ -271,5 +338,59 @@ fn lay(image: &mut RgbaImage, place: [f32; 2], colour: [f32; 3], share: f32) {
     if x >= 0.0 && y >= 0.0 && x < width && y < height && share > 0.0 {
         let pixel = image.get_pixel_mut(x as u32, y as u32);
         cover(&mut pixel.0, colour, share.clamp(0.0, 1.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{grown, squared_distances};
+
+    /// A disc with a soft edge, a thin line that is nowhere solid, and single pixels at the border.
+    fn mask([width, height]: [usize; 2]) -> Vec<f32> {
+        let coverage = |k: usize| {
+            let [x, y] = [k % width, k / width].map(|part| part as f32);
+            let disc = (6.3 - (x - 14.0).hypot(y - 12.0)).clamp(0.0, 1.0);
+            let line = if (x - y - 9.0).abs() < 1.0 { 0.4 } else { 0.0 };
+            let border = if k.is_multiple_of(97) { 0.7 } else { 0.0 };
+            disc.max(line).max(border)
+        };
+        (0..width * height).map(coverage).collect()
+    }
+
+    #[test]
+    fn a_rim_is_the_greatest_coverage_within_reach() {
+        let size = [61, 40];
+        let mask = mask(size);
+        let pixels = || (0..mask.len()).map(|k| [k % size[0], k / size[0]].map(|part| part as f32));
+        for reach in [1.0, 2.4, 7.0, 13.3] {
+            let grown = grown(&mask, size, reach);
+            for (k, [x, y]) in pixels().enumerate() {
+                let shares = pixels().zip(&mask).map(|([a, b], coverage)| {
+                    coverage * (reach + 0.5 - (x - a).hypot(y - b)).clamp(0.0, 1.0)
+                });
+                let expected = shares.fold(0.0, f32::max);
+                let found = grown[k];
+                assert!(
+                    (found - expected).abs() < 1e-6,
+                    "reach {reach}, ({x}, {y}): {found} instead of {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn distances_beyond_the_reach_are_only_known_to_be_greater() {
+        let size = [30, 20];
+        let mut mask = vec![0.0; 600];
+        mask[5 * 30 + 7] = 1.0;
+        let squares = squared_distances(&mask, size, 6, |it| it > 0.0);
+        for (k, square) in squares.into_iter().enumerate() {
+            let (x, y) = ((k % 30).abs_diff(7), (k / 30).abs_diff(5));
+            let expected = x * x + y * y;
+            assert!(
+                square == expected || square.min(expected) > 36,
+                "{k}: {square}"
+            );
+        }
     }
 }
