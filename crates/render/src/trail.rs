@@ -132,17 +132,18 @@ const TURNS: f64 = 0.2;
 const PIECES: f64 = 128.0;
 
 /// A straight line of the chart from one place to another, across sides that wrap.
-struct ChartLine<'s> {
+pub(crate) struct ChartLine<'s> {
     surface: &'s dyn Surface,
     from: [f64; 2],
     to: [f64; 2],
-    step: [f64; 2],
+    /// The way from one to the other.
+    pub(crate) step: [f64; 2],
     /// True if it goes through a pole or a flip, where no line of the chart does.
-    turns: bool,
+    pub(crate) turns: bool,
 }
 
 impl<'s> ChartLine<'s> {
-    fn new(surface: &'s dyn Surface, [from, to]: [[f64; 2]; 2]) -> Self {
+    pub(crate) fn new(surface: &'s dyn Surface, [from, to]: [[f64; 2]; 2]) -> Self {
         let (domain, sides) = (surface.domain(), surface.sides());
         let mut turns = false;
         let step = [0, 1].map(|axis| {

@@ -358,6 +358,34 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
 }
 
 #[test]
+fn a_long_step_of_a_trail_is_a_line_where_no_side_turns_over() {
+    let scene = scene("surface s(u,v) = (u, v, 0), u : [0,1], v : [0,1];");
+    let params = ParamValues::initial(&scene);
+    let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
+    let trail = Trail {
+        kind: TrailKind::Measured(Arc::default()),
+        surface: ObjectId(0),
+        points: vec![[0.1, 0.1], [0.9, 0.9]],
+        length: 1.13,
+        mark: None,
+    };
+    let mut request = Wanted {
+        backend: Backend::Software,
+        textures: vec![(ObjectId(0), Arc::new(grey))],
+        trails: vec![Arc::new(trail)],
+        ..Wanted::geodesic(ObjectId(0), [128, 128])
+    };
+    let options = request.inside();
+    options.mark_centre = false;
+    options.camera = options.camera.at([0.5; 2]).zoomed(0.4);
+    let picture = request.draw(&scene, &params).expect("a picture").image;
+    // From corner to corner.
+    let grey = Rgba([128, 128, 128, 255]);
+    let on = (4..124).filter(|k| *picture.get_pixel(*k, 127 - *k) != grey);
+    assert_eq!(on.count(), 120);
+}
+
+#[test]
 fn a_marked_place_has_its_letter_in_both_views() {
     let scene = scene("surface s(u,v) = (u, v, 0), u : [-1,1], v : [-1,1];");
     let params = ParamValues::initial(&scene);

@@ -10,13 +10,12 @@ mod table;
 pub(super) use layer::Lines;
 pub(super) use names::{NamePlace, NamePlaces};
 
-use geodesic::surface::Side;
 use scene::InitialConditionsEvaluator;
 
 use super::ink;
 use crate::geodesic_view::PlacedCamera;
 use crate::request::PictureRequest;
-use crate::trail::Trail;
+use crate::trail::{ChartLine, Trail};
 use geometry::{GeodesicSegment, MAX_POINTS, cut_note, evaluations_per_line};
 
 /// The most pieces of one line in a direction; what is longer is not drawn to its end.
@@ -151,22 +150,13 @@ pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
 impl SurfaceCurve {
     /// Takes a polyline apart; at seams a piece is continued on both sides.
     fn add(&mut self, points: &[Option<[f64; 2]>], camera: &PlacedCamera) {
-        let (domain, sides) = (camera.domain(), camera.sides());
+        let surface = camera.manifold().surface();
         for pair in points.windows(2) {
             let [Some(from), Some(to)] = [pair[0], pair[1]] else {
                 continue;
             };
-            let mut step = [to[0] - from[0], to[1] - from[1]];
-            let mut turns = false;
-            for k in 0..2 {
-                let [low, high] = domain[k];
-                let period = high - low;
-                if sides.of(k)[0] == Side::Wrap {
-                    step[k] -= period * (step[k] / period).round();
-                }
-                // Through a flip or a pole the chart turns over: what lies between is less than a step.
-                turns |= step[k].abs() > 0.2 * period;
-            }
+            // Through a flip or a pole the chart turns over: what lies between is less than a step.
+            let ChartLine { step, turns, .. } = ChartLine::new(surface, [from, to]);
             if turns {
                 continue;
             }
