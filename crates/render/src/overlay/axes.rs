@@ -374,12 +374,15 @@ fn ticks([low, high]: [f64; 2], count: u32) -> Vec<Tick> {
     let steps = ((high + slack) / step - first).floor().max(0.0);
     let decimals = (-step.log10()).ceil().max(0.0);
     let is_long = !(1e-4..1e6).contains(&most);
+    // The digits between the first one of the greatest number and that of a step.
+    let place = |x: f64| (x.log10() + 1e-9).floor();
+    let digits = (place(most) - place(step)).max(1.0) as usize;
     (0..=steps as u32)
         .map(|k| {
             let value = (first + f64::from(k)) * step;
             let words = match (value == 0.0, is_long) {
                 (true, _) => "0".to_owned(),
-                (false, true) => format!("{value:.1e}"),
+                (false, true) => format!("{value:.digits$e}"),
                 (false, false) => format!("{value:.0$}", decimals as usize),
             };
             Tick {
@@ -425,6 +428,11 @@ mod tests {
             words([2e7, 6e7]),
             ["2.0e7", "3.0e7", "4.0e7", "5.0e7", "6.0e7"]
         );
+        assert_eq!(
+            words([1e6, 1e6 + 10.0])[..3],
+            ["1.000000e6", "1.000002e6", "1.000004e6"]
+        );
+        assert_eq!(words([0.0, 2e-5])[..2], ["0", "5.0e−6"]);
         assert_eq!(words([3.0, 3.0]), [""; 0]);
         assert_eq!(
             words([1e20, 1e20 + 1e5]),
