@@ -41,6 +41,7 @@ use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples};
 use crate::style::{self, Decoder};
+use crate::texture::CurvatureScale;
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
 
@@ -127,11 +128,9 @@ pub(crate) fn any_geodesic(request: &PictureRequest, surface: ObjectId) -> bool 
 
 /// Returns true if anything lies over a 3D picture that shows this geodesic camera, if any.
 pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera>) -> bool {
-    let mut textures = request.textures.iter();
-    let keyed =
-        camera.is_some() || textures.any(|(_, texture)| texture.curvature_scale().is_some());
+    let keyed = || camera.is_some() || keyed_surfaces(request).next().is_some();
     let words = request.overlays.labels || request.overlays.axes;
-    words || request.overlays.legend && keyed || !request.trails.is_empty()
+    words || request.overlays.legend && keyed() || !request.trails.is_empty()
 }
 
 /// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
@@ -176,12 +175,8 @@ fn space_key(
         if let Some(camera) = camera {
             space::key(&mut key, request, camera)?;
         }
-        for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
-            if object.shape.is_surface()
-                && let Some(scale) = request.texture(id).curvature_scale()
-            {
-                key.curvature(&object.name, scale);
-            }
+        for (name, scale) in keyed_surfaces(request) {
+            key.curvature(name, scale);
         }
     }
     let legend = !key.is_empty();
@@ -191,6 +186,19 @@ fn space_key(
         }
     }
     Ok((key, legend))
+}
+
+/// Returns the names of the surfaces that are drawn in colours of curvature, with the scales of these.
+fn keyed_surfaces(request: &PictureRequest) -> impl Iterator<Item = (&str, CurvatureScale)> {
+    let options = request.view.space();
+    let objects = (0..).map(ObjectId).zip(&request.scene.objects);
+    let drawn = objects.filter(move |(id, object)| {
+        object.shape.is_surface() && options.is_none_or(|options| options.shows(*id))
+    });
+    drawn.filter_map(|(id, object)| {
+        let scale = request.own_texture(id)?.curvature_scale()?;
+        Some((object.name.as_str(), scale))
+    })
 }
 
 fn trail_words(trail: &Trail) -> String {
@@ -318,7 +326,31 @@ fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::{StrokeColour, StrokeStyle, blend, cover};
+    use scene::{ObjectId, ParamValues};
+
+    use super::{StrokeColour, StrokeStyle, blend, cover, space_key};
+    use crate::request::part::SpaceOptions;
+    use crate::request::{PictureRequest, Spacing};
+    use crate::viewpoint::GeodesicCamera;
+
+    #[test]
+    fn a_key_names_no_wavefronts_where_none_is_near_enough() {
+        let text = "surface s(u, v) = (u, v, 0), u : [-1, 1], v : [-1, 1];";
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let mut request = PictureRequest::new(scene, params, SpaceOptions::default(), [800, 600]);
+        request.overlays.legend = true;
+        let camera = GeodesicCamera::new(ObjectId(0)).zoomed(1.0);
+        let mut height = |wavefronts| {
+            request.overlays.wavefronts = wavefronts;
+            let (key, _) = space_key(&request, Some(&camera)).expect("a key");
+            let [_, top, _, bottom] = key.place(request.size, 1.0).expect("room");
+            bottom - top
+        };
+        let without = height(None);
+        assert_eq!(height(Some(Spacing::Every(100.0))), without);
+        assert!(height(Some(Spacing::Every(0.5))) > without);
+    }
 
     #[test]
     fn a_line_is_its_colour_in_its_middle_and_nothing_beyond_its_rim() {

@@ -127,4 +127,14 @@ fn the_legend_has_the_scale_only_where_colours_show_curvature() {
         let (plain, with) = (draw(Vec::new(), false), draw(Vec::new(), true));
         assert_eq!(plain.image, with.image, "{view}");
     }
+    // Nor is there where the surface is hidden.
+    let hidden = Wanted::space([300, 200]).with_space(|space| space.hidden = vec![ObjectId(0)]);
+    let mut request = Wanted {
+        backend: Backend::Software,
+        textures: vec![(ObjectId(0), texture)],
+        ..hidden
+    };
+    request.overlays.legend = true;
+    let hidden = request.draw(&scene, &params).expect("a picture");
+    assert_eq!(hidden.overlays, Vec::<&str>::new());
 }

@@ -119,7 +119,10 @@ pub(super) fn key(
     }
     if let Some(spacing) = request.overlays.wavefronts {
         let zoom = place(request, camera)?.zoom;
-        key.line(ink::WAVE, &super::wave_words(spacing.distance(zoom)));
+        let spacing = spacing.distance(zoom);
+        if wave_count(request, zoom, spacing) > 0 {
+            key.line(ink::WAVE, &super::wave_words(spacing));
+        }
     }
     if request.overlays.conjugate_points {
         key.line(ink::CONJUGATE, "conjugate points");
@@ -173,9 +176,9 @@ pub(crate) fn camera_objects(
     let [right, up] = half_extent(request.size);
     if let Some(spacing) = request.overlays.wavefronts {
         let spacing = spacing.distance(zoom);
-        let waves = (right.min(up) * zoom / spacing).floor().min(MOST_WAVES);
-        if waves >= 1.0 {
-            let lengths: Vec<f64> = (1..=waves as u32).map(|k| spacing * f64::from(k)).collect();
+        let waves = wave_count(request, zoom, spacing);
+        if waves > 0 {
+            let lengths: Vec<f64> = (1..=waves).map(|k| spacing * f64::from(k)).collect();
             let rays: Vec<_> = (0..=DIRECTIONS)
                 .into_par_iter()
                 .map(|k| {
@@ -207,6 +210,12 @@ pub(crate) fn camera_objects(
         all.push(curves(placement, &[first], ink::CONJUGATE, CONJUGATES));
     }
     Ok(all)
+}
+
+/// Returns the number of wavefronts at a spacing in the picture of a camera with a zoom.
+fn wave_count(request: &PictureRequest, zoom: f64, spacing: f64) -> u32 {
+    let [right, up] = half_extent(request.size);
+    (right.min(up) * zoom / spacing).floor().min(MOST_WAVES) as u32
 }
 
 /// Returns the objects that show the camera of a solid.
