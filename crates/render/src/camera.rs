@@ -181,6 +181,15 @@ impl Camera {
         ]))
     }
 
+    /// Returns true if a place in drawing units lies in the picture.
+    pub(crate) fn sees(&self, place: DrawingPoint) -> bool {
+        let pixel = self.pixel_of(place);
+        let [width, height] = self.size.map(f64::from);
+        pixel.is_some_and(|PixelPoint([x, y])| {
+            (0.0..=width).contains(&x) && (0.0..=height).contains(&y)
+        })
+    }
+
     /// The depth in clip space of a place in drawing units; 1 for what lies before the near plane, or behind the eye.
     pub(crate) fn depth_of(&self, place: DrawingPoint) -> f32 {
         let at = self.view().transform_point3(DVec3::from(place.0));

@@ -77,6 +77,33 @@ fn a_label_lies_beside_what_it_names_on_both_backends() {
 }
 
 #[test]
+fn what_is_seen_in_part_has_its_name() {
+    let torus = "surface s(u, v) = ((1 + 0.4 cos v) cos u, (1 + 0.4 cos v) sin u, 0.4 sin v),
+        u : [0, 2 pi], v : [0, 2 pi];";
+    for (text, eye, target) in [
+        (
+            "curve line(t) = (t, 0, 0.2), t : [-10, 10];",
+            [6.0, -8.0, 3.0],
+            [7.0, 0.0, 0.0],
+        ),
+        (torus, [1.6, 0.0, 0.2], [1.0, 0.0, 0.0]),
+        (
+            "vector w = (9, 0, 0) @ (0, 0, 0);",
+            [1.0, -4.0, 1.0],
+            [1.0, 0.0, 0.0],
+        ),
+    ] {
+        let wanted =
+            Wanted::space(SIZE).with_space(|space| space.camera = Viewpoint::new(eye, target));
+        let plain = request(text, &wanted);
+        let mut named = plain.clone();
+        named.overlays.labels = true;
+        let words = changed(&software(&plain), &software(&named));
+        assert!(words.len() > 30, "{text}: {} pixels", words.len());
+    }
+}
+
+#[test]
 fn names_stand_out_from_a_dark_image_by_a_solid_halo() {
     let plane =
         "surface s(u, v) = (u, v, 0), u : [-1, 1, 20], v : [-1, 1, 20]; point p = (0, 0, 0.5);";

@@ -84,7 +84,7 @@ impl TextLabel {
 
 /// Returns the places in drawing units at which an object may have its name, the best one first: of a curve those that
 /// are nearest to its middle, of a vector its tip, of a surface or a solid the place that is seen farthest to the upper right.
-/// Geodesics have samples in place of a cloud.
+/// If any of it lies in the picture, they do. Geodesics have samples in place of a cloud.
 pub(crate) fn anchors(
     camera: &Camera,
     shape: &Shape,
@@ -98,13 +98,28 @@ pub(crate) fn anchors(
             let place = DrawingPoint(sample.position.map(f64::from));
             (sample.defined != 0.0).then_some(place)
         };
-        return from_the_middle(own).filter_map(place).collect();
+        let seen = |sample: &&PositionSample| place(sample).is_some_and(|it| camera.sees(it));
+        let places = if own.iter().any(|sample| seen(&sample)) {
+            own.iter().filter(seen).collect()
+        } else {
+            own.iter().collect::<Vec<_>>()
+        };
+        let places = from_the_middle(&places);
+        return places.filter_map(|sample| place(sample)).collect();
+    }
+    let is_seen = |place: &&[f64; 3]| camera.sees(local(place));
+    let is_middle_seen = cloud.middle.iter().any(|place| is_seen(&place));
+    let mut points: Vec<&[f64; 3]> = cloud.points.iter().filter(is_seen).collect();
+    let any_seen = is_middle_seen || !points.is_empty();
+    if points.is_empty() {
+        points.extend(&cloud.points);
     }
     if !shape.is_surface() && shape.solid().is_none() {
-        let middle = cloud.middle.iter().map(local);
-        let along = shape.domain().len() == 1;
-        let others = from_the_middle(&cloud.points).map(local);
-        return middle.chain(others.filter(|_| along)).collect();
+        let middle = cloud.middle.iter();
+        let middle = middle.filter(|_| is_middle_seen || !any_seen);
+        let others = from_the_middle(&points).copied();
+        let others = others.filter(|_| shape.domain().len() == 1 || !is_middle_seen);
+        return middle.chain(others).map(local).collect();
     }
     let [right, up, _] = camera.axes;
     let side = right * SURFACE_SIDE[0] + up * SURFACE_SIDE[1];
@@ -112,9 +127,8 @@ pub(crate) fn anchors(
         let [a, b] = [*a, *b].map(|place| DVec3::from(*place).dot(side));
         a.total_cmp(&b)
     };
-    cloud
-        .points
-        .iter()
+    points
+        .into_iter()
         .max_by(farthest)
         .map(local)
         .into_iter()
