@@ -23,7 +23,7 @@ pub struct Layers {
 /// A line of one width and colour, with round joins and ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// The places that it joins, at least two.
+    /// The places that it joins, at least two; of a dot they are equal.
     pub points: Vec<[f32; 2]>,
     /// Its width.
     pub width: f32,

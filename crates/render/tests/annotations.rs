@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use image::{Rgba, RgbaImage};
 use render::gpu::Gpu;
+use render::layers::Stroke;
 use render::point::WorldPoint;
 use render::request::Overlays;
 use render::shared::Shared;
@@ -522,4 +523,18 @@ vector y = (1, 1, 1) @ p;
         contrast_with_white(style::POINT_COLOUR) < 2.0,
         "that of a screen does not"
     );
+}
+
+fn strokes(request: &PictureRequest) -> Vec<Stroke> {
+    let layers = render::render_layers(&Views::standard(), request, &|_| {});
+    layers.expect("a picture").strokes
+}
+
+#[test]
+fn a_curve_that_is_a_single_place_is_a_dot() {
+    let text = "curve c(t) = (0, 0, 0), t : [0, 1]; point p = (1, 1, 1);";
+    let strokes = strokes(&request(text, &Wanted::space(SIZE)));
+    assert_eq!(strokes.len(), 1, "{strokes:?}");
+    let points = &strokes[0].points;
+    assert!(points.len() == 2 && points[0] == points[1], "{points:?}");
 }

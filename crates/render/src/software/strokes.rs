@@ -17,7 +17,7 @@ const STEP: f32 = 0.5;
 const MOST_STEPS: f32 = 16_384.0;
 /// A gap that is no longer, in widths of the line, is none: the line lies on what seems to hide it.
 const LEAST_GAP: f32 = 1.0;
-/// A part that is no longer, in pixels, is left out.
+/// A part of a line that is no longer, in pixels, is left out.
 const LEAST_PART: f32 = 0.75;
 /// The share by which widths along a stroke may differ.
 const SAME_WIDTH: f32 = 0.12;
@@ -123,8 +123,14 @@ struct Place {
 /// Returns the parts of a line through view places that are drawn: the visible ones, and if wanted the hidden ones.
 fn parts(eye: &Eye, run: &[Vec3], cover: &LineCover<'_>, with_hidden: bool) -> Vec<Vec<Place>> {
     let mut places: Vec<Place> = Vec::new();
-    for piece in run.windows(2) {
-        let Some([from, to]) = cut(eye, [piece[0], piece[1]]) else {
+    let pieces = run.windows(2).map(|piece| [piece[0], piece[1]]);
+    // A line that is a single place is seen as a dot.
+    let dot = match *run {
+        [at] => Some([at, at]),
+        _ => None,
+    };
+    for piece in pieces.chain(dot) {
+        let Some([from, to]) = cut(eye, piece) else {
             continue;
         };
         let length = (pixel(eye, to) - pixel(eye, from)).length();
@@ -164,7 +170,8 @@ fn parts(eye: &Eye, run: &[Vec3], cover: &LineCover<'_>, with_hidden: bool) -> V
             parts.push(vec![*place]);
         }
     }
-    parts.retain(|part| length(part) > LEAST_PART);
+    let is_whole = |part: &[Place]| !part.is_empty() && part.len() == places.len();
+    parts.retain(|part| length(part) > LEAST_PART || is_whole(part));
     parts.iter().map(|part| corners(part)).collect()
 }
 
