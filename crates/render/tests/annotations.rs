@@ -13,7 +13,7 @@ use render::request::Overlays;
 use render::shared::Shared;
 use render::texture::Texture;
 use render::view::geodesic::GeodesicOptions;
-use render::viewpoint::{GeodesicCamera, Viewpoint};
+use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
 use render::{Backend, PictureRequest, RenderError, Renderer, Views, style};
 use scene::{ObjectId, ParamValues};
 use scenes::Wanted;
@@ -537,4 +537,38 @@ fn a_curve_that_is_a_single_place_is_a_dot() {
     assert_eq!(strokes.len(), 1, "{strokes:?}");
     let points = &strokes[0].points;
     assert!(points.len() == 2 && points[0] == points[1], "{points:?}");
+}
+
+#[test]
+fn of_two_strokes_the_one_that_is_nearer_where_they_cross_lies_above() {
+    // From the front, the slanting line is behind the upright one as a whole, and before it where they cross.
+    let text = "curve slanting(t) = (t, 5 t, 0), t : [-1, 1, 3];
+        curve upright(t) = (-0.8, -1, t), t : [-1, 1, 3];";
+    let wanted = Wanted::space(SIZE).with_space(|space| {
+        space.camera = Viewpoint {
+            projection: Projection::Orthographic,
+            ..Viewpoint::new([0.0, -9.0, 0.0], [0.0; 3])
+        };
+    });
+    let request = request(text, &wanted);
+    let camera = Renderer::software().camera(&request).expect("a camera");
+    let crossing = camera.placement.local(WorldPoint([-0.8, -4.0, 0.0]));
+    let crossing = camera.pixel_of(crossing).expect("in front").0;
+    let covers = |stroke: &&Stroke| {
+        (0..2).all(|k| {
+            let places = stroke.points.iter().map(|place| f64::from(place[k]));
+            let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            });
+            (low - 1.0..high + 1.0).contains(&crossing[k])
+        })
+    };
+    let strokes = strokes(&request);
+    let there: Vec<&Stroke> = strokes.iter().filter(covers).collect();
+    assert!(there.len() >= 2, "{strokes:?}");
+    let top = there.last().map(|stroke| stroke.colour);
+    assert_eq!(top, Some(request.object_colours()[0]));
+    // A line that is as deep everywhere is one stroke.
+    let upright = strokes.iter().filter(|it| Some(it.colour) != top);
+    assert_eq!(upright.count(), 1);
 }

@@ -21,6 +21,10 @@ const LEAST_GAP: f32 = 1.0;
 const LEAST_PART: f32 = 0.75;
 /// The share by which widths along a stroke may differ.
 const SAME_WIDTH: f32 = 0.12;
+/// The share of the depths of all lines by which depths along a stroke may differ: strokes are ordered by them.
+const SAME_DEPTH: f32 = 0.04;
+/// Depths that differ less are equal: they are rounded.
+const LEAST_DEPTH: f32 = 1e-6;
 /// Pieces reach so many half pictures beyond the middle.
 const GUARD: f32 = 1.1;
 
@@ -69,9 +73,13 @@ pub(crate) fn strokes(
     cover: &LineCover<'_>,
 ) -> Vec<Stroke> {
     let eye = Eye::new(camera);
+    let lines = objects.par_iter().map(|(object, _)| depths(&eye, object));
+    let none = [f32::INFINITY, f32::NEG_INFINITY];
+    let [least, greatest] = lines.reduce(|| none, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let depth_step = (SAME_DEPTH * (greatest - least)).max(LEAST_DEPTH);
     let mut strokes: Vec<Stroke> = objects
         .par_iter()
-        .flat_map_iter(|(object, hidden)| of_object(&eye, object, cover, *hidden))
+        .flat_map_iter(|(object, hidden)| of_object(&eye, object, cover, depth_step, *hidden))
         .collect();
     strokes.sort_by(|a, b| {
         let order = b.is_hidden.cmp(&a.is_hidden);
@@ -80,10 +88,33 @@ pub(crate) fn strokes(
     strokes
 }
 
+/// Returns the least and the greatest depth of an object's lines in the picture.
+fn depths(eye: &Eye, object: &Drawable) -> [f32; 2] {
+    let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+    let Samples::Curves { count, samples } = &*object.samples else {
+        return range;
+    };
+    for instance in samples.chunks(*count as usize) {
+        for run in curves::runs(eye, instance) {
+            let run = curves::distinct(eye, &run);
+            let pieces = run.windows(2);
+            let ends = pieces.filter_map(|piece| cut(eye, [piece[0], piece[1]]));
+            for at in ends.flatten() {
+                let clip = eye.clip(at, 0.0);
+                let depth = clip.z / clip.w;
+                range = [range[0].min(depth), range[1].max(depth)];
+            }
+        }
+    }
+    range
+}
+
+/// Returns the strokes of an object's lines; depths along each differ by no more than `depth_step`, unless it is hidden.
 fn of_object(
     eye: &Eye,
     object: &Drawable,
     cover: &LineCover<'_>,
+    depth_step: f32,
     with_hidden: bool,
 ) -> Vec<Stroke> {
     let Samples::Curves { count, samples } = &*object.samples else {
@@ -96,7 +127,7 @@ fn of_object(
     for instance in samples.chunks(*count as usize) {
         for run in curves::runs(&eye, instance) {
             let run = curves::distinct(&eye, &run);
-            let parts = parts(&eye, &run, cover, with_hidden);
+            let parts = parts(&eye, &run, cover, depth_step, with_hidden);
             strokes.extend(parts.iter().map(|part| Stroke {
                 points: part.iter().map(|it| it.at.to_array()).collect(),
                 width: part.iter().map(|it| it.width).sum::<f32>() / part.len() as f32,
@@ -121,7 +152,13 @@ struct Place {
 }
 
 /// Returns the parts of a line through view places that are drawn: the visible ones, and if wanted the hidden ones.
-fn parts(eye: &Eye, run: &[Vec3], cover: &LineCover<'_>, with_hidden: bool) -> Vec<Vec<Place>> {
+fn parts(
+    eye: &Eye,
+    run: &[Vec3],
+    cover: &LineCover<'_>,
+    depth_step: f32,
+    with_hidden: bool,
+) -> Vec<Vec<Place>> {
     let mut places: Vec<Place> = Vec::new();
     let pieces = run.windows(2).map(|piece| [piece[0], piece[1]]);
     // A line that is a single place is seen as a dot.
@@ -162,7 +199,9 @@ fn parts(eye: &Eye, run: &[Vec3], cover: &LineCover<'_>, with_hidden: bool) -> V
             continue;
         }
         let same = part.first().is_none_or(|first| {
-            (place.width - first.width).abs() <= SAME_WIDTH * first.width.max(place.width)
+            let is_as_deep = (place.depth - first.depth).abs() <= depth_step;
+            (is_as_deep || place.sight == Sight::Hidden)
+                && (place.width - first.width).abs() <= SAME_WIDTH * first.width.max(place.width)
         });
         part.push(*place);
         if !same && k + 1 < places.len() {
