@@ -134,7 +134,7 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
 }
 
 /// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
-/// the trails' lengths; over all of that labels. Returns the names of what was drawn, and the place of the key.
+/// the trails' lengths; over all of that, labels. Returns the names of what was drawn, and the place of the key.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
@@ -146,8 +146,8 @@ pub(crate) fn over_space(
 ) -> Result<(Vec<&'static str>, Option<[f32; 4]>), RenderError> {
     let (key, legend) = space_key(request, camera)?;
     let place = key.place(request.size, request.scale);
-    labels::write(image, labels, request, place);
     key.draw(image, request.scale);
+    labels::write(image, labels, request, place);
     let drawn = [("legend", legend), ("labels", request.overlays.labels)];
     let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
     Ok((drawn.map(|(name, _)| name).collect(), place))

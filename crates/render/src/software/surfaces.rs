@@ -13,7 +13,7 @@ pub(super) fn quads(samples: u32, stride: usize) -> usize {
 /// The triangles of the quad rows `rows`, numbered over all instances, [`quads`] to each. One column and row of samples in
 /// `stride` is drawn, and the last one.
 ///
-/// A triangle with an undefined corner is left out. RayEnds from the side that σu×σv points to, triangles run
+/// A triangle with an undefined corner is left out. Seen from the side that σu×σv points to, triangles run
 /// counterclockwise.
 pub(super) fn mesh(
     eye: &Eye,
