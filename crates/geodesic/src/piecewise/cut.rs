@@ -25,8 +25,8 @@ const BESIDE: f64 = 0.2;
 
 /// From a node to the next one that is looked at: without a common divisor with how many there are.
 const STRIDE: usize = 3 * COUNT - 1;
-/// The pixels of the smallest square that are looked at first; where all of them show nothing, on one side of the surface, the
-/// others do neither.
+/// The pixels of the smallest square that are looked at first; where all of them show nothing, and not on two sides of
+/// the surface, the others do neither.
 const FIRST: [[u32; 2]; 9] = [
     [0, 0],
     [7, 0],
@@ -325,16 +325,16 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// Returns whether the surface may lie between ends that have all left it: where all say where they are, but not beyond one
-    /// edge.
+    /// Returns whether the surface may lie between ends that have all left it: those that say where they are do not lie beyond
+    /// one edge.
     fn may_straddle<'a>(&self, ends: impl Iterator<Item = &'a End<N>> + Clone) -> bool {
+        let known = || ends.clone().filter(|end| goes_on(end));
         let is_beyond = |axis: usize| {
             let [low, high] = self.bounds[axis];
-            ends.clone().all(|end| end.at[axis] < low)
-                || ends.clone().all(|end| end.at[axis] > high)
+            known().all(|end| end.at[axis] < low) || known().all(|end| end.at[axis] > high)
         };
         let has_edges = self.bounds.iter().flatten().any(|it| it.is_finite());
-        has_edges && ends.clone().all(goes_on) && !(0..N).any(is_beyond)
+        has_edges && !(0..N).any(is_beyond)
     }
 
     /// Returns how often a square with this error is to be divided, if it is.
