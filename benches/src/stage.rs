@@ -85,6 +85,8 @@ pub(crate) fn walk() {
 
 fn stage(name: &str, make: impl Fn() -> Renderer) {
     println!("  {name}");
+    // Of examples without solids, by columns; and how many cells there are in all, and are within a frame.
+    let mut plain: [Vec<Duration>; 3] = Default::default();
     let (mut within, mut all) = (0, 0);
     for example in examples::all() {
         let Some(scene) = scene::geotrace::compile(&example.source).scene else {
@@ -102,6 +104,12 @@ fn stage(name: &str, make: impl Fn() -> Renderer) {
             all += 1;
             within += u32::from(times.median() <= FRAME);
         }
+        let mut objects = scene.objects.iter();
+        if !objects.any(|object| object.shape.solid().is_some()) {
+            for (column, times) in plain.iter_mut().zip(&cells) {
+                column.extend(times.as_ref().map(Times::median));
+            }
+        }
         let text = cells.map(|times| {
             times.map_or_else(
                 || format!("{:>10}", "–"),
@@ -114,6 +122,18 @@ fn stage(name: &str, make: impl Fn() -> Renderer) {
         );
     }
     println!("    {within} of {all} within a frame of 16.7 ms");
+    let count = plain.iter().flatten().count();
+    let within = plain.iter().flatten().filter(|it| **it <= FRAME).count();
+    println!("  without solids: {within} of {count}; medians, and in parentheses the slowest");
+    for (what, mut column) in ["camera", "param", "inside"].into_iter().zip(plain) {
+        column.sort_unstable();
+        let at = |k: usize| column.get(k).map_or(f64::NAN, |it| 1e3 * it.as_secs_f64());
+        let [median, slowest] = [column.len() / 2, column.len().saturating_sub(1)].map(at);
+        println!(
+            "    {what:7} {median:.1} ms ({slowest:.1}), {} of them",
+            column.len()
+        );
+    }
 }
 
 /// Draws frames, the first of which is not counted. A picture on a GPU counts when it has been drawn.
