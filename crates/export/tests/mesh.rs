@@ -364,7 +364,7 @@ fn gltf_is_valid_and_holds_shape_and_image() {
     let image = image::load_from_memory(bytes)
         .expect("an image")
         .into_rgba8();
-    let texture = Texture::orientation();
+    let texture = Texture::orientation_from_behind();
     assert_eq!(image.as_raw(), texture.levels()[0].texels.as_flattened());
     // What is up in the scene is up there.
     let top = binary

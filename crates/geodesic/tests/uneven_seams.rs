@@ -547,6 +547,17 @@ fn a_ray_through_a_pole_of_uneven_longitude_ends_there() {
 }
 
 #[test]
+fn geodesics_through_a_pole_of_uneven_directions_may_be_missed() {
+    let surface = eccentric_disc(0.3);
+    let (from, to) = ([0.5, 0.2], [0.6, 0.9]);
+    let found = measure::between(&surface, from, to, None).expect("places");
+    assert!(!found.complete);
+    let [p, q] = [from, to].map(|at| surface.jet(at.into()).position);
+    let apart = (p[0] - q[0]).hypot(p[1] - q[1]);
+    near("length", found.found[0].length, apart, 1e-9);
+}
+
+#[test]
 fn a_circle_over_the_seam_is_that_of_the_twin() {
     let [even, uneven] = [Angle::Even, Angle::Exponential].map(cylinder_by);
     for radius in [0.7, 0.99, 1.02] {

@@ -237,6 +237,12 @@ pub(super) fn shortest(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Conne
     }
 }
 
+/// Returns whether the surface has a pole about which directions are uneven: rays end there, where geodesics go on.
+fn has_uneven_pole(surface: &dyn Surface) -> bool {
+    let mut sides = (0..4).map(|k| surface.apex(k / 2, k % 2));
+    sides.any(|apex| apex.is_some_and(|apex| apex.smooth && !apex.regular))
+}
+
 /// All geodesics within a length, the shortest first.
 pub(super) fn all_within(
     source: &RaySource<'_>,
@@ -268,7 +274,7 @@ fn search(
     let mut all = Connections {
         found: Vec::new(),
         within: reach.min(within),
-        complete,
+        complete: complete && !has_uneven_pole(source.surface),
     };
     for guess in found {
         if hits.len() >= MOST_CONNECTIONS {

@@ -251,9 +251,6 @@ fn the_window_keeps_its_size_and_its_place_while_the_pointer_moves() {
             hand.harness.step();
         }
         assert_eq!(place(&hand), before, "{pointer}");
-        if pointer != beside {
-            hand.until("the place is told", |hand| hand.shows("Pointer on s"));
-        }
     }
     assert!(hand.shows("The pointer is on no surface."));
     hand.keep("measure-after");
