@@ -58,6 +58,9 @@ const SAME_ELLIPSE: f64 = 1e-5;
 /// The least change of speed or direction at a tip, over the domain's width, that is a kink.
 const KINK: f64 = 1e-5;
 
+/// The share of the domain's width off a tip at which the lines that leave it are looked at.
+const BESIDE: f64 = 1e-5;
+
 /// Lines that leave a tip are straight while they turn less than this angle about it.
 const STRAIGHT: f64 = 0.5;
 
@@ -398,26 +401,13 @@ fn is_odd(
     power: f64,
     is_embedded: bool,
 ) -> bool {
-    const OFF: f64 = 1e-5;
-    let [low, high] = domain[axis];
-    let sign = if end == 0 { 1.0 } else { -1.0 };
-    let reach = (high - low).powf(1.0 / power);
+    let reach = (domain[axis][1] - domain[axis][0]).powf(1.0 / power);
     // The rates of speed and direction with r, relative to the speed.
     let rates = |across: f64, off: f64| {
-        let r = (off * (high - low)).powf(1.0 / power);
-        let share = if end == 0 { off } else { 1.0 - off };
-        let jet = jet(at(domain, place(axis, share, across)));
-        let (w, ww, around) = if axis == 0 {
-            (jet.du, jet.duu, jet.dv)
-        } else {
-            (jet.dv, jet.dvv, jet.du)
-        };
-        let first = sign * power * r.powf(power - 1.0);
-        let by_r = w.map(|x| x * first);
-        let by_rr = combine(first * first, ww, first * (power - 1.0) / r, w);
+        let [by_r, by_rr, around] = by_radius(jet, domain, axis, end, power, across, off);
         let square = dot(by_r, by_r);
-        let across = combine(1.0, around, -dot(around, by_r) / square, by_r);
-        let aside = dot(by_rr, across) / norm(across) / square.sqrt();
+        let beside = combine(1.0, around, -dot(around, by_r) / square, by_r);
+        let aside = dot(by_rr, beside) / norm(beside) / square.sqrt();
         [
             dot(by_rr, by_r) / square,
             if is_embedded { aside } else { 0.0 },
@@ -425,10 +415,39 @@ fn is_odd(
     };
     PLACES.iter().all(|&across| {
         // What grows with r is left out.
-        let near = rates(across, OFF);
-        let twice = rates(across, OFF * 2.0f64.powf(power));
+        let near = rates(across, BESIDE);
+        let twice = rates(across, BESIDE * 2.0f64.powf(power));
         (0..2).all(|k| ((2.0 * near[k] - twice[k]) * reach).abs() <= KINK)
     })
+}
+
+/// σ_r, σ_rr and the tangent along the other parameter, at a share of the domain's width off the apex.
+fn by_radius(
+    jet: &dyn Fn(Uv) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    power: f64,
+    across: f64,
+    off: f64,
+) -> [[f64; 3]; 3] {
+    let [low, high] = domain[axis];
+    let r = (off * (high - low)).powf(1.0 / power);
+    let (sign, share) = if end == 0 {
+        (1.0, off)
+    } else {
+        (-1.0, 1.0 - off)
+    };
+    let jet = jet(at(domain, place(axis, share, across)));
+    let (w, ww, around) = if axis == 0 {
+        (jet.du, jet.duu, jet.dv)
+    } else {
+        (jet.dv, jet.dvv, jet.du)
+    };
+    let first = sign * power * r.powf(power - 1.0);
+    let by_r = w.map(|x| x * first);
+    let by_rr = combine(first * first, ww, first * (power - 1.0) / r, w);
+    [by_r, by_rr, around]
 }
 
 /// The least radius of curvature of the coordinate lines that leave the apex, a little off it, in units of r.
@@ -439,22 +458,8 @@ fn bend(
     end: usize,
     power: f64,
 ) -> f64 {
-    const OFF: f64 = 1e-5;
-    let [low, high] = domain[axis];
-    let sign = if end == 0 { 1.0 } else { -1.0 };
-    let rho = OFF * (high - low);
-    let r = rho.powf(1.0 / power);
-    let share = if end == 0 { OFF } else { 1.0 - OFF };
     let radii = PLACES.map(|across| {
-        let jet = jet(at(domain, place(axis, share, across)));
-        let (w, ww) = if axis == 0 {
-            (jet.du, jet.duu)
-        } else {
-            (jet.dv, jet.dvv)
-        };
-        let first = sign * power * r.powf(power - 1.0);
-        let by_r = w.map(|x| x * first);
-        let by_rr = combine(first * first, ww, first * (power - 1.0) / r, w);
+        let [by_r, by_rr, _] = by_radius(jet, domain, axis, end, power, across, BESIDE);
         let bent = norm(cross(by_r, by_rr)) / dot(by_r, by_r);
         1.0 / bent
     });
