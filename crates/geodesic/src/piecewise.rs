@@ -6,11 +6,11 @@
 //!
 //! A square is one polynomial only if all the ends that were looked at in it are complete: at the corners, at the
 //! nodes, on the sides. Or else all others have left through an edge beyond which the ends say where they would be: then
-//! the polynomial itself says where the edge is. A square shows nothing
-//! only if all of those that say where they would be lie beyond one edge. So a straight line of what is
-//! otherwise (another edge, what lies behind a tip, a strip of the surface) cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most a quarter of the
-//! square's side apart (60 pixels in the largest, less in those that their neighbourhood has made small), and the
-//! outermost pixels of a curve that bends into the square and out again between two of them.
+//! the polynomial itself says where the edge is. A square shows nothing only if all of those that say where they would be
+//! lie beyond one edge. So a straight line of what is otherwise (another edge, what lies behind a tip, a strip of the surface)
+//! cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most a
+//! quarter of the square's side apart (60 pixels in the largest, less in those that their neighbourhood has made small), and
+//! the outermost pixels of a curve that bends into the square and out again between two of them.
 
 mod angle;
 mod cut;

@@ -49,9 +49,9 @@ const LEAST_DRAWN_FIRST: usize = 256;
 fn tile_order(count: usize) -> (Vec<usize>, usize) {
     // In each run of tiles another one, so that they form no columns.
     let is_first = |tile: &usize| tile % DRAWN_FIRST == tile / DRAWN_FIRST * 5 % DRAWN_FIRST;
-    let mut order: Vec<usize> = (0..count).filter(is_first).collect();
+    let (mut order, rest): (Vec<usize>, Vec<usize>) = (0..count).partition(is_first);
     let first = order.len();
-    order.extend((0..count).filter(|tile| !is_first(tile)));
+    order.extend(rest);
     (order, first)
 }
 

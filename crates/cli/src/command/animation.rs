@@ -188,17 +188,17 @@ impl Arguments {
             if !self.animate.is_empty() || self.turntable || many {
                 return Err(wrong(
                     format!("`{name}` is one picture, and an animation has many"),
-                    match is_for_print {
-                        true => format!(
-                            "write to `{}`, or with `--frames N` to `{}`",
-                            output.with_extension("gif").display(),
-                            output.with_extension("png").display()
-                        ),
-                        false => format!(
-                            "write to `{}`, or give `--frames N` for a picture each",
-                            output.with_extension("gif").display()
-                        ),
-                    },
+                    format!(
+                        "write to `{}`, or {}",
+                        output.with_extension("gif").display(),
+                        match is_for_print {
+                            true => format!(
+                                "with `--frames N` to `{}`",
+                                output.with_extension("png").display()
+                            ),
+                            false => "give `--frames N` for a picture each".to_owned(),
+                        }
+                    ),
                 ));
             }
             return Ok(None);
@@ -323,14 +323,10 @@ impl Animation {
         let frames = drawn;
         let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
-        let seconds = match self.format {
-            Format::Film(format) => Clip { frames, ..clip }.seconds(format),
-            _ => f64::from(frames) / self.rate,
-        };
+        let film = |seconds: f64| format!("; {frames} pictures, {seconds:.2} s long\n");
         text.push_str(&match self.format {
-            Format::Film(_) | Format::Video(_) => {
-                format!("; {frames} pictures, {seconds:.2} s long\n")
-            }
+            Format::Film(format) => film(Clip { frames, ..clip }.seconds(format)),
+            Format::Video(_) => film(f64::from(frames) / self.rate),
             Format::Series => format!("; the first of {frames}\n"),
         });
         if self.format == Format::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {

@@ -294,13 +294,7 @@ fn ask_pointer(window: &mut Window) {
     let camera = camera.and_then(InsideCamera::chart);
     let place = match *place {
         PointedPlace::InChart(uv, _) => PointedPlace::InChart(uv, camera.map(ChartCamera::frame)),
-        PointedPlace::InSpace(_) => {
-            let pointer = &mut window.dialogs.measuring.pointer;
-            pointer.found = None;
-            pointer.words.clear();
-            pointer.rows.clear();
-            return;
-        }
+        PointedPlace::InSpace(_) => return point_at_nothing(window),
     };
     window.dialogs.measuring.pointer.found = Some((subject.clone(), place));
     ask(window, subject, MeasureQuestion::Pointer(place, None));
