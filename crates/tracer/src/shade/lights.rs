@@ -6,11 +6,11 @@
 //! light are lit block by block, the others one by one.
 
 use expr::processor::Processor;
-use expr::vectors::{Lanes, MOST_LANES};
+use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
 use super::crt::{self, PARALLEL_REACH};
-use super::paths::{LightPath, LightTracer, MetFace, left_surface};
+use super::paths::{LightPath, LightTracer, MetFace, SurfaceNumber};
 use super::{Face, FaceObject};
 use crate::light::{FaceBlock, Light, SeenBlock};
 use crate::look::PictureLook;
@@ -27,8 +27,8 @@ pub(super) struct LitFaces {
 /// Faces of one surface.
 #[derive(Clone, Debug)]
 struct LitBlock {
-    /// The first of them, which follow each other.
-    first: usize,
+    /// Their numbers, lane by lane.
+    faces: [usize; MOST_LANES],
     /// True for the first block of a surface.
     begins: bool,
     /// The lanes that have a face.
@@ -37,6 +37,8 @@ struct LitBlock {
     shiny: Lanes,
     /// Those of faces that are turned to the light.
     turned: Lanes,
+    /// Those of them that nothing hides from the light, and that send nothing but what they scatter.
+    plain: Lanes,
     /// The colour of what they scatter, times the share.
     scattered: [[f64; MOST_LANES]; 3],
     /// The light that they send.
@@ -44,24 +46,31 @@ struct LitBlock {
 }
 
 impl LitFaces {
-    fn fill(&mut self, look: PictureLook, paths: &[LightPath], faces: &[MetFace]) {
+    fn fill(
+        &mut self,
+        look: PictureLook,
+        paths: &[LightPath],
+        faces: &[MetFace],
+        by_surface: &[(SurfaceNumber, usize)],
+    ) {
         self.blocks.clear();
         self.places.clear();
-        let left = |met: &MetFace| left_surface(Some(&met.face.of));
-        let mut first = 0;
-        for of_surface in faces.chunk_by(|a, b| left(a) == left(b)) {
-            for (k, faces) in of_surface.chunks(MOST_LANES).enumerate() {
+        for of_surface in by_surface.chunk_by(|(a, _), (b, _)| a == b) {
+            for (k, numbers) in of_surface.chunks(MOST_LANES).enumerate() {
                 let mut block = LitBlock {
-                    first,
+                    faces: [0; MOST_LANES],
                     begins: k == 0,
                     used: Lanes::default(),
                     shiny: Lanes::default(),
                     turned: Lanes::default(),
+                    plain: Lanes::default(),
                     scattered: [[0.0; MOST_LANES]; 3],
                     out: [[0.0; MOST_LANES]; 3],
                 };
                 let mut places = FaceBlock::default();
-                for (lane, met) in faces.iter().enumerate() {
+                for (lane, &(_, number)) in numbers.iter().enumerate() {
+                    let met = &faces[number];
+                    block.faces[lane] = number;
                     let path = &paths[met.path];
                     let (length, is_shiny) = match look {
                         PictureLook::Geotrace => (0.0, met.look.specular > 0.0),
@@ -76,7 +85,6 @@ impl LitFaces {
                 }
                 self.blocks.push(block);
                 self.places.push(places);
-                first += faces.len();
             }
         }
         self.seen.resize(self.places.len(), SeenBlock::default());
@@ -106,22 +114,9 @@ impl LitBlock {
             }
             PictureLook::Crt => {
                 for lane in self.used.each() {
-                    let look = &faces[self.first + lane].look;
+                    let look = &faces[self.faces[lane]].look;
                     self.add(lane, crt::ambient(look, light));
                 }
-            }
-        }
-    }
-
-    /// Adds what the faces of these lanes scatter of a light that nothing hides from them.
-    #[inline]
-    fn add_scattered(&mut self, lanes: Lanes, light: &Light, seen: &SeenBlock) {
-        let color = light.color.to_array();
-        for (k, color) in color.into_iter().enumerate() {
-            let (out, scattered) = (&mut self.out[k], &self.scattered[k]);
-            for lane in 0..MOST_LANES {
-                let light = seen.share[lane] * (color * scattered[lane] * seen.height[lane]);
-                out[lane] += if lanes.has(lane) { light } else { 0.0 };
             }
         }
     }
@@ -139,15 +134,52 @@ impl LitBlock {
     }
 }
 
+/// Adds what plain faces scatter of a light.
+struct ScatteredLight<'a> {
+    color: [f64; 3],
+    blocks: &'a mut [LitBlock],
+    seen: &'a [SeenBlock],
+}
+
+impl VectorWork for ScatteredLight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) {
+        let zero = Vector::splat(s, 0.0);
+        for (block, seen) in self.blocks.iter_mut().zip(self.seen) {
+            if !block.plain.any() {
+                continue;
+            }
+            for part in 0..Vector::<S>::PARTS {
+                let is_plain = Mask::of(s, block.plain, part);
+                let share = Vector::load(s, &seen.share, part);
+                let height = Vector::load(s, &seen.height, part);
+                for (k, color) in self.color.into_iter().enumerate() {
+                    let scattered = Vector::load(s, &block.scattered[k], part);
+                    let light = share * (Vector::splat(s, color) * scattered * height);
+                    let out = Vector::load(s, &block.out[k], part);
+                    (out + is_plain.choose(light, zero)).store(&mut block.out[k], part);
+                }
+            }
+        }
+    }
+}
+
 /// The work of a light for a block of faces, in operations.
 const LIGHT_OPERATIONS: u64 = 16;
 
 impl LightTracer<'_> {
-    /// Adds what comes to the faces from lights.
-    pub(super) fn add_lights(&mut self, paths: &[LightPath], faces: &mut [MetFace]) {
+    /// Adds what comes to the faces from lights; `by_surface` has the numbers of the faces, surface by surface.
+    pub(super) fn add_lights(
+        &mut self,
+        paths: &[LightPath],
+        faces: &mut [MetFace],
+        by_surface: &[(SurfaceNumber, usize)],
+    ) {
         let scenery = self.scenery;
         let mut lit = std::mem::take(&mut self.lit);
-        lit.fill(scenery.picture_look, paths, faces);
+        lit.fill(scenery.picture_look, paths, faces, by_surface);
         for light in scenery.lights {
             if light.ambient != 0.0 {
                 for block in &mut lit.blocks {
@@ -169,7 +201,7 @@ impl LightTracer<'_> {
         }
         for block in &lit.blocks {
             for lane in block.used.each() {
-                faces[block.first + lane].out = LitBlock::at(&block.out, lane);
+                faces[block.faces[lane]].out = LitBlock::at(&block.out, lane);
             }
         }
         self.lit = lit;
@@ -191,7 +223,7 @@ impl LightTracer<'_> {
             _ => distance,
         };
         if light.casts_shadows {
-            let leaving = faces[blocks[0].first].face.of.surface();
+            let leaving = faces[blocks[0].faces[0]].face.of.surface();
             let rays = self.caster.begin(leaving);
             let mut farthest = 0.0f64;
             for ((block, places), seen) in blocks.iter().zip(places).zip(seen) {
@@ -206,6 +238,7 @@ impl LightTracer<'_> {
         let is_free = self.caster.bundle_is_free() && self.scenery.sheets.is_empty();
         let mut rays = 0;
         for (block, seen) in blocks.iter_mut().zip(seen) {
+            block.plain = Lanes::default();
             if !block.turned.any() {
                 continue;
             }
@@ -217,10 +250,9 @@ impl LightTracer<'_> {
             } else {
                 Lanes::default()
             };
-            let plain = free.without(block.shiny);
-            block.add_scattered(plain, light, seen);
-            for lane in block.turned.without(plain).each() {
-                let met = &faces[block.first + lane];
+            block.plain = free.without(block.shiny);
+            for lane in block.turned.without(block.plain).each() {
+                let met = &faces[block.faces[lane]];
                 let seen_there = seen.light(lane);
                 let visible = if free.has(lane) {
                     1.0
@@ -264,6 +296,11 @@ impl LightTracer<'_> {
             }
             rays += MOST_LANES;
         }
+        self.processor.run_vectors(ScatteredLight {
+            color: light.color.to_array(),
+            blocks,
+            seen,
+        });
     }
 
     /// The share of a light that the faces on the way let through, unbent; the ray is that with this index in the caster's

@@ -71,8 +71,15 @@ pub(super) struct MetFace {
     pub(super) out: DVec3,
 }
 
-/// The surface that a ray leaves: a piece of a leaf, or a parametric surface.
-pub(super) type LeftSurface = Option<(Option<SurfaceId>, usize)>;
+/// The number of a surface: of a parametric surface, or of a piece of a leaf.
+pub(super) type SurfaceNumber = u64;
+
+impl LightPath {
+    /// The surface that the ray leaves, if it starts on one.
+    fn left_surface(&self) -> Option<SurfaceNumber> {
+        self.start.as_ref().map(FaceObject::surface_number)
+    }
+}
 
 impl<'a> LightTracer<'a> {
     /// Begins with a scenery.
@@ -138,12 +145,15 @@ impl<'a> LightTracer<'a> {
     fn follow(&mut self, mut paths: Vec<LightPath>) -> Vec<DVec3> {
         let mut light = vec![DVec3::ZERO; paths.len()];
         let mut faces = self.met_faces(&mut paths, &mut light);
-        // Paths that leave one surface follow each other.
-        faces.sort_by_key(|met| left_surface(Some(&met.face.of)));
-        self.add_lights(&paths, &mut faces);
+        // Paths that leave one surface follow each other. The faces stay where they are: each is large.
+        let surfaces = faces.iter().map(|met| met.face.of.surface_number());
+        let mut by_surface: Vec<_> = surfaces.zip(0..).collect();
+        by_surface.sort_unstable();
+        self.add_lights(&paths, &mut faces, &by_surface);
         self.go_on(
             &paths,
             &mut faces,
+            &by_surface,
             |met| met.mirror,
             |path, met| {
                 let (direction, face) = (path.ray.direction, &met.face);
@@ -158,6 +168,7 @@ impl<'a> LightTracer<'a> {
         self.go_on(
             &paths,
             &mut faces,
+            &by_surface,
             |met| met.through,
             |_, met| met.onward.take(),
         );
@@ -171,9 +182,7 @@ impl<'a> LightTracer<'a> {
     fn met_faces(&mut self, paths: &mut [LightPath], light: &mut [DVec3]) -> Vec<MetFace> {
         let mut faces = Vec::with_capacity(paths.len());
         let mut number = 0;
-        for run in paths
-            .chunk_by_mut(|a, b| left_surface(a.start.as_ref()) == left_surface(b.start.as_ref()))
-        {
+        for run in paths.chunk_by_mut(|a, b| a.left_surface() == b.left_surface()) {
             let leaving = run[0].ray.leaving;
             let rays = self.caster.begin(leaving);
             for path in run.iter() {
@@ -313,12 +322,14 @@ impl<'a> LightTracer<'a> {
         &mut self,
         paths: &[LightPath],
         faces: &mut [MetFace],
+        by_surface: &[(SurfaceNumber, usize)],
         share: impl Fn(&MetFace) -> DVec3,
         next: impl Fn(&LightPath, &mut MetFace) -> Option<(DVec3, Vec<Medium>)>,
     ) {
         let scenery = self.scenery;
         let (mut onward, mut numbers) = (Vec::new(), Vec::new());
-        for (k, met) in faces.iter_mut().enumerate() {
+        for &(_, k) in by_surface {
+            let met = &mut faces[k];
             let part = share(met);
             if part == DVec3::ZERO {
                 continue;
@@ -399,6 +410,17 @@ impl MetFace {
 }
 
 impl FaceObject {
+    fn surface_number(&self) -> SurfaceNumber {
+        const SOLIDS: SurfaceNumber = 1 << 63;
+        match *self {
+            Self::Sheet { sheet, .. } => sheet as SurfaceNumber,
+            // There are less than 2³¹ leaves.
+            Self::Solid { surface, .. } => {
+                SOLIDS | u64::from(surface.leaf) << 32 | u64::from(surface.piece)
+            }
+        }
+    }
+
     pub(super) fn surface(&self) -> Option<SurfaceId> {
         match *self {
             Self::Solid { surface, .. } => Some(surface),
@@ -412,11 +434,4 @@ impl FaceObject {
             Self::Solid { .. } => None,
         }
     }
-}
-
-pub(super) fn left_surface(start: Option<&FaceObject>) -> LeftSurface {
-    start.map(|of| match *of {
-        FaceObject::Solid { leaf, surface, .. } => (Some(surface), leaf),
-        FaceObject::Sheet { sheet, .. } => (None, sheet),
-    })
 }
