@@ -215,6 +215,41 @@ Scene {
 }
 
 #[test]
+fn what_the_script_draws_otherwise_than_it_says_is_converted_as_it_is_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "Scene { Sphere { center -> vec3(0,1,0) radius -> 1 }
+    HalfPlane { normal -> vec3(0,1,0) position -> vec3(0,0,0) direction -> vec3(0,2,0) } }";
+    let camera =
+        "camera -> Camera { position -> vec3(0,2,-5) pointing -> vec3(0,0.5,0) fov -> 50 }";
+    for (name, rest) in [
+        (
+            "dark",
+            "lights -> [PointLight { origin -> vec3(3,5,-4) color -> rgb(-0.5,0.5,0.5) }]",
+        ),
+        (
+            "out",
+            "background -> Background { image -> \"dir/../earth.png\" angle -> 1.2 }",
+        ),
+        (
+            "none",
+            "background -> Background { image -> \"\" angle -> 1.2 }",
+        ),
+    ] {
+        let lamp = "lights -> [PointLight { origin -> vec3(3,5,-4) color -> rgb(1,1,1) }]";
+        let lamp = if rest.starts_with("lights") { "" } else { lamp };
+        let text = format!("Settings {{ {camera} {rest} {lamp} }}\n{scene}\n");
+        std::fs::write(folder.path().join(format!("{name}.crt")), text).expect("written");
+        std::fs::write(folder.path().join("earth.png"), "not opened").expect("written");
+        let program = expect_same(folder.path(), name, "64x48", &[]);
+        assert_eq!(
+            program.contains("is not shown"),
+            name != "dark",
+            "{program}"
+        );
+    }
+}
+
+#[test]
 fn what_cannot_be_converted_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();

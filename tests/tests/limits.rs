@@ -141,6 +141,13 @@ fn scripts() -> Vec<Limit> {
             "",
         ),
         limit(
+            "expressions and statements that a script evaluates, elements of compared lists counted as such",
+            grouped(crt::MAX_STEPS),
+            "a script ends within seconds",
+            "it takes more than {MAX_STEPS} expressions and statements",
+            "",
+        ),
+        limit(
             "calls within calls",
             crt::MAX_CALLS,
             "the stack",

@@ -74,7 +74,7 @@ pub struct CrtAnalysis {
     /// The diagnostics of reading.
     findings: Arc<[Diagnostic]>,
     given_up: AtomicBool,
-    /// The run; `None` for a script that cannot be read, which is not run, and for a run that was given up.
+    /// The run; `None` for a script of which parts cannot be read, which is not run, and for a run that was given up.
     run: OnceLock<Option<CrtRun>>,
     /// Those of reading and running.
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
@@ -127,13 +127,17 @@ impl Program for CrtProgram {
 
     fn findings(&self) -> Option<Arc<[Diagnostic]>> {
         let analysis = self.analysis();
-        let is_at_hand = analysis.has_errors() || analysis.run.get().is_some();
+        let is_at_hand = !analysis.is_run() || analysis.run.get().is_some();
         (!is_at_hand).then(|| Arc::clone(&analysis.findings))
     }
 
     fn scene(&self) -> ProgramScene {
+        let analysis = self.analysis();
+        let run = analysis
+            .run()
+            .filter(|_| analysis.errors().next().is_none());
         ProgramScene {
-            scene: self.analysis().run().map(|run| run.scene.clone()),
+            scene: run.map(|run| run.scene.clone()),
             ..ProgramScene::default()
         }
     }
@@ -186,15 +190,21 @@ fn whole(snapshot: &Snapshot) -> String {
 }
 
 impl CrtAnalysis {
-    /// Returns true for a script that cannot be read, and is not run.
-    fn has_errors(&self) -> bool {
-        let mut findings = self.findings.iter();
-        findings.any(|it| it.severity == Severity::Error)
+    /// The errors of reading.
+    fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
+        let findings = self.findings.iter();
+        findings.filter(|it| it.severity == Severity::Error)
+    }
+
+    /// Returns true for a script that is run: there is no error, or those that there are leave nothing out of its tree.
+    fn is_run(&self) -> bool {
+        self.errors()
+            .all(|it| syntax::crt::codes::OF_WHOLE_TREES.contains(&it.code))
     }
 
     fn run(&self) -> Option<&CrtRun> {
         let run = self.run.get_or_init(|| {
-            if self.has_errors() {
+            if !self.is_run() {
                 return None;
             }
             let (script, text) = (self.script(), whole(&self.snapshot));

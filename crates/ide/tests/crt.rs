@@ -349,6 +349,30 @@ fn reading_is_at_hand_before_the_run_and_an_edit_gives_the_run_up() {
 }
 
 #[test]
+fn errors_that_leave_the_tree_whole_do_not_hide_those_of_the_run() {
+    let text = "s = Sphere { center -> vec3(0,0,0) radius -> 0 }
+t2 = Sphere { radius -> 1 }
+u = Sphere { center -> 1 radius -> 1 }
+x = 1/0
+w = t2
+Scene { s w }
+";
+    let program = Crt.open(text).expect("small");
+    let diagnostics = program.diagnostics();
+    let codes: Vec<&str> = diagnostics.iter().map(|it| it.code.0).collect();
+    assert_eq!(
+        codes,
+        [
+            "out-of-range",
+            "missing-attribute",
+            "type-mismatch",
+            "division-by-zero"
+        ]
+    );
+    assert!(program.scene().scene.is_none());
+}
+
+#[test]
 fn modifiers_are_completed_and_attributes_with_a_value_alone() {
     let completed = |text: &str| {
         let at = text.find('|').expect("a mark");

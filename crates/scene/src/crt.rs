@@ -39,6 +39,8 @@ use run::Interpreter;
 
 /// The most rounds of loops, calls of macros and objects of one run.
 pub const MAX_WORK: u32 = 1_000_000;
+/// The most expressions, statements and elements of compared lists of one run: they take some seconds.
+pub const MAX_STEPS: u64 = 64_000_000;
 /// The bytes of a new string that count as a round.
 pub const BYTES_OF_A_ROUND: usize = 256;
 /// Calls of macros within calls.

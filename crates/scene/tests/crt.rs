@@ -90,6 +90,44 @@ fn a_lone_name_is_pointed_to() {
 }
 
 #[test]
+fn pointers_that_lead_nowhere_are_errors_where_they_stand() {
+    let text = "ball = 1\ns = bal\nt2 = s\nx = t2 + 1";
+    let found = ran(text).diagnostics;
+    let [error] = &found[..] else {
+        panic!("{found:?}");
+    };
+    assert_eq!(error.code.0, "unknown-variable");
+    assert_eq!(error.span.text(text), "bal");
+    assert_eq!(error.message, "no variable `bal` has been assigned");
+    // A name that is assigned later is one that a pointer may have had in mind, wherever it points from.
+    assert_eq!(codes("a = b\nb = 3"), ["points-later"]);
+    let both = codes("c = 1\na = c\nd = c\nc = 2");
+    assert_eq!(both, ["points-later", "points-later"]);
+    let chain: String = (1..=2_000)
+        .map(|k| format!("a{k} = a{}\n", k - 1))
+        .collect();
+    let long = codes(&format!("a0 = 1\n{chain}x = a2000 + 1"));
+    assert_eq!(long, ["too-large"]);
+}
+
+#[test]
+fn names_of_failed_statements_are_not_reported_again() {
+    for text in [
+        "a = 1 / 0\nb = a + 1",
+        "if (true) { a = 1 / 0 }\nb = a + 1",
+        "i = 0\nwhile (i < 3) { c = 1 / 0  a = 2  i = i + 1 }\nb = a + 1",
+        "Scene { if (true) { a = 1 / 0 } a }",
+        "q = [1, (a = 1 / 0)]\nb = a + q[0]",
+    ] {
+        assert_eq!(codes(text), ["division-by-zero"], "{text}");
+    }
+    // A value from before stays.
+    let kept = "a = 1\nif (true) { b = 1 / 0  a = 2 }\nc = a + 1";
+    assert_eq!(codes(kept), ["division-by-zero"]);
+    assert_eq!(value(kept, "c").expect("c").text, "2");
+}
+
+#[test]
 fn macros_emit_in_scopes_of_their_own() {
     let text = "
 s = Sphere { center -> vec3(0, 0, 0) radius -> 1 }
@@ -141,6 +179,14 @@ fn limits_end_in_errors() {
     };
     assert_eq!(objects(499_000), [] as [&str; 0]);
     assert_eq!(objects(501_000), ["work-limit"]);
+    // Lists share their elements here: there are 2¹⁰⁰ ways to compare.
+    let doubled = "l = [1]\ni = 0\nwhile (i < 100) { l = [l, l] i = i + 1 }\nx = l == l";
+    assert_eq!(codes(doubled), ["work-limit"]);
+    let compared = "s = \"a\" * 1000000\ni = 0\nwhile (true) { b = s == s  i = length(s) }";
+    assert_eq!(codes(compared), ["work-limit"]);
+    // What a round evaluates counts too.
+    let wide = format!("i = 0\nwhile (true) {{ {} }}", "i = i + 1 ".repeat(100));
+    assert_eq!(codes(&wide), ["work-limit"]);
     assert_eq!(codes("m = Macro () { m() }\nm()"), ["call-depth"]);
     assert_eq!(
         codes("a = \"ab\"\nwhile (true) { a = a + a }"),

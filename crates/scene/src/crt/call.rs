@@ -109,6 +109,7 @@ impl Interpreter<'_> {
                 return Ok(ScriptValue::Integer(list.items.len() as i32));
             }
             ("length", [ScriptValue::Text(text)]) => {
+                self.spend_bytes(text, span)?;
                 return Ok(ScriptValue::Integer(text.chars().count() as i32));
             }
             ("abs", [ScriptValue::Integer(number)]) => {
@@ -174,6 +175,7 @@ impl Interpreter<'_> {
         span: Span,
     ) -> Result<Arc<Entity>, Stopped> {
         self.leaves(a.leaves + b.leaves, span)?;
+        self.count_object();
         let node = Arc::new(Node::Set(operation, a, b));
         Ok(Arc::new(Entity::of(node, self.id())))
     }

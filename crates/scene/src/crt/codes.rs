@@ -26,5 +26,5 @@ codes! {
     TOO_MANY_LEAVES = "too-many-leaves", "All entities together have a million leaves at most.";
     TYPE_MISMATCH = "type-mismatch", "A value has another type than is needed.";
     UNKNOWN_VARIABLE = "unknown-variable", "No variable of this name has been assigned.";
-    WORK_LIMIT = "work-limit", "A script takes a million rounds of loops, calls and objects at most.";
+    WORK_LIMIT = "work-limit", "A script takes a million rounds of loops, calls and objects at most, and evaluates 64 million expressions.";
 }

@@ -228,9 +228,13 @@ impl<'w> Writer<'w> {
         if let Some(label) = label(entity) {
             whole.name = label.to_owned();
         }
-        let is_half_plane = |node: &Node| matches!(node, Node::Object(object) if object.is_plane && object.second.is_some());
-        if entity.node().is_some_and(is_half_plane) {
-            self.remark("The script's half-plane is one face: this solid has a second one, which refracts too");
+        if let Some(Node::Object(object)) = entity.node()
+            && object.is_plane
+        {
+            self.remark(match object.second {
+                Some(_) => "The script's half-plane is one face: this solid has a second one, which refracts too",
+                None => "The script's plane is seen from one side: this solid is seen from behind too",
+            });
         }
         self.named(whole);
     }
@@ -462,7 +466,8 @@ impl<'w> Writer<'w> {
             let space = if light.direction.is_some() { " " } else { "" };
             let _ = write!(text, "{space}@ {place}");
         }
-        let _ = write!(text, ", color : {}", tuple(light.color));
+        let color = light.color.map(|part| part.max(0.0));
+        let _ = write!(text, ", color : {}", tuple(color));
         let mut state = |word: &str, value: f64| {
             let _ = write!(text, ", {word} : {}", number(value));
         };
@@ -516,6 +521,13 @@ impl<'w> Writer<'w> {
     fn background(&mut self, background: &Background) -> Option<String> {
         let name = self.free("sky");
         let white = [1.0; 3];
+        let image = background.image.as_ref();
+        let path = image.map(|image| image.trim_start_matches(['/', '\\']));
+        let is_below =
+            |path: &str| !path.is_empty() && path.split(['/', '\\']).all(|part| part != "..");
+        if path.is_some_and(|path| !is_below(path)) {
+            self.remark("The image of the script is no file below its folder, and is not shown");
+        }
         let mut text = match (background.horizon, background.sky, background.color) {
             (None, None, color) => format!("background {name} = {}", tuple(color.unwrap_or(white))),
             (horizon, sky, color) => {
@@ -525,8 +537,7 @@ impl<'w> Writer<'w> {
             }
         };
         let mut option = None;
-        if let Some(image) = &background.image {
-            let path = image.trim_start_matches('/');
+        if let Some(path) = path.filter(|path| is_below(path)) {
             let word = path.rsplit_once('.').map(|(word, _)| word);
             match word.filter(|word| is_word(word)) {
                 Some(word) => {

@@ -261,10 +261,10 @@ impl Interpreter<'_> {
             stated,
             span,
         )?;
-        if &*camera.projection == "pinhole" && camera.fov >= 180.0 {
+        if &*camera.projection != "spherical" && camera.fov >= 180.0 {
             let message = format!(
-                "`fov` of a pinhole camera is less than 180, and this is {}",
-                camera.fov
+                "`fov` of a {} camera is less than 180, and this is {}",
+                camera.projection, camera.fov
             );
             let at = stated.span("fov").unwrap_or(span);
             return Err(self.fault(codes::OUT_OF_RANGE, at, message));
@@ -338,8 +338,11 @@ impl Interpreter<'_> {
                 let normal = self.direction(at("normal"), "normal", stated, span)?;
                 if name == ObjectName::HalfPlane {
                     let way = self.direction(at("direction"), "direction", stated, span)?;
-                    let behind = frame(vector::scaled(way, -1.0), [1.0; 3], at("position"));
-                    second = Some((SetOperation::Intersection, UnitShape::HalfSpace, behind));
+                    // Along the normal it leaves nothing of the plane out.
+                    if vector::length(vector::cross(normal, way)) > 1e-12 {
+                        let behind = frame(vector::scaled(way, -1.0), [1.0; 3], at("position"));
+                        second = Some((SetOperation::Intersection, UnitShape::HalfSpace, behind));
+                    }
                 }
                 (
                     UnitShape::HalfSpace,

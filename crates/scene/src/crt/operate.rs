@@ -45,7 +45,7 @@ pub(super) fn prefix(operator: PrefixOperator, value: &ScriptValue) -> Result<Sc
     })
 }
 
-/// Applies an operator to two operands; entities are not among them.
+/// Applies an operator other than `==` and `!=` to two operands; entities are not among them.
 pub(super) fn binary(operator: B, a: &ScriptValue, b: &ScriptValue) -> Result<ScriptValue, Fault> {
     let mismatch = || {
         let message = format!(
@@ -57,8 +57,6 @@ pub(super) fn binary(operator: B, a: &ScriptValue, b: &ScriptValue) -> Result<Sc
         Err((codes::TYPE_MISMATCH, message))
     };
     match operator {
-        B::Equal => return Ok(ScriptValue::Boolean(a.equals(b))),
-        B::NotEqual => return Ok(ScriptValue::Boolean(!a.equals(b))),
         B::And | B::Or => {
             return match (a, b) {
                 (ScriptValue::Boolean(a), ScriptValue::Boolean(b)) if operator == B::And => {

@@ -4,13 +4,13 @@
 //! the statement at top level, or in the block `Scene`, in which it is met; what that assigns has no value, and uses of it
 //! are not reported.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use syntax::crt::tree::{
-    Arm, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement, StatementKind,
-    Suffix, SuffixKind,
+    Arm, BinaryOperator, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement,
+    StatementKind, Suffix, SuffixKind,
 };
 use syntax::diagnostic::{Code, Diagnostic, Severity};
 use syntax::span::Span;
@@ -22,7 +22,8 @@ use super::operate;
 use super::random::JavaRandom;
 use super::value::{List, MacroValue, ScriptSettings, ScriptValue};
 use super::{
-    BYTES_OF_A_ROUND, Evaluated, MAX_SIZE, MAX_WORK, ScriptLines, ScriptRun, build, codes,
+    BYTES_OF_A_ROUND, Evaluated, MAX_SIZE, MAX_STEPS, MAX_WORK, ScriptLines, ScriptRun, build,
+    codes,
 };
 use crate::limits::MAX_LEAVES;
 
@@ -35,6 +36,8 @@ const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
 };
 /// Lists within lists.
 const MAX_LIST_DEPTH: u32 = 256;
+/// Variables that one variable points through.
+const MAX_POINTERS: usize = 1_000;
 /// Further diagnostics are left out.
 const MAX_DIAGNOSTICS: usize = 1000;
 
@@ -46,8 +49,8 @@ pub(super) struct Stopped;
 #[derive(Clone, Debug)]
 enum Binding {
     Value(ScriptValue),
-    /// The value of another variable, as it is later.
-    Pointer(Arc<str>),
+    /// The value of another variable, as it is later, and the place where that one is written.
+    Pointer(Arc<str>, Span),
     /// An error has been reported.
     Faulty,
 }
@@ -86,6 +89,7 @@ pub(super) struct Interpreter<'s> {
     scopes: Vec<ScopeNames>,
     scope: usize,
     work: u32,
+    steps: u64,
     nesting: u32,
     /// The work limit has been met.
     is_over: bool,
@@ -94,7 +98,7 @@ pub(super) struct Interpreter<'s> {
     /// The entities that the block and the macros that are being run have emitted, the innermost last.
     emitted: Vec<Emitted>,
     /// Variables to which others point, with the places where that is written.
-    pointed: HashMap<(usize, Arc<str>), Span>,
+    pointed: HashMap<(usize, Arc<str>), BTreeSet<Span>>,
     /// The values that names were given, by the places of the names.
     assigned: HashMap<Span, Assigned>,
     /// The number of values that names were given.
@@ -119,6 +123,7 @@ impl<'s> Interpreter<'s> {
             scopes: vec![names],
             scope: 0,
             work: 0,
+            steps: 0,
             nesting: 0,
             is_over: false,
             next_id: 0,
@@ -174,7 +179,7 @@ impl<'s> Interpreter<'s> {
             last: it.last,
             value: match it.binding {
                 Binding::Value(value) => Some(value),
-                Binding::Pointer(other) => self.known(&other),
+                Binding::Pointer(other, _) => self.known(&other),
                 Binding::Faulty => None,
             },
         });
@@ -201,7 +206,7 @@ impl<'s> Interpreter<'s> {
         expression: &Expression,
     ) -> Result<Evaluated, Vec<Diagnostic>> {
         self.diagnostics.clear();
-        (self.base, self.is_over, self.work) = (0, false, 0);
+        (self.base, self.is_over, self.work, self.steps) = (0, false, 0, 0);
         match self.value(expression) {
             Ok(value) => Ok(Evaluated {
                 kind: value.kind(),
@@ -220,7 +225,11 @@ impl<'s> Interpreter<'s> {
 
     /// Reports a diagnostic whose places count from the base, once for each place.
     pub(super) fn report(&mut self, diagnostic: Diagnostic) {
-        let diagnostic = diagnostic.moved(self.base);
+        self.report_placed(diagnostic.moved(self.base));
+    }
+
+    /// Reports a diagnostic whose places count from the start of the text.
+    fn report_placed(&mut self, diagnostic: Diagnostic) {
         let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
         if self.diagnostics.len() < MAX_DIAGNOSTICS && !self.diagnostics.iter().any(is_same) {
             self.diagnostics.push(diagnostic);
@@ -243,20 +252,41 @@ impl<'s> Interpreter<'s> {
         self.work = self.work.saturating_add(1);
     }
 
-    /// Counts what takes the work of so many rounds or calls.
+    /// Counts an expression, a statement or an element that is compared. The loop or the call around it is what is stopped.
+    fn step(&mut self) -> Result<(), Stopped> {
+        self.steps += 1;
+        if self.given_up.load(Ordering::Relaxed) {
+            self.is_over = true;
+            return Err(Stopped);
+        }
+        Ok(())
+    }
+
+    /// Counts the bytes of a string that is read or copied as a whole.
+    pub(super) fn spend_bytes(&mut self, text: &str, span: Span) -> Result<(), Stopped> {
+        let rounds = text.len() / BYTES_OF_A_ROUND;
+        self.spend(rounds as u32, span, "this string")
+    }
+
+    /// Counts what takes the work of `rounds` rounds or calls.
     fn spend(&mut self, rounds: u32, span: Span, what: &str) -> Result<(), Stopped> {
         self.work = self.work.saturating_add(rounds);
         if self.given_up.load(Ordering::Relaxed) {
             self.is_over = true;
             return Err(Stopped);
         }
-        if self.work <= MAX_WORK {
+        let message = if self.work > MAX_WORK {
+            format!(
+                "the script is stopped in {what}: it takes more than {MAX_WORK} rounds, calls and objects"
+            )
+        } else if self.steps > MAX_STEPS {
+            format!(
+                "the script is stopped in {what}: it takes more than {MAX_STEPS} expressions and statements"
+            )
+        } else {
             return Ok(());
-        }
+        };
         self.is_over = true;
-        let message = format!(
-            "the script is stopped in {what}: it takes more than {MAX_WORK} rounds, calls and objects"
-        );
         Err(self.fault(codes::WORK_LIMIT, span, message))
     }
 
@@ -265,17 +295,11 @@ impl<'s> Interpreter<'s> {
         if self.is_over || self.statement(statement, emits).is_ok() {
             return;
         }
-        // What the statement assigns has no value.
-        let mut expression = match &statement.kind {
-            StatementKind::Expression(expression) => expression,
-            _ => return,
-        };
-        while let E::Assignment(sides) = &expression.kind {
-            if let Some(name) = sides[0].identifier() {
-                self.bind(name.clone(), Binding::Faulty, sides[0].span);
-            }
-            expression = &sides[1];
-        }
+        // What the statement would have assigned has no value.
+        let names = &mut self.scopes[self.scope].names;
+        statement.each_assigned(&mut |name| {
+            names.entry(name.clone()).or_insert(Binding::Faulty);
+        });
     }
 
     pub(super) fn body(&mut self, body: &Body, emits: bool) -> Result<(), Stopped> {
@@ -405,7 +429,13 @@ impl<'s> Interpreter<'s> {
         if let Some(other) = source.identifier() {
             return self.point(name, other, source.span, target.span);
         }
-        let value = self.value(source)?;
+        let value = match self.value(source) {
+            Ok(value) => value,
+            Err(stopped) => {
+                self.bind(name.clone(), Binding::Faulty, target.span);
+                return Err(stopped);
+            }
+        };
         if let ScriptValue::Entity(entity) = &value {
             entity.name(name);
         }
@@ -422,44 +452,56 @@ impl<'s> Interpreter<'s> {
         target: Span,
     ) -> Result<(), Stopped> {
         let (mut scope, mut next) = (self.scope, other.clone());
+        let mut passed = 0;
         loop {
             // The name that is being bound hides those of scopes around.
             let is_itself = next == *name && (scope == self.scope);
-            if is_itself {
+            let fault = if is_itself {
                 let message = format!("`{name}` would point to itself");
-                return Err(self.fault(codes::CIRCULAR_VARIABLE, span, message));
+                Some((codes::CIRCULAR_VARIABLE, message))
+            } else if passed > MAX_POINTERS {
+                let message = format!("a variable points through {MAX_POINTERS} others at most");
+                Some((codes::TOO_LARGE, message))
+            } else {
+                None
+            };
+            if let Some((code, message)) = fault {
+                self.bind(name.clone(), Binding::Faulty, target);
+                return Err(self.fault(code, span, message));
             }
             match self.find(&next, scope) {
-                Some((holder, Binding::Pointer(further))) => (scope, next) = (holder, further),
+                Some((holder, Binding::Pointer(further, _))) => (scope, next) = (holder, further),
                 _ => break,
             }
+            passed += 1;
         }
-        if let Some((holder, _)) = self.find(other, self.scope) {
-            let place = target.to(span).moved(self.base);
-            self.pointed.insert((holder, other.clone()), place);
-        }
-        self.bind(name.clone(), Binding::Pointer(other.clone()), target);
+        let holder = self.find(other, self.scope);
+        let holder = holder.map_or(self.scope, |(holder, _)| holder);
+        let place = target.to(span).moved(self.base);
+        let places = self.pointed.entry((holder, other.clone())).or_default();
+        places.insert(place);
+        let pointer = Binding::Pointer(other.clone(), span.moved(self.base));
+        self.bind(name.clone(), pointer, target);
         Ok(())
     }
 
     fn bind(&mut self, name: Arc<str>, binding: Binding, span: Span) {
         let pointed = self.pointed.remove(&(self.scope, name.clone()));
-        if let Some(place) = pointed.filter(|_| !matches!(binding, Binding::Faulty)) {
+        let is_faulty = matches!(binding, Binding::Faulty);
+        for place in pointed.into_iter().flatten().filter(|_| !is_faulty) {
             let message =
                 format!("this points to `{name}`, which is assigned later: it then has that value");
             let hint = Diagnostic {
                 severity: Severity::Hint,
                 ..Diagnostic::error(codes::POINTS_LATER, place, message)
             };
-            let base = std::mem::replace(&mut self.base, 0);
-            let here = span.moved(base);
-            self.report(hint.with_related(here, format!("`{name}` is assigned here")));
-            self.base = base;
+            let here = span.moved(self.base);
+            self.report_placed(hint.with_related(here, format!("`{name}` is assigned here")));
         }
         let place = span.moved(self.base);
         let value = match &binding {
             // The variables of a call end with it.
-            Binding::Pointer(other) if self.scope != 0 => {
+            Binding::Pointer(other, _) if self.scope != 0 => {
                 self.known(other).map_or(Binding::Faulty, Binding::Value)
             }
             other => other.clone(),
@@ -498,21 +540,26 @@ impl<'s> Interpreter<'s> {
     /// The value of a variable; `None` if it has none.
     pub(super) fn known(&self, name: &str) -> Option<ScriptValue> {
         match self.resolved(name) {
-            Some(Binding::Value(value)) => Some(value),
+            Ok(Binding::Value(value)) => Some(value),
             _ => None,
         }
     }
 
-    fn resolved(&self, name: &str) -> Option<Binding> {
-        let (mut scope, mut binding) = self.find(name, self.scope)?;
+    /// The meaning of a name, through the variables to which it points; if there is none, the pointer that leads nowhere, and
+    /// nothing if that is the name itself.
+    fn resolved(&self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
+        let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
         // Circles are refused; a name that is bound later in a scope within might still close one.
-        for _ in 0..MAX_NESTING {
+        for _ in 0..=MAX_POINTERS {
             match binding {
-                Binding::Pointer(other) => (scope, binding) = self.find(&other, scope)?,
-                found => return Some(found),
+                Binding::Pointer(other, place) => {
+                    let found = self.find(&other, scope);
+                    (scope, binding) = found.ok_or(Some((other, place)))?;
+                }
+                found => return Ok(found),
             }
         }
-        None
+        Err(None)
     }
 
     /// The names that can be meant where the run is, in no order.
@@ -524,23 +571,31 @@ impl<'s> Interpreter<'s> {
     }
 
     fn variable(&mut self, name: &Arc<str>, span: Span) -> Result<ScriptValue, Stopped> {
-        match self.resolved(name) {
-            Some(Binding::Value(value)) => Ok(value),
-            Some(_) => Err(Stopped),
-            None => {
-                let mut all = self.visible_names();
-                // Of names that are equally near it is the first.
-                all.sort_unstable();
-                let near = nearest(name, all.into_iter());
-                let message = format!("no variable `{name}` has been assigned");
-                let mut diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, span, message);
-                if let Some(near) = near {
-                    diagnostic = diagnostic.with_hint(format!("did you mean `{near}`?"));
-                }
-                self.report(diagnostic);
-                Err(Stopped)
-            }
+        let used = span.moved(self.base);
+        let (missing, place) = match self.resolved(name) {
+            Ok(Binding::Value(value)) => return Ok(value),
+            Ok(_) => return Err(Stopped),
+            Err(None) => (name.clone(), used),
+            Err(Some(pointer)) => pointer,
+        };
+        if self.diagnostics.len() >= MAX_DIAGNOSTICS {
+            return Err(Stopped);
         }
+        let mut all = self.visible_names();
+        // Of names that are equally near it is the first.
+        all.sort_unstable();
+        let near = nearest(&missing, all.into_iter());
+        let message = format!("no variable `{missing}` has been assigned");
+        let mut diagnostic = Diagnostic::error(codes::UNKNOWN_VARIABLE, place, message);
+        if let Some(near) = near {
+            diagnostic = diagnostic.with_hint(format!("did you mean `{near}`?"));
+        }
+        if place != used {
+            let message = format!("`{name}` points to it, and is used here");
+            diagnostic = diagnostic.with_related(used, message);
+        }
+        self.report_placed(diagnostic);
+        Err(Stopped)
     }
 
     /// The value of an expression.
@@ -558,6 +613,7 @@ impl<'s> Interpreter<'s> {
             let message = "expressions and statements within calls are nested too deeply here";
             return Err(self.fault(codes::CALL_DEPTH, span, message));
         }
+        self.step()?;
         self.nesting += 1;
         let done = work(self);
         self.nesting -= 1;
@@ -637,16 +693,47 @@ impl<'s> Interpreter<'s> {
             let span = first.span.to(link.operand.span);
             value = match self.joined_entities(link.operator, &value, &other, span)? {
                 Some(joined) => joined,
-                None => operate::binary(link.operator, &value, &other)
-                    .map_err(|(code, message)| self.fault(code, span, message))?,
+                None => match link.operator {
+                    BinaryOperator::Equal => {
+                        ScriptValue::Boolean(self.are_equal(&value, &other, span)?)
+                    }
+                    BinaryOperator::NotEqual => {
+                        ScriptValue::Boolean(!self.are_equal(&value, &other, span)?)
+                    }
+                    operator => operate::binary(operator, &value, &other)
+                        .map_err(|(code, message)| self.fault(code, span, message))?,
+                },
             };
-            // A string is copied as a whole.
             if let ScriptValue::Text(text) = &value {
-                let rounds = text.len() / BYTES_OF_A_ROUND;
-                self.spend(rounds as u32, span, "this string")?;
+                self.spend_bytes(text, span)?;
             }
         }
         Ok(value)
+    }
+
+    /// Returns true if two values are equal: numbers across types, lists by elements, entities by identity.
+    fn are_equal(&mut self, a: &ScriptValue, b: &ScriptValue, span: Span) -> Result<bool, Stopped> {
+        match (a, b) {
+            (ScriptValue::List(a), ScriptValue::List(b)) => {
+                if a.items.len() != b.items.len() {
+                    return Ok(false);
+                }
+                for (a, b) in a.items.iter().zip(&b.items) {
+                    // Lists may share their elements: there are more ways to an element than elements.
+                    self.step()?;
+                    self.spend(0, span, "this comparison")?;
+                    if !self.are_equal(a, b, span)? {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            }
+            (ScriptValue::Text(a), ScriptValue::Text(b)) => {
+                self.spend_bytes(a, span)?;
+                Ok(a == b)
+            }
+            _ => Ok(a.equals(b)),
+        }
     }
 
     fn suffixed(

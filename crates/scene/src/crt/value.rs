@@ -202,16 +202,12 @@ impl ScriptValue {
         list.items.iter().map(entity).collect()
     }
 
-    /// Returns true if two values are equal: numbers across types, entities by identity.
+    /// Returns true if two values other than lists are equal: numbers across types, entities by identity.
     pub(super) fn equals(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Integer(a), Self::Integer(b)) => a == b,
             (Self::Text(a), Self::Text(b)) => a == b,
             (Self::Boolean(a), Self::Boolean(b)) => a == b,
-            (Self::List(a), Self::List(b)) => {
-                let mut pairs = a.items.iter().zip(&b.items);
-                a.items.len() == b.items.len() && pairs.all(|(a, b)| a.equals(b))
-            }
             (Self::Vector(a), Self::Vector(b)) | (Self::Color(a), Self::Color(b)) => a == b,
             (Self::Material(a), Self::Material(b)) => a == b,
             (Self::Light(a), Self::Light(b)) => a == b,

@@ -167,12 +167,16 @@ fn wide(number: f64) -> SemanticError {
         "the `fov` of a camera that is not spherical is below pi, but this is {}",
         number::text(number)
     );
+    let error = SemanticError::new(ATTRIBUTE_RANGE, message);
+    // Up to a full turn it is meant in radians.
+    if number <= std::f64::consts::TAU {
+        return error;
+    }
     let degrees = if number < 180.0 { number } else { 75.0 };
-    let hint = format!(
+    error.with_hint(format!(
         "angles are in radians: write `{}pi/180`",
         number::text(degrees)
-    );
-    SemanticError::new(ATTRIBUTE_RANGE, message).with_hint(hint)
+    ))
 }
 
 /// The error of the opening of a camera that is not spherical, where it is out of its range.

@@ -26,3 +26,12 @@ codes! {
     UNKNOWN_ATTRIBUTE = "unknown-attribute", "The object does not have this attribute.";
     UNKNOWN_OBJECT = "unknown-object", "There is no object of this name.";
 }
+
+/// The codes of the errors that leave nothing out of the tree: such a script can be run, for the errors of the run.
+pub const OF_WHOLE_TREES: &[Code] = &[
+    AFTER_SCENE,
+    DUPLICATE_PARAMETER,
+    MISSING_ATTRIBUTE,
+    SECOND_BLOCK,
+    UNKNOWN_OBJECT,
+];

@@ -311,6 +311,101 @@ impl Expression {
     }
 }
 
+impl Statement {
+    /// Hands each name that the statement may assign to `found`, but for those that are assigned in macros.
+    pub fn each_assigned(&self, found: &mut dyn FnMut(&Arc<str>)) {
+        match &self.kind {
+            StatementKind::Expression(expression) => expression.each_assigned(found),
+            StatementKind::While(arm) => arm.each_assigned(found),
+            StatementKind::If(arms, rest) => {
+                for arm in arms {
+                    arm.each_assigned(found);
+                }
+                if let Some(body) = rest {
+                    body.each_assigned(found);
+                }
+            }
+        }
+    }
+}
+
+impl Arm {
+    fn each_assigned(&self, found: &mut dyn FnMut(&Arc<str>)) {
+        self.condition.each_assigned(found);
+        self.body.each_assigned(found);
+    }
+}
+
+impl Body {
+    fn each_assigned(&self, found: &mut dyn FnMut(&Arc<str>)) {
+        for statement in &self.statements {
+            statement.each_assigned(found);
+        }
+    }
+}
+
+impl Expression {
+    fn each_assigned(&self, found: &mut dyn FnMut(&Arc<str>)) {
+        match &self.kind {
+            ExpressionKind::Missing
+            | ExpressionKind::Integer(_)
+            | ExpressionKind::Float(_)
+            | ExpressionKind::Text(_)
+            | ExpressionKind::Boolean(_)
+            | ExpressionKind::Identifier(_)
+            | ExpressionKind::Macro(_) => {}
+            ExpressionKind::Object(object) => {
+                for attribute in &object.attributes {
+                    attribute.value.each_assigned(found);
+                }
+            }
+            ExpressionKind::List(parts) => {
+                for part in parts {
+                    part.each_assigned(found);
+                }
+            }
+            ExpressionKind::Group(inner) | ExpressionKind::Prefix(_, inner) => {
+                inner.each_assigned(found);
+            }
+            ExpressionKind::Assignment(sides) => {
+                if let Some(name) = sides[0].identifier() {
+                    found(name);
+                }
+                sides[1].each_assigned(found);
+            }
+            ExpressionKind::Conditional(parts) => {
+                for part in &**parts {
+                    part.each_assigned(found);
+                }
+            }
+            ExpressionKind::Chain(first, links) => {
+                first.each_assigned(found);
+                for link in links {
+                    link.operand.each_assigned(found);
+                }
+            }
+            ExpressionKind::Suffixed(first, suffixes) => {
+                first.each_assigned(found);
+                for suffix in suffixes {
+                    match &suffix.kind {
+                        SuffixKind::Element(index) => index.each_assigned(found),
+                        SuffixKind::Call(arguments) => {
+                            for argument in arguments {
+                                argument.each_assigned(found);
+                            }
+                        }
+                        SuffixKind::Modifiers(modifiers) => {
+                            for modifier in modifiers {
+                                modifier.value.each_assigned(found);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 impl Script {
     /// All blocks, each with the offset from which its places count.
     pub fn blocks(&self) -> impl Iterator<Item = (u32, &Block)> {
