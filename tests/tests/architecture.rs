@@ -1,10 +1,11 @@
 //! Holds the level table of ARCHITECTURE.md against what cargo says, and what is absent on purpose.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 use testing::examples::repository;
+use testing::structure;
 
 /// A row of the table.
 #[derive(Debug)]
@@ -223,7 +224,7 @@ fn wgpu_appears_under_render_gpu_only() {
 
 #[test]
 fn no_code_unwraps_without_a_reason() {
-    // `expect` states one; `unwrap` does not. Test modules stand at the end of a file.
+    // `expect` states one; `unwrap` does not.
     let mut found = Vec::new();
     for name in internal_dependencies()
         .keys()
@@ -240,36 +241,30 @@ fn no_code_unwraps_without_a_reason() {
     assert!(found.is_empty(), "unwrap in {found:#?}");
 }
 
-/// The Rust files of a crate without comments and without what follows `#[cfg(test)]`.
-fn code(name: &str) -> Vec<(PathBuf, String)> {
-    let mut files = Vec::new();
-    collect(
-        &repository().join("crates").join(name).join("src"),
-        &mut files,
-    );
-    assert!(!files.is_empty(), "no code in `{name}`");
-    let mut read = Vec::new();
-    for path in files {
-        let text = std::fs::read_to_string(&path).expect("readable code");
-        let text = text.split("#[cfg(test)]").next().unwrap_or("");
-        let lines = text.lines().map(|line| match line.trim_start() {
-            comment if comment.starts_with("//") => "",
-            _ => line,
-        });
-        read.push((path, lines.collect::<Vec<_>>().join("\n")));
-    }
+/// The Rust files of a crate with their code: comments, documentation and tests become empty lines.
+fn code(name: &str) -> Vec<(&'static Path, String)> {
+    let files = structure::files().iter().filter(|file| file.krate == name);
+    let read: Vec<_> = files
+        .map(|file| {
+            let lines = file.text.lines().enumerate();
+            let code = lines.map(|(k, line)| match file.code.contains(&(k + 1)) {
+                true => line,
+                false => "",
+            });
+            (file.path.as_path(), code.collect::<Vec<_>>().join("\n"))
+        })
+        .collect();
+    assert!(!read.is_empty(), "no code in `{name}`");
     read
 }
 
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a readable folder") {
-        let path = entry.expect("a readable folder").path();
-        if path.is_dir() {
-            collect(&path, files);
-        } else if path.extension().is_some_and(|ending| ending == "rs")
-            && path.file_name().is_some_and(|name| name != "tests.rs")
-        {
-            files.push(path);
-        }
-    }
+#[test]
+fn code_behind_a_test_item_is_read() {
+    // The file begins with an import for its tests.
+    let (_, text) = code("server")
+        .into_iter()
+        .find(|(path, _)| path.ends_with("encoding.rs"))
+        .expect("a file that begins with a test item");
+    assert!(!text.contains("use syntax::span::Span;"));
+    assert!(text.contains("enum Encoding {"));
 }
