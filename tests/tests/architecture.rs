@@ -11,7 +11,6 @@ use testing::structure;
 #[derive(Debug)]
 struct Row {
     level: u32,
-    planned: bool,
     depends_on: Vec<String>,
 }
 
@@ -40,11 +39,7 @@ fn table() -> BTreeMap<String, Row> {
             .filter(|name| !name.is_empty() && *name != "–")
             .map(str::to_owned)
             .collect();
-        let row = Row {
-            level,
-            planned: name.contains("(planned)"),
-            depends_on,
-        };
+        let row = Row { level, depends_on };
         rows.insert(name[1..=name_end].to_owned(), row);
     }
     assert!(rows.len() >= 7, "the table was not read: {rows:?}");
@@ -93,14 +88,11 @@ fn every_crate_stands_in_the_table_and_every_row_is_a_crate() {
         .keys()
         .filter(|name| !EXEMPT.contains(&name.as_str()))
     {
-        let row = table
-            .get(name)
-            .unwrap_or_else(|| panic!("`{name}` is not in the table"));
-        assert!(!row.planned, "`{name}` exists, but is marked as planned");
+        assert!(table.contains_key(name), "`{name}` is not in the table");
     }
-    for (name, row) in &table {
+    for name in table.keys() {
         assert!(
-            row.planned || crates.contains_key(name),
+            crates.contains_key(name),
             "`{name}` is in the table, but does not exist"
         );
     }
@@ -133,11 +125,10 @@ fn arrows_point_downward_only() {
 #[test]
 fn the_dependencies_that_the_table_lists_are_there() {
     let (table, crates) = (table(), internal_dependencies());
-    for (name, row) in table.iter().filter(|(_, row)| !row.planned) {
+    for (name, row) in &table {
         for listed in &row.depends_on {
-            let planned = table.get(listed).is_some_and(|row| row.planned);
             assert!(
-                planned || crates[name].contains(listed),
+                crates[name].contains(listed),
                 "the table says that `{name}` depends on `{listed}`"
             );
         }
