@@ -100,7 +100,7 @@ fn the_plan_of_points_names_what_is_left_out() {
     assert_eq!(plan.painters(), [Painter::Points].into());
     assert_eq!(plan.objects[0].instances, 5);
     assert_eq!(plan.objects[0].samples, 5);
-    for left_out in ["surface", "curve", "vector", "geodesic", "sampler"] {
+    for left_out in ["surface", "curve", "vector", "resolve pass", "sampler"] {
         assert!(
             plan.left_out
                 .iter()
@@ -115,7 +115,7 @@ fn the_plan_of_points_names_what_is_left_out() {
 fn explain_speaks_of_every_object_and_of_what_is_left_out() {
     let run = geotrace(["explain", "-"]).input(POINTS).run();
     run.expect_status(0);
-    for word in ["p", "no surface pipeline", "geodesic kernel", "sampler"] {
+    for word in ["p", "no surface pipeline", "no resolve pass", "sampler"] {
         run.expect_text(word);
     }
     for example in examples::all() {

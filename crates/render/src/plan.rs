@@ -137,10 +137,6 @@ pub(crate) fn complete(plan: &mut Plan) {
         };
         plan.left_out.push(format!("no sampling kernel: {reason}"));
     }
-    if is_geodesic {
-        plan.left_out
-            .push("no geodesic kernel: the geodesics are followed in f64".to_owned());
-    }
 }
 
 impl Plan {

@@ -73,7 +73,6 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
         "no curve pipeline",
         "no surface pipeline",
         "no sampling kernel",
-        "no geodesic kernel",
     ];
     for method in [PictureMethod::Auto, PictureMethod::Rk4Pixel] {
         choose(&mut request, method);
@@ -83,8 +82,8 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
             assert!(sentence.starts_with(part), "{sentence}");
         }
         assert_eq!(
-            left_out[5],
-            "no geodesic kernel: the geodesics are followed in f64"
+            left_out[4],
+            "no sampling kernel: a geodesic view has no samples"
         );
     }
 }

@@ -125,7 +125,7 @@ impl View for SpaceView {
         }
         plan.count_textures(&textured);
         plan.left_out
-            .push("no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned());
+            .push("no resolve pass: the picture is the 3D view".to_owned());
     }
 
     fn renderer(&self) -> Box<dyn ViewRenderer> {
