@@ -6,7 +6,7 @@
 //! - [`diagnostic`], [`codes`]: what is wrong with a text.
 //! - [`symbol`], [`trie`], [`spelling`]: names.
 //! - [`highlight`]: the kinds of coloured pieces.
-//! - [`productions`]: grammars as data, their sets and tables.
+//! - [`productions`]: grammars as data.
 //! - [`document`]: a text that is edited, read piece by piece.
 //! - [`attribute_range`]: the numbers that an attribute may have.
 //!

@@ -1,14 +1,17 @@
 //! The grammar of CRT scripts is LL(1) but for four cells, and the parser follows it.
 
+#[path = "support/productions.rs"]
+mod productions;
+
 use std::collections::BTreeSet;
 
+use productions::Productions;
 use syntax::crt::actions::Actions;
 use syntax::crt::codes;
 use syntax::crt::grammar::{GREEDY, Nonterminal, PRODUCTIONS};
 use syntax::crt::parse_script;
 use syntax::crt::token::{Token, TokenKind};
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::productions::Productions;
 
 #[test]
 fn the_grammar_has_the_four_known_conflicts_and_no_others() {

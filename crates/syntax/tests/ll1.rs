@@ -1,17 +1,20 @@
 //! The grammar is LL(1), the parser follows it, and it is the language's own grammar.
 
+#[path = "support/productions.rs"]
+mod productions;
 #[path = "support/recorder.rs"]
 mod support;
 
 use std::collections::{BTreeSet, HashSet};
 
+use productions::Productions;
 use support::parse;
 use syntax::diagnostic::Severity;
 use syntax::geotrace::codes;
 use syntax::geotrace::declarations::{DeclarationKeyword, Syntax};
 use syntax::geotrace::grammar::{Nonterminal, PRODUCTIONS, Terminal};
 use syntax::geotrace::token::TokenKind;
-use syntax::productions::{Item, Production, Productions};
+use syntax::productions::{Item, Production};
 
 /// The grammar as the language's page states it, left recursion and all.
 fn original_text() -> String {
