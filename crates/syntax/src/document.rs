@@ -36,7 +36,7 @@ mod sequence;
 mod snapshot;
 mod surroundings;
 
-use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Deref;
 
 use crate::persistent_vector::PersistentVector;
@@ -65,7 +65,6 @@ pub struct Document<G: Grammar> {
     /// The symbols whose names are read as several tokens above their declarations.
     shadowed: HashMap<SymbolId, Split>,
     version: u64,
-    journal: VecDeque<Change>,
     counters: ReadCounters,
 }
 
@@ -124,9 +123,6 @@ impl std::fmt::Display for EditError {
 
 impl std::error::Error for EditError {}
 
-/// The number of changes that [`Document::changes_since`] can go back.
-const MAX_JOURNAL: usize = 256;
-
 impl<G: Grammar> Document<G> {
     /// Reads a text.
     ///
@@ -171,7 +167,6 @@ impl<G: Grammar> Document<G> {
             unresolved: UnresolvedWords::default(),
             shadowed: HashMap::new(),
             version: 0,
-            journal: VecDeque::new(),
             counters: ReadCounters::default(),
         }
     }
@@ -239,17 +234,12 @@ impl<G: Grammar> Document<G> {
             self.shadowed.remove(id);
             self.snapshot.names.free(*id);
         }
-        let change = Change {
+        Ok(Change {
             version: self.version,
             removed: pass.removed,
             read: pass.read,
             forgotten,
-        };
-        if self.journal.len() == MAX_JOURNAL {
-            self.journal.pop_front();
-        }
-        self.journal.push_back(change.clone());
-        Ok(change)
+        })
     }
 
     /// The document as it is now. Later edits do not change the snapshot.
@@ -260,13 +250,6 @@ impl<G: Grammar> Document<G> {
     /// The number of edits so far.
     pub fn version(&self) -> u64 {
         self.version
-    }
-
-    /// The changes since a version. Returns `None` if that is too long ago, or not reached yet.
-    pub fn changes_since(&self, version: u64) -> Option<impl Iterator<Item = &Change>> {
-        let oldest = self.version - self.journal.len() as u64;
-        (oldest <= version && version <= self.version)
-            .then(|| self.journal.iter().filter(move |it| it.version > version))
     }
 
     /// The counters of the work so far.
