@@ -17,14 +17,26 @@ use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
 use crate::surface::{LANES, Lanes, Surface};
 
-/// The most evaluations to find out why steps lead nowhere.
+/// The most evaluations that are spent on finding why a ray makes no progress.
 const CAREFUL: u64 = 4000;
-/// Steps shorter than so many of the plan's shortest ones of full error have something singular near by.
+/// A step shorter than this multiple of [`RayPlan::least`] means that a singularity is near.
 const SHORT: f64 = 3.0;
 /// The most steps beyond an edge.
 const STEPS_BEYOND: u32 = 3;
-/// A cone is unrolled anew when a ray has turned about its tip by this angle.
+/// A cone is unrolled anew when a ray has turned about its tip by this angle, in radians.
 const TURN: f64 = 2.0;
+/// The whole group repeats a refused step where no lane asks for less than this share of it.
+const SHARED_RETRY: f64 = 0.5;
+/// A lane is slow if its next step is shorter than this multiple of the shortest one.
+const SLOW_RATIO: f64 = 1.5;
+/// Slow lanes leave the group where the steps of the others are longer than this multiple of the shortest one.
+const SPLIT_RATIO: f64 = 2.5;
+/// The excess of a step that ends outside its coordinates: about half of it is tried next.
+const OUTSIDE_EXCESS: f64 = 20.0;
+/// The excess of the longest step near the tip of a cone: below 1, so that rounding does not refuse it.
+const LONGEST_EXCESS: f64 = 0.999;
+/// A ray has ended where less than this share of its length is left.
+const END_SHARE: f64 = 1e-14;
 
 /// A group of lanes.
 pub(super) struct Group<'a> {
@@ -183,7 +195,7 @@ impl<'a> Group<'a> {
             }
         }
         let least = factors.iter().fold(f64::INFINITY, |least, x| least.min(*x));
-        if bad > 0 && (good < bad || least > 0.5) {
+        if bad > 0 && (good < bad || least > SHARED_RETRY) {
             for (lane, ray) in rays.iter_mut().enumerate() {
                 if self.active[lane] && ray.stop.is_none() {
                     ray.rejected += 1;
@@ -226,7 +238,7 @@ impl<'a> Group<'a> {
         // So do those that would hold up the others.
         let goes = |lane: usize| self.active[lane] && rays[lane].stop.is_none();
         let going = (0..rays.len()).filter(|&lane| goes(lane)).count();
-        let slow = |ray: &ActiveRay| ray.h < 1.5 * next;
+        let slow = |ray: &ActiveRay| ray.h < SLOW_RATIO * next;
         let slower = (0..rays.len())
             .filter(|&lane| goes(lane) && slow(&rays[lane]))
             .count();
@@ -236,7 +248,7 @@ impl<'a> Group<'a> {
             .filter(|(lane, ray)| goes(*lane) && !slow(ray))
             .map(|(_, ray)| ray)
             .fold(f64::INFINITY, |least, ray| least.min(ray.h));
-        if slower * 2 <= going && others > 2.5 * next {
+        if slower * 2 <= going && others > SPLIT_RATIO * next {
             for (lane, ray) in rays.iter().enumerate() {
                 if self.active[lane] && ray.stop.is_none() && slow(ray) {
                     self.active[lane] = false;
@@ -270,16 +282,16 @@ impl<'a> Group<'a> {
         match self.field.chart {
             None => {
                 if self.field.layout.needs_apex_chart(end) {
-                    excess = excess.max(20.0);
+                    excess = excess.max(OUTSIDE_EXCESS);
                 }
             }
             Some(chart) => {
                 if chart.oversteps(end) {
-                    excess = excess.max(20.0);
+                    excess = excess.max(OUTSIDE_EXCESS);
                 }
                 if !chart.apex.smooth {
                     let longest = chart.longest(ray.state());
-                    excess = excess.max((h / longest).powi(5) * 0.999);
+                    excess = excess.max((h / longest).powi(5) * LONGEST_EXCESS);
                 }
             }
         }
@@ -319,7 +331,7 @@ impl<'a> Group<'a> {
                 }
             }
         }
-        if ray.s >= ray.length * (1.0 - 1e-14) {
+        if ray.s >= ray.length * (1.0 - END_SHARE) {
             ray.done = true;
             self.active[lane] = false;
             return;
