@@ -18,9 +18,9 @@ use crate::point::WorldPoint;
 use crate::request::PictureRequest;
 use crate::viewpoint::Viewpoint;
 
-/// The bounds are kept while the scene stays in a ball of so many of their radii …
+/// The bounds are kept while the scene stays in a ball of this many of their radii.
 const OUTGROWN: f64 = 1.6;
-/// … and its own radius is at least such a share of theirs.
+/// The bounds are kept while the scene's own radius is at least this share of theirs.
 const SHRUNK: f64 = 0.3;
 
 /// The target of a declared camera is not nearer than this, in radii of the scene, unless its direction says so.

@@ -212,9 +212,9 @@ fn wave_words(distance: f64) -> String {
 /// The style of lines over pictures of a size: each has a dark rim, so that it is seen on anything.
 #[derive(Clone, Copy, Debug)]
 struct StrokeStyle {
-    /// Half a line's width in pixels, …
+    /// Half a line's width in pixels.
     half: f32,
-    /// … and that of its rim.
+    /// Half the width in pixels of a line's rim.
     rim: f32,
     decoder: Decoder,
 }

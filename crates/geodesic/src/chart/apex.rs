@@ -6,13 +6,14 @@ use crate::jet::Jet;
 use crate::metric::combine;
 use crate::topology::Apex;
 
-/// An apex's chart is entered within this share of the chart's reach from the apex, …
+/// A ray enters the chart of an apex within this share of the chart's reach.
 const ENTER: f64 = 0.25;
-/// … left beyond this one, so that a ray does not go back and forth, …
+/// A ray leaves the chart of an apex beyond this share of its reach. It exceeds [`ENTER`], so that a ray does not go back and
+/// forth.
 const LEAVE: f64 = 0.3;
-/// … but both so many times farther out by a single ray where the surface does not bend within that reach, …
+/// The factor to [`ENTER`] and [`LEAVE`] for a single ray where the surface does not bend within the reach.
 const ROUND: f64 = 1.4;
-/// … and never used beyond this one.
+/// The chart of an apex is never used beyond this share of its reach.
 const REACH: f64 = 0.5;
 /// The plain chart is not used nearer than this to an apex that has its own chart.
 const KEEP_OFF: f64 = 0.1;

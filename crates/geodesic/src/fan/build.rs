@@ -19,9 +19,9 @@ use crate::surface::Surface;
 
 /// Rays to begin with.
 pub(super) const BASE: usize = 16;
-/// The share of the tolerance that interpolation between rays may use, …
+/// The share of the tolerance that interpolation between rays may use.
 pub(super) const ACROSS: f64 = 0.7;
-/// … and the one that the rays' own errors may.
+/// The share of the tolerance that the rays' own errors may use.
 const ALONG: f64 = 0.3;
 /// The factor to the tolerance when the first rays are integrated once more, to measure their errors.
 const EXACT: f64 = 0.04;

@@ -11,10 +11,10 @@ use super::{border, cell};
 
 /// An edge is to be at its place to this part of a pixel.
 const EDGE: f64 = 0.25;
-/// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them, …
+/// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them.
 const NARROWEST: f64 = 0.5;
 const FEW: usize = 64;
-/// … and while more pixels than this are left out between two rays.
+/// Such sectors are bisected only while more pixels than this are left out between two rays.
 const LEFT_OUT: f64 = 2.0;
 /// The factor by which a sector's error may exceed the one that was expected of it before less is expected of its halves.
 const EXCESS: f32 = 2.0;

@@ -17,9 +17,9 @@ use crate::ends::Estimate;
 
 /// The factor to the tolerance of the rays that measure the errors of the others.
 const EXACT: f64 = 0.15;
-/// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
+/// The number of evenly spread sectors that are measured beside those that should have the largest errors.
 const SPREAD: usize = 3;
-/// … so many times, while sectors have to be bisected after it.
+/// The most rounds of measuring and bisecting.
 const ROUNDS: usize = 4;
 /// While any other is expected to have more than this share of the largest error that was found, and not many have been
 /// measured, more are.
@@ -30,9 +30,9 @@ const RAISED: f64 = 1.4;
 const LOWERED: f64 = 0.5;
 /// The factor to what is expected of a sector that was never bisected: what wider ones say of it may be far too low.
 const UNTRIED: f64 = 6.0;
-/// Rays are measured whose own errors, times this factor, may be the largest of the picture, …
+/// Rays are measured whose own errors, times this factor, may be the largest of the picture.
 const RAY_DOUBTFUL: f64 = 3.0;
-/// … with as many sectors as fill whole groups of eight, and no fewer than this.
+/// The most of such rays, and beside them as many as fill the last group of eight.
 const RAYS: usize = 4;
 /// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more than one bulge.
 const SHARES: [f64; 2] = [0.25, 0.75];

@@ -25,9 +25,9 @@ use crate::status::Status;
 
 /// Rays to begin with.
 const BASE: usize = 16;
-/// The share of the tolerance that interpolation between rays may use, …
+/// The share of the tolerance that interpolation between rays may use.
 const ACROSS: f64 = 0.7;
-/// … and the one that a ray's own steps may.
+/// The share of the tolerance that a ray's own steps may use.
 const ALONG: f64 = 0.03;
 /// The most evaluations for one ray, and for a pixel that is followed by itself.
 const ONE_RAY: usize = 20_000;

@@ -35,9 +35,9 @@ const SHORT: f64 = 0.01;
 const LEAST_TURN: f64 = 0.3;
 /// The longest step of a surface that has edges, as a share of its size.
 const BESIDE_EDGES: f64 = 0.05;
-/// Parts of a step that are shorter than this share of it are not halved in the search for an edge, …
+/// Parts of a step that are shorter than this share of it are not halved in the search for an edge.
 const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
-/// … and no more of them than so many.
+/// The most parts of a step that are halved in the search for an edge.
 const MOST_HALVED: u32 = 64;
 /// The relative error that an evaluation's rounding may add to a step.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;

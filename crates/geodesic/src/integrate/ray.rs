@@ -21,11 +21,11 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The tolerance is for steps no shorter than this share of the ray's scale.
 const SMALL_STEP: f64 = 0.005;
-/// The share of its evaluations that a ray may use before they are compared with its progress, …
+/// The share of its evaluations that a ray may use before they are compared with its progress.
 const UNHURRIED: f64 = 0.25;
-/// … the share that it keeps back then, …
+/// The share of its evaluations that a ray keeps back from then on.
 const KEPT: f64 = 0.15;
-/// … and by how much its steps may err more at most.
+/// The greatest factor by which a ray that is short of evaluations may err more.
 const MOST_RELAXED: f64 = 1e3;
 
 /// The most evaluations at the end of a ray: a last change of chart, the reason of its end, its position.

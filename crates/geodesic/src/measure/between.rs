@@ -48,15 +48,16 @@ pub const MOST_CONNECTIONS: usize = 32;
 
 /// Lengths that differ by no more, relative to the longer, are one.
 const SAME_LENGTH: f64 = 1e-7;
-/// Angles that differ by no more are one, …
+/// Angles that differ by no more are one.
 const SAME_ANGLE: f64 = 1e-6;
-/// … and those whose rays end no farther apart, in units of the size.
+/// Angles whose rays end no farther apart are one, in units of the size.
 const SAME_PLACE: f64 = 1e-9;
 /// A loop is longer than this, in units of the size.
 const NO_LENGTH: f64 = 1e-9;
-/// The search for the shortest begins at this share of a way that is known to be long enough, …
+/// The search for the shortest begins at this share of a way that is known to be long enough.
 const BEGIN: f64 = 0.02;
-/// … and grows by this factor: where geodesics diverge, the work grows with the exponential of the length.
+/// The factor by which the search for the shortest grows. Where geodesics diverge, the work grows with the exponential of the
+/// length.
 const GROW: f64 = 1.6;
 /// A search goes a little farther than it has to.
 const MORE: f64 = 1.02;

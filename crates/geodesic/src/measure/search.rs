@@ -36,18 +36,19 @@ const MOST_EVALUATIONS: u64 = 2_000_000;
 const MOST_CELLS: usize = 200_000;
 /// The number of sectors to begin with.
 const SECTORS: u32 = 32;
-/// Cells are halved until they are smaller than the reach by this factor, …
+/// Cells are halved until they are smaller than the reach by this factor.
 const FINE: f64 = 1.0 / 128.0;
-/// … and than this angle.
+/// Cells are halved until they are narrower than this angle.
 const NARROW: f64 = TAU / 96.0;
 /// By how much the image of a cell may be larger than it seems.
 const MARGIN: f64 = 1.4;
-/// A cell whose image is larger than the radius of curvature by this factor is halved, wherever it seems to lie, …
+/// A cell whose image is larger than the radius of curvature by this factor is halved, wherever it seems to lie.
 const BENT: f64 = 1.0;
-/// … as are sectors that are wider than this share of the reach, or, where some of its rays have ended, than this one, …
+/// A sector that is wider than this share of the reach is halved.
 const EDGE: f64 = 0.25;
+/// A sector in which some rays have ended is halved if it is wider than this share of the reach.
 const TORN: f64 = 1.0 / 64.0;
-/// … unless they are narrower than this angle: the fan knows no rays between those of neighbouring pixels.
+/// Sectors narrower than this angle are not halved: the fan knows no rays between those of neighbouring pixels.
 const LEAST_WIDTH: f64 = 2e-4;
 /// The fan may have missed some rays of sectors that are narrower.
 const SURE_WIDTH: f64 = 4e-4;

@@ -17,9 +17,9 @@ pub(super) struct PolarVector {
 /// The goals of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NewtonBounds {
-    /// The distance from the target that it aims at, …
+    /// The distance from the target that it aims at.
     pub(super) aim: f64,
-    /// … and how near is near enough where it comes no nearer.
+    /// The distance that is near enough where it comes no nearer.
     pub(super) tolerance: f64,
     /// Beside which m is small.
     pub(super) damping: f64,

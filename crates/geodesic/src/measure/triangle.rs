@@ -82,9 +82,9 @@ const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 1e-9;
 /// The most intervals of the quadrature along a side.
 const MOST: usize = 24;
-/// A side is first followed in about so many strides, …
+/// The number of strides, about, in which a side is first followed.
 const STRIDES: f64 = 6.0;
-/// … none of them shorter than this share of it.
+/// No stride is shorter than this share of its side.
 const SHORTEST: f64 = 1e-3;
 /// A ray may turn by no more from one point of a side to the next, beyond what is expected.
 const LEAP: f64 = 0.3;

@@ -19,10 +19,11 @@ pub(super) struct ParameterChange {
     rates: SeriesGroup<2>,
 }
 
-/// The most terms of the density and of ψ, …
+/// The most terms of the density and of ψ.
 const OF_DENSITY: usize = 128;
 const OF_CHANGE: usize = 64;
-/// … and what their last ones may be, relative to the largest: the density's integral has terms that are much smaller.
+/// The size that the last terms of the density and of ψ may have, relative to the largest. The density's integral has terms
+/// that are much smaller.
 const DENSITY_TAIL: f64 = 1e-13;
 const CHANGE_TAIL: f64 = 1e-14;
 /// The most steps to a place with a given share of the integral.

@@ -11,9 +11,9 @@ use session::Finding;
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
-/// The most pieces of a text that are coloured: egui lays each out by itself. A text with more is plain, …
+/// The most pieces of a text that are coloured: egui lays each out by itself. A text with more is plain.
 const MOST_COLOURED: usize = 50_000;
-/// … and no more diagnostics than these are underlined in any.
+/// The most diagnostics that are underlined in a text.
 const MOST_MARKED: usize = 1_000;
 
 /// The last layout.

@@ -162,11 +162,11 @@ pub struct PlacedWords {
     pub width: f32,
     /// The size of their font: of its em square.
     pub size: f32,
-    /// The colour of the words, sRGB; that of what is hidden is nearer to their rim, …
+    /// The colour of the words, sRGB; that of what is hidden is nearer to their rim.
     pub colour: [u8; 3],
-    /// … and that of the rim around them, …
+    /// The colour of the rim around the words, sRGB.
     pub rim: [u8; 3],
-    /// … with its width.
+    /// The width of the rim.
     pub rim_width: f32,
     /// The share of their ink that they have, from 0 to 1.
     pub(super) share: f32,

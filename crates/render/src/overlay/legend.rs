@@ -44,15 +44,15 @@ impl Mark {
 struct LegendLayout {
     /// A pixel of a picture of the usual size.
     unit: f32,
-    /// The height of words, …
+    /// The height of words.
     text: f32,
-    /// … of a line of them, …
+    /// The height of a line of words.
     line: f32,
-    /// … and what is left free at its edges.
+    /// The width that is left free at the edges.
     pad: f32,
-    /// The width of a swatch, …
+    /// The width of a swatch.
     swatch: f32,
-    /// … and of the widest entry.
+    /// The width of the widest entry.
     widest: f32,
     /// Width and height of all.
     size: [u32; 2],

@@ -131,9 +131,9 @@ pub(super) struct Checked {
     pub(super) is_limited: bool,
 }
 
-/// The number of expressions that may be kept beyond those in use, and of bytes of text without a place, …
+/// The number of expressions that may be kept beyond those in use, and of bytes of text without a place.
 const SLACK: usize = 50_000;
-/// … and the number of symbols: each has steps, places and a meaning, half a kilobyte as a rule.
+/// The number of symbols that may be kept beyond those in use. Each has steps, places and a meaning, half a kilobyte as a rule.
 const SLACK_SYMBOLS: usize = 4_000;
 
 impl Checker {
