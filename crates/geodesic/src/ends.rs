@@ -114,8 +114,8 @@ pub trait Ends<const N: usize = 2>: Sync {
     fn periods(&self) -> [f64; N] {
         [0.0; N]
     }
-    /// The least and the largest of each coordinate, such as `[[u min, u max], [v min, v max]]`: a geodesic whose end would lie beyond has left the domain. Infinite where no
-    /// edge is.
+    /// The least and the largest of each coordinate, such as `[[u min, u max], [v min, v max]]`: a geodesic whose end would
+    /// lie beyond has left the domain. Infinite where no edge is.
     fn bounds(&self) -> [[f64; 2]; N] {
         [[f64::NEG_INFINITY, f64::INFINITY]; N]
     }

@@ -46,8 +46,9 @@ pub struct MapOptions {
     pub method: Method,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
-    /// The most evaluations of all pixels together; fewer of a surface whose evaluation is dear ([`affordable_evaluations`](crate::surface::affordable_evaluations)).
-    /// A method that follows pixels one by one has [`MapOptions::evaluations_per_pixel`] on the average.
+    /// The most evaluations of all pixels together; fewer of a surface whose evaluation is dear
+    /// ([`affordable_evaluations`](crate::surface::affordable_evaluations)). A method that follows pixels one by one has
+    /// [`MapOptions::evaluations_per_pixel`] on the average.
     pub max_evaluations: u64,
     /// True if [`Map::by_pixel`] is wanted, of the methods that know it.
     pub by_pixel: bool,

@@ -80,8 +80,8 @@ pub struct Trace {
     pub length: f64,
     /// The change of its speed, which is 1 at the start: nothing corrects it, so it measures the integration.
     pub speed_drift: f64,
-    /// The estimated distance of the true end: by comparison with a more exact run ([`Options::compare`]), or a bound from the steps'
-    /// estimated errors, carried on by the Jacobi fields, which is often ten times and more above the truth.
+    /// The estimated distance of the true end: by comparison with a more exact run ([`Options::compare`]), or a bound from
+    /// the steps' estimated errors, carried on by the Jacobi fields, which is often ten times and more above the truth.
     pub error_estimate: f64,
     /// Steps taken.
     pub steps: usize,

@@ -10,8 +10,8 @@ use expr::tape::{Registers, Tape};
 use rayon::prelude::*;
 use scene::{Object, ParamValues, Range, Sampling, Scene, Shape};
 
-/// The numbers of halvings of a piece after which the two sides of a place are compared. Nearer to a removable singularity rounding
-/// could look like a jump, so the second and the third count only where the first leaves a doubt.
+/// The numbers of halvings of a piece after which the two sides of a place are compared. Nearer to a removable singularity
+/// rounding could look like a jump, so the second and the third count only where the first leaves a doubt.
 const HALVINGS: [i32; 3] = [14, 21, 28];
 /// The most evaluations on intervals in one piece; where they do not find its break, it has none.
 const MOST_EVALUATIONS: u32 = 100;
@@ -45,8 +45,8 @@ const ROUNDING: f64 = 1e-9;
 /// A place between samples at which an object breaks off.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Break {
-    /// The place in the grid of samples of the first sample of the cell: a curve breaks off between it and the next one, a surface
-    /// on a side of the cell, or at a pole within it.
+    /// The place in the grid of samples of the first sample of the cell: a curve breaks off between it and the next one, a
+    /// surface on a side of the cell, or at a pole within it.
     pub first: [u32; 2],
     /// True if what leads to it has no bound.
     pub is_pole: bool,
@@ -109,8 +109,8 @@ impl Breaks {
         Some(found)
     }
 
-    /// Returns the limits of those samples of an instance that are undefined and have one, with their indices; the first parameter
-    /// is the fastest.
+    /// Returns the limits of those samples of an instance that are undefined and have one, with their indices; the first
+    /// parameter is the fastest.
     pub fn limits(
         &self,
         domain: &[Sampling],

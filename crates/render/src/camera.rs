@@ -239,7 +239,8 @@ impl Camera {
         self.axes = [right, back.cross(right), back];
     }
 
-    /// Steps back until all points fit, those of the scene and those `beside` it, and aside until they are centred unless there is a target.
+    /// Steps back until all points fit, those of the scene and those `beside` it, and aside until they are centred unless
+    /// there is a target.
     ///
     /// A point at (x, y, z) in the camera's axes is inside the picture if |x − cx| ≤ (d − z)·tx: with
     /// A = max(x + z·tx) and B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.

@@ -1,7 +1,6 @@
 //! The difference between two views: the entries of the one where the other has different ones.
 //!
-//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step
-//! back, and
+//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step back, and
 //! exchanged once more makes it again; what others have changed meanwhile stays as it is.
 
 use std::collections::BTreeMap;

@@ -49,8 +49,8 @@ impl Surfaces {
     }
 }
 
-/// Names a surface that is shared only if it is the same: the polynomials of a shape and the place among them, or no shape and the node;
-/// the bits of the map, and those of the uniforms that the node reads.
+/// Names a surface that is shared only if it is the same: the polynomials of a shape and the place among them, or no shape
+/// and the node; the bits of the map, and those of the uniforms that the node reads.
 type Name = (usize, usize, [u64; 12], Vec<u64>);
 
 /// A surface with a number that does not depend on the scale of its equation.

@@ -7,8 +7,8 @@
 //! An attack does what no bytes do: it runs the program with options, kills it, fills its disk.
 //!
 //! The tests of this package give each target a fixed number of inputs from a fixed seed, and each attack a few attempts. The
-//! program `geotrace-fuzz` gives them any number, and runs one input again. Mutation is our own, because the tests need the same inputs on every run and a
-//! stable compiler, which fuzzers that are guided by coverage (libFuzzer, AFL++) do not offer.
+//! program `geotrace-fuzz` gives them any number, and runs one input again. Mutation is our own, because the tests need the
+//! same inputs on every run and a stable compiler, which fuzzers that are guided by coverage (libFuzzer, AFL++) do not offer.
 
 mod attacks;
 pub mod memory;

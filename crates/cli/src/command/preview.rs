@@ -11,9 +11,9 @@ use crate::registry::Context;
 
 /// Open the live window on a program: its 3D view, and its surfaces from inside.
 ///
-/// Without a FILE the window offers new programs, those that were opened last, and examples. It follows the file as it changes on disk, and has a pane of its own to write in. Editors start it by
-/// themselves, attached to what is typed there. Without a display it ends with status 1: `geotrace show` makes pictures
-/// then, and `geotrace render` in any case.
+/// Without a FILE the window offers new programs, those that were opened last, and examples. It follows the file as it
+/// changes on disk, and has a pane of its own to write in. Editors start it by themselves, attached to what is typed there.
+/// Without a display it ends with status 1: `geotrace show` makes pictures then, and `geotrace render` in any case.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program

@@ -83,7 +83,8 @@ pub(super) struct Arguments {
     /// output
     #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
-    /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE (or a metric, or a solid); without a name, the program's first
+    /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE (or a metric, or a solid); without a name, the
+    /// program's first
     #[arg(long, value_name = "VIEW", value_parser = argument::standard_view)]
     view: Option<ViewId>,
     /// The picture's size in pixels; unless given 800x800, of a CRT script 800x600

@@ -256,8 +256,8 @@ impl<'a> SampleGrid<'a> {
         [[a, b, c], [a, c, d]]
     }
 
-    /// Reports whether a triangle of [`SampleGrid::quad`] is drawn: all corners are defined, its quad is not left open, and it has
-    /// an area, or corners that coincide.
+    /// Reports whether a triangle of [`SampleGrid::quad`] is drawn: all corners are defined, its quad is not left open, and
+    /// it has an area, or corners that coincide.
     fn is_there(&self, triangle: [usize; 3]) -> bool {
         !self.open[triangle[0]]
             && triangle.iter().all(|&corner| self.defined[corner])

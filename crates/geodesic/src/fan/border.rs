@@ -80,7 +80,8 @@ pub(super) fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)>
     Some((s, status))
 }
 
-/// The arc length up to which anything between two rays is on the surface: an edge may bulge out between the places where they leave.
+/// The arc length up to which anything between two rays is on the surface: an edge may bulge out between the places where
+/// they leave.
 pub(super) fn farthest(rays: [&Ray; 2], width: f64) -> f64 {
     let far = rays[0].limit().max(rays[1].limit());
     let (Some(a), Some(b)) = (rays[0].stop, rays[1].stop) else {

@@ -30,8 +30,8 @@ pub(super) struct RayPlan {
     pub(super) limit: u64,
     /// The arc length that the ranges of radius divide.
     pub(super) reach: f64,
-    /// The arc length for which a ray is followed beyond an edge, where the surface goes on there: so that the places on both sides of the
-    /// edge are one smooth function, and the edge is where that leaves the domain.
+    /// The arc length for which a ray is followed beyond an edge, where the surface goes on there: so that the places on both
+    /// sides of the edge are one smooth function, and the edge is where that leaves the domain.
     pub(super) beyond: f64,
 }
 

@@ -34,7 +34,8 @@ const UNTRIED: f64 = 6.0;
 const RAY_DOUBTFUL: f64 = 3.0;
 /// The most of such rays, and beside them as many as fill the last group of eight.
 const RAYS: usize = 4;
-/// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more than one bulge.
+/// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more
+/// than one bulge.
 const SHARES: [f64; 2] = [0.25, 0.75];
 /// The largest error of a picture's pixels over the largest that is expected of its sectors anywhere: on random scenes
 /// most estimates are within twice the truth with this factor (`benches estimates`).

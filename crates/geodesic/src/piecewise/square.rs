@@ -47,7 +47,8 @@ impl<const N: usize> Polynomials<N> {
 }
 
 impl Agreement {
-    /// Returns the coordinates and the edge that these ends share with those before, of which `first` was the first one; `None` where they share none.
+    /// Returns the coordinates and the edge that these ends share with those before, of which `first` was the first one;
+    /// `None` where they share none.
     pub(super) fn with<const N: usize>(self, first: &End<N>, ends: &[End<N>]) -> Option<Self> {
         let alike = |status: Status| ends.iter().all(|end| end.status == status);
         match self {

@@ -1,8 +1,8 @@
 //! Values in a text: that of `s(1, 2)` where it stands, for a surface or a metric with the curvature there, for a solid with
 //! the gradient and the curvature; that of an attribute.
 //!
-//! In: the token of a function's name, or the range of an expression. Out: sentences; none where an argument is a parameter of the body around it, or where
-//! a declaration that it needs has an error.
+//! In: the token of a function's name, or the range of an expression. Out: sentences; none where an argument is a parameter
+//! of the body around it, or where a declaration that it needs has an error.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! The canonical layout: how a text is written, never what it means.
 //!
-//! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@`, the
-//! operators of sets and between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within a
-//! declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
+//! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@`, the operators
+//! of sets and between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within
+//! a declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
 //! otherwise, the text stays as it is.
 
 use std::hash::{DefaultHasher, Hash, Hasher};

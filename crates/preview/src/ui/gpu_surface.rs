@@ -61,9 +61,8 @@ impl GpuSurface {
         )
     }
 
-    /// Returns the longest time that a frame of the window waits for its pictures: less than a frame of the screen,
-    /// or where frames are
-    /// drawn by the processor, about as long as one takes.
+    /// Returns the longest time that a frame of the window waits for its pictures: less than a frame of the screen, or where
+    /// frames are drawn by the processor, about as long as one takes.
     pub(crate) fn frame_wait_budget(&self) -> Duration {
         if self.state.adapter.get_info().device_type == DeviceType::Cpu {
             Duration::from_millis(100)

@@ -67,7 +67,8 @@ impl<'a> GeodesicOverlay<'a> {
         self.lines.as_ref().map(|lines| lines as &dyn Layer)
     }
 
-    /// Draws all of it over a picture that was coloured elsewhere. Gives what a reader should know, and the names of what was drawn.
+    /// Draws all of it over a picture that was coloured elsewhere. Gives what a reader should know, and the names of what was
+    /// drawn.
     pub(crate) fn draw(
         self,
         image: &mut RgbaImage,

@@ -1,7 +1,7 @@
 //! Expressions as they were read: steps in postfix order.
 //!
-//! In: the parser's operators, one after the other. Out: the stretches of steps that give a declaration's last values. Postfix order is kept as it comes, since it can be run on a stack and
-//! needs no recursion, however deep an expression is.
+//! In: the parser's operators, one after the other. Out: the stretches of steps that give a declaration's last values.
+//! Postfix order is kept as it comes, since it can be run on a stack and needs no recursion, however deep an expression is.
 
 use std::ops::Range;
 

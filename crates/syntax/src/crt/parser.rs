@@ -1,8 +1,8 @@
 //! The parser of CRT scripts: LL(1) recursive descent along [`grammar`](super::grammar), calling the hooks of [`Actions`] as it
 //! goes. The levels of left-associative operators are one function.
 //!
-//! Parsing never fails: what is wrong becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the list that
-//! the fault lies in (of statements, attributes, arguments) goes on behind it.
+//! Parsing never fails: what is wrong becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the list
+//! that the fault lies in (of statements, attributes, arguments) goes on behind it.
 //!
 //! - `expression`: expressions.
 //! - `object`: objects with their attributes.

@@ -1,8 +1,9 @@
 //! The ends of declarations, found without parsing them.
 //!
-//! A `;` ends a declaration, unless an item such as `t : [0, 1]` follows: the parser says that the item belongs to it. Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a
-//! comment or nothing follows; else it was meant to separate components, and the parser says so. So the beginning of a
-//! declaration also decides where the one above ends ([`LOOKAHEAD`]).
+//! A `;` ends a declaration, unless an item such as `t : [0, 1]` follows: the parser says that the item belongs to it.
+//! Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a comment or nothing
+//! follows; else it was meant to separate components, and the parser says so. So the beginning of a declaration also decides
+//! where the one above ends ([`LOOKAHEAD`]).
 
 use super::declarations::DeclarationKeyword;
 use crate::span::Span;

@@ -1,9 +1,9 @@
 //! Measures casting.
 //!
 //! `surfaces [NAME [FOLDER]]` casts a ray for each pixel of 640 × 480 at each implicit surface of the tests whose name
-//! contains `NAME`, on two threads, and prints the time that it takes and the processor's time of both threads together, which
-//! other programs do not lengthen; with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
-//! crossing with the membership of points. `pictures [NAME]` draws pictures on one thread.
+//! contains `NAME`, on two threads, and prints the time that it takes and the processor's time of both threads together,
+//! which other programs do not lengthen; with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and
+//! compares every crossing with the membership of points. `pictures [NAME]` draws pictures on one thread.
 
 use std::sync::Mutex;
 use std::time::Instant;

@@ -61,7 +61,8 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
             .desired_width(f32::INFINITY)
             .min_size(egui::vec2(0.0, room - ui.spacing().item_spacing.y))
             .layouter(&mut layouter);
-        // While a list is open, these keys are the list's; Escape is the search's, too. Tab goes on to the next control until something is typed.
+        // While a list is open, these keys are the list's; Escape is the search's, too. Tab goes on to the next control until
+        // something is typed.
         let filter = EventFilter {
             tab: assistant.is_open() || assistant.is_writing,
             escape: assistant.is_open() || text.find.is_open(),
