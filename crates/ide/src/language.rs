@@ -15,11 +15,6 @@ use std::sync::Arc;
 
 use scene::{Evaluation, ParamValues, ProgramScene, Scene};
 use syntax::diagnostic::{Code, Diagnostic, Severity};
-pub use syntax::document::EditError;
-
-/// The longest program that is read from a file, in bytes. A longer one is a mistake (`/dev/zero`), and would exceed the
-/// memory that a check may take.
-pub const LONGEST_PROGRAM: u64 = 64 << 20;
 use syntax::span::Span;
 
 use crate::color::{EditColorError, StatedColor};
@@ -41,6 +36,12 @@ use crate::rename::RenameError;
 use crate::semantic::SemanticToken;
 use crate::signature::Signature;
 use crate::text::{PlainText, Text};
+
+pub use syntax::document::EditError;
+
+/// The longest program that is read from a file, in bytes. A longer one is a mistake (`/dev/zero`), and would exceed the
+/// memory that a check may take.
+pub const LONGEST_PROGRAM: u64 = 64 << 20;
 
 /// A scene language.
 pub trait Language: Debug + Send + Sync {

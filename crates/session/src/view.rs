@@ -185,7 +185,7 @@ impl Default for Marks {
     }
 }
 
-/// The overlay that has a distance: said in the menu.
+/// The title of the overlay of wavefronts in the menu.
 pub const WAVEFRONTS: &str = "Wavefronts (geodesic circles)";
 
 /// The sizes that the window's controls can have, as factors.

@@ -89,7 +89,7 @@ pub struct Change {
     pub forgotten: Vec<SymbolId>,
 }
 
-/// ReadCounters of the work that a document has done since it was made.
+/// Counters of the work that a document has done since it was made.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct ReadCounters {
     /// The bytes that were searched for the ends of chunks.

@@ -101,7 +101,7 @@ pub struct World {
     bounds: Vec<Option<BoundingBox>>,
 }
 
-/// Endless fields are looked for within so many radii of the rest.
+/// An unbounded field is searched within this many radii of the bounded part of the scene.
 const RADII: f64 = 64.0;
 /// The work of preparing a leaf, and each surface that bounds it, in operations.
 const LEAF_WORK: u64 = 16;
@@ -109,7 +109,7 @@ const PIECE_WORK: u64 = 24;
 /// A map whose determinant is smaller beside the product of its columns' lengths is singular.
 const LEAST_DETERMINANT: f64 = 1e-12;
 
-/// True if a map has no inverse to speak of: leaves are not placed by it.
+/// Returns true if the map is singular or not finite. A leaf cannot be placed by it.
 pub fn is_singular(map: &DAffine3) -> bool {
     let matrix = map.matrix3;
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];

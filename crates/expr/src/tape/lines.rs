@@ -98,8 +98,8 @@ impl Tape {
 
 /// The results on the lines of a block.
 struct FoundOnLines {
-    /// Of the values, then of the slopes: the lower and the upper ones. Of the values they are NaN where nothing is known, and
-    /// the wrong way round where all are undefined; of the slopes they are NaN where those may be anything.
+    /// The lower and the upper values, then the lower and the upper slopes. For values: NaN means unknown; lower > upper means
+    /// that every value is undefined. For slopes: NaN means unbounded.
     bounds: [[f64; MOST_LANES]; 4],
     /// Not 0 where a value may be undefined.
     partial: [f64; MOST_LANES],
@@ -212,6 +212,7 @@ impl VectorWork for OnLines<'_> {
                             Binary::Div => a.quotient(s, b),
                             Binary::Max => a.greatest(b),
                             Binary::Min => a.negative().greatest(b.negative()).negative(),
+                            // [`Tape::is_of_vectors`] is false for the others.
                             _ => LineRanges::number(s, f64::NAN),
                         }
                     }
@@ -220,6 +221,7 @@ impl VectorWork for OnLines<'_> {
                         match n {
                             3 => a.cube(s),
                             4 => a.square(s).square(s),
+                            // [`Tape::is_of_vectors`] is false for the others.
                             _ => LineRanges::number(s, f64::NAN),
                         }
                     }

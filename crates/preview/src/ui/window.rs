@@ -53,7 +53,7 @@ pub(crate) use programs::{Next, UNTITLED};
 use records::Records;
 pub(crate) use text::{TextSource, WindowText};
 
-/// Everything that the window is.
+/// The window: its session, its panes, and the threads that work for it.
 pub struct Window {
     pub(crate) model: Model,
     /// The views that it offers.

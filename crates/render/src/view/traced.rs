@@ -61,8 +61,8 @@ pub struct TracedView;
 /// The options of a traced picture beyond those of all pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedOptions {
-    /// The options that all views in space have. The picture has the lens of the declared camera; without one, it has a lens as the 3D
-    /// view.
+    /// The options that all views in space have. The picture has the lens of the declared camera; without one, the perspective
+    /// of the 3D view.
     pub space: SpaceOptions,
     /// The samples of a pixel, 1 to [`MAX_SAMPLES`]; if not given, [`SAMPLES`], or [`LENS_SAMPLES`] through a lens.
     pub samples: Option<u32>,
