@@ -77,6 +77,11 @@ pub(crate) const UNSEEN: [Status; 5] = [
     Status::WorkLimit,
 ];
 
+/// Rounds an angle in radians to one that `--angle`, in degrees, gives back exactly.
+fn as_written(angle: f64) -> f64 {
+    angle.to_degrees().to_radians()
+}
+
 /// Counts the pixels that show nothing of the surface, by the reason.
 pub(crate) fn count(status: &[Status]) -> impl Fn(Status) -> usize + use<> {
     const PART: usize = 1 << 14;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use super::{PictureMethod, RayEnds};
+use super::{PictureMethod, RayEnds, as_written};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::sample::DEGENERATE;
@@ -161,15 +161,14 @@ impl PlacedCamera {
         })
     }
 
-    /// The camera by its place, its angle and its zoom. The angle is that of a number of degrees: of the picture's x axis
-    /// it may lose the last digit.
+    /// The camera by its place, its angle and its zoom.
     pub fn by_angle(&self) -> GeodesicCamera {
         let surface = self.manifold.surface();
         GeodesicCamera {
             surface: self.surface,
             pose: Pose::At {
                 at: Some(self.frame.uv.0),
-                angle: self.frame.angle(surface).to_degrees().to_radians(),
+                angle: as_written(self.frame.angle(surface)),
                 mirrored: self.frame.is_mirrored(surface),
             },
             zoom: Some(self.zoom),

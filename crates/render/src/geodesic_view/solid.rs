@@ -12,8 +12,8 @@ use geometry::SolidSurface;
 use rayon::prelude::*;
 use scene::{ObjectId, ParamValues, Scene};
 
-use super::PictureMethod;
 use super::camera::{MOVING_TOLERANCE, TOLERANCE, errors, fan_options, picture_place};
+use super::{PictureMethod, as_written};
 use crate::error::RenderError;
 use crate::point::PixelPoint;
 use crate::viewpoint::{GeodesicCamera, Pose};
@@ -132,7 +132,7 @@ impl PlacedSolidCamera {
             surface: self.object,
             pose: Pose::InSpace {
                 at: Some(self.frame.at),
-                angle: angle.to_degrees().to_radians(),
+                angle: as_written(angle),
             },
             zoom: Some(self.frame.zoom()),
         }
