@@ -227,7 +227,7 @@ fn wrong_rays_and_names_are_refused_with_what_to_do() {
 }
 
 #[test]
-fn people_read_sentences() {
+fn human_output_is_in_sentences() {
     let words = [
         "cast",
         "-",

@@ -22,6 +22,6 @@ async fn the_server_says_what_the_text_alone_says_in_characters() {
 }
 
 #[tokio::test]
-async fn who_asks_for_diagnostics_is_told_what_the_text_alone_says() {
+async fn pulled_diagnostics_equal_those_of_the_text_alone() {
     session("utf-16", true, 14, EDITS).await;
 }

@@ -210,7 +210,7 @@ fn a_triangle_has_sides_angles_and_an_area() {
 }
 
 #[test]
-fn people_read_sentences() {
+fn human_output_is_in_sentences() {
     for (arguments, words) in [
         ("--at 0,0", "Gaussian curvature  K = 1"),
         ("--at 0,0 --circle 1", "it does not overlap itself"),
@@ -235,7 +235,7 @@ fn people_read_sentences() {
 }
 
 #[test]
-fn what_cannot_be_measured_is_said() {
+fn a_measure_that_is_not_to_be_had_is_an_error_with_a_reason() {
     for (program, arguments, status, words) in [
         (HALF_PLANE, "--at 0,0", 2, "outside the domain"),
         (HALF_PLANE, "--between 0,1 0,11", 2, "outside the domain"),
