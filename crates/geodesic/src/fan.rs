@@ -42,6 +42,7 @@ use crate::status::Status;
 use crate::surface::{Surface, affordable_evaluations};
 use crate::trace;
 pub use build::MOST_FOR_RAYS;
+pub(crate) use build::{ACROSS, BASE, ONE_RAY};
 use cell::Found;
 use polar::{PLACES, polar};
 use sectors::{Sector, Sectors};

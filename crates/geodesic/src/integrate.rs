@@ -13,12 +13,9 @@ use crate::chart::{ApexChart, Atlas, Chart, Local, State};
 use crate::field::FieldKnot;
 use crate::runge_kutta::{StepParameter, Tableau};
 use crate::status::Status;
-use crate::step_control::{ErrorSum, StepControl, step_after, step_to_try};
+use crate::step_control::{ErrorSum, SHORTEST, StepControl, step_after, step_to_try};
 use crate::surface::Side;
 use ray::{Attempt, Cost, Observers, Ray};
-
-/// A step shorter than this share of the ray's own scale is not worth taking.
-const SHORTEST: f64 = 1e-13;
 
 /// The plan of an integration.
 #[derive(Clone, Copy, Debug)]

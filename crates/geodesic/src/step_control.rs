@@ -75,6 +75,14 @@ impl StepControl {
     }
 }
 
+/// A step shorter than this share of the ray's own scale is not worth taking.
+pub(crate) const SHORTEST: f64 = 1e-13;
+/// The tolerance is for steps no shorter than this share of the ray's scale.
+pub(crate) const SMALL_STEP: f64 = 0.005;
+/// A step shorter than this share of the ray's scale means that a singularity is near.
+pub(crate) const SHORT: f64 = 0.01;
+/// The relative error that an evaluation's rounding may add to a step: the floor of the tolerance.
+pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The factor to a step that runs where the surface is undefined.
 pub(crate) const UNDEFINED: f64 = 0.25;
 /// The largest factor from one step to the next.

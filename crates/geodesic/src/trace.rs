@@ -182,9 +182,9 @@ impl std::error::Error for TraceError {}
 /// Looser tolerances than this are the cheaper pair's.
 pub(crate) const LOOSE: f64 = 1e-6;
 /// The tightest tolerance: beneath it rounding keeps the error control from ever being content.
-const TIGHTEST: f64 = 50.0 * f64::EPSILON;
+pub(crate) const TIGHTEST: f64 = 50.0 * f64::EPSILON;
 /// By what a run that another is compared with is more exact.
-const FINER: f64 = 1000.0;
+pub(crate) const FINER: f64 = 1000.0;
 /// The factor to the estimate of a single run that is to be compared and cannot be: such estimates may be too low by almost
 /// as much (`an_estimate_that_cannot_be_checked_is_a_bound`).
 const UNCHECKED: f64 = 4.0;

@@ -18,9 +18,9 @@ use crate::ends::GeodesicWork;
 use crate::surface::Surface;
 
 /// Rays to begin with.
-pub(super) const BASE: usize = 16;
+pub(crate) const BASE: usize = 16;
 /// The share of the tolerance that interpolation between rays may use.
-pub(super) const ACROSS: f64 = 0.7;
+pub(crate) const ACROSS: f64 = 0.7;
 /// The share of the tolerance that the rays' own errors may use.
 const ALONG: f64 = 0.3;
 /// The factor to the tolerance when the first rays are integrated once more, to measure their errors.
@@ -30,8 +30,9 @@ const EXACT: f64 = 0.04;
 const LOOSEST: f64 = 4.0;
 /// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
 const LEAST_TOLERANCE_SHARE: f64 = 2e-2;
-/// The most evaluations for one ray, and the least that one is begun with.
-const ONE_RAY: u64 = 20_000;
+/// The most evaluations for one ray, and in space for a pixel that is followed by itself.
+pub(crate) const ONE_RAY: u64 = 20_000;
+/// The least evaluations that a ray is begun with.
 const LEAST: u64 = 50;
 /// The most evaluations of the surface for all rays of a fan, whatever its options allow: each step of each ray is kept, in about
 /// 300 bytes.

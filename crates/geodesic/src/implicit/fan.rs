@@ -14,23 +14,17 @@ use rayon::prelude::*;
 use super::ray::{self, SpacePlan, SpaceRayEnd};
 use super::{FieldPiece, ImplicitSurface, SpaceFrame};
 use crate::ends::{Coordinates, End, Ends, Estimate, GeodesicWork};
-use crate::fan::FanOptions;
-use crate::fan::Interpolation;
 use crate::fan::cell::{Point, hermite};
 use crate::fan::ray::{Ray, Stop};
+use crate::fan::{ACROSS, BASE, FanOptions, Interpolation, ONE_RAY};
 use crate::metric::{combine, dot, norm};
 use crate::point::PicturePoint;
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 
-/// Rays to begin with.
-const BASE: usize = 16;
-/// The share of the tolerance that interpolation between rays may use.
-const ACROSS: f64 = 0.7;
-/// The share of the tolerance that a ray's own steps may use.
+/// The share of the tolerance that a ray's own steps may use. It is less than in a chart, where the fan measures rays by more
+/// exact ones.
 const ALONG: f64 = 0.03;
-/// The most evaluations for one ray, and for a pixel that is followed by itself.
-const ONE_RAY: usize = 20_000;
 /// A sector narrower than this many pixels at the border is not halved.
 const NARROWEST: f64 = 0.25;
 /// Beside edges sectors are no wider than this many pixels.
@@ -141,7 +135,7 @@ impl<'s> SpaceFan<'s> {
             tableau: &DOPRI5,
             tolerance: tolerance.clamp(1e-13, 1e-4),
             step: self.surface.first_step(self.frame.at, reach),
-            limit: ONE_RAY,
+            limit: ONE_RAY as usize,
             fields: true,
             conjugates: false,
             field_knots: false,

@@ -19,18 +19,15 @@ use crate::runge_kutta::{
     self, GeodesicEquation, RatesOfChange, States, Step, StepParameter, Tableau,
 };
 use crate::status::Status;
-use crate::step_control::{ErrorSum, StepControl, UNDEFINED, step_after, step_to_try};
+use crate::step_control::{
+    ErrorSum, ROUNDING, SHORT, SHORTEST, SMALL_STEP, StepControl, UNDEFINED, step_after,
+    step_to_try,
+};
 
 /// The components of a state in space.
 const COMPONENTS: usize = 10;
 /// The largest number of a pair's evaluations in a step, with that at its start.
 const SLOPES: usize = 13;
-/// A step shorter than this share of the ray's own scale is not worth taking.
-const SHORTEST: f64 = 1e-13;
-/// The tolerance is for steps no shorter than this share of the ray's scale.
-const SMALL_STEP: f64 = 0.005;
-/// Steps shorter than this share of the ray's scale have something singular near by.
-const SHORT: f64 = 0.01;
 /// The cosine of the largest angle by which the normal turns in one step.
 const LEAST_TURN: f64 = 0.3;
 /// The longest step of a surface that has edges, as a share of its size.
@@ -39,8 +36,6 @@ const BESIDE_EDGES: f64 = 0.05;
 const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
 /// The most parts of a step that are halved in the search for an edge.
 const MOST_HALVED: u32 = 64;
-/// The relative error that an evaluation's rounding may add to a step.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// A step that is off by less than this share of the ray's scale leaves nothing but rounding once it is corrected.
 const GOOD: f64 = 1e-9;
 /// Evaluations that are kept back for the end.

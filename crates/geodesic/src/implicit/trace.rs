@@ -10,7 +10,7 @@ use crate::field::FieldKnot;
 use crate::metric::{combine, norm};
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
-use crate::trace::{LOOSE, Options};
+use crate::trace::{FINER, LOOSE, Options, TIGHTEST};
 
 /// A geodesic's end in space.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,10 +84,6 @@ pub enum SpaceTraceError {
     TooLarge,
 }
 
-/// The tightest tolerance: beneath it rounding keeps the error control from ever being content.
-const TIGHTEST: f64 = 50.0 * f64::EPSILON;
-/// By what a run that another is compared with is more exact.
-const FINER: f64 = 1000.0;
 /// The component in the tangent plane over the direction's length below which it counts for nothing.
 const NORMAL: f64 = 1e-12;
 /// The first step over the ray's scale.

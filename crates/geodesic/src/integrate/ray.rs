@@ -10,17 +10,10 @@ use crate::field::{self, FieldKnot};
 use crate::metric::{combine, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
-use crate::step_control::{ErrorSum, StepControl, UNDEFINED};
+use crate::step_control::{ErrorSum, ROUNDING, SHORT, SMALL_STEP, StepControl, UNDEFINED};
 
-/// Steps shorter than this share of the ray's scale have something singular near by.
-const SHORT: f64 = 0.01;
 /// The turn of the tangent plane by the rounding of u and v above which the chart has lost its rank.
 const MEANINGLESS: f64 = 1e-9;
-/// The relative error that an evaluation's rounding may add to a step: the floor of the tolerance.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// The tolerance is for steps no shorter than this share of the ray's scale.
-const SMALL_STEP: f64 = 0.005;
 /// The share of its evaluations that a ray may use before they are compared with its progress.
 const UNHURRIED: f64 = 0.25;
 /// The share of its evaluations that a ray keeps back from then on.
