@@ -837,13 +837,14 @@ impl<'a> Draft<'a> {
 
     fn finish(mut self, builder: WorldBuilder<'_>) -> RayScene {
         let world = builder.build().unwrap_or_else(|_| {
-            // Each shape has been read once: only in its frame has one of them grown too large.
-            for object in &self.content.objects {
-                self.content.notes.push(RayNote {
-                    object: object.name.clone(),
-                    fault: RayFault::TooLarge,
-                });
-            }
+            // Not to be expected: each shape has been read, and what bounds it in its frame is a part of that. Surfaces are
+            // drawn all the same.
+            let objects = self.content.solids.iter();
+            let notes = objects.map(|&object| RayNote {
+                object: self.content.objects[object].name.clone(),
+                fault: RayFault::TooLarge,
+            });
+            self.content.notes.extend(notes);
             World::empty()
         });
         RayScene {

@@ -577,6 +577,22 @@ fn points_arrows_and_curves_are_bodies() {
 }
 
 #[test]
+fn a_point_that_is_too_large_for_rays_hides_no_other_instance() {
+    let mut writer = Writer::default();
+    let (grid, k) = writer.grid("k", 0.0, 1e120, 2);
+    let zero = writer.number(0.0);
+    let one = writer.number(1.0);
+    let radius = writer.scene.graph.add(one, k);
+    let position = [zero; 3];
+    let thick = vec![stated("radius", &[radius], None)];
+    writer.declare("p", Shape::Point { position }, &[grid], thick);
+    let scene = writer.prepared();
+    assert_eq!(scene.notes(), []);
+    let down = ray([0.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
+    assert!(close(&crossings(&scene, &down), &[4.0, 6.0]));
+}
+
+#[test]
 fn lights_and_cameras_are_those_of_the_scene() {
     let mut writer = Writer::default();
     let (grid, k) = writer.grid("k", 0.0, 1.0, 2);

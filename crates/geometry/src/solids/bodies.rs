@@ -7,7 +7,7 @@ use expr::tape::Tape;
 use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DMat3, DVec3};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
-use tracer::{BuildError, SetStep, ShapeId, WorldBuilder};
+use tracer::{BuildError, SetStep, ShapeId, WorldBuilder, is_singular};
 
 use super::attributes::{AttributeSet, NumberAttribute, evaluated};
 use crate::breaks::Breaks;
@@ -231,7 +231,7 @@ impl Body<'_> {
     }
 
     fn push(&mut self, shape: BodyShape, map: DAffine3, parameter: [f64; 2]) {
-        if map.is_finite() && map.matrix3.determinant() > 0.0 {
+        if !is_singular(&map) && map.matrix3.determinant() > 0.0 {
             self.parts.push(BodyPart {
                 shape,
                 map,
