@@ -1,7 +1,7 @@
 //! The structure of the code: what imports what, what few files may name, which words are no longer used.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use testing::examples::repository;
 use testing::structure::{self, File};
@@ -218,19 +218,16 @@ fn paths(text: &str) -> Vec<&str> {
 fn the_paths_that_the_documents_name_exist() {
     let mut missing = Vec::new();
     let mut count = 0;
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
-        let Ok(text) = std::fs::read_to_string(repository().join(document)) else {
-            continue;
-        };
+    for document in documents() {
+        let text = std::fs::read_to_string(&document).expect("a document");
+        let folder = document.parent().expect("a folder");
         for path in paths(&text) {
             count += 1;
             let path = path.trim_start_matches('/');
-            let places = [
-                repository().join(path),
-                repository().join("crates").join(path),
-            ];
+            let crates = repository().join("crates");
+            let places = [&repository(), &crates, folder].map(|place| place.join(path));
             if !places.iter().any(|place| place.exists()) {
-                missing.push(format!("{document}: {path}"));
+                missing.push(format!("{}: {path}", document.display()));
             }
         }
     }
@@ -238,11 +235,49 @@ fn the_paths_that_the_documents_name_exist() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
+/// The documents of the repository and the pages of `docs/`.
+fn documents() -> Vec<PathBuf> {
+    let names = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"];
+    let mut documents: Vec<PathBuf> = names.map(|name| repository().join(name)).into();
+    let pages = std::fs::read_dir(repository().join("docs")).expect("a folder of pages");
+    let pages = pages.map(|page| page.expect("a readable folder").path());
+    documents.extend(pages.filter(|page| page.extension().is_some_and(|end| end == "md")));
+    documents
+}
+
 #[test]
-fn a_path_that_does_not_exist_would_be_found() {
+fn paths_in_code_and_in_links_are_found() {
     assert_eq!(
         paths("see `no/such.rs` and [a](docs/b.md), `a / b`"),
         ["no/such.rs", "docs/b.md"]
     );
-    assert!(!Path::new("no/such.rs").exists());
+}
+
+#[test]
+fn the_glossary_says_where_each_word_is() {
+    let text = std::fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("a map");
+    let glossary = text.split("\n## ").find(|it| it.starts_with("Glossary"));
+    let rows = glossary.expect("a glossary").lines();
+    let places = rows.filter_map(|row| row.strip_suffix(" |")?.rsplit(" | ").next());
+    let places = places.flat_map(|it| it.split('`').skip(1).step_by(2));
+    let places: BTreeSet<&str> = places.collect();
+    assert!(places.len() > 30, "{places:?}");
+    let missing: Vec<&&str> = places.iter().filter(|it| !is_item(it)).collect();
+    assert!(missing.is_empty(), "{missing:#?}");
+    assert!(!is_item("scene::no_such_module") && !is_item("scene::NoSuchType"));
+}
+
+/// True if there is something with this path: modules of a crate, then a type, then what that has.
+fn is_item(path: &str) -> bool {
+    let mut parts = path.split("::");
+    let krate = parts.next();
+    let parts: Vec<&str> = parts.collect();
+    let is_type = |part: &&str| part.starts_with(char::is_uppercase);
+    let (modules, names) = parts.split_at(parts.iter().position(is_type).unwrap_or(parts.len()));
+    let own = structure::files().iter();
+    let own: Vec<&File> = own.filter(|file| Some(&*file.krate) == krate).collect();
+    let is_below = |file: &&File| modules.iter().zip(&file.modules).all(|(a, b)| a == b);
+    let has_modules = |file: &&File| file.modules.len() >= modules.len() && is_below(file);
+    let is_named = |name: &&str| own.iter().any(|file| file.names(name));
+    own.iter().any(has_modules) && names.iter().all(is_named)
 }
