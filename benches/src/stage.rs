@@ -194,7 +194,7 @@ fn walking(stage: &mut Renderer, scene: &Arc<Scene>, steps: u32) -> Option<Times
     let surface = (0..)
         .zip(&scene.objects)
         .find(|(_, object)| object.shape.manifold().is_some())
-        .map(|(index, _)| ObjectId(index))?;
+        .map(|(index, _)| ObjectId::new(index))?;
     let mut request = Wanted::geodesic(surface, SIZE);
     request.moving = true;
     let inside = request.placed(scene, &settings).ok()?;

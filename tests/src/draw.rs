@@ -26,7 +26,7 @@ pub fn surfaces(scene: &Scene) -> Vec<ObjectId> {
     let objects = scene.objects.iter().enumerate();
     objects
         .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
-        .map(|(index, _)| ObjectId(index as u32))
+        .map(|(index, _)| ObjectId::new(index))
         .collect()
 }
 

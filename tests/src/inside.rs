@@ -42,7 +42,7 @@ pub fn opening(scene: &Scene) -> Option<Opening> {
         .objects
         .iter()
         .position(|object| is_ground(&object.shape))?;
-    let request = Wanted::geodesic(ObjectId(index as u32), [512, 512]);
+    let request = Wanted::geodesic(ObjectId::new(index), [512, 512]);
     let inside = request
         .placed(scene, &ParamValues::initial(scene))
         .unwrap_or_else(|error| panic!("the view does not open: {error}"));

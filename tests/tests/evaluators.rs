@@ -229,7 +229,7 @@ fn the_samples_that_are_drawn_are_the_values_of_the_tape() {
             if !is_sampled {
                 continue;
             }
-            let samples = sample(&scene, &settings, ObjectId(index as u32), &placement);
+            let samples = sample(&scene, &settings, ObjectId::new(index), &placement);
             let uniforms = settings.first_instance(&scene, object);
             // A position comes first.
             let roots = match &object.shape {

@@ -70,7 +70,7 @@ fn lines() -> String {
             continue;
         };
         let mut stage = Renderer::software();
-        let request = Wanted::geodesic(ObjectId(on as u32), PICTURE);
+        let request = Wanted::geodesic(ObjectId::new(on), PICTURE);
         stage
             .draw(&request.of(&scene, &ParamValues::initial(&scene)))
             .expect("a picture");

@@ -171,7 +171,7 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let colours = request.object_colours();
     let mut model = Model::default();
     let wanted = |id| objects.map_or(is_shown(id), |objects| objects.contains(&id));
-    let all = (0..).map(ObjectId).zip(&scene.objects);
+    let all = (0..).map(ObjectId::new).zip(&scene.objects);
     let all: Vec<(ObjectId, &Object)> = all.filter(|(id, _)| wanted(*id)).collect();
     let solids = all
         .iter()
@@ -185,7 +185,7 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
         ));
     }
     for (id, object) in all {
-        let index = id.0 as usize;
+        let index = id.index();
         let (geometry, notes) = match object.shape.solid() {
             Some(_) => {
                 let (mesh, notes) =

@@ -292,7 +292,7 @@ fn a_declared_camera_moves_as_the_program_says() {
 fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     let scene = scene(SPHERE);
     let params = ParamValues::initial(&scene);
-    let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
+    let mut request = Wanted::geodesic(ObjectId::new(0), [64, 64]);
     request.inside().camera.pose = Pose::At {
         at: Some([1.0, 1.2]),
         angle: 0.7,

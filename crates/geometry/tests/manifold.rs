@@ -49,7 +49,7 @@ fn other_objects_are_refused_with_their_name() {
     let refused = manifold(&scene, "p").expect_err("a point");
     let name = Some("p".to_owned());
     assert_eq!(refused, ManifoldError::NoSurface { name });
-    let missing = Manifold::new(&scene, ObjectId(99), &[]).expect_err("no object");
+    let missing = Manifold::new(&scene, ObjectId::new(99), &[]).expect_err("no object");
     assert_eq!(missing, ManifoldError::NoSurface { name: None });
 }
 

@@ -84,7 +84,7 @@ impl Bounds {
     /// The bounds of some of the objects.
     pub fn of_some(scene: &Scene, params: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
         let wanted: Vec<bool> = (0..)
-            .map(ObjectId)
+            .map(ObjectId::new)
             .zip(&scene.objects)
             .map(|(id, _)| counts(id))
             .collect();

@@ -201,8 +201,8 @@ pub(crate) fn first_instance(
     structures: &[Structure],
     id: ObjectId,
 ) -> Option<Content> {
-    let object = scene.objects.get(id.0 as usize)?;
-    let structure = structures.get(id.0 as usize)?;
+    let object = scene.get(id)?;
+    let structure = structures.get(id.index())?;
     Some(structure.instance(&params.first_instance(scene, object)))
 }
 

@@ -65,7 +65,7 @@ impl Framing {
             .map(|(object, structure)| structure.instances(scene, params, object))
             .collect();
         let counts: Arc<[bool]> = (0..)
-            .map(ObjectId)
+            .map(ObjectId::new)
             .zip(&scene.objects)
             .map(|(id, _)| leaves_room(id))
             .collect();
@@ -143,7 +143,7 @@ impl Framed {
 
     /// The coarse places of an object.
     pub(crate) fn object(&self, id: ObjectId) -> Option<&ObjectCloud> {
-        self.clouds.get(id.0 as usize).map(|cloud| &**cloud)
+        self.clouds.get(id.index()).map(|cloud| &**cloud)
     }
 
     /// The corners of the box around the scene's points now, in drawing units: the least and the greatest coordinates.

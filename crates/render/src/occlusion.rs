@@ -208,13 +208,13 @@ mod tests {
             };
             let camera = Camera::new(&bounds, &viewpoint, [64, 64]).expect("a camera");
             let plane = plane();
-            let occlusion = Occlusion::new(&camera, [(ObjectId(3), &plane)].into_iter());
+            let occlusion = Occlusion::new(&camera, [(ObjectId::new(3), &plane)].into_iter());
             let hides = |place: [f64; 3], except| {
                 let place = camera.placement.local(WorldPoint(place));
                 occlusion.hides(place, except)
             };
             assert!(hides([0.6, 0.6, -0.5], None), "{projection:?}: behind");
-            assert!(!hides([0.6, 0.6, -0.5], Some(ObjectId(3))), "its own");
+            assert!(!hides([0.6, 0.6, -0.5], Some(ObjectId::new(3))), "its own");
             assert!(!hides([0.6, 0.6, 0.5], None), "{projection:?}: before");
             assert!(!hides([0.6, 0.6, 0.0], None), "{projection:?}: on it");
             assert!(!hides([1.5, 0.6, -0.5], None), "{projection:?}: beside");

@@ -191,7 +191,7 @@ fn space_key(
 /// Returns the names of the surfaces that are drawn in colours of curvature, with the scales of these.
 fn keyed_surfaces(request: &PictureRequest) -> impl Iterator<Item = (&str, CurvatureScale)> {
     let options = request.view.space();
-    let objects = (0..).map(ObjectId).zip(&request.scene.objects);
+    let objects = (0..).map(ObjectId::new).zip(&request.scene.objects);
     let drawn = objects.filter(move |(id, object)| {
         object.shape.is_surface() && options.is_none_or(|options| options.shows(*id))
     });
@@ -340,7 +340,7 @@ mod tests {
         let params = ParamValues::initial(&scene);
         let mut request = PictureRequest::new(scene, params, SpaceOptions::default(), [800, 600]);
         request.overlays.legend = true;
-        let camera = GeodesicCamera::new(ObjectId(0)).zoomed(1.0);
+        let camera = GeodesicCamera::new(ObjectId::new(0)).zoomed(1.0);
         let mut height = |wavefronts| {
             request.overlays.wavefronts = wavefronts;
             let (key, _) = space_key(&request, Some(&camera)).expect("a key");

@@ -231,7 +231,7 @@ pub(crate) fn object_plan(
 
 /// Samples of all instances of an object in space.
 pub(crate) fn samples(scene: &Scene, params: &ParamValues, id: ObjectId) -> u64 {
-    let Some(object) = scene.objects.get(id.0 as usize) else {
+    let Some(object) = scene.get(id) else {
         return 0;
     };
     let shape = &object.shape;
@@ -262,7 +262,7 @@ fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
 
 /// Operations of one sample of an object, of a surface with its normal.
 pub(crate) fn operations(scene: &Scene, id: ObjectId) -> u64 {
-    let Some(object) = scene.objects.get(id.0 as usize) else {
+    let Some(object) = scene.get(id) else {
         return 0;
     };
     operations_with_normals(scene, object)

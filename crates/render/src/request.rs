@@ -190,12 +190,12 @@ impl PictureRequest {
         let usual = style::colours(&self.scene, self.theme, self.shows_curvature());
         let mut colours = usual.clone();
         for (id, colour) in &self.colours {
-            if let Some(place) = colours.get_mut(id.0 as usize) {
+            if let Some(place) = colours.get_mut(id.index()) {
                 *place = *colour;
             }
         }
         for (id, object) in self.scene.numbered() {
-            let at = id.0 as usize;
+            let at = id.index();
             if let Some(stated) = stated_colour(&self.scene, &self.params, object) {
                 // It wins over one that was chosen; what is out of date is dim all the same.
                 let brightest = |colour: [u8; 3]| f64::from(colour.into_iter().fold(1, u8::max));
@@ -209,7 +209,7 @@ impl PictureRequest {
     /// The colour of an object, sRGB.
     pub fn srgb(&self, object: ObjectId) -> [u8; 3] {
         let colours = self.object_colours();
-        let own = colours.get(object.0 as usize);
+        let own = colours.get(object.index());
         own.copied().unwrap_or(style::SURFACE_COLOUR)
     }
 

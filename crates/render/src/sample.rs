@@ -228,7 +228,7 @@ pub fn sample_with_notes(
     id: ObjectId,
     placement: &Placement,
 ) -> (Samples, Vec<String>) {
-    let object = &scene.objects[id.0 as usize];
+    let object = &scene.objects[id.index()];
     let name = &object.name;
     match &object.shape {
         Shape::Metric { .. } => (
@@ -266,7 +266,7 @@ pub fn sample(
     object_id: ObjectId,
     placement: &Placement,
 ) -> Samples {
-    let object = &scene.objects[object_id.0 as usize];
+    let object = &scene.objects[object_id.index()];
     match &object.shape {
         Shape::Point { position } => {
             let sampler = Sampler::full(scene, params, object, position);

@@ -63,7 +63,7 @@ impl SampleStore {
         }
         let (samples, notes) = sample::sample_with_notes(scene, params, id, placement);
         let (all, undefined) = samples.undefined();
-        let object = &scene.objects[id.0 as usize];
+        let object = &scene.objects[id.index()];
         let told = if object.shape.is_geodesic() {
             Told::Notes(notes)
         } else {

@@ -239,7 +239,7 @@ pub(crate) struct SpaceTrail {
 
 /// A trail in space; `None` for one on a metric.
 pub(crate) fn in_space(scene: &Scene, params: &ParamValues, trail: &Trail) -> Option<SpaceTrail> {
-    let object = scene.objects.get(trail.surface.0 as usize)?;
+    let object = scene.get(trail.surface)?;
     let uniforms = params.first_instance(scene, object);
     let manifold = Manifold::new(scene, trail.surface, &uniforms).ok()?;
     let surface: &dyn Surface = manifold.surface();
@@ -278,7 +278,7 @@ mod tests {
             u : [0, 2pi], v : [0, 2pi];";
         let scene = scene::geotrace::compile(source).scene.expect("a scene");
         let params = ParamValues::initial(&scene);
-        let id = ObjectId(0);
+        let id = ObjectId::new(0);
         let points = vec![[6.0, 0.0], [1.0, 1.0], [1.0, 2.0]];
         let manifold = Manifold::new(&scene, id, &[]).expect("a surface");
         let trail = Trail::through(manifold.surface(), id, points);

@@ -235,7 +235,7 @@ impl ViewId {
     /// The view that a request is for.
     pub fn from_request(request: &PictureRequest) -> Self {
         let object = request.view.object();
-        let object = object.and_then(|id| request.scene.objects.get(id.0 as usize));
+        let object = object.and_then(|id| request.scene.get(id));
         Self {
             kind: request.view.name().to_owned(),
             object: object.map(|object| object.name.clone()),

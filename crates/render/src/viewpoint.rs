@@ -153,7 +153,7 @@ impl GeodesicCamera {
     /// # Errors
     /// [`RenderError::Manifold`], [`RenderError::Camera`].
     pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
-        let object = scene.objects.get(self.surface.0 as usize);
+        let object = scene.get(self.surface);
         if object.is_none_or(|object| !object.shape.has_inside()) {
             let name = object.map(|object| object.name.clone());
             return Err(ManifoldError::NoSurface { name }.into());

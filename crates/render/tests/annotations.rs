@@ -116,7 +116,7 @@ fn names_stand_out_from_a_dark_image_by_a_solid_halo() {
         space.background = Some([255; 4]);
     }
     plain.textures = vec![(
-        ObjectId(0),
+        ObjectId::new(0),
         Shared::from(Arc::new(Texture::from_image(black))),
     )];
     let mut named = plain.clone();
@@ -143,7 +143,7 @@ fn the_name_of_what_a_surface_hides_is_dim() {
             let wanted = Wanted::space(SIZE)
                 .with_space(|space| space.camera = Viewpoint::new([0.1, 0.0, 4.0], [0.0; 3]));
             let mut plain = request(&text, &wanted);
-            plain.textures = vec![(ObjectId(0), Shared::from(black.clone()))];
+            plain.textures = vec![(ObjectId::new(0), Shared::from(black.clone()))];
             plain.scale = 2.0;
             let mut named = plain.clone();
             named.overlays.labels = true;
@@ -209,9 +209,9 @@ fn axes_are_a_box_behind_the_scene_with_numbers() {
 
 #[test]
 fn the_observer_is_marked_in_both_views() {
-    let camera = GeodesicCamera::new(ObjectId(0));
+    let camera = GeodesicCamera::new(ObjectId::new(0));
     let space = Wanted::space(SIZE).with_space(|space| space.show_camera = Some(camera));
-    let inside = Wanted::new(GeodesicOptions::new(ObjectId(0)), SIZE);
+    let inside = Wanted::new(GeodesicOptions::new(ObjectId::new(0)), SIZE);
     for wanted in [space, inside] {
         let plain = request(POLAR, &wanted);
         let mut marked = plain.clone();
@@ -234,7 +234,7 @@ fn a_geodesic_has_its_name_beside_it_where_it_is_seen_from_within() {
         surface other(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];
         geodesic elsewhere(t) : other = (1, 0) @ (0, 0), t : [0, 1];"
     );
-    let mut options = GeodesicOptions::new(ObjectId(0));
+    let mut options = GeodesicOptions::new(ObjectId::new(0));
     options.camera = options.camera.at([0.0, std::f64::consts::FRAC_PI_2]);
     let plain = request(&text, &Wanted::new(options, SIZE));
     let mut named = plain.clone();
@@ -275,11 +275,11 @@ fn letters_are_read_from_the_outside_of_closed_surfaces() {
     let shown = |text: &str, texture: Option<Arc<Texture>>, flip: bool| {
         let mut request = request(text, &Wanted::space(SIZE));
         request.textures = texture
-            .map(|it| (ObjectId(0), Shared::from(it)))
+            .map(|it| (ObjectId::new(0), Shared::from(it)))
             .into_iter()
             .collect();
         if flip {
-            request.flipped.push(ObjectId(0));
+            request.flipped.push(ObjectId::new(0));
         }
         software(&request)
     };
@@ -311,14 +311,14 @@ fn a_flipped_image_is_the_image_upside_down_in_both_views() {
     }
     let mut turned = image.clone();
     image::imageops::flip_vertical_in_place(&mut turned);
-    let inside = Wanted::new(GeodesicOptions::new(ObjectId(0)), SIZE);
+    let inside = Wanted::new(GeodesicOptions::new(ObjectId::new(0)), SIZE);
     for wanted in [Wanted::space(SIZE), inside] {
         let shown = |image: &RgbaImage, flip: bool| {
             let mut request = request(POLAR, &wanted);
             let texture = Arc::new(Texture::from_image(image.clone()));
-            request.textures = vec![(ObjectId(0), Shared::from(texture))];
+            request.textures = vec![(ObjectId::new(0), Shared::from(texture))];
             if flip {
-                request.flipped.push(ObjectId(0));
+                request.flipped.push(ObjectId::new(0));
             }
             software(&request)
         };
@@ -334,7 +334,7 @@ fn of_lines_that_coincide_one_is_seen_without_gaps() {
         "{POLAR} curve c(t) = (cos t, sin t, 0), t : [-1, 1, 37];
         geodesic g(t) : s = (1, 0) @ (-1, pi/2), t : [0, 2];"
     );
-    let camera = GeodesicCamera::new(ObjectId(0)).at([0.0, std::f64::consts::FRAC_PI_2]);
+    let camera = GeodesicCamera::new(ObjectId::new(0)).at([0.0, std::f64::consts::FRAC_PI_2]);
     let wanted = Wanted::space(SIZE).with_space(|space| {
         space.show_camera = Some(camera);
         space.camera = Viewpoint::new([4.0, 0.3, 1.5], [0.0; 3]);
@@ -346,10 +346,10 @@ fn of_lines_that_coincide_one_is_seen_without_gaps() {
         1,
         Rgba([255; 4]),
     )));
-    request.textures = vec![(ObjectId(0), Shared::from(white))];
+    request.textures = vec![(ObjectId::new(0), Shared::from(white))];
     // The camera shows its own axis there too.
     let green = [20, 255, 20];
-    request.colours.push((ObjectId(1), green));
+    request.colours.push((ObjectId::new(1), green));
     let camera = Renderer::software().camera(&request).expect("a camera");
     let blue = style::CURVE_COLOURS[1];
     for backend in [Backend::Software, Backend::Gpu] {
@@ -417,7 +417,7 @@ fn colours_of_lines_stay_apart_for_the_colour_blind_and_on_curvature() {
         let scale = Texture::curvature(
             &scenes::scene(POLAR),
             &ParamValues::initial(&scenes::scene(POLAR)),
-            ObjectId(0),
+            ObjectId::new(0),
         );
         let scale = scale
             .expect("curvature")
@@ -439,14 +439,14 @@ fn the_vectors_of_a_frame_have_three_colours_and_a_geodesic_on_curvature_none_of
     assert_eq!(colours, style::VECTOR_COLOURS[..3]);
     let text = format!("{POLAR} geodesic g(t) : s = (1, 0) @ (0, 1), t : [0, 1];");
     let mut curved = request(&text, &Wanted::space(SIZE));
-    assert_eq!(curved.srgb(ObjectId(1)), style::CURVE_COLOURS[0]);
-    curved.curved.push(ObjectId(0));
+    assert_eq!(curved.srgb(ObjectId::new(1)), style::CURVE_COLOURS[0]);
+    curved.curved.push(ObjectId::new(0));
     assert_eq!(
-        curved.srgb(ObjectId(1)),
+        curved.srgb(ObjectId::new(1)),
         style::CURVE_COLOURS_ON_CURVATURE[0]
     );
-    curved.colours.push((ObjectId(1), [1, 2, 3]));
-    assert_eq!(curved.srgb(ObjectId(1)), [1, 2, 3]);
+    curved.colours.push((ObjectId::new(1), [1, 2, 3]));
+    assert_eq!(curved.srgb(ObjectId::new(1)), [1, 2, 3]);
 }
 
 #[test]
@@ -475,7 +475,7 @@ fn a_driver_that_draws_on_the_processor_is_no_gpu_unless_it_is_asked_for() {
 
 #[test]
 fn a_picture_whose_pixels_the_processor_follows_is_not_said_to_be_the_gpus() {
-    let mut wanted = Wanted::new(GeodesicOptions::new(ObjectId(0)), [24, 24]);
+    let mut wanted = Wanted::new(GeodesicOptions::new(ObjectId::new(0)), [24, 24]);
     wanted.inside().method = render::PictureMethod::Adaptive;
     let followed = request(POLAR, &wanted);
     let picture = render::render(&Views::standard(), &followed, Backend::Gpu, &|_| {});
@@ -512,7 +512,7 @@ vector y = (1, 1, 1) @ p;
     print.theme = style::Theme::Print;
     for shows_curvature in [false, true] {
         if shows_curvature {
-            print.curved.push(ObjectId(0));
+            print.curved.push(ObjectId::new(0));
         }
         for colour in &print.object_colours()[1..] {
             let contrast = contrast_with_white(*colour);

@@ -111,7 +111,7 @@ fn a_highlight_changes_its_object_and_nothing_else() {
     };
     for backend in BACKENDS {
         let usual = drawn(backend, |_| {});
-        for object in (0..4).map(ObjectId) {
+        for object in (0..4).map(ObjectId::new) {
             // An object is seen where the picture depends on its colour.
             let [black, white] = [[0; 3], [255; 3]]
                 .map(|colour| drawn(backend, |request| request.colours = vec![(object, colour)]));
@@ -130,7 +130,7 @@ fn a_highlight_changes_its_object_and_nothing_else() {
             );
         }
         let nobody = drawn(backend, |request| {
-            request.in_space().highlight = Some(ObjectId(77))
+            request.in_space().highlight = Some(ObjectId::new(77))
         });
         assert_eq!(usual, nobody);
     }

@@ -12,7 +12,7 @@ use scenes::{Wanted, scene};
 
 fn curvature(source: &str) -> Arc<Texture> {
     let scene = scene(source);
-    Texture::curvature(&scene, &ParamValues::initial(&scene), ObjectId(0)).expect("a texture")
+    Texture::curvature(&scene, &ParamValues::initial(&scene), ObjectId::new(0)).expect("a texture")
 }
 
 /// That each texel, but for those at the border, has the colour of the closed form at its (u, v) in [0, 1]²; a byte may
@@ -98,11 +98,11 @@ fn what_is_flat_is_white_and_what_is_undefined_grey() {
 fn the_legend_has_the_scale_only_where_colours_show_curvature() {
     let scene = scene("surface s(u,v) = (u,v,u^2-v^2), u : [-1,1], v : [-1,1];");
     let params = ParamValues::initial(&scene);
-    let texture = Texture::curvature(&scene, &params, ObjectId(0)).expect("a texture");
+    let texture = Texture::curvature(&scene, &params, ObjectId::new(0)).expect("a texture");
     for view in ["inside", "space"] {
         let draw = |textures, legend| {
             let base = match view {
-                "inside" => Wanted::geodesic(ObjectId(0), [300, 200]),
+                "inside" => Wanted::geodesic(ObjectId::new(0), [300, 200]),
                 _ => Wanted::space([300, 200]),
             };
             let mut request = Wanted {
@@ -116,7 +116,7 @@ fn the_legend_has_the_scale_only_where_colours_show_curvature() {
             }
             request.draw(&scene, &params).expect("a picture")
         };
-        let shown = vec![(ObjectId(0), texture.clone())];
+        let shown = vec![(ObjectId::new(0), texture.clone())];
         let (plain, with) = (draw(shown.clone(), false), draw(shown, true));
         assert_eq!(plain.overlays, Vec::<&str>::new(), "{view}");
         assert_eq!(with.overlays, ["legend"], "{view}");
@@ -128,10 +128,11 @@ fn the_legend_has_the_scale_only_where_colours_show_curvature() {
         assert_eq!(plain.image, with.image, "{view}");
     }
     // Nor is there where the surface is hidden.
-    let hidden = Wanted::space([300, 200]).with_space(|space| space.hidden = vec![ObjectId(0)]);
+    let hidden =
+        Wanted::space([300, 200]).with_space(|space| space.hidden = vec![ObjectId::new(0)]);
     let mut request = Wanted {
         backend: Backend::Software,
-        textures: vec![(ObjectId(0), texture)],
+        textures: vec![(ObjectId::new(0), texture)],
         ..hidden
     };
     request.overlays.legend = true;

@@ -143,7 +143,7 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         ..Built::default()
     };
     let seen = |chosen: PictureMethod| {
-        let mut request = Wanted::geodesic(ObjectId(3), [48, 48]);
+        let mut request = Wanted::geodesic(ObjectId::new(3), [48, 48]);
         request.inside().method = chosen;
         request
     };
@@ -166,7 +166,7 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
 fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
     let (scene, params) = compiled(SCENE);
     for chosen in [PictureMethod::Adaptive, PictureMethod::Rk4Pixel] {
-        let mut request = with(Wanted::geodesic(ObjectId(3), [48, 48]), Backend::Gpu);
+        let mut request = with(Wanted::geodesic(ObjectId::new(3), [48, 48]), Backend::Gpu);
         request.inside().method = chosen;
         let (picture, built) = request.draw_counted(&scene, &params).expect("a picture");
         assert_eq!(built, request.plan(&scene, &params).built());
@@ -257,7 +257,7 @@ fn samples_of_generated_kernels_agree_with_f64() {
         a.iter().zip(b).all(|(a, b)| (a - b).abs() < bound)
     };
     for (index, object) in scene.objects.iter().enumerate() {
-        let id = ObjectId(index as u32);
+        let id = ObjectId::new(index);
         let found = gpu::kernel_samples(&scene, &params, id, &placement)
             .expect("a GPU")
             .expect("small");
@@ -324,10 +324,10 @@ fn samples_of_generated_kernels_agree_with_f64() {
 fn what_is_undefined_is_marked_by_the_kernel_and_noted() {
     let (scene, params) = compiled("curve c(t) = (t, sqrt t, log(t + 0.5)), t : [-1, 1, 81];");
     let placement = Bounds::of(&scene, &params).placement;
-    let found = gpu::kernel_samples(&scene, &params, ObjectId(0), &placement)
+    let found = gpu::kernel_samples(&scene, &params, ObjectId::new(0), &placement)
         .expect("a GPU")
         .expect("small");
-    let expected = sample(&scene, &params, ObjectId(0), &placement);
+    let expected = sample(&scene, &params, ObjectId::new(0), &placement);
     assert_eq!(found.undefined(), expected.undefined());
     assert!(found.undefined().1 > 30);
 }
@@ -365,7 +365,7 @@ fn both_backends_see_the_same_from_inside() {
     ];
     for (name, text, distance) in surfaces {
         let (scene, params) = compiled(text);
-        let mut request = Wanted::geodesic(ObjectId(0), [128, 128]);
+        let mut request = Wanted::geodesic(ObjectId::new(0), [128, 128]);
         request.inside().camera.zoom = Some(distance);
         let draw = |backend| {
             with(request.clone(), backend)

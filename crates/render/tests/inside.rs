@@ -20,7 +20,7 @@ const PLANE: &str = "surface s(u,v) = (u, v, 0), u : [0,4], v : [0,2];";
 
 /// A software request for the first object, from `at`, turned by `angle`, with the zoom `zoom`.
 fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Option<f64>) -> Wanted {
-    let mut request = Wanted::geodesic(ObjectId(0), size);
+    let mut request = Wanted::geodesic(ObjectId::new(0), size);
     request.backend = Backend::Software;
     let camera = &mut request.inside().camera;
     camera.pose = Pose::At {
@@ -305,7 +305,7 @@ fn a_camera_that_was_moved_is_placed_again_by_an_angle() {
                 if mirrored {
                     frame.y = frame.y.map(|y| -y);
                 }
-                let camera = GeodesicCamera::new(ObjectId(0)).with_frame(frame);
+                let camera = GeodesicCamera::new(ObjectId::new(0)).with_frame(frame);
                 let moved = PlacedCamera::new(&scene, &params, &camera, size).expect("placed");
                 let again = moved.by_angle();
                 let again = PlacedCamera::new(&scene, &params, &again, size).expect("placed");

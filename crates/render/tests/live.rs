@@ -128,7 +128,7 @@ fn a_stage_draws_what_a_single_picture_shows() {
         let mut requests = vec![Wanted::space(SIZE)];
         let inside = (0..).zip(&scene.objects);
         let inside = inside.filter(|(_, object)| object.shape.manifold().is_some());
-        requests.extend(inside.map(|(k, _)| Wanted::geodesic(ObjectId(k), [49, 40])));
+        requests.extend(inside.map(|(k, _)| Wanted::geodesic(ObjectId::new(k), [49, 40])));
         for backend in BACKENDS {
             let mut stage = stage(backend);
             for request in &requests {
@@ -252,7 +252,7 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         point p = (b, 0, 0);";
         let (scene, mut params) = compiled(text);
         let mut stage = stage(backend);
-        let request = Wanted::geodesic(ObjectId(0), [40, 40]);
+        let request = Wanted::geodesic(ObjectId::new(0), [40, 40]);
         let walk = |stage: &mut Renderer, params: &ParamValues, request: &Wanted, looks| {
             let before = stage.counters();
             let shot = stage.draw(&request.of(&scene, params)).expect("a picture");
@@ -265,7 +265,7 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         walk(&mut stage, &params, &request, 1);
         walk(&mut stage, &params, &request, 0);
         let mut painted = request.clone();
-        painted.colours = vec![(ObjectId(0), [255, 0, 0])];
+        painted.colours = vec![(ObjectId::new(0), [255, 0, 0])];
         walk(&mut stage, &params, &painted, 0);
         params.set(&scene, "b", &[0.5]).expect("inside");
         walk(&mut stage, &params, &request, 0);
@@ -292,7 +292,7 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
     let mut made = |overlays: Overlays| {
         let request = Wanted {
             overlays,
-            ..Wanted::geodesic(ObjectId(0), SIZE)
+            ..Wanted::geodesic(ObjectId::new(0), SIZE)
         };
         let before = stage.counters();
         stage
@@ -326,7 +326,7 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
     let (scene, params) = compiled(text);
-    let fine = Wanted::geodesic(ObjectId(0), SIZE);
+    let fine = Wanted::geodesic(ObjectId::new(0), SIZE);
     let coarse = Wanted {
         moving: true,
         ..fine.clone()
@@ -435,14 +435,14 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                         request = seen_from([x, y, z + 3.0]);
                     }
                     (Some(scene), 2) => {
-                        let surfaces: Vec<u32> = (0..)
+                        let surfaces: Vec<usize> = (0..)
                             .zip(&scene.objects)
                             .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
                             .map(|(k, _)| k)
                             .collect();
                         if !surfaces.is_empty() {
                             let surface = surfaces[random.below(surfaces.len())];
-                            request = Wanted::geodesic(ObjectId(surface), [40, 30]);
+                            request = Wanted::geodesic(ObjectId::new(surface), [40, 30]);
                         }
                     }
                     _ => {
@@ -517,7 +517,7 @@ fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
     assert_eq!(now.sampled, 20 + 4 + 1);
     // A geodesic view takes one fixed pass, and no kernel of its own.
     for surface in [0, 1, 0] {
-        let inside = Wanted::geodesic(ObjectId(surface), [40, 40]);
+        let inside = Wanted::geodesic(ObjectId::new(surface), [40, 40]);
         stage.draw(&inside.of(&scene, &params)).expect("a picture");
     }
     let now = stage.counters();
@@ -679,7 +679,7 @@ fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
     stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert!(!stage.is_lost());
     gpu.destroy();
-    for request in [request.clone(), Wanted::geodesic(ObjectId(0), SIZE)] {
+    for request in [request.clone(), Wanted::geodesic(ObjectId::new(0), SIZE)] {
         let error = stage
             .draw(&request.of(&scene, &params))
             .expect_err("the device has gone");

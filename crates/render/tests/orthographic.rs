@@ -78,7 +78,10 @@ fn what_lies_behind_the_eye_is_drawn_and_nearer_hides_farther() {
          surface b(u, v) = (u, v, 0), u : [-2, 2, 3], v : [-2, 2, 3];",
     );
     let mut wanted = orthographic([0.0, 0.0, 6.0], [0.0; 3]);
-    wanted.colours = vec![(ObjectId(0), [255, 0, 0]), (ObjectId(1), [0, 0, 255])];
+    wanted.colours = vec![
+        (ObjectId::new(0), [255, 0, 0]),
+        (ObjectId::new(1), [0, 0, 255]),
+    ];
     for backend in [Backend::Software, Backend::Gpu] {
         let image = draw(&scene, &params, &wanted, backend);
         let [r, _, b, _] = image.get_pixel(SIZE[0] / 2 + 5, SIZE[1] / 2 + 5).0;
@@ -154,7 +157,7 @@ fn places_are_seen_where_both_projections_put_them() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let mut wanted = orthographic([2.0, -3.0, 2.0], [0.0; 3]);
         wanted.in_space().camera.projection = projection;
-        wanted.colours = vec![(ObjectId(0), [0, 255, 0])];
+        wanted.colours = vec![(ObjectId::new(0), [0, 255, 0])];
         let camera = Renderer::software().camera(&wanted.of(&scene, &params));
         let camera = camera.expect("a camera");
         let place: DrawingPoint = camera.placement.local(WorldPoint([0.3, -0.2, 0.4]));

@@ -27,9 +27,9 @@ fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> Render
     let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
     let mut request = Wanted {
         backend: Backend::Software,
-        textures: vec![(ObjectId(0), Arc::new(grey))],
+        textures: vec![(ObjectId::new(0), Arc::new(grey))],
         overlays,
-        ..Wanted::geodesic(ObjectId(0), [128, 128])
+        ..Wanted::geodesic(ObjectId::new(0), [128, 128])
     };
     let options = request.inside();
     options.mark_centre = false;
@@ -234,7 +234,7 @@ fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
     let params = ParamValues::initial(&scene);
     let bounds = render::bounds::Bounds::of(&scene, &params);
     let Samples::Curves { count, samples } =
-        sample(&scene, &params, ObjectId(1), &bounds.placement)
+        sample(&scene, &params, ObjectId::new(1), &bounds.placement)
     else {
         panic!("no curves")
     };
@@ -287,7 +287,9 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
     };
     let (plain_painters, plain) = picture(None);
     let (painters, shown) = picture(Some(
-        GeodesicCamera::new(ObjectId(0)).at([-1.0, 0.3]).zoomed(0.5),
+        GeodesicCamera::new(ObjectId::new(0))
+            .at([-1.0, 0.3])
+            .zoomed(0.5),
     ));
     assert_eq!((plain_painters, painters), (1, 3));
     assert_eq!(plain.overlays, Vec::<&str>::new());
@@ -304,7 +306,7 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
         .collect();
     let trail = Trail {
         kind: TrailKind::Walked,
-        surface: ObjectId(0),
+        surface: ObjectId::new(0),
         points,
         length: 0.8,
         mark: None,
@@ -316,14 +318,14 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
             Wanted::space([128, 128])
                 .with_space(|options| options.camera.eye = Some([4.0, 0.5, 0.0].into()))
         } else {
-            Wanted::geodesic(ObjectId(0), [128, 128]).with_inside(|options| {
+            Wanted::geodesic(ObjectId::new(0), [128, 128]).with_inside(|options| {
                 options.mark_centre = false;
                 options.camera = options.camera.at([0.0; 2]).zoomed(1.0);
             })
         };
         let request = Wanted {
             backend: Backend::Software,
-            textures: vec![(ObjectId(0), grey.clone())],
+            textures: vec![(ObjectId::new(0), grey.clone())],
             trails,
             ..base
         };
@@ -364,16 +366,16 @@ fn a_long_step_of_a_trail_is_a_line_where_no_side_turns_over() {
     let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
     let trail = Trail {
         kind: TrailKind::Measured(Arc::default()),
-        surface: ObjectId(0),
+        surface: ObjectId::new(0),
         points: vec![[0.1, 0.1], [0.9, 0.9]],
         length: 1.13,
         mark: None,
     };
     let mut request = Wanted {
         backend: Backend::Software,
-        textures: vec![(ObjectId(0), Arc::new(grey))],
+        textures: vec![(ObjectId::new(0), Arc::new(grey))],
         trails: vec![Arc::new(trail)],
-        ..Wanted::geodesic(ObjectId(0), [128, 128])
+        ..Wanted::geodesic(ObjectId::new(0), [128, 128])
     };
     let options = request.inside();
     options.mark_centre = false;
@@ -399,7 +401,7 @@ fn a_marked_place_has_its_letter_in_both_views() {
     });
     let ring = Trail {
         kind: TrailKind::Measured(Arc::default()),
-        surface: ObjectId(0),
+        surface: ObjectId::new(0),
         points: ring.collect(),
         length: 0.06 * PI,
         mark: None,
@@ -410,14 +412,14 @@ fn a_marked_place_has_its_letter_in_both_views() {
                 Wanted::space([200, 200])
                     .with_space(|options| options.camera.eye = Some([0.0, -0.1, 4.0].into()))
             } else {
-                Wanted::geodesic(ObjectId(0), [200, 200]).with_inside(|options| {
+                Wanted::geodesic(ObjectId::new(0), [200, 200]).with_inside(|options| {
                     options.mark_centre = false;
                     options.camera = options.camera.at([0.0; 2]).zoomed(1.0);
                 })
             };
             let request = Wanted {
                 backend: Backend::Software,
-                textures: vec![(ObjectId(0), grey.clone())],
+                textures: vec![(ObjectId::new(0), grey.clone())],
                 trails: vec![Arc::new(Trail {
                     mark,
                     ..ring.clone()

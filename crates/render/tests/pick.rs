@@ -73,7 +73,7 @@ fn a_plane_is_hit_where_the_ray_meets_it() {
         let hit = pick(&scene, &params, &request, at);
         if inside {
             let hit = hit.unwrap_or_else(|| panic!("{at:?} misses"));
-            assert_eq!((hit.object, hit.instance), (ObjectId(0), 0));
+            assert_eq!((hit.object, hit.instance), (ObjectId::new(0), 0));
             let off = [hit.parameters[0] - u, hit.parameters[1] - v];
             // Corners are drawn to 1/256 of a pixel.
             assert!(
@@ -150,7 +150,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let [x, y] = at(0.5, 0.0);
     for off in [-4.0, 0.0, 3.0] {
         let hit = pick([x, y + off]).expect("the curve");
-        assert_eq!(hit.object, ObjectId(0));
+        assert_eq!(hit.object, ObjectId::new(0));
         assert!((hit.parameters[0] - 0.5).abs() < 0.03, "{hit:?}");
         assert!(
             position(&hit)[0].abs() < 0.6 && position(&hit)[1].abs() < 0.05,
@@ -160,7 +160,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     assert_eq!(pick([x, y + 9.0]), None);
     let [x, y] = at(0.0, 1.0);
     let hit = pick([x + 4.0, y]).expect("the point");
-    assert_eq!(hit.object, ObjectId(1));
+    assert_eq!(hit.object, ObjectId::new(1));
     assert!(
         position(&hit)
             .iter()
@@ -168,7 +168,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
             .all(|(a, b)| (a - b).abs() < 1e-6)
     );
     let hit = pick(at(-0.6, -1.0)).expect("the vector");
-    assert_eq!(hit.object, ObjectId(2));
+    assert_eq!(hit.object, ObjectId::new(2));
     assert!((position(&hit)[0] + 0.6).abs() < 0.03, "{hit:?}");
 }
 
@@ -185,7 +185,7 @@ fn perspective_does_not_bend_a_curves_parameter() {
             let hit = stage
                 .pick(&request.of(&scene, &params), PixelPoint(at))
                 .expect("a picture");
-            if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
+            if let Some(hit) = hit.filter(|hit| hit.object == ObjectId::new(0)) {
                 assert!(
                     (hit.parameters[0] - position(&hit)[1]).abs() < 0.12,
                     "{at:?}: {hit:?}"
@@ -223,7 +223,7 @@ fn each_instance_is_told_apart() {
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
                 assert_eq!(
-                    (hit.object.0, hit.instance),
+                    (hit.object.index(), hit.instance),
                     (object, 2 * i as u64 + j as u64)
                 );
             }
@@ -242,9 +242,9 @@ fn what_is_picked_is_what_the_picture_shows() {
     let (scene, params) = compiled(text);
     let request = from([4.0, -5.0, 3.0], [0.0; 3]);
     let mut stage = Renderer::software();
-    let mut drawn = |object: u32, colour: [u8; 3]| {
+    let mut drawn = |object: usize, colour: [u8; 3]| {
         let mut request = request.clone();
-        request.colours = vec![(ObjectId(object), colour)];
+        request.colours = vec![(ObjectId::new(object), colour)];
         match stage
             .draw(&request.of(&scene, &params))
             .expect("a picture")
@@ -284,7 +284,7 @@ fn what_is_picked_is_what_the_picture_shows() {
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
             let here: Vec<usize> = (0..2).filter(|&object| visible(object, x, y)).collect();
-            match hit.map(|hit| hit.object.0 as usize) {
+            match hit.map(|hit| hit.object.index()) {
                 Some(object) if object >= 2 => {
                     assert!(glyphs.contains(&object), "({x}, {y}): {object}")
                 }
@@ -295,7 +295,7 @@ fn what_is_picked_is_what_the_picture_shows() {
                 None => assert!(glyphs.is_empty() && here.is_empty(), "({x}, {y})"),
             }
             if let Some(hit) = hit {
-                counts[hit.object.0 as usize] += 1;
+                counts[hit.object.index()] += 1;
             }
         }
     }
@@ -309,7 +309,7 @@ fn a_place_outside_the_picture_is_no_place_to_pick() {
     for at in [[-1.0, 5.0], [5.0, 120.0], [f64::NAN, 1.0]] {
         assert_eq!(pick(&scene, &params, &Wanted::space(SIZE), at), None);
     }
-    let inside = Wanted::geodesic(ObjectId(0), SIZE);
+    let inside = Wanted::geodesic(ObjectId::new(0), SIZE);
     assert_eq!(pick(&scene, &params, &inside, [f64::NAN, 1.0]), None);
 }
 
@@ -320,9 +320,9 @@ fn a_pixel_of_a_geodesic_view_is_at_the_end_of_its_geodesic() {
         metric h(u, v) = (1, 0, 2 + u), u : [-1, 1], v : [-1, 1];";
     let (scene, params) = compiled(text);
     let zoom = 2.0;
-    let seen = |id: u32, at: [f64; 2]| {
-        let camera = GeodesicCamera::new(ObjectId(id)).at([0.0, 0.0]);
-        let request = Wanted::geodesic(ObjectId(id), SIZE)
+    let seen = |id: usize, at: [f64; 2]| {
+        let camera = GeodesicCamera::new(ObjectId::new(id)).at([0.0, 0.0]);
+        let request = Wanted::geodesic(ObjectId::new(id), SIZE)
             .with_inside(|options| options.camera = camera.zoomed(zoom));
         pick(&scene, &params, &request, at)
     };

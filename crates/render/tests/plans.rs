@@ -46,7 +46,7 @@ fn surfaces_bring_a_sampler_and_their_distinct_images() {
 
 #[test]
 fn a_geodesic_view_builds_no_painter() {
-    let request = Wanted::geodesic(ObjectId(0), [64, 64]);
+    let request = Wanted::geodesic(ObjectId::new(0), [64, 64]);
     let expected = Built {
         resolve_pipelines: 1,
         textures: 1,
@@ -63,7 +63,7 @@ fn a_geodesic_view_builds_no_painter() {
 fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
     let params = ParamValues::initial(&scene);
-    let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
+    let mut request = Wanted::geodesic(ObjectId::new(0), [64, 64]);
     let choose = |request: &mut Wanted, chosen| {
         request.inside().method = chosen;
     };

@@ -16,7 +16,7 @@ fn samples(source: &str) -> (Bounds, Samples) {
     let scene = scene(source);
     let params = ParamValues::initial(&scene);
     let bounds = Bounds::of(&scene, &params);
-    let last = ObjectId(scene.objects.len() as u32 - 1);
+    let last = ObjectId::new(scene.objects.len() - 1);
     let samples = sample(&scene, &params, last, &bounds.placement);
     (bounds, samples)
 }

@@ -26,7 +26,7 @@ const ABOVE: Viewpoint = Viewpoint {
 const FLOOR: &str = "surface s(u, v) = (u, v, 0), u : [-1, 1, 9], v : [-1, 1, 9];
     geodesic g(t) : s = (1, 0) @ (-0.9, 0), t : [0, 1.8];
     point p = (1.5, 0, 0);";
-const FLOOR_ID: ObjectId = ObjectId(0);
+const FLOOR_ID: ObjectId = ObjectId::new(0);
 
 fn stages() -> [Renderer; 2] {
     let gpu = Gpu::shared().expect("a GPU or software Vulkan");
@@ -84,7 +84,7 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
             let hit = stage.pick(&request.of(&scene, &params), PixelPoint(at(y)));
             hit.expect("a view of space").map(|hit| hit.object)
         };
-        assert_eq!(found(&bare, middle), Some(ObjectId(1)));
+        assert_eq!(found(&bare, middle), Some(ObjectId::new(1)));
         assert_eq!(found(&bare, middle + 12), None);
         assert_eq!(found(&whole, middle + 12), Some(FLOOR_ID));
     }
@@ -103,7 +103,11 @@ fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree(
         let alone = request.draw(&scene, &params).expect("a picture");
         assert!(live == alone.image, "{backend:?}");
         let plan = request.plan(&scene, &params);
-        let planned: Vec<u32> = plan.objects.iter().map(|object| object.object.0).collect();
+        let planned: Vec<usize> = plan
+            .objects
+            .iter()
+            .map(|object| object.object.index())
+            .collect();
         assert_eq!((planned, plan.textures), (vec![1, 2], 0));
     }
 }
@@ -111,9 +115,9 @@ fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree(
 #[test]
 fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
     let (scene, params) = compiled(FLOOR);
-    let centre = |hidden: &[u32]| {
+    let centre = |hidden: &[usize]| {
         let request = Wanted::space(SIZE).with_space(|options| {
-            options.hidden = hidden.iter().map(|&id| ObjectId(id)).collect();
+            options.hidden = hidden.iter().map(|&id| ObjectId::new(id)).collect();
         });
         let mut stage = Renderer::software();
         let camera = stage.camera(&request.of(&scene, &params));

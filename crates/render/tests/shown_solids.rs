@@ -122,7 +122,7 @@ impl Builder {
             geodesic_values: Vec::new(),
             attributes: Vec::new(),
         });
-        ObjectId(self.scene.objects.len() as u32 - 1)
+        ObjectId::new(self.scene.objects.len() - 1)
     }
 
     /// A ball of radius 1 with a round hole along z.
@@ -214,10 +214,10 @@ fn a_ball_looks_as_the_surface_of_the_same_shape() {
     for options in views().into_iter().skip(1) {
         let mut as_surface = request(Builder::of(sphere).scene, options.clone());
         let plain = render::texture::Texture::plain();
-        as_surface.textures.push((ObjectId(0), plain.into()));
+        as_surface.textures.push((ObjectId::new(0), plain.into()));
         as_surface
             .colours
-            .push((ObjectId(0), render::style::SOLID_COLOUR));
+            .push((ObjectId::new(0), render::style::SOLID_COLOUR));
         let mut builder = Builder::of("");
         let ball = builder.round(&[0, 1, 2], [0.0; 3], 1.0);
         let leaf = builder.leaf("ball", ball, None);
@@ -246,7 +246,10 @@ fn what_lies_behind_a_solid_is_hidden_and_what_lies_before_it_is_seen() {
             ..eye.clone()
         };
         let mut request = request(builder.scene, options);
-        request.colours = vec![(ObjectId(0), [255, 0, 0]), (ObjectId(1), [0, 255, 0])];
+        request.colours = vec![
+            (ObjectId::new(0), [255, 0, 0]),
+            (ObjectId::new(1), [0, 255, 0]),
+        ];
         let picture = drawn(&mut Renderer::software(), &request);
         picture.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0
     };
@@ -257,11 +260,11 @@ fn what_lies_behind_a_solid_is_hidden_and_what_lies_before_it_is_seen() {
     };
     assert_eq!(brightest(middle(text, vec![])), Some(0), "before it");
     assert_eq!(
-        brightest(middle(text, vec![ObjectId(0)])),
+        brightest(middle(text, vec![ObjectId::new(0)])),
         Some(2),
         "the ball"
     );
-    let all = vec![ObjectId(0), ObjectId(2)];
+    let all = vec![ObjectId::new(0), ObjectId::new(2)];
     assert_eq!(brightest(middle(text, all)), Some(1), "the ball is hidden");
 }
 
@@ -270,7 +273,7 @@ fn a_place_on_a_solid_is_picked_with_its_leaf() {
     let mut builder = Builder::of("point p = (0, 0, -9);");
     let bead = builder.bead();
     let options = SpaceOptions {
-        hidden: vec![ObjectId(0)],
+        hidden: vec![ObjectId::new(0)],
         ..SpaceOptions::seen_from([0.2, -2.0, 9.0], [0.2, 0.0, 0.0])
     };
     for traced in [false, true] {
@@ -437,11 +440,14 @@ fn a_stated_colour_wins_over_a_chosen_one_and_is_dim_with_it() {
     let point = render::style::POINT_COLOUR;
     let stated = [[255, 0, 0], [128; 3], point];
     assert_eq!(request.object_colours(), stated);
-    request.colours = vec![(ObjectId(0), [0, 255, 0]), (ObjectId(1), [102; 3])];
+    request.colours = vec![
+        (ObjectId::new(0), [0, 255, 0]),
+        (ObjectId::new(1), [102; 3]),
+    ];
     let dim = [[255, 0, 0], [51; 3], point];
     assert_eq!(request.object_colours(), dim);
     // Nothing is written on it.
-    let texture = request.texture(ObjectId(1));
+    let texture = request.texture(ObjectId::new(1));
     assert!(Arc::ptr_eq(&texture, &render::texture::Texture::plain()));
 }
 
@@ -464,7 +470,7 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
         assert_eq!(drawn.notes, [] as [&str; 0]);
         let image = Arc::new(Texture::from_image(RgbaImage::new(2, 2)));
         for id in [0, 1] {
-            let object = ObjectId(id);
+            let object = ObjectId::new(id);
             request.textures.push((object, (&image).into()));
         }
         let drawn = renderer.draw(request).expect("a picture");

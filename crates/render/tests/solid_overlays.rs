@@ -51,9 +51,9 @@ fn draw(source: &str, pose: Pose, zoom: f64, overlays: Overlays) -> RenderedImag
     let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
     let mut request = Wanted {
         backend: Backend::Software,
-        textures: vec![(ObjectId(0), Arc::new(grey))],
+        textures: vec![(ObjectId::new(0), Arc::new(grey))],
         overlays,
-        ..Wanted::geodesic(ObjectId(0), [SIZE; 2])
+        ..Wanted::geodesic(ObjectId::new(0), [SIZE; 2])
     };
     let options = request.inside();
     options.camera.pose = pose;

@@ -33,8 +33,8 @@ fn plain(source: &str, mut request: Wanted) -> RgbaImage {
         1,
         Rgba([255; 4]),
     )));
-    request.textures = (0..scene(source).objects.len() as u32)
-        .map(|k| (ObjectId(k), white.clone()))
+    request.textures = (0..scene(source).objects.len())
+        .map(|k| (ObjectId::new(k), white.clone()))
         .collect();
     picture(source, request).image
 }
@@ -130,7 +130,7 @@ fn an_image_lies_upright_with_its_left_at_u_min_and_its_top_at_v_min() {
     let mut request = Wanted::space([100, 100]);
     request
         .textures
-        .push((ObjectId(0), Arc::new(Texture::from_image(image))));
+        .push((ObjectId::new(0), Arc::new(Texture::from_image(image))));
     let picture = picture(source, request).image;
     for (quarter, [x, y]) in quarters
         .iter()
@@ -294,10 +294,10 @@ fn wrong_requests_are_refused_with_a_sentence() {
     assert!(attempt(Wanted::space([0, 8])).is_err_and(|e| e.contains("0x8")));
     assert!(attempt(Wanted::space([8, 16_385])).is_err_and(|e| e.contains("16384")));
     assert!(
-        attempt(Wanted::geodesic(ObjectId(0), [8, 8]))
+        attempt(Wanted::geodesic(ObjectId::new(0), [8, 8]))
             .is_err_and(|e| e.contains("`p` is not a surface"))
     );
-    let missing = Wanted::geodesic(ObjectId(9), [8, 8]);
+    let missing = Wanted::geodesic(ObjectId::new(9), [8, 8]);
     assert_eq!(
         missing.draw(&scene, &params).err(),
         Some(RenderError::Manifold(ManifoldError::NoSurface {

@@ -29,7 +29,9 @@ fn inside(k: f64) -> PictureRequest {
     let scene = scenes::scene(TEXT);
     let mut params = ParamValues::initial(&scene);
     params.set(&scene, "k", &[k]).expect("in its interval");
-    let camera = GeodesicCamera::new(ObjectId(0)).at([0.0, 0.0]).zoomed(0.5);
+    let camera = GeodesicCamera::new(ObjectId::new(0))
+        .at([0.0, 0.0])
+        .zoomed(0.5);
     let options = GeodesicOptions {
         mark_centre: false,
         ..camera.into()
@@ -67,7 +69,7 @@ fn the_expression_is_seen_in_space_and_a_chosen_image_wins() {
     assert!(left[0] + 20 < right[0], "{left:?}, {right:?}");
     let white = RgbaImage::from_pixel(2, 2, image::Rgba([255; 4]));
     let white = render::texture::Texture::from_image(white);
-    request.textures = vec![(ObjectId(0), Arc::new(white).into())];
+    request.textures = vec![(ObjectId::new(0), Arc::new(white).into())];
     let chosen = image(&mut renderer, &request);
     let [left, right] = [middle - 8, middle + 8].map(|x| chosen.get_pixel(x, middle).0);
     assert!(left[0].abs_diff(right[0]) < 8, "{left:?}, {right:?}");

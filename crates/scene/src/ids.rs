@@ -8,4 +8,16 @@ pub struct ParamId(pub u32);
 pub struct GridId(pub u32);
 /// A position in [`Scene::objects`](crate::Scene::objects).
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub struct ObjectId(pub u32);
+pub struct ObjectId(u32);
+
+impl ObjectId {
+    /// The number of the object at a position.
+    pub const fn new(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// Returns the position.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}

@@ -101,7 +101,7 @@ mod tests {
         let scene = scene(PROGRAM);
         let mut params = ParamValues::initial(&scene);
         let mut evaluator =
-            InitialConditionsEvaluator::new(&scene, ObjectId(1)).expect("a geodesic");
+            InitialConditionsEvaluator::new(&scene, ObjectId::new(1)).expect("a geodesic");
         let mut evaluate = |params: &ParamValues| {
             evaluator.evaluate(&params.first_instance(&scene, &scene.objects[1]))
         };
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn what_is_no_geodesic_has_no_initial_conditions() {
         let scene = scene(PROGRAM);
-        assert!(InitialConditionsEvaluator::new(&scene, ObjectId(0)).is_none());
-        assert!(InitialConditionsEvaluator::new(&scene, ObjectId(2)).is_none());
+        assert!(InitialConditionsEvaluator::new(&scene, ObjectId::new(0)).is_none());
+        assert!(InitialConditionsEvaluator::new(&scene, ObjectId::new(2)).is_none());
     }
 }

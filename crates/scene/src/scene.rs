@@ -58,7 +58,7 @@ impl Scene {
 
     /// The objects, each with its number.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
-        (0..).map(ObjectId).zip(&self.objects)
+        (0..).map(ObjectId::new).zip(&self.objects)
     }
 
     /// Returns true if the object of a number is a solid.
@@ -69,7 +69,7 @@ impl Scene {
 
     /// The object of a number.
     pub fn get(&self, id: ObjectId) -> Option<&Object> {
-        self.objects.get(id.0 as usize)
+        self.objects.get(id.index())
     }
 
     /// Returns true if the 3D view shows an object: all but metrics, and geodesics on a metric, lie in space.

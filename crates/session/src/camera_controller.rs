@@ -163,7 +163,7 @@ impl Subject {
 
     /// Returns the names of its parameters as a place is written: "(u, v)".
     pub(crate) fn chart_label(&self) -> String {
-        let object = self.scene.objects.get(self.surface.0 as usize);
+        let object = self.scene.get(self.surface);
         object.map_or_else(String::new, |object| object.shape.chart_label())
     }
 
@@ -172,7 +172,7 @@ impl Subject {
     /// # Errors
     /// [`ManifoldError`] if it is none.
     pub fn manifold(&self) -> Result<Manifold, ManifoldError> {
-        let object = self.scene.objects.get(self.surface.0 as usize);
+        let object = self.scene.get(self.surface);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = self.settings.first_instance(&self.scene, object);
         Manifold::new(&self.scene, self.surface, &uniforms)
@@ -383,7 +383,7 @@ mod tests {
         Subject {
             settings: Arc::new(ParamValues::initial(&scene)),
             scene: Arc::new(scene),
-            surface: ObjectId(0),
+            surface: ObjectId::new(0),
         }
     }
 

@@ -338,7 +338,7 @@ impl Model {
     /// The objects of the scene that are hidden in space.
     pub fn hidden(&self) -> Vec<ObjectId> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-        let numbered = (0..).map(ObjectId).zip(objects);
+        let numbered = (0..).map(ObjectId::new).zip(objects);
         let hidden = numbered.filter(|(_, object)| self.view.look(&object.name).hidden);
         hidden.map(|(id, _)| id).collect()
     }

@@ -172,7 +172,7 @@ fn answer(
             length,
         } => MeasureAnswer::Walk(walk(surface, start, end, *turned, *length)),
         MeasureQuestion::WayBack { from, to } => {
-            let name = subject.scene.objects.get(subject.surface.0 as usize);
+            let name = subject.scene.get(subject.surface);
             MeasureAnswer::WayBack {
                 surface: name.map_or_else(String::new, |object| object.name.clone()),
                 from: *from,

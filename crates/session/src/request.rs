@@ -119,7 +119,7 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
         let look = model.view.looks.get(&object.name);
         let chosen = look.and_then(|look| look.colour);
         if dims && stale.contains(&object.name) {
-            let colour = chosen.unwrap_or(defaults[id.0 as usize]);
+            let colour = chosen.unwrap_or(defaults[id.index()]);
             return Some((id, colour.map(|part| (f64::from(part) * DIMMED) as u8)));
         }
         chosen.map(|colour| (id, colour))
@@ -223,7 +223,7 @@ mod tests {
     fn coloured(model: &Model, dims: bool) -> Vec<(String, [u8; 3])> {
         let scene = model.scene.as_ref().expect("a scene");
         let name = |(id, colour): (scene::ObjectId, _)| {
-            let object = &scene.objects[id.0 as usize];
+            let object = &scene.objects[id.index()];
             (object.name.clone(), colour)
         };
         colours(model, dims).into_iter().map(name).collect()

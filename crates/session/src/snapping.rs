@@ -391,7 +391,7 @@ mod tests {
         let text = "surface s(u, v) = ((2 + cos v) cos u, (2 + cos v) sin u, sin v), u : [0, 2pi], v : [0, 2pi];";
         let scene = scene::geotrace::compile(text).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
-        let torus = manifold(&scene, &params, ObjectId(0)).expect("a surface");
+        let torus = manifold(&scene, &params, ObjectId::new(0)).expect("a surface");
         let place = |u: f64, v: f64| {
             let r = 2.0 + v.cos();
             [r * u.cos(), r * u.sin(), v.sin()]
@@ -417,9 +417,9 @@ mod tests {
         let scene = scene::geotrace::compile(text).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
         let found = declared(&scene, &params);
-        let places: Vec<(u32, [f64; 2])> = found
+        let places: Vec<(usize, [f64; 2])> = found
             .iter()
-            .map(|it| (it.surface.0, it.uv.map(|x| (x * 1e6).round() / 1e6)))
+            .map(|it| (it.surface.index(), it.uv.map(|x| (x * 1e6).round() / 1e6)))
             .collect();
         assert_eq!(places, [(0, [1.0, 1.0]), (1, [0.5, 0.5]), (1, [2.5, 0.5])]);
     }

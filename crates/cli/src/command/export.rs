@@ -176,7 +176,7 @@ fn objects(scene: &Scene, names: &[String], file: &str) -> Result<Option<Vec<Obj
     }
     let find = |name: &String| {
         let found = scene.objects.iter().position(|object| object.name == *name);
-        found.map(|index| ObjectId(index as u32)).ok_or_else(|| {
+        found.map(ObjectId::new).ok_or_else(|| {
             let all: Vec<String> = scene
                 .objects
                 .iter()

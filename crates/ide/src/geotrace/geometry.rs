@@ -21,7 +21,7 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
         let excerpt = analysis.excerpt([item.index]);
         let scene = excerpt.scene();
-        let mut objects = (0..).map(ObjectId).zip(&scene.objects);
+        let mut objects = (0..).map(ObjectId::new).zip(&scene.objects);
         let (id, object) = objects.find(|(_, object)| object.name == item.name)?;
         // At the params' start and the first instance.
         let uniforms = ParamValues::initial(scene).first_instance(scene, object);

@@ -143,8 +143,7 @@ impl PlacedCamera {
         manifold: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Manifold>, RenderError>,
     ) -> Result<Self, RenderError> {
         let object = scene
-            .objects
-            .get(camera.surface.0 as usize)
+            .get(camera.surface)
             .ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = params.first_instance(scene, object);
         let manifold = manifold(camera.surface, &uniforms)?;
@@ -273,8 +272,7 @@ impl PlacedCamera {
     /// The uniforms that an object's shape reads, by their numbers.
     pub(crate) fn uniforms_used(&self, scene: &Scene, object: ObjectId) -> Vec<usize> {
         let roots = scene
-            .objects
-            .get(object.0 as usize)
+            .get(object)
             .map_or_else(Vec::new, |object| object.shape.roots());
         let inputs = scene.graph.inputs(&roots).into_iter();
         inputs

@@ -130,7 +130,7 @@ impl Kernels {
                 operations: plan::operations(scene, wanted.object),
                 kernel: None,
             });
-        let object = &scene.objects[wanted.object.0 as usize];
+        let object = &scene.objects[wanted.object.index()];
         if samples.saturating_mul(state.operations) < pays
             || !plan::may_have_kernel(scene, wanted.params, object)
         {
@@ -234,7 +234,7 @@ fn make(
     structure: &Structure,
     placement: &Placement,
 ) -> Made {
-    let object = &scene.objects[object.0 as usize];
+    let object = &scene.objects[object.index()];
     let kernel = match samples::kernel(scene, &object.shape) {
         Ok(kernel) => kernel,
         Err(GenerateError::TooLarge { .. }) => return Made::TooLarge,

@@ -227,7 +227,7 @@ impl GpuRenderer {
         let mut notes = Vec::new();
         let mut draws: Vec<Draw> = Vec::new();
         let steps = request.scene.objects.len() as f32;
-        for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
+        for (id, object) in (0..).map(ObjectId::new).zip(&request.scene.objects) {
             let Some(look) = (scene.shown)(id) else {
                 continue;
             };
@@ -241,7 +241,7 @@ impl GpuRenderer {
             draws.push(self.with_factory(|painters, factory| {
                 painters.draw(factory, painter, view, &buffer, &look, texture)
             })?);
-            progress((id.0 + 1) as f32 / steps);
+            progress((id.index() + 1) as f32 / steps);
         }
         self.upload_overlay(scene.overlay)?;
         let buffers = self.overlay.as_ref().map(|(_, buffers)| buffers.clone());
@@ -280,9 +280,9 @@ impl GpuRenderer {
         notes: &mut Vec<String>,
     ) -> Result<SampleBuffer, RenderError> {
         let request = scene.request;
-        let object = &request.scene.objects[id.0 as usize];
-        let content = &scene.contents[id.0 as usize];
-        let structure = &scene.structures[id.0 as usize];
+        let object = &request.scene.objects[id.index()];
+        let content = &scene.contents[id.index()];
+        let structure = &scene.structures[id.index()];
         let placement = &scene.camera.placement;
         let key = content.placed(placement);
         let known = self.buffers.get(&key);

@@ -42,7 +42,7 @@ pub(crate) fn computed(
     id: ObjectId,
     placement: &Placement,
 ) -> Result<Option<Samples>, RenderError> {
-    let object = &scene.objects[id.0 as usize];
+    let object = &scene.objects[id.index()];
     let kernel = match kernel(scene, &object.shape) {
         Ok(kernel) => kernel,
         Err(error) => return internal(error).map_or(Ok(None), Err),

@@ -268,7 +268,7 @@ mod tests {
     fn drawn(source: &str, size: [u32; 2], banded: bool) -> RgbaImage {
         let scene = scene::geotrace::compile(source).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
-        let camera = GeodesicCamera::new(ObjectId(0));
+        let camera = GeodesicCamera::new(ObjectId::new(0));
         let placed = PlacedCamera::new(&scene, &params, &camera, size).expect("a camera");
         let request = PictureRequest::new(scene, params, AnyView, size);
         let texture: Arc<Texture> = Texture::orientation();

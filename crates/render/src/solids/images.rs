@@ -43,7 +43,7 @@ impl FaceImages {
     /// The linear colour of the image of a face at a place from (0, 0), the top left, to (1, 1).
     pub(super) fn color(&self, image: FaceImage, place: [f64; 2]) -> Option<DVec3> {
         let objects = &self.objects;
-        let texture = match objects.binary_search_by_key(&image.object.0, |(id, _)| id.0) {
+        let texture = match objects.binary_search_by_key(&image.object, |(id, _)| *id) {
             Ok(found) => &objects[found].1,
             Err(_) => self.stated.get(image.stated?)?.as_ref()?,
         };

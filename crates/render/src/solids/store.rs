@@ -212,7 +212,7 @@ impl TracedScene {
                 shown: &|id| !key.hidden.contains(&id),
                 color: &|id| {
                     key.colours
-                        .get(id.0 as usize)
+                        .get(id.index())
                         .map_or(DVec3::ONE, |it| srgb(*it))
                 },
                 thickness: Some(style::thickness(radius * scale)),

@@ -58,7 +58,7 @@ impl Texture {
         params: &ParamValues,
         surface: ObjectId,
     ) -> Result<Arc<Self>, RenderError> {
-        let object = scene.objects.get(surface.0 as usize);
+        let object = scene.get(surface);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = params.first_instance(scene, object);
         let ground = Manifold::new(scene, surface, &uniforms)?;

@@ -133,7 +133,7 @@ impl View for GeodesicView {
     }
 
     fn options(&self, object: Option<ObjectId>) -> ViewPart {
-        GeodesicOptions::new(object.unwrap_or(ObjectId(u32::MAX))).into()
+        GeodesicOptions::new(object.unwrap_or(ObjectId::new(u32::MAX as usize))).into()
     }
 
     fn keys(&self) -> &'static [Key] {

@@ -113,7 +113,7 @@ impl View for SpaceView {
         };
         plan.overlays = overlay::painters(request, options.show_camera.as_ref());
         let mut textured = Vec::new();
-        for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
+        for (id, object) in (0..).map(ObjectId::new).zip(&request.scene.objects) {
             if !options.shows(id) {
                 continue;
             }
@@ -226,7 +226,7 @@ impl ViewRenderer for SpaceRenderer {
         });
         let (mut pixels, mut notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
-            let shown = |id: ObjectId| options.shows(id).then(|| looks[id.0 as usize]);
+            let shown = |id: ObjectId| options.shows(id).then(|| looks[id.index()]);
             let texture = |id| texture(request, &framed, id);
             let scene = SpaceScene {
                 request,
@@ -316,7 +316,7 @@ impl ViewRenderer for SpaceRenderer {
         }
         Ok(picked.map(|picked| Hit {
             leaf: None,
-            object: ObjectId(picked.object as u32),
+            object: ObjectId::new(picked.object),
             position: Some(camera.placement.world(picked.position)),
             parameters: parameters(&request.scene.objects[picked.object].shape, picked.shares),
             instance: picked.instance,
@@ -463,7 +463,7 @@ fn tints(request: &PictureRequest, options: &SpaceOptions, solids: &SolidScene) 
         let leaves = object.and_then(|object| object.shape.solid());
         let leaves = leaves.into_iter().flat_map(|solid| &solid.leaves);
         let mut attributes = leaves.flat_map(|leaf| &*leaf.attributes);
-        let own = style::linear(colours[id.0 as usize]);
+        let own = style::linear(colours[id.index()]);
         let factor = [0, 1, 2].map(|k| own[k] / usual[k]);
         let brightest = factor.into_iter().fold(0.0, f32::max).min(1.0);
         Tint {
@@ -529,7 +529,7 @@ fn drawables(
     let placement = framed.bounds.placement;
     let scene = &request.scene;
     let looks = looks(request, options);
-    let objects = (0..).map(ObjectId).zip(&scene.objects);
+    let objects = (0..).map(ObjectId::new).zip(&scene.objects);
     for ((id, object), content) in objects.zip(framed.contents()) {
         if !options.shows(id) {
             // It keeps its number.
@@ -541,7 +541,7 @@ fn drawables(
         notes.extend(sampled.notes(object));
         let is_surface = object.shape.is_surface();
         let texture = is_surface.then(|| texture(request, framed, id));
-        let look = &looks[id.0 as usize];
+        let look = &looks[id.index()];
         let stride = moving.map_or(1, |camera| {
             software::moving_stride(camera, &sampled.samples)
         });
@@ -558,7 +558,7 @@ fn drawables(
 fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
     let colours = request.object_colours().into_iter();
     let lines = style::line_styles(&request.scene, request.scale);
-    let numbered = (0..).map(ObjectId).zip(colours.zip(lines));
+    let numbered = (0..).map(ObjectId::new).zip(colours.zip(lines));
     numbered
         .map(|(id, (colour, line))| Look {
             colour: style::linear(colour),
@@ -605,14 +605,14 @@ pub(super) fn labels(
     extras: &[OverlayObject],
 ) -> Vec<TextLabel> {
     let scene = &request.scene;
-    let numbered = (0..).map(ObjectId).zip(&scene.objects);
+    let numbered = (0..).map(ObjectId::new).zip(&scene.objects);
     let shown = numbered.filter(|(id, _)| options.shows(*id));
     let clouds = shown.filter_map(|(id, _)| Some((id, framed.object(id)?)));
     let solids = shared
         .solids
         .get(request, &options.hidden, framed.contents());
     let occlusion = Occlusion::new(camera, clouds).with_solids(solids);
-    let objects = (0..).map(ObjectId).zip(&scene.objects);
+    let objects = (0..).map(ObjectId::new).zip(&scene.objects);
     let objects = objects.zip(framed.contents());
     let drawn = objects.filter(|((id, object), _)| options.shows(*id) && scene.is_in_space(object));
     let label = |((id, object), content): ((ObjectId, &Object), &Content)| {

@@ -211,7 +211,7 @@ impl Declarations {
             .iter()
             .filter(|(symbol, _)| self.parts.contains(symbol));
         for (_, object) in named {
-            is_part[object.0 as usize] = true;
+            is_part[object.index()] = true;
         }
         if !is_part.contains(&true) {
             return;
@@ -219,7 +219,7 @@ impl Declarations {
         let objects = std::mem::take(&mut scene.objects);
         let mut numbers = Vec::with_capacity(objects.len());
         for (object, is_part) in objects.into_iter().zip(is_part) {
-            numbers.push(ObjectId(scene.objects.len() as u32));
+            numbers.push(ObjectId::new(scene.objects.len()));
             match is_part {
                 true => scene.parts.push(object),
                 false => scene.objects.push(object),
@@ -230,7 +230,7 @@ impl Declarations {
                 path: GeodesicPath::Chart { surface, .. },
                 ..
             } = &mut object.shape
-                && let Some(number) = numbers.get(surface.0 as usize)
+                && let Some(number) = numbers.get(surface.index())
             {
                 *surface = *number;
             }
@@ -252,7 +252,7 @@ impl Declarations {
             nodes.extend(attributes.flat_map(Attribute::nodes_mut).map(|node| *node));
             // A geodesic is drawn with the numbers of its surface.
             if let Some((surface, _)) = object.shape.geodesic()
-                && let Some(on) = surfaces.get(surface.0 as usize)
+                && let Some(on) = surfaces.get(surface.index())
             {
                 nodes.extend(on);
             }
@@ -329,7 +329,7 @@ impl Declarations {
     }
 
     fn draw(&mut self, symbol: Option<SymbolId>, drawn: Drawn) {
-        let object = ObjectId(self.scene.objects.len() as u32);
+        let object = ObjectId::new(self.scene.objects.len());
         let shape = &drawn.object.shape;
         if let (Some(symbol), Some((components, domain))) =
             (symbol, shape.surface().or(shape.metric()))

@@ -18,7 +18,7 @@ impl Model {
         let own = self.scene.as_ref().and_then(|scene| {
             let (id, _) = scene.object(name)?;
             let colours = render::style::colours(scene, Theme::Screen, self.shows_curvature());
-            colours.get(id.0 as usize).copied()
+            colours.get(id.index()).copied()
         });
         own.unwrap_or(render::style::SURFACE_COLOUR)
     }

@@ -72,7 +72,11 @@ fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_
     );
     let hide = |model: &mut Model, name: &str| {
         model.adjust(|view| view.looks.entry(name.into()).or_default().hidden = true);
-        model.hidden().iter().map(|id| id.0).collect::<Vec<_>>()
+        model
+            .hidden()
+            .iter()
+            .map(|id| id.index())
+            .collect::<Vec<_>>()
     };
     assert_eq!(hide(&mut model, "s"), [1]);
     assert_eq!(hide(&mut model, "p"), [0, 1]);
@@ -271,7 +275,7 @@ fn a_path_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_
     );
     model.take(compiled(&format!("point p = (0,0,1); {SURFACE}")));
     let path = &model.paths["s"];
-    assert_eq!(path.trail.surface, ObjectId(1));
+    assert_eq!(path.trail.surface, ObjectId::new(1));
     assert_eq!(path.trail.points, before.points);
 }
 

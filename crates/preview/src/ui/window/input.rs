@@ -199,7 +199,7 @@ impl Window {
         if let Some(only) = only {
             let objects = (0..).zip(&request.scene.objects);
             let others = objects.filter(|(_, object)| object.name != only);
-            let others = others.map(|(index, _)| ObjectId(index)).collect();
+            let others = others.map(|(index, _)| ObjectId::new(index)).collect();
             if let Some(space) = request.view.space_mut() {
                 space.hidden = others;
             }

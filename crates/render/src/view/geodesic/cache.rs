@@ -106,7 +106,7 @@ impl MapCache {
     ) -> Result<PlacedCamera, RenderError> {
         let (scene, params) = (&request.scene, &request.params);
         let surface = |id: ObjectId, uniforms: &[f64]| {
-            let key = structures[id.0 as usize].instance(uniforms);
+            let key = structures[id.index()].instance(uniforms);
             if let Some(surface) = self.surfaces.get(&key) {
                 return Ok(surface);
             }
@@ -251,8 +251,8 @@ impl SolidMapCache {
         sampling: &Sampling,
     ) -> Arc<FollowedGeodesic> {
         let (scene, params) = (&request.scene, &request.params);
-        let structure = &structures[id.0 as usize];
-        let content = structure.instances(scene, params, &scene.objects[id.0 as usize]);
+        let structure = &structures[id.index()];
+        let content = structure.instances(scene, params, &scene.objects[id.index()]);
         let Range { min, max } = sampling.range;
         let key = (
             content,
