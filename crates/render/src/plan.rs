@@ -206,7 +206,7 @@ pub(crate) fn object_plan(
     let roots = object.shape.roots();
     let operations = count(&scene.graph, &roots);
     let with_normals = operations_with_normals(scene, object);
-    let samples = instances.saturating_mul(object.shape.sample_count());
+    let samples = samples(scene, params, object);
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
     let uniforms = inputs.into_iter().filter_map(|input| match input {
@@ -229,26 +229,18 @@ pub(crate) fn object_plan(
     })
 }
 
-/// Samples of all instances of an object in space.
-pub(crate) fn samples(scene: &Scene, params: &ParamValues, id: ObjectId) -> u64 {
-    let Some(object) = scene.get(id) else {
-        return 0;
-    };
-    let shape = &object.shape;
-    if shape.is_metric() || shape.is_geodesic() || !shape.followed().is_empty() {
-        // A metric has no place in space, and a geodesic no expression, nor a curve along one: it is followed in f64.
-        return 0;
-    }
+/// Samples of all instances of an object.
+pub(crate) fn samples(scene: &Scene, params: &ParamValues, object: &Object) -> u64 {
     params
         .instance_count(scene, object)
         .saturating_mul(object.shape.sample_count())
 }
 
-/// Returns whether a kernel could give the samples of an object. A geodesic has no expression, nor has a curve along one:
-/// it is followed in f64. Where an object breaks off is found by intervals.
+/// Returns whether a kernel could give the samples of an object. A metric has no place in space, and what is followed has no
+/// expression. Where an object breaks off is found by intervals.
 pub(crate) fn may_have_kernel(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
-    let follows = object.shape.is_geodesic() || !object.shape.followed().is_empty();
-    !follows && !may_break(scene, params, object)
+    let shape = &object.shape;
+    !shape.is_metric() && !shape.is_followed() && !may_break(scene, params, object)
 }
 
 fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
@@ -261,10 +253,7 @@ fn may_break(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
 }
 
 /// Operations of one sample of an object, of a surface with its normal.
-pub(crate) fn operations(scene: &Scene, id: ObjectId) -> u64 {
-    let Some(object) = scene.get(id) else {
-        return 0;
-    };
+pub(crate) fn operations(scene: &Scene, object: &Object) -> u64 {
     operations_with_normals(scene, object)
         .unwrap_or_else(|| count(&scene.graph, &object.shape.roots()))
         .max(1)

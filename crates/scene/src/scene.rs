@@ -502,6 +502,11 @@ impl Shape {
         }
     }
 
+    /// Returns true for a geodesic and for a curve along one: no expression gives their points, they are integrated.
+    pub fn is_followed(&self) -> bool {
+        self.is_geodesic() || !self.followed().is_empty()
+    }
+
     /// The position of a point, or of a curve or surface over its parameters.
     pub fn position(&self) -> Option<&[NodeId; 3]> {
         match self {

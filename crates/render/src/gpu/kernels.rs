@@ -113,7 +113,8 @@ impl Kernels {
         let SampleRequest {
             scene, structure, ..
         } = *wanted;
-        let samples = plan::samples(scene, wanted.params, wanted.object);
+        let object = &scene.objects[wanted.object.index()];
+        let samples = plan::samples(scene, wanted.params, object);
         // Where kernels are refused for a test, they are requested at once.
         let pays = if gpu.refuses_samples() { 1 } else { self.pays };
         // Nothing that a shader may hold would pay.
@@ -127,10 +128,9 @@ impl Kernels {
             .states
             .entry(structure.words().clone())
             .or_insert_with(|| KernelState {
-                operations: plan::operations(scene, wanted.object),
+                operations: plan::operations(scene, object),
                 kernel: None,
             });
-        let object = &scene.objects[wanted.object.index()];
         if samples.saturating_mul(state.operations) < pays
             || !plan::may_have_kernel(scene, wanted.params, object)
         {
