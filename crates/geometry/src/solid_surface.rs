@@ -55,7 +55,11 @@ impl SolidSurface {
         let rays = RayScene::of_solid(scene, params, &options, object, &mut { MAX_SHAPE_WORK });
         let world = rays.world();
         let flat = rays.notes().into_iter().find_map(|note| match note.fault {
-            RayFault::SingularMap(few, all, leaf) if few == all => Some(leaf),
+            RayFault::SingularMap {
+                skipped,
+                instances,
+                leaf,
+            } if skipped == instances => Some(leaf),
             _ => None,
         });
         if let Some(leaf) = flat {

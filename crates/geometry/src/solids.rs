@@ -5,7 +5,8 @@
 //! to, and of the scene what is not as it is declared.
 //!
 //! ```text
-//! Scene + ParamValues ──expand.rs──▶ solids, the instances of each united
+//! Scene + ParamValues ──draft.rs──▶ RayScene, and what is not as it is declared (note.rs)
+//!        ├──────────────expand.rs──▶ solids, the instances of each united
 //!        ├──────────────bodies.rs──▶ points, arrows, curves and geodesics as balls, cylinders and cones
 //!        ├──────────attributes.rs──▶ numbers at places, within their ranges ──look.rs──▶ looks of faces
 //!        │                              └─varying.rs──▶ the same as expressions
@@ -14,8 +15,10 @@
 
 mod attributes;
 mod bodies;
+mod draft;
 mod expand;
 mod look;
+mod note;
 mod stage;
 mod varying;
 
@@ -24,23 +27,22 @@ use std::sync::Arc;
 
 use expr::Input;
 use glam::DVec3;
-use scene::limits::MAX_LEAVES;
-use scene::{Attribute, GridId, Object, ObjectId, ParamValues, Scene, Shape, stated_word};
+use scene::{GridId, Object, ObjectId, ParamValues, Scene, Shape};
 use syntax::span::Span;
 use tracer::camera::LensCamera;
 use tracer::light::Light;
 use tracer::shade::{Face, FaceLook, FaceObject, FaceSides, Glass};
-use tracer::{BoundingBox, PictureLook, Sheet, Sheets, World, WorldBuilder};
+use tracer::{BoundingBox, PictureLook, Sheets, World, WorldBuilder};
 
-use attributes::{AffineTape, AttributeSet, NumberAttribute};
-use bodies::{BodyPart, BodyShapes};
-use expand::{ExpandedSolid, Expansion, Omission, ShapeTable};
+use attributes::AttributeSet;
+use draft::Draft;
 use look::{FacePlace, LookProgram};
 use stage::DeclaredBackground;
 
 pub use bodies::{MAX_BODIES, Thickness};
 pub use expand::instance_grids;
 pub use look::{BackgroundImage, FaceImage, Paint};
+pub use note::{RayFault, RayNote};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};
 
@@ -88,11 +90,9 @@ pub struct RayScene {
 struct RayContent {
     glass: Vec<Option<Glass>>,
     opaque: Vec<bool>,
-    /// For each solid of the world, the length of a mesh cell that its intervals state.
-    cells: Vec<Option<f64>>,
     objects: Vec<RayObject>,
-    /// The object of each solid of the world.
-    solids: Vec<usize>,
+    /// The solids of the world; `glass` and `opaque` are as long.
+    solids: Vec<RaySolid>,
     leaves: Vec<RayLeaf>,
     /// The sides of each leaf; none where all leaves are seen from both sides.
     sides: Vec<FaceSides>,
@@ -113,6 +113,15 @@ struct RayContent {
     picture_look: PictureLook,
     /// False where the scene says that only what it declares shines.
     has_standard_lights: bool,
+}
+
+/// A solid of the world.
+#[derive(Debug)]
+struct RaySolid {
+    /// The position of its object.
+    object: usize,
+    /// The length of a mesh cell that its intervals state.
+    stated_cell: Option<f64>,
 }
 
 /// An object that rays may meet.
@@ -161,44 +170,6 @@ pub struct FaceOwner<'a> {
     pub grids: Vec<(&'a str, &'a [f64])>,
     /// The leaf of a solid: the name of its function, or of a solid in field form, and the place where the set names it.
     pub leaf: Option<(&'a str, Span)>,
-}
-
-/// Something that is not as it is declared.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub struct RayNote {
-    /// The object.
-    pub object: String,
-    /// The notes: differences from what is declared.
-    pub fault: RayFault,
-}
-
-/// The ways in which something is not as it is declared.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub enum RayFault {
-    /// So many of all instances are not drawn: a map takes volumes to 0. The leaf whose map it is.
-    SingularMap(u64, u64, String),
-    /// Not seen: no point is in it.
-    Empty,
-    /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
-    TooManyLeaves,
-    /// Not drawn: its derivatives are too large.
-    TooLarge,
-    /// Not drawn: with it, reading the shapes of the solids takes more work than there is.
-    TooMuchWork,
-    /// Not drawn whole: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
-    TooManyBodies,
-    /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
-    TooManySheets,
-    /// So many instances of a light or a camera have no place or no direction.
-    UndefinedStage(u64),
-    /// The attribute is undefined somewhere: its default is taken.
-    UndefinedAttribute(&'static str),
-    /// The attribute is out of its range somewhere: the nearest number in it is taken.
-    ClampedAttribute(&'static str),
-    /// The attribute is one number for a whole solid: its value at the origin is taken.
-    NotUniform(&'static str),
-    /// An image is not shown: no `uv` says where.
-    UnplacedImage,
 }
 
 impl RayScene {
@@ -295,12 +266,12 @@ impl RayScene {
     /// The largest cell that a mesh of a solid of the world may have: the smallest that a counted interval of one of its
     /// leaves asks for. `None` where no interval has a count.
     pub fn stated_cell(&self, solid: usize) -> Option<f64> {
-        self.content.cells[solid]
+        self.content.solids[solid].stated_cell
     }
 
     /// The object of a solid of the world.
     pub fn object_of_solid(&self, solid: usize) -> &RayObject {
-        &self.content.objects[self.content.solids[solid]]
+        &self.content.objects[self.content.solids[solid].object]
     }
 
     /// True if a solid of the world is a solid of the scene, and no point, arrow or curve.
@@ -425,7 +396,7 @@ impl RayScene {
     pub fn owner(&self, of: &FaceObject) -> FaceOwner<'_> {
         match *of {
             FaceObject::Solid { solid, leaf, .. } => {
-                let object = &self.content.objects[self.content.solids[solid]];
+                let object = &self.content.objects[self.content.solids[solid].object];
                 let leaf = &self.content.leaves[leaf];
                 let name = leaf.name.map(|name| &self.content.names[name as usize]);
                 FaceOwner {
@@ -509,6 +480,14 @@ impl RayScene {
     }
 }
 
+impl RayContent {
+    fn add_solid(&mut self, solid: RaySolid, glass: Option<Glass>, is_opaque: bool) {
+        self.solids.push(solid);
+        self.glass.push(glass);
+        self.opaque.push(is_opaque);
+    }
+}
+
 impl RayObject {
     fn new(scene: &Scene, params: &ParamValues, id: Option<ObjectId>, object: &Object) -> Self {
         let open = |grid: &GridId| params.fixed_grid(scene, *grid).is_none();
@@ -537,383 +516,5 @@ impl RayObject {
         grids
             .filter_map(|(name, places)| Some((&**name, uniforms.get(places.clone())?)))
             .collect()
-    }
-}
-
-/// A scene for rays that is being made.
-struct Draft<'a> {
-    scene: &'a Scene,
-    params: &'a ParamValues,
-    options: &'a RaySceneOptions<'a>,
-    table: ShapeTable,
-    shapes: BodyShapes,
-    leaf_room: usize,
-    body_room: usize,
-    sheets: Vec<Sheet>,
-    content: RayContent,
-}
-
-impl<'a> Draft<'a> {
-    fn new(scene: &'a Scene, params: &'a ParamValues, options: &'a RaySceneOptions<'a>) -> Self {
-        Self {
-            scene,
-            params,
-            options,
-            table: ShapeTable::default(),
-            shapes: BodyShapes::default(),
-            leaf_room: MAX_LEAVES as usize,
-            body_room: MAX_BODIES,
-            sheets: Vec::new(),
-            content: RayContent {
-                picture_look: options.picture_look,
-                has_standard_lights: scene.picture.is_none(),
-                ..RayContent::default()
-            },
-        }
-    }
-
-    fn note(&mut self, object: &Object, fault: RayFault) {
-        self.content.notes.push(RayNote {
-            object: object.name.clone(),
-            fault,
-        });
-    }
-
-    fn object(&mut self, id: Option<ObjectId>, object: &Object) -> usize {
-        let ray_object = RayObject::new(self.scene, self.params, id, object);
-        self.content.objects.push(ray_object);
-        self.content.objects.len() - 1
-    }
-
-    /// The image of faces with these attributes.
-    fn image(&mut self, id: Option<ObjectId>, attributes: &[Attribute]) -> Option<FaceImage> {
-        let images = &mut self.content.images;
-        let stated = stated_word(attributes, "image").map(|word| {
-            let known = images.iter().position(|image| image == word);
-            known.unwrap_or_else(|| {
-                images.push(word.to_owned());
-                images.len() - 1
-            })
-        });
-        id.map(|object| FaceImage { object, stated })
-    }
-
-    fn solid(&mut self, builder: &mut WorldBuilder<'_>, id: Option<ObjectId>, object: &Object) {
-        let Some(solid) = object.shape.solid() else {
-            return;
-        };
-        let (scene, params) = (self.scene, self.params);
-        let maps = solid.leaves.iter();
-        let mut expansion = Expansion {
-            scene,
-            params,
-            object,
-            solid,
-            maps: maps
-                .map(|leaf| AffineTape::new(&scene.graph, &leaf.map))
-                .collect(),
-            room: self.leaf_room,
-        };
-        let mut expanded = ExpandedSolid::default();
-        let mut instances: Vec<(usize, u64)> = Vec::new();
-        let own = params.combination_count(scene, instance_grids(solid));
-        let count = params.instance_count(scene, object).saturating_mul(own);
-        let (mut singular, mut whose) = (0, 0);
-        for instance in 0..count {
-            let uniforms = params.instance(scene, object, instance / own);
-            match expansion.add(&mut expanded, &uniforms, instance % own) {
-                Ok(()) => instances.push((expanded.leaves.len(), instance)),
-                Err(Omission::Singular { leaf }) => (singular, whose) = (singular + 1, leaf),
-                Err(Omission::TooManyLeaves) => {
-                    self.note(object, RayFault::TooManyLeaves);
-                    return;
-                }
-                Err(_) => return,
-            }
-        }
-        self.leaf_room = expansion.room;
-        if singular > 0 {
-            let leaf = solid.leaves[whose as usize].name.clone();
-            self.note(object, RayFault::SingularMap(singular, count, leaf));
-        }
-        if expanded.leaves.is_empty() {
-            return;
-        }
-        match expanded.build(scene, solid, builder, &mut self.table) {
-            Ok(()) => {}
-            Err(Omission::TooLarge) => return self.note(object, RayFault::TooLarge),
-            Err(Omission::TooMuchWork) => return self.note(object, RayFault::TooMuchWork),
-            Err(_) => return,
-        }
-        let number = self.object(id, object);
-        self.content.solids.push(number);
-        self.content.cells.push(expanded.stated_cell(solid));
-        let color = id.map_or(DVec3::ONE, |id| (self.options.color)(id));
-        let first_look = self.content.looks.len() as u32;
-        let first_name = self.content.names.len() as u32;
-        let (mut has_unplaced, mut has_places) = (false, false);
-        for leaf in &solid.leaves {
-            // In a scene script a colour may be brighter than white.
-            let bright = scene.picture.is_some();
-            let attributes = AttributeSet::new(&scene.graph, &leaf.attributes, bright);
-            let image = self.image(id, &leaf.attributes);
-            let is_stated = image.is_some_and(|image| image.stated.is_some());
-            has_unplaced |= is_stated && !attributes.states(NumberAttribute::Uv);
-            has_places |= attributes.states(NumberAttribute::Uv);
-            let picture_look = self.options.picture_look;
-            let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
-            self.content.looks.push(look);
-            self.content.names.push((leaf.name.clone(), leaf.name_span));
-        }
-        if has_unplaced {
-            self.note(object, RayFault::UnplacedImage);
-        } else if !has_places {
-            self.content.unplaced.extend(id);
-        }
-        let mut instance_of = instances.iter();
-        let mut current = instance_of.next();
-        let mut glass = None;
-        for (k, leaf) in expanded.leaves.into_iter().enumerate() {
-            while current.is_some_and(|(end, _)| *end <= k) {
-                current = instance_of.next();
-            }
-            let look = &self.content.looks[(first_look + leaf.leaf) as usize];
-            if glass.is_none() {
-                glass = look.glass(&leaf.uniforms);
-            }
-            let place = look.place(&leaf.uniforms);
-            let RayContent { leaves, sides, .. } = &mut self.content;
-            if let Some(front) = solid.front {
-                sides.resize(leaves.len(), FaceSides::Both);
-                sides.push(match leaf.leaf == front {
-                    true => FaceSides::Outer,
-                    false => FaceSides::None,
-                });
-            }
-            leaves.push(RayLeaf {
-                name: Some(first_name + leaf.leaf),
-                instance: current.map_or(0, |(_, instance)| *instance),
-                look: first_look + leaf.leaf,
-                place,
-                uniforms: leaf.uniforms,
-            });
-        }
-        self.content.glass.push(glass);
-        let looks = &self.content.looks[first_look as usize..];
-        self.content
-            .opaque
-            .push(looks.iter().all(LookProgram::is_opaque));
-        let mut uneven: Vec<&str> = looks.iter().flat_map(LookProgram::uneven).collect();
-        uneven.sort_unstable();
-        uneven.dedup();
-        for word in uneven {
-            self.note(object, RayFault::NotUniform(word));
-        }
-    }
-
-    fn body(
-        &mut self,
-        builder: &mut WorldBuilder<'_>,
-        id: ObjectId,
-        object: &Object,
-        thickness: &Thickness,
-    ) {
-        let (scene, params) = (self.scene, self.params);
-        let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
-        let room = self.body_room;
-        let (parts, more) =
-            bodies::parts(scene, params, (id, object), &attributes, thickness, room);
-        self.body_room -= parts.len();
-        if more {
-            self.note(object, RayFault::TooManyBodies);
-        }
-        if parts.is_empty() {
-            return;
-        }
-        let steps = self.shapes.steps(builder, &parts);
-        if steps.is_err() || steps.is_ok_and(|steps| builder.solid(&steps).is_err()) {
-            return self.note(object, RayFault::TooLarge);
-        }
-        let number = self.object(Some(id), object);
-        self.content.solids.push(number);
-        self.content.cells.push(None);
-        self.content.glass.push(None);
-        let color = (self.options.color)(id);
-        let look = LookProgram::new(
-            &object.name,
-            None,
-            self.options.picture_look,
-            color,
-            attributes,
-        );
-        self.content.opaque.push(look.is_opaque());
-        self.content.looks.push(look);
-        let look = self.content.looks.len() as u32 - 1;
-        let mut uniforms: (u64, Arc<[f64]>) = (u64::MAX, Arc::default());
-        for part in parts {
-            let BodyPart {
-                map,
-                parameter,
-                instance,
-                ..
-            } = part;
-            if uniforms.0 != instance {
-                uniforms = (instance, params.instance(scene, object, instance).into());
-            }
-            let varies = self.content.looks[look as usize].attributes.varies();
-            self.content.leaves.push(RayLeaf {
-                name: None,
-                instance,
-                look,
-                uniforms: uniforms.1.clone(),
-                place: if varies {
-                    FacePlace::Along(Box::new((map.inverse(), parameter)))
-                } else {
-                    FacePlace::anywhere()
-                },
-            });
-        }
-    }
-
-    fn sheets(&mut self, id: ObjectId, object: &Object) {
-        let Some((position, domain)) = object.shape.surface() else {
-            return;
-        };
-        let (scene, params) = (self.scene, self.params);
-        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
-        let count = params.instance_count(scene, object);
-        let room = (MAX_SHEETS - self.sheets.len()) as u64;
-        if count > room {
-            self.note(object, RayFault::TooManySheets);
-        }
-        let number = self.object(Some(id), object);
-        let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
-        let color = (self.options.color)(id);
-        let image = self.image(Some(id), &object.attributes);
-        let picture_look = self.options.picture_look;
-        let look = LookProgram::new(&object.name, image, picture_look, color, attributes);
-        let look = look.on_surface(&scene.graph, position);
-        self.content.looks.push(look);
-        for instance in 0..count.min(room) {
-            let uniforms: Arc<[f64]> = params.instance(scene, object, instance).into();
-            let number_of = |input: Input| match input {
-                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-                Input::Variable(_) => f64::NAN,
-            };
-            let sheet = Sheet::new(&scene.graph, *position, domain, &number_of);
-            let Ok(sheet) = sheet else {
-                return self.note(object, RayFault::TooLarge);
-            };
-            self.sheets.push(sheet);
-            self.content.sheet_faces.push(SheetFace {
-                object: number,
-                instance,
-                look: self.content.looks.len() as u32 - 1,
-                uniforms,
-                domain,
-            });
-        }
-    }
-
-    fn stage(&mut self) {
-        let (scene, params) = (self.scene, self.params);
-        let picture_look = self.options.picture_look;
-        let background = scene.background();
-        self.content.background = background
-            .and_then(|object| DeclaredBackground::new(scene, params, object, picture_look));
-        let others = scene.stage.iter();
-        for object in others.filter(|object| !matches!(object.shape, Shape::Background(_))) {
-            let attributes = AttributeSet::new(&scene.graph, &object.attributes, true);
-            let (lights, dark) = stage::lights(scene, params, object, &attributes, picture_look);
-            let (cameras, blind) = stage::cameras(scene, params, object, &attributes, picture_look);
-            self.content.lights.extend(lights);
-            self.content.cameras.extend(cameras);
-            if dark + blind > 0 {
-                self.note(object, RayFault::UndefinedStage(dark + blind));
-            }
-            self.content.staged.push((object.name.clone(), attributes));
-        }
-    }
-
-    fn finish(mut self, builder: WorldBuilder<'_>) -> RayScene {
-        let world = builder.build().unwrap_or_else(|_| {
-            // Not to be expected: each shape has been read, and what bounds it in its frame is a part of that. Surfaces are
-            // drawn all the same.
-            let objects = self.content.solids.iter();
-            let notes = objects.map(|&object| RayNote {
-                object: self.content.objects[object].name.clone(),
-                fault: RayFault::TooLarge,
-            });
-            self.content.notes.extend(notes);
-            World::empty()
-        });
-        RayScene {
-            world,
-            sheets: Sheets::new(self.sheets),
-            content: self.content,
-        }
-    }
-}
-
-impl std::fmt::Display for RayNote {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = &self.object;
-        match &self.fault {
-            RayFault::SingularMap(1, 1, leaf) => {
-                write!(
-                    f,
-                    "`{name}` is not drawn: the map of `{leaf}` takes volumes to 0"
-                )
-            }
-            RayFault::SingularMap(few, all, leaf) => write!(
-                f,
-                "{few} of the {all} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
-            ),
-            RayFault::Empty => write!(f, "`{name}` is not seen: no point is in it"),
-            RayFault::TooManyLeaves => write!(
-                f,
-                "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"
-            ),
-            RayFault::TooLarge => {
-                write!(f, "`{name}` is not drawn: its derivatives are too large")
-            }
-            RayFault::TooMuchWork => write!(
-                f,
-                "`{name}` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less"
-            ),
-            RayFault::TooManyBodies => write!(
-                f,
-                "not all of `{name}` is drawn: points, arrows and curves have more than {MAX_BODIES} pieces"
-            ),
-            RayFault::TooManySheets => write!(
-                f,
-                "not all instances of `{name}` are drawn: there are more than {MAX_SHEETS} surfaces"
-            ),
-            RayFault::UndefinedStage(1) => {
-                write!(
-                    f,
-                    "`{name}` is left out: its place or its direction is undefined, or the direction is zero"
-                )
-            }
-            RayFault::UndefinedStage(count) => write!(
-                f,
-                "{count} instances of `{name}` are left out: their place or direction is undefined, or the direction is zero"
-            ),
-            RayFault::UndefinedAttribute(word) => write!(
-                f,
-                "`{word}` of `{name}` is undefined somewhere: its default is taken there"
-            ),
-            RayFault::ClampedAttribute(word) => write!(
-                f,
-                "`{word}` of `{name}` is out of its range somewhere: the nearest number in it is taken there"
-            ),
-            RayFault::NotUniform(word) => write!(
-                f,
-                "`{word}` of `{name}` is one number for the whole solid: its value at the origin is taken"
-            ),
-            RayFault::UnplacedImage => {
-                write!(f, "`{name}` has no `uv`, so its image is not shown")
-            }
-        }
     }
 }

@@ -456,7 +456,14 @@ fn singular_instances_are_left_out_and_noted() {
     let along = ray([0.0, 0.0, -5.0], [0.0, 0.0, 1.0]);
     assert!(close(&crossings(&scene, &along), &[3.0, 7.0]));
     let notes = scene.notes();
-    assert_eq!(notes[0].fault, RayFault::SingularMap(1, 3, "flat".into()));
+    assert_eq!(
+        notes[0].fault,
+        RayFault::SingularMap {
+            skipped: 1,
+            instances: 3,
+            leaf: "flat".into(),
+        }
+    );
     assert_eq!(
         notes[0].to_string(),
         "1 of the 3 instances of `stack` are not drawn: the map of `flat` takes volumes to 0"

@@ -1,0 +1,121 @@
+//! Notes on what of a scene is not as it is declared.
+
+use scene::limits::MAX_LEAVES;
+
+use super::{MAX_BODIES, MAX_SHEETS};
+
+/// Something that is not as it is declared.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct RayNote {
+    /// The object.
+    pub object: String,
+    /// The way in which it differs from what is declared.
+    pub fault: RayFault,
+}
+
+/// The ways in which something is not as it is declared.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum RayFault {
+    /// `skipped` of `instances` instances are not drawn, because the map of `leaf` is singular.
+    SingularMap {
+        /// The number of those that are not drawn.
+        skipped: u64,
+        /// The number of all.
+        instances: u64,
+        /// The name of the leaf.
+        leaf: String,
+    },
+    /// Not seen: no point is in it.
+    Empty,
+    /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
+    TooManyLeaves,
+    /// Not drawn: its derivatives are too large.
+    TooLarge,
+    /// Not drawn: with it, reading the shapes of the solids takes more work than there is.
+    TooMuchWork,
+    /// Not drawn whole: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
+    TooManyBodies,
+    /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
+    TooManySheets,
+    /// This many instances of a light or a camera have no place or no direction.
+    UndefinedStage(u64),
+    /// The attribute is undefined somewhere: its default is taken.
+    UndefinedAttribute(&'static str),
+    /// The attribute is out of its range somewhere: the nearest number in it is taken.
+    ClampedAttribute(&'static str),
+    /// The attribute is one number for a whole solid: its value at the origin is taken.
+    NotUniform(&'static str),
+    /// An image is not shown: no `uv` says where.
+    UnplacedImage,
+}
+
+impl std::fmt::Display for RayNote {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = &self.object;
+        match &self.fault {
+            RayFault::SingularMap {
+                skipped: 1,
+                instances: 1,
+                leaf,
+            } => {
+                write!(
+                    f,
+                    "`{name}` is not drawn: the map of `{leaf}` takes volumes to 0"
+                )
+            }
+            RayFault::SingularMap {
+                skipped,
+                instances,
+                leaf,
+            } => write!(
+                f,
+                "{skipped} of the {instances} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
+            ),
+            RayFault::Empty => write!(f, "`{name}` is not seen: no point is in it"),
+            RayFault::TooManyLeaves => write!(
+                f,
+                "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"
+            ),
+            RayFault::TooLarge => {
+                write!(f, "`{name}` is not drawn: its derivatives are too large")
+            }
+            RayFault::TooMuchWork => write!(
+                f,
+                "`{name}` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less"
+            ),
+            RayFault::TooManyBodies => write!(
+                f,
+                "not all of `{name}` is drawn: points, arrows and curves have more than {MAX_BODIES} pieces"
+            ),
+            RayFault::TooManySheets => write!(
+                f,
+                "not all instances of `{name}` are drawn: there are more than {MAX_SHEETS} surfaces"
+            ),
+            RayFault::UndefinedStage(1) => {
+                write!(
+                    f,
+                    "`{name}` is left out: its place or its direction is undefined, or the direction is zero"
+                )
+            }
+            RayFault::UndefinedStage(count) => write!(
+                f,
+                "{count} instances of `{name}` are left out: their place or direction is undefined, or the direction is zero"
+            ),
+            RayFault::UndefinedAttribute(word) => write!(
+                f,
+                "`{word}` of `{name}` is undefined somewhere: its default is taken there"
+            ),
+            RayFault::ClampedAttribute(word) => write!(
+                f,
+                "`{word}` of `{name}` is out of its range somewhere: the nearest number in it is taken there"
+            ),
+            RayFault::NotUniform(word) => write!(
+                f,
+                "`{word}` of `{name}` is one number for the whole solid: its value at the origin is taken"
+            ),
+            RayFault::UnplacedImage => {
+                write!(f, "`{name}` has no `uv`, so its image is not shown")
+            }
+        }
+    }
+}
