@@ -127,12 +127,18 @@ fn what_is_undefined_at_the_opening_is_reported_and_not_drawn() {
     };
     let opening = draw(&scene, &ParamValues::initial(&scene), &request);
     assert!(
-        opening.notes.iter().any(|note| note.contains("`vu`")),
+        opening
+            .notes
+            .iter()
+            .any(|note| note.text().contains("`vu`")),
         "{:?}",
         opening.notes
     );
     assert!(
-        !opening.notes.iter().any(|note| note.contains("`vv`")),
+        !opening
+            .notes
+            .iter()
+            .any(|note| note.text().contains("`vv`")),
         "{:?}",
         opening.notes
     );

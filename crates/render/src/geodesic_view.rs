@@ -18,6 +18,8 @@ use geodesic::fan::Interpolation;
 use geodesic::trace::Status;
 use rayon::prelude::*;
 
+use crate::note::Note;
+
 /// The method by which the geodesics of a geodesic view are integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum PictureMethod {
@@ -124,7 +126,7 @@ pub fn notes(
     count: impl Fn(Status) -> usize,
     work: &GeodesicWork,
     estimate: Option<Estimate>,
-) -> Vec<String> {
+) -> Vec<Note> {
     let kinds = [
         (Status::LeftDomain, "lie beyond the surface's edge"),
         (Status::ConePoint, "end at the tip of a cone"),
@@ -141,22 +143,21 @@ pub fn notes(
     let note = |(status, what): (Status, &str)| {
         let count = count(status);
         let share = 100.0 * count as f64 / pixels as f64;
-        (count > 0).then(|| format!("{share:.2} % of the pixels {what}; they are hatched"))
+        let text = || format!("{share:.2} % of the pixels {what}; they are hatched");
+        (count > 0).then(|| Note::Remark(text()))
     };
-    let mut notes: Vec<String> = kinds.into_iter().filter_map(note).collect();
+    let mut notes: Vec<Note> = kinds.into_iter().filter_map(note).collect();
     if *work != GeodesicWork::default() {
-        notes.push(cost(work, pixels));
+        notes.push(Note::Cost(cost(work, pixels)));
     }
-    match estimate {
+    let error = estimate.map(|Estimate { max, p99 }| match max > pixels as f64 {
         // Beside a place where the surface is singular, an estimate has no meaning.
-        Some(Estimate { max, .. }) if max > pixels as f64 => {
-            notes.push("the error could not be estimated: at some pixels it may be any".to_owned());
-        }
-        Some(Estimate { max, p99 }) => notes.push(format!(
+        true => "the error could not be estimated: at some pixels it may be any".to_owned(),
+        false => format!(
             "the error is estimated to be at most {max:.2} pixels, and below {p99:.2} for 99 % of them"
-        )),
-        None => {}
-    }
+        ),
+    });
+    notes.extend(error.map(Note::Cost));
     notes
 }
 

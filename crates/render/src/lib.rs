@@ -23,6 +23,7 @@ pub mod geodesic_view;
 pub mod gpu;
 pub mod layers;
 pub mod measured;
+mod note;
 mod occlusion;
 mod overlay;
 pub mod placement;
@@ -46,7 +47,8 @@ pub mod viewpoint;
 
 pub use error::{MAX_SIDE, RenderError};
 pub use geodesic_view::PictureMethod;
-pub use rendered::RenderedImage;
+pub use note::Note;
+pub use rendered::{BackendUsed, RenderedImage};
 pub use renderer::{Renderer, render, render_layers, render_until};
 pub use request::{Backend, PictureRequest};
 pub use solids::{

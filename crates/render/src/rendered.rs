@@ -1,13 +1,41 @@
 //! The result of rendering: a picture with all that belongs to it.
 
+use std::fmt;
 use std::time::Duration;
 
 use geodesic::ends::{Estimate, GeodesicWork};
 
 use crate::gpu::Pixels;
+use crate::note::Note;
 
-/// The name of the software path, as a backend.
-pub(crate) const SOFTWARE: &str = "software";
+/// The backend that drew a picture.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum BackendUsed {
+    /// A GPU, by its name.
+    Gpu(String),
+    /// The software path.
+    Software {
+        /// The reason for which it was this one, as it stands behind a comma: "because this machine has no GPU".
+        reason: Option<String>,
+    },
+}
+
+impl BackendUsed {
+    /// The software path, for no reason that a reader need know.
+    pub const SOFTWARE: Self = Self::Software { reason: None };
+}
+
+impl fmt::Display for BackendUsed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gpu(name) => write!(f, "GPU: {name}"),
+            Self::Software { reason: None } => f.write_str("software"),
+            Self::Software {
+                reason: Some(reason),
+            } => write!(f, "software, {reason}"),
+        }
+    }
+}
 
 /// A picture that has been drawn. `P` is where its pixels are: an `RgbaImage` in memory, or wherever a renderer has left
 /// them ([`Pixels`]).
@@ -16,11 +44,10 @@ pub struct RenderedImage<P = Pixels> {
     /// The pixels: sRGB, top row first; opaque but for a background with an alpha. In memory, alpha is not multiplied
     /// into the colours.
     pub image: P,
-    /// The backend that drew it, in words; for a picture in a file also why it was this one. A view may leave it empty:
-    /// then it is the renderer's.
-    pub backend: String,
-    /// Notes for a reader of the picture: sentences such as "`p` is undefined at the current params and is not drawn".
-    pub notes: Vec<String>,
+    /// The backend that drew it; for a picture in a file also why it was this one.
+    pub backend: BackendUsed,
+    /// The notes for a reader of the picture.
+    pub notes: Vec<Note>,
     /// The names of what has been drawn over it: nothing unless the request has overlays, or the scene declares
     /// geodesics on the surface that is seen from inside.
     pub overlays: Vec<&'static str>,
@@ -35,11 +62,11 @@ pub struct RenderedImage<P = Pixels> {
 }
 
 impl<P> RenderedImage<P> {
-    /// A picture of which there is nothing to be said.
+    /// A picture of the software path of which there is nothing to be said.
     pub fn new(image: P) -> Self {
         Self {
             image,
-            backend: String::new(),
+            backend: BackendUsed::SOFTWARE,
             notes: Vec::new(),
             overlays: Vec::new(),
             geodesics: None,
@@ -51,11 +78,10 @@ impl<P> RenderedImage<P> {
 
     /// Returns the notes about what is seen: without those that say what the picture took and how exact it is.
     pub fn remarks(&self) -> impl Iterator<Item = &str> {
-        let is_figure = |note: &str| {
-            note.contains("evaluations of the surface") || note.starts_with("the error ")
-        };
-        let notes = self.notes.iter().map(String::as_str);
-        notes.filter(move |note| !is_figure(note))
+        self.notes.iter().filter_map(|note| match note {
+            Note::Remark(text) => Some(&**text),
+            Note::Cost(_) => None,
+        })
     }
 
     /// Returns the picture with its pixels elsewhere.

@@ -28,7 +28,7 @@ use crate::gpu::{Gpu, Pixels};
 use crate::layers::Layers;
 use crate::plan::Built;
 use crate::point::PixelPoint;
-use crate::rendered::{RenderedImage, SOFTWARE};
+use crate::rendered::{BackendUsed, RenderedImage};
 use crate::request::{Backend, PictureRequest};
 use crate::shared::Shared;
 use crate::texture::Texture;
@@ -125,18 +125,12 @@ fn draw_for_file(
     request.check()?;
     let on = |gpu: Arc<Gpu>| {
         let renderer = prepared(Renderer::on_gpu(gpu).with_views(views.clone()));
-        let mut image = renderer.draw_once(request, progress)?;
-        if image.backend == SOFTWARE {
-            image
-                .backend
-                .push_str(", because geodesics are followed pixel by pixel");
-        }
-        Ok(image)
+        renderer.draw_once(request, progress)
     };
     let by_software = |why: String| {
         let renderer = prepared(Renderer::software().with_views(views.clone()));
         let mut image = renderer.draw_once(request, progress)?;
-        image.backend = format!("software, {why}");
+        image.backend = BackendUsed::Software { reason: Some(why) };
         Ok(image)
     };
     match backend {
@@ -324,11 +318,7 @@ impl Renderer {
         let request = with_scene_of_params(request);
         let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
-        let mut layers = renderer.layers(shared, &request, progress)?;
-        if layers.below.backend.is_empty() {
-            layers.below.backend = SOFTWARE.to_owned();
-        }
-        Ok(layers)
+        renderer.layers(shared, &request, progress)
     }
 
     fn draw_anew(
@@ -339,13 +329,7 @@ impl Renderer {
         let request = with_scene_of_params(request);
         let request = self.with_curvatures(&request);
         let (renderer, shared) = self.renderer(&request)?;
-        let mut image = renderer.draw(shared, &request, progress)?;
-        if image.backend.is_empty() {
-            image.backend = match self.gpu() {
-                Some(gpu) => format!("GPU: {}", gpu.name()),
-                None => SOFTWARE.to_owned(),
-            };
-        }
+        let image = renderer.draw(shared, &request, progress)?;
         self.pictures += 1;
         Ok(image)
     }

@@ -97,7 +97,9 @@ fn a_sphere_s_conjugate_points_are_half_a_turn_away() {
 /// The share of the pixels that lie beyond the cut locus, in per cent.
 fn share_beyond(picture: &RenderedImage<RgbaImage>) -> f64 {
     let told = picture.notes.iter().find_map(|note| {
-        let share = note.split_once(" % of the pixels lie beyond the cut locus")?;
+        let share = note
+            .text()
+            .split_once(" % of the pixels lie beyond the cut locus")?;
         share.0.parse::<f64>().ok()
     });
     told.unwrap_or_else(|| panic!("{:?}", picture.notes))
@@ -215,14 +217,17 @@ fn a_geodesic_too_long_to_be_drawn_is_drawn_in_part_with_a_note() {
     };
     let told = |length: &str| {
         let mut notes = drawn(length).notes;
-        notes.retain(|note| note.contains("`g`"));
+        notes.retain(|note| note.text().contains("`g`"));
         notes
     };
-    assert_eq!(told("100"), Vec::<String>::new());
+    assert_eq!(told("100"), []);
     let [note] = &told("1e9")[..] else {
         panic!("{:?}", told("1e9"));
     };
-    assert!(note.starts_with("`g` is not drawn to its end"), "{note}");
+    assert!(
+        note.text().starts_with("`g` is not drawn to its end"),
+        "{note}"
+    );
 }
 
 #[test]
@@ -268,7 +273,7 @@ fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
         .draw(&scene, &ParamValues::initial(&scene))
         .expect("a picture");
     assert_eq!(picture.notes.len(), 1, "{:?}", picture.notes);
-    assert!(picture.notes[0].starts_with("`h` is a metric"));
+    assert!(picture.notes[0].text().starts_with("`h` is a metric"));
     let seen = draw(source, [0.0, 1.0], 1.0, Overlays::default());
     assert_eq!(seen.overlays, ["geodesics"]);
 }

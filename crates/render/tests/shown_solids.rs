@@ -16,7 +16,7 @@ use render::texture::Texture;
 use render::view::Interrupt;
 use render::view::traced::TracedOptions;
 use render::viewpoint::{Projection, Viewpoint};
-use render::{PictureRequest, RenderError, Renderer};
+use render::{Note, PictureRequest, RenderError, Renderer};
 use scene::{
     AffineNodes, Attribute, AttributeValue, Object, ObjectId, ParamValues, Scene, Shape, Solid,
     SolidLeaf, SolidStep,
@@ -467,13 +467,14 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
     for request in &mut seen {
         let mut renderer = Renderer::software();
         let drawn = renderer.draw(request).expect("a picture");
-        assert_eq!(drawn.notes, [] as [&str; 0]);
+        assert_eq!(drawn.notes, []);
         let image = Arc::new(Texture::from_image(RgbaImage::new(2, 2)));
         for id in [0, 1] {
             let object = ObjectId::new(id);
             request.textures.push((object, (&image).into()));
         }
         let drawn = renderer.draw(request).expect("a picture");
-        assert_eq!(drawn.notes, ["`b` has no `uv`, so its image is not shown"]);
+        let note = "`b` has no `uv`, so its image is not shown".to_owned();
+        assert_eq!(drawn.notes, [Note::Remark(note)]);
     }
 }

@@ -162,7 +162,10 @@ fn the_error_is_painted_without_a_note_that_it_is_not() {
     assert_eq!(
         (
             solid.overlays,
-            solid.notes.iter().any(|note| note.contains("painted"))
+            solid
+                .notes
+                .iter()
+                .any(|note| note.text().contains("painted"))
         ),
         (vec!["error"], false)
     );
@@ -175,7 +178,7 @@ fn a_line_longer_than_what_is_drawn_is_noted_as_on_the_surface() {
     let pictures = both(&RING, [on_solid, on_surface], Overlays::default());
     let cut = pictures.map(|picture| {
         let notes = picture.notes.into_iter();
-        let cut = notes.filter(|note| note.starts_with("`g` is not drawn to its end"));
+        let cut = notes.filter(|note| note.text().starts_with("`g` is not drawn to its end"));
         cut.collect::<Vec<_>>()
     });
     assert_eq!(cut[0].len(), 1);
@@ -192,7 +195,9 @@ fn the_cut_locus_is_that_of_the_surface() {
         let pictures = assert_alike(&twin, ["", ""], cut_locus, 3);
         let [solid, surface] = pictures.map(|picture| {
             let share = picture.notes.iter().find_map(|note| {
-                let share = note.split_once(" % of the pixels lie beyond the cut locus")?;
+                let share = note
+                    .text()
+                    .split_once(" % of the pixels lie beyond the cut locus")?;
                 share.0.parse::<f64>().ok()
             });
             share.unwrap_or_else(|| panic!("{:?}", picture.notes))

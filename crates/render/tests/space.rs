@@ -229,11 +229,11 @@ fn what_is_undefined_is_not_drawn_and_is_reported() {
     let picture = picture(source, Wanted::space([64, 64]));
     assert_eq!(picture.notes.len(), 2);
     assert_eq!(
-        picture.notes[0],
+        picture.notes[0].text(),
         "`p` is undefined at the current params and is not drawn"
     );
     assert_eq!(
-        picture.notes[1],
+        picture.notes[1].text(),
         "`c` is undefined at 50 of its 100 samples and is left open there"
     );
     assert!(picture.image.pixels().any(|pixel| !is_background(pixel)));

@@ -1,7 +1,7 @@
 //! Attributes that are expressions.
 
 use render::view::traced::TracedOptions;
-use render::{PictureRequest, Renderer};
+use render::{BackendUsed, PictureRequest, Renderer};
 use testing::draw::scene;
 
 use crate::{BASE, assert_same, drawn, on_gpu, request, wait_for};
@@ -100,7 +100,7 @@ fn an_edit_that_leaves_the_functions_builds_no_pipeline() {
     let is_drawn = |renderer: &mut Renderer, request: &PictureRequest, what: &str| {
         let drawn = drawn(renderer, request);
         assert!(
-            drawn.backend.starts_with("GPU"),
+            matches!(drawn.backend, BackendUsed::Gpu(_)),
             "{what}: {}",
             drawn.backend
         );

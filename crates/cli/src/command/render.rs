@@ -14,7 +14,9 @@ use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
 use render::view::{Interrupt, space, traced};
-use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
+use render::{
+    Backend, Note, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views,
+};
 use tracer::PictureLook;
 
 use scene::Scene;
@@ -368,7 +370,8 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
             false => render::render(views, &request, arguments.backend, progress),
         };
         let mut picture = drawn.map_err(failure)?;
-        picture.notes.extend(images.notes(program, &request));
+        let notes = images.notes(program, &request).into_iter();
+        picture.notes.extend(notes.map(Note::Remark));
         Ok(picture)
     };
     if arguments.partial {
@@ -423,11 +426,14 @@ fn print_picture(
     let drawn = render::render_layers(views, request, &|done| progress.reach(done));
     drop(progress);
     let mut layers = drawn.map_err(failure)?;
-    layers.below.notes.extend(notes);
+    layers
+        .below
+        .notes
+        .extend(notes.into_iter().map(Note::Remark));
     if layers.strokes.is_empty() && layers.words.is_empty() {
         let note =
             "this picture has no lines or words that could be vectors: the file holds its pixels";
-        layers.below.notes.push(note.to_owned());
+        layers.below.notes.push(Note::Remark(note.to_owned()));
     }
     let title = arguments
         .file

@@ -17,10 +17,11 @@ use crate::error::RenderError;
 use crate::geodesic_view::{self, Cover, Paint, PictureMethod, RayEnds, count, notes};
 use crate::gpu::Pixels;
 use crate::gpu::geodesic::ResolveTask;
+use crate::note::Note;
 use crate::overlay::{self, GeodesicOverlay};
 use crate::plan::{GeodesicPlan, Plan, derivative_operations};
 use crate::point::{PixelPoint, WorldPoint};
-use crate::rendered::{RenderedImage, SOFTWARE};
+use crate::rendered::{BackendUsed, RenderedImage};
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::style;
 use crate::viewpoint::GeodesicCamera;
@@ -267,12 +268,15 @@ impl GeodesicRenderer {
         let mut follow =
             |id, sampling: &_| self.solids.followed(request, &structures, id, sampling);
         let (said, overlays) = overlay::over_solid(&mut image, request, camera, map, &mut follow);
-        notes.extend(said);
+        notes.extend(said.into_iter().map(Note::Remark));
         self.solids.next();
         Ok(RenderedImage {
             notes,
             overlays,
-            backend: SOFTWARE.to_owned(),
+            backend: followed_by_software(
+                shared,
+                "the view of a solid is coloured by the processor",
+            ),
             geodesics: Some((map.work, map.estimate)),
             ..RenderedImage::new(Pixels::Image(image))
         })
@@ -325,11 +329,11 @@ fn by_software(
     let (mut image, status) = ends.resolve_under(&paint, over.layer(), counters);
     let (said, overlays) = over.finish(&mut image, ends, Some(&status));
     let mut notes = notes(status.len(), count(&status), &ends.work(), ends.estimate());
-    notes.extend(said);
+    notes.extend(said.into_iter().map(Note::Remark));
     RenderedImage {
         notes,
         overlays,
-        backend: SOFTWARE.to_owned(),
+        backend: followed_by_software(shared, "geodesics are followed pixel by pixel"),
         ..RenderedImage::new(Pixels::Image(image))
     }
 }
@@ -376,13 +380,20 @@ fn by_gpu(
         let over = GeodesicOverlay::new(request, camera, &shared.pixels);
         let said;
         (said, overlays) = over.draw(image, ends);
-        notes.extend(said);
+        notes.extend(said.into_iter().map(Note::Remark));
     }
     Ok(RenderedImage {
         notes,
         overlays,
+        backend: shared.backend(),
         ..RenderedImage::new(image)
     })
+}
+
+/// The software path, with the reason for it where there is a GPU.
+fn followed_by_software(shared: &SharedState, clause: &str) -> BackendUsed {
+    let reason = shared.gpu().map(|_| format!("because {clause}"));
+    BackendUsed::Software { reason }
 }
 
 /// The colour of a surface, in linear light.

@@ -12,6 +12,7 @@ use crate::framing::Framing;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
+use crate::rendered::BackendUsed;
 use crate::sample_store::SampleStore;
 use crate::solids::SolidStore;
 use crate::stated_colours::StatedColours;
@@ -64,6 +65,13 @@ impl SharedState {
     /// The GPU that pictures are drawn on; `None` on the software path.
     pub fn gpu(&self) -> Option<&Arc<Gpu>> {
         self.gpu.as_ref().map(|renderer| &renderer.gpu)
+    }
+
+    /// The backend of what is drawn on the GPU where there is one.
+    pub(crate) fn backend(&self) -> BackendUsed {
+        self.gpu().map_or(BackendUsed::SOFTWARE, |gpu| {
+            BackendUsed::Gpu(gpu.name().to_owned())
+        })
     }
 
     /// Copies a picture into memory. Waits for the GPU if it is there.

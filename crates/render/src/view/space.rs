@@ -20,6 +20,7 @@ use crate::framing::Framed;
 use crate::gpu::Pixels;
 use crate::gpu::renderer::SpaceScene;
 use crate::layers::Layers;
+use crate::note::Note;
 use crate::occlusion::Occlusion;
 use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
 use crate::placement::Placement;
@@ -276,9 +277,10 @@ impl ViewRenderer for SpaceRenderer {
             pixels = Pixels::Image(image);
         }
         Ok(RenderedImage {
-            notes,
+            notes: notes.into_iter().map(Note::Remark).collect(),
             overlays,
             legend,
+            backend: shared.backend(),
             ..RenderedImage::new(pixels)
         })
     }

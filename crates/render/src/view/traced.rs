@@ -31,10 +31,11 @@ use crate::framing::Framed;
 use crate::gpu::Pixels;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::trace::TraceTask;
+use crate::note::Note;
 use crate::overlay;
 use crate::plan::Plan;
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
-use crate::rendered::{RenderedImage, SOFTWARE};
+use crate::rendered::{BackendUsed, RenderedImage};
 use crate::request::part::SpaceOptions;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::solids::{self, SceneTables, TracedScene, cut_short_note};
@@ -361,8 +362,7 @@ impl ViewRenderer for TracedRenderer {
             request.moving || !interrupt.is_wanted()
         };
         let exceeded = AtomicBool::new(false);
-        // The renderer has a name for its GPU.
-        let mut backend = String::new();
+        let mut backend = shared.backend();
         let is_single = shared.is_single;
         let by_gpu = shared.gpu.as_deref_mut().and_then(|gpu| {
             let ready = scene.tables().map_err(str::to_owned).and_then(|tables| {
@@ -373,7 +373,8 @@ impl ViewRenderer for TracedRenderer {
             match ready {
                 Ok(tables) => Some((gpu, tables)),
                 Err(clause) => {
-                    backend = format!("{SOFTWARE}, because {clause}");
+                    let reason = Some(format!("because {clause}"));
+                    backend = BackendUsed::Software { reason };
                     None
                 }
             }
@@ -446,6 +447,7 @@ impl ViewRenderer for TracedRenderer {
             notes: solids::notes(scene.rays(), request)
                 .chain(cut_short)
                 .chain(partial)
+                .map(Note::Remark)
                 .collect(),
             ..RenderedImage::new(Pixels::Image(image))
         })

@@ -4,8 +4,9 @@ use super::{SpaceRenderer, drawables, is_labelled, labels, options, tints};
 use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
+use crate::note::Note;
 use crate::overlay;
-use crate::rendered::{RenderedImage, SOFTWARE};
+use crate::rendered::RenderedImage;
 use crate::request::PictureRequest;
 use crate::sample::Samples;
 use crate::software::{self, Drawable, LineCover};
@@ -78,10 +79,9 @@ impl SpaceRenderer {
         let (names, legend) = overlay::over_space(&mut image, request, shown, &[])?;
         overlays.extend(names);
         let below = RenderedImage {
-            notes,
+            notes: notes.into_iter().map(Note::Remark).collect(),
             overlays,
             legend,
-            backend: SOFTWARE.to_owned(),
             ..RenderedImage::new(Pixels::Image(image.clone()))
         };
         Ok(Layers {
