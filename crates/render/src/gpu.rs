@@ -9,6 +9,7 @@
 //! Everything that is built is counted ([`Built`](crate::plan::Built)), and the counts equal
 //! [`crate::plan::Plan::built`].
 
+mod background;
 mod blit;
 mod canvas;
 mod curves;

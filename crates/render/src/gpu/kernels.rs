@@ -3,9 +3,8 @@
 //! Drivers compile at the first dispatch, so a kernel counts as ready when it has filled a few samples.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
-use std::thread::{self, JoinHandle};
 
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -13,6 +12,7 @@ use wgsl::GenerateError;
 
 use crate::content::Structure;
 use crate::error::RenderError;
+use crate::gpu::background::Background;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{self, SampleBuffer};
@@ -29,8 +29,6 @@ const MOST: usize = 256;
 pub(crate) struct Kernels {
     states: HashMap<Arc<[u64]>, KernelState>,
     built: Arc<AtomicU64>,
-    /// The threads that build kernels.
-    threads: Vec<JoinHandle<()>>,
     /// The number of operations from which on an object has one.
     pays: u64,
 }
@@ -39,17 +37,15 @@ pub(crate) struct Kernels {
 struct KernelState {
     /// Operations of one sample, with its normal.
     operations: u64,
-    kernel: Option<Arc<OnceLock<Made>>>,
+    /// It fails if the driver, or this program's own validation, refuses it.
+    kernel: Option<Background<Kernel>>,
 }
 
-/// The outcome of building a kernel.
 #[derive(Debug)]
-enum Made {
+enum Kernel {
     Ready(Ready),
     /// Its expressions are too large for a shader.
     TooLarge,
-    /// The driver, or this program's own validation, has refused it; the message.
-    Refused(String),
 }
 
 #[derive(Debug)]
@@ -83,7 +79,6 @@ impl Default for Kernels {
         Self {
             states: HashMap::new(),
             built: Arc::default(),
-            threads: Vec::new(),
             pays: KERNEL_PAYS,
         }
     }
@@ -95,13 +90,12 @@ impl Kernels {
         self.pays = operations;
     }
 
-    /// Returns true if any is being made.
-    pub(crate) fn is_making(&self) -> bool {
-        let begun = self.states.values().filter_map(|it| it.kernel.as_ref());
-        begun.into_iter().any(|kernel| kernel.get().is_none())
+    /// Returns true if any is being built.
+    pub(crate) fn is_building(&self) -> bool {
+        self.states.values().any(KernelState::is_building)
     }
 
-    /// Samples of an object by its kernel, if it pays and is ready. If it pays and is not known, its making begins.
+    /// Samples of an object by its kernel, if it pays and is ready. If it pays and is not known, building it begins.
     ///
     /// # Errors
     /// Those of the device.
@@ -122,7 +116,8 @@ impl Kernels {
             return Ok(ObjectSamples::Blocks(None));
         }
         if self.states.len() >= MOST && !self.states.contains_key(structure.words()) {
-            self.states.clear();
+            // One that is still being built would have to be waited for.
+            self.states.retain(|_, state| state.is_building());
         }
         let state = self
             .states
@@ -138,16 +133,14 @@ impl Kernels {
         }
         let kernel = state
             .kernel
-            .get_or_insert_with(|| begin(gpu, wanted, &self.built, &mut self.threads));
+            .get_or_insert_with(|| start(gpu, wanted, &self.built));
         if wanted.waits {
             kernel.wait();
         }
         match kernel.get() {
-            None | Some(Made::TooLarge) => Ok(ObjectSamples::Blocks(None)),
-            Some(Made::Refused(message)) => {
-                Ok(ObjectSamples::Blocks(Some(refused(&object.name, message))))
-            }
-            Some(Made::Ready(ready)) => {
+            None | Some(Ok(Kernel::TooLarge)) => Ok(ObjectSamples::Blocks(None)),
+            Some(Err(message)) => Ok(ObjectSamples::Blocks(Some(refused(&object.name, message)))),
+            Some(Ok(Kernel::Ready(ready))) => {
                 let slots: Vec<u32> = ready
                     .slots
                     .iter()
@@ -171,10 +164,8 @@ impl Kernels {
     /// Returns the note on an object whose kernel has been refused.
     pub(crate) fn refusal(&self, structure: &Structure, name: &str) -> Option<String> {
         let kernel = self.states.get(structure.words())?.kernel.as_ref()?;
-        match kernel.get()? {
-            Made::Refused(message) => Some(refused(name, message)),
-            _ => None,
-        }
+        let message = kernel.get()?.as_ref().err()?;
+        Some(refused(name, message))
     }
 
     /// The number of kernels that have been built so far.
@@ -183,13 +174,9 @@ impl Kernels {
     }
 }
 
-impl Drop for Kernels {
-    fn drop(&mut self) {
-        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
-        for thread in self.threads.drain(..) {
-            // A panic of the thread has been reported where it occurred.
-            let _ = thread.join();
-        }
+impl KernelState {
+    fn is_building(&self) -> bool {
+        self.kernel.as_ref().is_some_and(Background::is_building)
     }
 }
 
@@ -197,50 +184,37 @@ fn refused(name: &str, message: &str) -> String {
     format!("the GPU has refused the shader of `{name}`, which is computed without it: {message}")
 }
 
-/// Begins to make the kernel of an object, on a thread of its own.
-fn begin(
-    gpu: &Arc<Gpu>,
-    wanted: &SampleRequest,
-    built: &Arc<AtomicU64>,
-    threads: &mut Vec<JoinHandle<()>>,
-) -> Arc<OnceLock<Made>> {
-    let place = Arc::new(OnceLock::new());
-    let (gpu, built, result) = (gpu.clone(), built.clone(), place.clone());
+/// Starts to build the kernel of an object.
+fn start(gpu: &Arc<Gpu>, wanted: &SampleRequest, built: &Arc<AtomicU64>) -> Background<Kernel> {
+    let (gpu, count) = (gpu.clone(), built.clone());
     let scene = wanted.scene.clone();
     let (params, object) = (wanted.params.clone(), wanted.object);
     let (structure, placement) = (wanted.structure.clone(), *wanted.placement);
-    let work = move || {
-        let made = make(&gpu, &scene, &params, object, &structure, &placement);
-        built.fetch_add(u64::from(matches!(made, Made::Ready(_))), Ordering::Relaxed);
-        // Nobody else sets it.
-        let _ = result.set(made);
-    };
-    threads.retain(|thread| !thread.is_finished());
-    match thread::Builder::new().name("kernel".to_owned()).spawn(work) {
-        Ok(thread) => threads.push(thread),
-        // Blocks go on.
-        Err(error) => {
-            let _ = place.set(Made::Refused(error.to_string()));
-        }
-    }
-    place
+    Background::start("kernel", move || {
+        let kernel = build(&gpu, &scene, &params, object, &structure, &placement)?;
+        count.fetch_add(
+            u64::from(matches!(kernel, Kernel::Ready(_))),
+            Ordering::Relaxed,
+        );
+        Ok(kernel)
+    })
 }
 
-fn make(
+fn build(
     gpu: &Gpu,
     scene: &Scene,
     params: &ParamValues,
     object: ObjectId,
     structure: &Structure,
     placement: &Placement,
-) -> Made {
+) -> Result<Kernel, String> {
     let object = &scene.objects[object.index()];
     let kernel = match samples::kernel(scene, &object.shape) {
         Ok(kernel) => kernel,
-        Err(GenerateError::TooLarge { .. }) => return Made::TooLarge,
-        Err(GenerateError::Internal(error)) => return Made::Refused(error.message),
+        Err(GenerateError::TooLarge { .. }) => return Ok(Kernel::TooLarge),
+        Err(GenerateError::Internal(error)) => return Err(error.message),
     };
-    let made = gpu.guarded(|| {
+    let built = gpu.guarded(|| {
         let pipeline = PipelineFactory::new(gpu).sample_kernel(&kernel);
         let by = (&pipeline, kernel.uniforms());
         samples::by_kernel(gpu, scene, params, object, by, placement, Some(FIRST))?;
@@ -253,9 +227,9 @@ fn make(
             .position(|known| known == uniform)
     };
     let slots: Option<Vec<usize>> = kernel.uniforms().iter().map(slot).collect();
-    match (made, slots) {
-        (Ok(pipeline), Some(slots)) => Made::Ready(Ready { pipeline, slots }),
-        (Ok(_), None) => Made::TooLarge,
-        (Err(error), _) => Made::Refused(error.to_string()),
-    }
+    let pipeline = built.map_err(|error| error.to_string())?;
+    Ok(match slots {
+        Some(slots) => Kernel::Ready(Ready { pipeline, slots }),
+        None => Kernel::TooLarge,
+    })
 }

@@ -189,9 +189,9 @@ impl GpuRenderer {
         self.kernels.pay_from(operations);
     }
 
-    /// Returns true if kernels or the pass of traced pictures are being made.
+    /// Returns true if kernels or the pass of traced pictures are being built.
     pub(crate) fn is_building(&self) -> bool {
-        self.kernels.is_making() || self.trace.is_making()
+        self.kernels.is_building() || self.trace.is_building()
     }
 
     /// The number of pipelines and kernels that have been built so far.

@@ -3,14 +3,14 @@
 //! ```text
 //! SceneTables ──tables.rs: buffers, kept──▶ pass/trace_scene.wgsl ──▶ sums of light, row by row
 //! camera, lights ──lens.rs: numbers────────────┘       ▲           └─▶ samples that f32 cannot decide
-//! SceneTables::functions ──making.rs: pipelines, kept──┘
+//! SceneTables::functions ──pipelines.rs: kept──────────┘
 //! ```
 //!
 //! The pass is fixed but for the functions that a scene's expressions need. An edit that leaves their text as it is writes
 //! buffers and compiles nothing.
 
 mod lens;
-mod making;
+mod pipelines;
 mod tables;
 
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ShaderLight, Trace};
 use crate::gpu::pipelines::{PipelineFactory, dispatch};
 use crate::gpu::trace::lens::{lens_of, light_of};
-use crate::gpu::trace::making::TracePipelines;
+use crate::gpu::trace::pipelines::TracePipelines;
 use crate::gpu::trace::tables::TableBuffers;
 use crate::plan::Built;
 use crate::solids::{SceneTables, TracedScene};
@@ -69,8 +69,8 @@ pub(crate) struct TracedSamples {
 }
 
 impl TracePass {
-    /// True if the pipeline with these functions is ready. Its making begins with the first call, which `built` counts,
-    /// unless another one is being made; with `waits`, this is its end.
+    /// True if the pipeline with these functions is ready. Building it begins with the first call, which `built`
+    /// counts, unless another one is being built; with `waits`, this is its end.
     ///
     /// # Errors
     /// A clause, if the driver has refused it.
@@ -84,9 +84,9 @@ impl TracePass {
         self.pipelines.is_ready(gpu, functions, built, waits)
     }
 
-    /// True while a pipeline is made.
-    pub(crate) fn is_making(&self) -> bool {
-        self.pipelines.is_making()
+    /// Returns true while a pipeline is being built.
+    pub(crate) fn is_building(&self) -> bool {
+        self.pipelines.is_building()
     }
 
     /// Traces samples; `None` if `progress`, which receives the share that is done, returns false.

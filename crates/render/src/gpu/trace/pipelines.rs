@@ -1,14 +1,14 @@
 //! The pipelines of the pass of traced pictures, each with the functions of a scene.
 //!
-//! Input: the text of functions. Output: a pipeline, once it is made; it takes seconds to compile, on a thread of its own, and
+//! Input: the text of functions. Output: a pipeline, once it is built; it takes seconds to compile, on a thread of its own, and
 //! meanwhile f64 draws.
 
-use std::sync::{Arc, OnceLock};
-use std::thread::JoinHandle;
+use std::sync::Arc;
 
 use bytemuck::Zeroable;
 
 use crate::error::RenderError;
+use crate::gpu::background::Background;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::Trace;
 use crate::gpu::pipelines::{PipelineFactory, dispatch};
@@ -19,15 +19,12 @@ const KEPT: usize = 4;
 
 /// The pipelines of the last pictures, the one that was asked for last at the end.
 #[derive(Debug, Default)]
-pub(super) struct TracePipelines(Vec<Making>);
+pub(super) struct TracePipelines(Vec<TracePipeline>);
 
-/// A pipeline that is being made, or is there.
 #[derive(Debug)]
-struct Making {
+struct TracePipeline {
     functions: String,
-    /// The pipeline, or the message with which it was refused.
-    made: Arc<OnceLock<Result<wgpu::ComputePipeline, String>>>,
-    thread: Option<JoinHandle<()>>,
+    pipeline: Background<wgpu::ComputePipeline>,
 }
 
 impl TracePipelines {
@@ -39,84 +36,64 @@ impl TracePipelines {
         built: &mut Built,
         waits: bool,
     ) -> Result<bool, String> {
-        let is_making = self.is_making();
+        let is_building = self.is_building();
         let pipelines = &mut self.0;
         match pipelines.iter().position(|it| it.functions == functions) {
             Some(known) => pipelines[known..].rotate_left(1),
             // While a program is edited, its functions may change sooner than they are compiled.
-            None if !waits && is_making => return Ok(false),
+            None if !waits && is_building => return Ok(false),
             None => {
-                // One that is still being made would have to be waited for.
+                // One that is still being built would have to be waited for.
                 if pipelines.len() >= KEPT
-                    && let Some(done) = pipelines.iter().position(|it| it.made.get().is_some())
+                    && let Some(done) = pipelines.iter().position(|it| !it.pipeline.is_building())
                 {
                     pipelines.remove(done);
                 }
                 built.trace_pipelines += 1;
-                pipelines.push(Making::begin(gpu, functions));
+                pipelines.push(TracePipeline::start(gpu, functions));
             }
         }
-        let Some(making) = self.0.last() else {
+        let Some(TracePipeline { pipeline, .. }) = self.0.last() else {
             return Ok(false);
         };
         if waits {
-            making.made.wait();
+            pipeline.wait();
         }
-        match making.made.get() {
+        match pipeline.get() {
             None => Ok(false),
             Some(Ok(_)) => Ok(true),
             Some(Err(message)) => Err(format!("the GPU has refused its shader: {message}")),
         }
     }
 
-    /// True while a pipeline is made.
-    pub(super) fn is_making(&self) -> bool {
-        self.0.iter().any(|making| making.made.get().is_none())
+    /// Returns true while a pipeline is being built.
+    pub(super) fn is_building(&self) -> bool {
+        self.0.iter().any(|it| it.pipeline.is_building())
     }
 
     /// The pipeline with these functions.
     pub(super) fn get(&self, functions: &str) -> Option<&wgpu::ComputePipeline> {
-        let making = self.0.iter().find(|it| it.functions == functions)?;
-        making.made.get()?.as_ref().ok()
+        let known = self.0.iter().find(|it| it.functions == functions)?;
+        known.pipeline.get()?.as_ref().ok()
     }
 }
 
-impl Making {
-    fn begin(gpu: &Arc<Gpu>, functions: &str) -> Self {
-        let made = Arc::new(OnceLock::new());
-        let (gpu, result) = (gpu.clone(), made.clone());
-        let text = functions.to_owned();
-        let work = move || {
-            let made = gpu.guarded(|| make(&gpu, &text));
-            // Nobody else sets it.
-            let _ = result.set(made.map_err(|error| error.to_string()));
-        };
-        let thread = std::thread::Builder::new().name("trace".to_owned());
-        let thread = thread.spawn(work);
-        if let Err(error) = &thread {
-            // Nobody else sets it.
-            let _ = made.set(Err(error.to_string()));
-        }
+impl TracePipeline {
+    fn start(gpu: &Arc<Gpu>, functions: &str) -> Self {
+        let (gpu, text) = (gpu.clone(), functions.to_owned());
+        let pipeline = Background::start("trace", move || {
+            let built = gpu.guarded(|| build(&gpu, &text));
+            built.map_err(|error| error.to_string())
+        });
         Self {
             functions: functions.to_owned(),
-            made,
-            thread: thread.ok(),
-        }
-    }
-}
-
-impl Drop for Making {
-    fn drop(&mut self) {
-        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
-        if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been reported where it occurred.
-            let _ = thread.join();
+            pipeline,
         }
     }
 }
 
 /// Builds the pipeline and dispatches it for no pixel: drivers compile at the first dispatch.
-fn make(gpu: &Gpu, functions: &str) -> Result<wgpu::ComputePipeline, RenderError> {
+fn build(gpu: &Gpu, functions: &str) -> Result<wgpu::ComputePipeline, RenderError> {
     let mut factory = PipelineFactory::new(gpu);
     let pipeline = factory.trace_pipeline(&wgsl::traced::trace_scene(functions)?);
     let uniform = gpu.uniform("trace", &Trace::zeroed());

@@ -1,0 +1,88 @@
+//! Work on a thread of its own, such as compiling a shader, that nothing has to wait for.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, OnceLock};
+use std::thread::{self, JoinHandle};
+
+/// A value that a thread builds, or has built. Dropping it waits for the thread.
+#[derive(Debug)]
+pub(crate) struct Background<T> {
+    /// The value, or the message of the failure.
+    outcome: Arc<OnceLock<Result<T, String>>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<T: Send + Sync + 'static> Background<T> {
+    /// Starts to build a value on a thread with a name. A panic of `work` is a failure, and so is a system that refuses the
+    /// thread.
+    pub(crate) fn start(
+        name: &str,
+        work: impl FnOnce() -> Result<T, String> + Send + 'static,
+    ) -> Self {
+        let outcome = Arc::new(OnceLock::new());
+        let result = outcome.clone();
+        let work = move || {
+            let built = catch_unwind(AssertUnwindSafe(work));
+            let built = built.unwrap_or_else(|_| Err("internal error: building it failed".into()));
+            // Nobody else sets it.
+            let _ = result.set(built);
+        };
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(work);
+        if let Err(error) = &thread {
+            // Without a thread, nobody else sets it.
+            let _ = outcome.set(Err(error.to_string()));
+        }
+        Self {
+            outcome,
+            thread: thread.ok(),
+        }
+    }
+}
+
+impl<T> Background<T> {
+    /// Returns true until the value is built or has failed.
+    pub(crate) fn is_building(&self) -> bool {
+        self.outcome.get().is_none()
+    }
+
+    /// Returns the value or the message of the failure; `None` while it is being built.
+    pub(crate) fn get(&self) -> Option<&Result<T, String>> {
+        self.outcome.get()
+    }
+
+    /// Waits until the value is built or has failed.
+    pub(crate) fn wait(&self) {
+        self.outcome.wait();
+    }
+}
+
+impl<T> Drop for Background<T> {
+    fn drop(&mut self) {
+        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread has been reported where it occurred.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Background;
+
+    #[test]
+    fn a_value_is_built_once_it_has_been_waited_for() {
+        let value = Background::start("test", || Ok(7));
+        value.wait();
+        assert!(!value.is_building());
+        assert_eq!(value.get(), Some(&Ok(7)));
+    }
+
+    #[test]
+    fn a_panic_is_a_failure_that_ends_waiting() {
+        let value = Background::<u8>::start("test", || panic!("a fault"));
+        value.wait();
+        let failure = value.get().and_then(|it| it.as_ref().err());
+        assert!(failure.is_some_and(|it| it.starts_with("internal error")));
+    }
+}
