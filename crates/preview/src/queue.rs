@@ -61,10 +61,11 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         self.shared.1.notify_one();
     }
 
-    /// Puts a value back that was taken, unless a newer one with the same key waits.
+    /// Puts a value back that was taken, unless a newer one with the same key waits or the queue is closed. Only the thread
+    /// that takes values may call it: no other one is woken.
     pub(crate) fn restore(&self, rank: u8, key: K, value: V) {
         let mut entries = self.lock();
-        if !entries.waiting.contains_key(&key) {
+        if !entries.closed && !entries.waiting.contains_key(&key) {
             entries.turn += 1;
             let turn = entries.turn;
             entries.waiting.insert(key, (rank, turn, value));
@@ -96,6 +97,11 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
     /// Returns the key of the next value.
     pub(crate) fn next_key(&self) -> Option<K> {
         self.lock().next().cloned()
+    }
+
+    /// Returns true if the queue has been closed or abandoned.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.lock().closed
     }
 
     /// Ends the queue when the waiting values have been taken.
@@ -169,5 +175,16 @@ mod tests {
         }
         queue.abandon();
         assert_eq!(reader.join().expect("it ends"), (Some((1, "a")), None));
+    }
+
+    #[test]
+    fn a_value_that_is_put_back_into_an_abandoned_queue_is_dropped() {
+        let queue = LatestQueue::default();
+        queue.push(0, 1, "a");
+        let (key, value) = queue.take().expect("a value");
+        queue.abandon();
+        queue.restore(0, key, value);
+        assert!(queue.is_closed());
+        assert_eq!(queue.take(), None);
     }
 }

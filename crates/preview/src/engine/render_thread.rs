@@ -203,7 +203,8 @@ impl Drop for RenderThread {
 
 fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
     let waiting = queue.clone();
-    let interrupt = Interrupt::new(move || waiting.next_key().is_some());
+    // A picture that is being drawn gives way to what waits, and to the end of the window.
+    let interrupt = Interrupt::new(move || waiting.is_closed() || waiting.next_key().is_some());
     let mut worker = Worker::new(renderer, interrupt);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
