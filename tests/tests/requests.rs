@@ -86,6 +86,25 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
 }
 
 #[tokio::test]
+async fn a_search_passes_over_programs_that_are_too_long() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    std::fs::write(path.join("short.gtr"), "define alpha = 1;\n").expect("a file");
+    let mut long = std::fs::File::create(path.join("long.gtr")).expect("a file");
+    std::io::Write::write_all(&mut long, b"define alpine = 1;\n").expect("written");
+    long.set_len(ide::language::LONGEST_PROGRAM + 1)
+        .expect("it becomes long");
+    let uri = format!("file://{}", path.display());
+    for place in PLACES {
+        let folders = json!([{ "uri": uri, "name": "programs" }]);
+        let mut editor = started(place, "long programs", folders).await;
+        let found = editor.ask("workspace/symbol", json!({ "query": "alp" }));
+        assert_eq!(names(&found.await), ["alpha"]);
+        assert_eq!(editor.quit().await, 0);
+    }
+}
+
+#[tokio::test]
 async fn a_list_that_leaves_names_out_says_so_and_is_asked_for_again() {
     let mut text = String::new();
     for k in 0..1_000 {

@@ -1,11 +1,12 @@
 //! Source texts: a path flows in, a text with its line index flows out.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 use export::whole_file::phrase;
 use ide::language::LONGEST_PROGRAM;
+use ide::limited::read;
 use syntax::diagnostic::Diagnostic;
 use syntax::line_index::LineIndex;
 
@@ -62,29 +63,12 @@ impl SourceText {
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
-    let (input, size): (Box<dyn Read>, u64) = if path.as_os_str() == "-" {
-        (Box::new(io::stdin().lock()), 0)
+    let bytes = if path.as_os_str() == "-" {
+        read(io::stdin().lock(), LONGEST_PROGRAM)
+    } else if path.is_dir() {
+        return Err("it is a directory".into());
     } else {
-        let file = File::open(path).map_err(|error| phrase(&error.to_string()))?;
-        let metadata = file
-            .metadata()
-            .map_err(|error| phrase(&error.to_string()))?;
-        if metadata.is_dir() {
-            return Err("it is a directory".into());
-        }
-        (Box::new(file), metadata.len())
+        File::open(path).and_then(|file| read(file, LONGEST_PROGRAM))
     };
-    let too_long = || format!("it is longer than {} MB", LONGEST_PROGRAM >> 20);
-    if size > LONGEST_PROGRAM {
-        return Err(too_long());
-    }
-    let mut bytes = Vec::with_capacity(size as usize);
-    input
-        .take(LONGEST_PROGRAM + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| phrase(&error.to_string()))?;
-    if bytes.len() as u64 > LONGEST_PROGRAM {
-        return Err(too_long());
-    }
-    Ok(bytes)
+    bytes.map_err(|error| phrase(&error.to_string()))
 }

@@ -5,6 +5,7 @@
 //! language      the interface of a language: Language, Program, Analysis
 //! geotrace, crt the languages behind it
 //! text          a text by its lines
+//! limited       files that are read up to a limit
 //! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
 //!               what the features return
 //! ```
@@ -27,6 +28,7 @@ pub mod hint;
 pub mod language;
 mod languages;
 pub mod lens;
+pub mod limited;
 pub mod link;
 pub mod occurrence;
 pub mod outline;

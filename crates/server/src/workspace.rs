@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use ide::Languages;
+use ide::language::LONGEST_PROGRAM;
+use ide::limited::read_file;
 
 /// The most programs that are looked for, …
 const MOST: usize = 2000;
@@ -42,6 +44,11 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
     }
     programs.sort();
     programs
+}
+
+/// Reads a program; `None` if it cannot be read, is too long or is not UTF-8.
+pub(crate) fn read(path: &Path) -> Option<String> {
+    String::from_utf8(read_file(path, LONGEST_PROGRAM).ok()?).ok()
 }
 
 fn is_skipped(folder: &Path) -> bool {

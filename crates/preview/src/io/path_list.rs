@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 use export::whole_file::write_whole;
 use serde_json::Value;
 
-use super::files::read_limited;
-
 /// The longest file of a list that is read, in bytes.
 const LONGEST: u64 = 1 << 20;
 
@@ -92,7 +90,7 @@ impl PathList {
 
 /// Returns the paths of a list; those that make no sense are left out.
 fn read(file: &Path, most: usize) -> Vec<PathBuf> {
-    let bytes = read_limited(file, LONGEST).unwrap_or_default();
+    let bytes = ide::limited::read_file(file, LONGEST).unwrap_or_default();
     let Ok(Value::Array(entries)) = serde_json::from_slice(&bytes) else {
         return Vec::new();
     };

@@ -21,7 +21,6 @@ use session::measuring::PlacedFigure;
 use session::{StatusMessage, View};
 
 use crate::channel::EventSender;
-use crate::io::files::read_limited;
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
@@ -145,10 +144,11 @@ pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
     if place.is_symlink() {
         return Err(NotKnown::Unusable(place, "it is a link".into()));
     }
-    let bytes = read_limited(&place, MOST_BYTES).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => NotKnown::NoFile,
-        _ => NotKnown::Unreadable(place.clone(), phrase(&error.to_string())),
-    })?;
+    let bytes =
+        ide::limited::read_file(&place, MOST_BYTES).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => NotKnown::NoFile,
+            _ => NotKnown::Unreadable(place.clone(), phrase(&error.to_string())),
+        })?;
     match serde_json::from_slice::<Remembered>(&bytes) {
         Ok(Remembered { format, known }) if format <= FORMAT => {
             let view = known.view.sane();

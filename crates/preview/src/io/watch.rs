@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 
 use export::whole_file::phrase;
 use ide::language::LONGEST_PROGRAM;
+use ide::limited::read_file;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
 use crate::channel::EventSender;
-use crate::io::files::read_limited;
 
 /// The time for which nothing must happen before the file is read.
 const QUIET: Duration = Duration::from_millis(30);
@@ -74,7 +74,7 @@ impl fmt::Display for Unreadable {
 /// # Errors
 /// See [`Unreadable`].
 pub(crate) fn read(path: &Path) -> Result<String, Unreadable> {
-    let bytes = read_limited(path, LONGEST_PROGRAM).map_err(|error| match error.kind() {
+    let bytes = read_file(path, LONGEST_PROGRAM).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Unreadable::Missing(phrase(&error.to_string())),
         _ => Unreadable::Refused(phrase(&error.to_string())),
     })?;

@@ -74,7 +74,7 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
             if found.len() >= MOST_SYMBOLS || paths.contains(&path) {
                 continue;
             }
-            if let Ok(text) = std::fs::read_to_string(&path) {
+            if let Some(text) = workspace::read(&path) {
                 let snapshot =
                     Snapshot::new(uri.as_str(), &**languages.for_path(&path), &text, encoding);
                 matching(&snapshot, &query, &mut found);
