@@ -82,11 +82,15 @@ pub(crate) async fn run<S>(
                     }
                     Frame::Bad(reason) => {
                         let message = format!("this is no message: {reason}");
-                        raw_sender.send(error(PARSE_ERROR, &message));
+                        raw_sender
+                            .send_when_room(error(PARSE_ERROR, &message))
+                            .await;
                     }
                     Frame::Invalid => {
                         let message = "this is JSON, but neither a request nor an answer";
-                        raw_sender.send(error(INVALID_REQUEST, message));
+                        raw_sender
+                            .send_when_room(error(INVALID_REQUEST, message))
+                            .await;
                     }
                 }
             }
@@ -159,8 +163,10 @@ fn error(code: i64, message: &str) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use std::pin::pin;
     use std::time::Duration;
 
+    use futures::FutureExt as _;
     use ide::Languages;
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
@@ -215,5 +221,33 @@ mod tests {
         let read = tokio::time::timeout(Duration::from_secs(60), all_read).await;
         assert!(read.is_ok(), "its output ends");
         assert!(!server.await.expect("no panic"), "it has not said goodbye");
+    }
+
+    #[tokio::test]
+    async fn an_editor_that_does_not_read_the_replies_to_faults_is_not_read() {
+        let (mut to_server, input) = tokio::io::duplex(1 << 10);
+        let (output, mut from_server) = tokio::io::duplex(64);
+        let server = tokio::spawn(crate::serve(input, output, Languages::standard(), None));
+        let faults = b"Content-Length: x\r\n\r\n".repeat(5000);
+        {
+            let mut writing = pin!(to_server.write_all(&faults));
+            for _ in 0..2000 {
+                let written = writing.as_mut().now_or_never();
+                assert!(written.is_none(), "all of it is read");
+                tokio::task::yield_now().await;
+            }
+            let reading = async {
+                let mut reply = [0; 64];
+                loop {
+                    from_server.read_exact(&mut reply).await.expect("a reply");
+                }
+            };
+            let written = tokio::select! {
+                written = writing => written,
+                () = reading => Ok(()),
+            };
+            written.expect("it is read");
+        }
+        server.abort();
     }
 }

@@ -46,7 +46,8 @@ methods! {
     TOKENS_RANGE = "textDocument/semanticTokens/range";
 }
 
-/// The number of large answers that may wait for the editor to read them: while they do, their requests are not done.
+/// The number of large answers and of replies to faults that may wait for the editor to read them. While they do, their
+/// requests are not done, and nothing is read behind a fault.
 const MOST_WAITING: usize = 8;
 
 /// An answer as JSON.
@@ -99,20 +100,31 @@ impl RawSender {
         (Self { messages, room }, out)
     }
 
-    /// Sends a small message.
+    /// Sends a small message at once. Only messages whose number the server limits may go this way.
     pub(crate) fn send(&self, body: Vec<u8>) {
         let _ = self.messages.send(body.into());
     }
 
+    /// Sends a message once there is room for it.
+    pub(crate) async fn send_when_room(&self, body: Vec<u8>) {
+        let room = self.room().await;
+        let _ = self.messages.send(Message { body, _room: room });
+    }
+
     /// Sends an answer once there is room for it.
     async fn answer(&self, id: &Id, text: &str) {
-        let room = self.room.clone().acquire_owned().await.ok();
+        let room = self.room().await;
         let id = serde_json::to_string(id).unwrap_or_else(|_| "null".to_owned());
         let parts = [r#"{"jsonrpc":"2.0","id":"#, &id, r#","result":"#, text, "}"];
         let _ = self.messages.send(Message {
             body: parts.concat().into_bytes(),
             _room: room,
         });
+    }
+
+    /// Waits for room for a message. The semaphore is never closed.
+    async fn room(&self) -> Option<OwnedSemaphorePermit> {
+        self.room.clone().acquire_owned().await.ok()
     }
 }
 
