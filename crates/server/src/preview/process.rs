@@ -96,6 +96,8 @@ impl Process {
         let started = process.clone().start_threads(input, output, error, heard);
         if let Err(error) = started {
             process.kill();
+            // A process that nobody waits for stays in the system's table.
+            let _ = process.child().wait();
             return Err(error);
         }
         Ok((process, receiver))
