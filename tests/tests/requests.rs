@@ -105,6 +105,22 @@ async fn a_search_passes_over_programs_that_are_too_long() {
 }
 
 #[tokio::test]
+async fn a_search_in_too_many_programs_takes_the_first_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // More than are searched, written in another order.
+    for k in (0..2_010).rev() {
+        let text = if k < 2_000 { "" } else { "define late = 1;\n" };
+        std::fs::write(folder.path().join(format!("{k:04}.gtr")), text).expect("a file");
+    }
+    let uri = format!("file://{}", folder.path().display());
+    let folders = json!([{ "uri": uri, "name": "programs" }]);
+    let mut editor = started(PLACES[0], "many programs", folders).await;
+    let found = editor.ask("workspace/symbol", json!({ "query": "late" }));
+    assert!(names(&found.await).is_empty());
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
 async fn a_list_that_leaves_names_out_says_so_and_is_asked_for_again() {
     let mut text = String::new();
     for k in 0..1_000 {

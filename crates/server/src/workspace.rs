@@ -1,5 +1,6 @@
 //! The programs in the folders of a workspace.
 
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use ide::Languages;
@@ -18,7 +19,7 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
     let mut programs = Vec::new();
     let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
     let mut visited = 0;
-    while let Some((folder, depth)) = open.pop() {
+    'search: while let Some((folder, depth)) = open.pop() {
         visited += 1;
         if visited > MOST_FOLDERS {
             break;
@@ -26,7 +27,10 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
         let Ok(entries) = std::fs::read_dir(&folder) else {
             continue;
         };
-        for entry in entries.flatten() {
+        // Which programs are found does not depend on the order in which the system lists them.
+        let mut entries: Vec<_> = entries.flatten().collect();
+        entries.sort_by_key(DirEntry::file_name);
+        for entry in entries {
             let path = entry.path();
             // A link may lead back: only what lies here counts.
             let Ok(kind) = entry.file_type() else {
@@ -37,7 +41,7 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
             } else if kind.is_file() && languages.by_extension(&path).is_some() {
                 programs.push(path);
                 if programs.len() >= MOST {
-                    return programs;
+                    break 'search;
                 }
             }
         }
