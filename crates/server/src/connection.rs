@@ -16,6 +16,8 @@ use serde::Serialize;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tower_lsp::ClientSocket;
 use tower_lsp::jsonrpc::{Request, Response};
+use tower_lsp::ls_types as lsp;
+use tower_lsp::ls_types::notification::Notification as _;
 use tower_service::Service;
 
 use crate::frames::Frame;
@@ -92,6 +94,10 @@ pub(crate) async fn run<S>(
                             .send_when_room(error(INVALID_REQUEST, message))
                             .await;
                     }
+                    Frame::Failed(reason) => {
+                        let message = format!("the editor's messages cannot be read: {reason}");
+                        raw_sender.send(log(&message));
+                    }
                 }
             }
             // The responses of what is under way are still written, but no more requests are sent to the editor.
@@ -161,16 +167,43 @@ fn error(code: i64, message: &str) -> Vec<u8> {
     error.to_string().into_bytes()
 }
 
+/// The notification of an error for the editor's log.
+fn log(message: &str) -> Vec<u8> {
+    let notification = serde_json::json!({
+        "jsonrpc": "2.0",
+        "method": lsp::notification::LogMessage::METHOD,
+        "params": lsp::LogMessageParams {
+            typ: lsp::MessageType::ERROR,
+            message: message.to_owned(),
+        },
+    });
+    notification.to_string().into_bytes()
+}
+
 #[cfg(test)]
 mod tests {
-    use std::pin::pin;
+    use std::pin::{Pin, pin};
+    use std::task::{Context, Poll};
     use std::time::Duration;
 
     use futures::FutureExt as _;
     use ide::Languages;
-    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt, ReadBuf};
 
     use crate::frames::framed;
+
+    /// A stream that cannot be read.
+    struct Broken;
+
+    impl AsyncRead for Broken {
+        fn poll_read(
+            self: Pin<&mut Self>,
+            _: &mut Context<'_>,
+            _: &mut ReadBuf<'_>,
+        ) -> Poll<std::io::Result<()>> {
+            Poll::Ready(Err(std::io::Error::other("a broken pipe")))
+        }
+    }
 
     /// The handlers of the edits wait for room to publish their diagnostics when `exit` is read.
     #[tokio::test]
@@ -249,5 +282,17 @@ mod tests {
             written.expect("it is read");
         }
         server.abort();
+    }
+
+    #[tokio::test]
+    async fn an_input_that_cannot_be_read_is_told_to_the_log() {
+        let input = Broken;
+        let (output, mut from_server) = tokio::io::duplex(1 << 12);
+        assert!(!crate::serve(input, output, Languages::standard(), None).await);
+        let mut written = String::new();
+        let read = from_server.read_to_string(&mut written);
+        let read = tokio::time::timeout(Duration::from_secs(60), read).await;
+        assert!(read.is_ok_and(|read| read.is_ok()), "its output ends");
+        assert!(written.contains("window/logMessage") && written.contains("a broken pipe"));
     }
 }

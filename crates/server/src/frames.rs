@@ -24,6 +24,8 @@ pub(crate) enum Frame {
     Bad(String),
     /// Valid JSON that is neither a request, a notification nor an answer.
     Invalid,
+    /// The stream cannot be read any more; the system's reason. No frame comes behind it.
+    Failed(String),
 }
 
 /// Reads frames from a stream.
@@ -33,6 +35,8 @@ pub(crate) struct FrameReader<R> {
     /// Bytes at the start of the buffer that have been used.
     used: usize,
     ended: bool,
+    /// The reason of an end that is a failure, until it has been returned.
+    failure: Option<String>,
 }
 
 impl<R: AsyncRead + Unpin> FrameReader<R> {
@@ -42,12 +46,16 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
             buffer: Vec::new(),
             used: 0,
             ended: false,
+            failure: None,
         }
     }
 
     /// The next frame; `None` at the end of the stream.
     pub(crate) async fn next(&mut self) -> Option<Frame> {
-        let (body, length) = match self.header().await? {
+        let Some(header) = self.header().await else {
+            return self.failure.take().map(Frame::Failed);
+        };
+        let (body, length) = match header {
             Ok(header) => header,
             Err(reason) => return Some(Frame::Bad(reason)),
         };
@@ -122,8 +130,13 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         if self.ended {
             return false;
         }
-        let count = self.stream.read_buf(&mut self.buffer).await;
-        self.ended = !matches!(count, Ok(1..));
+        match self.stream.read_buf(&mut self.buffer).await {
+            Ok(count) => self.ended = count == 0,
+            Err(error) => {
+                self.ended = true;
+                self.failure = Some(error.to_string());
+            }
+        }
         !self.ended
     }
 }
