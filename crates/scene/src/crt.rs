@@ -28,6 +28,7 @@ use std::sync::atomic::AtomicBool;
 
 use syntax::crt::tree::{Expression, Script};
 use syntax::diagnostic::Diagnostic;
+use syntax::span::Span;
 
 pub use assignment::Assignment;
 pub use convert::{Converted, MAX_CONVERTED_LEAVES, NameTest};
@@ -135,7 +136,7 @@ pub fn evaluate(
         interpreter.script(script);
         interpreter.value_at_end(expression)
     })
-    .unwrap_or_else(|| Err(Vec::new()))
+    .unwrap_or_else(|| Err(vec![not_run()]))
 }
 
 /// Makes a program in Geotrace's language of a script at a value of `t`; `None` if it has more than
@@ -150,23 +151,38 @@ pub fn convert(script: &Script, text: &str, t: f64, is_free: NameTest<'_>) -> Op
     })?
 }
 
-/// `None` for a run that is given up. Without a thread to run on, a script leaves nothing.
+/// Runs a script at a value of `t`; `None` if the run is given up.
 fn run_at(
     script: &Script,
     lines: &ScriptLines,
     t: f64,
     given_up: &AtomicBool,
 ) -> Option<ScriptRun> {
-    let run = on_stack(|| {
+    run_on_stack(|| {
         let mut interpreter = Interpreter::new(lines, t, given_up);
         interpreter.script(script);
         interpreter.finish()
-    });
-    run.unwrap_or_else(|| Some(ScriptRun::default()))
+    })
 }
 
-/// Runs something on a thread with a stack of its own; `None` if the machine has no thread for it. A program in a browser has
-/// no threads: its only stack is made as large where it is linked.
+/// Returns the outcome of a run, or a diagnostic of a run that has panicked or could not be started.
+fn run_on_stack(run: impl FnOnce() -> Option<ScriptRun> + Send) -> Option<ScriptRun> {
+    on_stack(run).unwrap_or_else(|| {
+        Some(ScriptRun {
+            diagnostics: vec![not_run()],
+            ..ScriptRun::default()
+        })
+    })
+}
+
+/// The diagnostic of a script whose run has panicked or could not be started.
+fn not_run() -> Diagnostic {
+    let message = "internal error: the script could not be run";
+    Diagnostic::error(codes::INTERNAL_ERROR, Span::new(0, 0), message)
+}
+
+/// Runs something on a thread with a stack of its own; `None` if it panics or the machine has no thread for it. A program in a
+/// browser has no threads: its only stack is made as large where it is linked.
 fn on_stack<R: Send>(work: impl FnOnce() -> R + Send) -> Option<R> {
     if cfg!(target_family = "wasm") {
         return Some(work());
@@ -175,4 +191,19 @@ fn on_stack<R: Send>(work: impl FnOnce() -> R + Send) -> Option<R> {
         let thread = std::thread::Builder::new().stack_size(STACK);
         thread.spawn_scoped(scope, work).ok()?.join().ok()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{codes, run_on_stack};
+
+    #[test]
+    fn a_run_that_panics_is_an_error_of_the_script() {
+        let run = run_on_stack(|| panic!("a fault")).expect("it is not given up");
+        let [found] = &run.diagnostics[..] else {
+            panic!("{:?}", run.diagnostics);
+        };
+        assert_eq!(found.code, codes::INTERNAL_ERROR);
+        assert!(found.message.starts_with("internal error"));
+    }
 }

@@ -11,6 +11,9 @@ macro_rules! codes {
     };
 }
 
+/// The code of a fault of this program. No script has it of itself, so it is not among [`CODES`].
+pub const INTERNAL_ERROR: Code = Code("internal-error");
+
 codes! {
     ARGUMENT_COUNT = "argument-count", "A macro or a function takes another number of arguments.";
     CALL_DEPTH = "call-depth", "Calls within calls are limited to 200.";
