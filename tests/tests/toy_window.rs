@@ -139,7 +139,8 @@ fn a_message_of_the_server_opens_a_third_view() {
     let views = Views::standard().with(BandsView);
     let context = egui::Context::default();
     let languages = Languages::standard();
-    let mut shown = Shown::new(Window::attached(&context, languages, views, input, output));
+    let window = Window::attached(&context, languages, views, input, output);
+    let mut shown = Shown::new(window.expect("its threads start"));
     shown.until("its pane", |shown| shown.has("Bands of 2 objects"));
     shown.until("its picture", Shown::has_bands);
 }

@@ -6,10 +6,12 @@
 //! An event wakes the window, except where another one is about to follow.
 
 use std::fmt;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use session::StatusMessage;
@@ -106,12 +108,25 @@ impl<T> EventSender<T> {
     }
 }
 
+/// Starts a thread with a name.
+///
+/// # Errors
+/// The system's.
+pub(crate) fn start_thread(
+    name: &str,
+    work: impl FnOnce() + Send + 'static,
+) -> io::Result<JoinHandle<()>> {
+    let thread = std::thread::Builder::new().name(name.to_owned());
+    thread.spawn(work)
+}
+
 /// Does slow work on a thread of its own, and sends the sentence that it ends with.
 pub(crate) fn report_when_done(
     events: EventSender<StatusMessage>,
     work: impl FnOnce() -> Result<String, String> + Send + 'static,
 ) {
-    std::thread::spawn(move || {
+    let failures = events.clone();
+    let thread = start_thread("work", move || {
         // A panic is reported too.
         let done = catch_unwind(AssertUnwindSafe(work));
         let done = done.unwrap_or_else(|_| Err("internal error: it was not done".to_owned()));
@@ -120,6 +135,9 @@ pub(crate) fn report_when_done(
             Err(text) => StatusMessage::error(text),
         });
     });
+    if let Err(error) = thread {
+        failures.send(StatusMessage::error(format!("it is not done: {error}")));
+    }
 }
 
 #[cfg(test)]

@@ -94,6 +94,11 @@ pub enum Failure {
         /// In the system's words.
         reason: String,
     },
+    /// The system starts no thread for the window's work.
+    NoThread {
+        /// In the system's words.
+        reason: String,
+    },
     /// The file cannot be read.
     Unreadable {
         /// The file.
@@ -108,6 +113,7 @@ impl Failure {
     fn and(mut self, sentence: Option<String>) -> Self {
         let (Self::NoDisplay { reason }
         | Self::NoGraphics { reason }
+        | Self::NoThread { reason }
         | Self::Unreadable { reason, .. }) = &mut self;
         if let Some(sentence) = sentence {
             *reason = format!("{reason}; {sentence}");
@@ -127,6 +133,10 @@ impl fmt::Display for Failure {
                 f,
                 "the window cannot be opened: no graphics driver can draw it ({reason})"
             ),
+            Self::NoThread { reason } => write!(
+                f,
+                "the window cannot be opened: the system starts no thread for it ({reason})"
+            ),
             Self::Unreadable { path, reason } => {
                 write!(f, "cannot read `{}`: {reason}", path.display())
             }
@@ -135,3 +145,12 @@ impl fmt::Display for Failure {
 }
 
 impl std::error::Error for Failure {}
+
+/// Of a thread that the system refuses.
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::NoThread {
+            reason: error.to_string(),
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! The thread that compiles: texts flow in, the latest wins; scenes and findings flow out.
 
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,7 +10,7 @@ use protocol::changes::Changes;
 use session::Compiled;
 use session::reader::{Read, Reader, SourceText, unreadable};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use crate::queue::LatestQueue;
 
 /// A text that the thread has compiled.
@@ -43,7 +44,10 @@ struct Waiting {
 
 impl Compiler {
     /// Starts the thread.
-    pub(crate) fn start(events: EventSender<CompiledText>) -> Self {
+    ///
+    /// # Errors
+    /// The system's.
+    pub(crate) fn start(events: EventSender<CompiledText>) -> io::Result<Self> {
         Self::reading_by(events, Reader::read)
     }
 
@@ -51,13 +55,13 @@ impl Compiler {
     fn reading_by(
         events: EventSender<CompiledText>,
         read: impl Fn(&mut Reader, &SourceText<'_>) -> Read + Send + 'static,
-    ) -> Self {
+    ) -> io::Result<Self> {
         let queue = LatestQueue::default();
         let own = queue.clone();
-        std::thread::spawn(move || work(&own, &events, read));
-        Self {
+        start_thread("compile", move || work(&own, &events, read))?;
+        Ok(Self {
             queue: Arc::new(Texts(queue)),
-        }
+        })
     }
 
     /// Queues a text for compilation, in the place of one that has not been begun. `changes` make it of the text that was
@@ -163,7 +167,8 @@ mod tests {
         let compiler = Compiler::reading_by(sender, |reader, source| {
             assert!(!source.text.contains("fault"), "a fault");
             reader.read(source)
-        });
+        })
+        .expect("a thread");
         compile(&compiler, 1, "point p = (1, 2, 3);");
         assert!(next(&events).ok);
         compile(&compiler, 2, "point fault = (1, 2, 3);");
@@ -190,7 +195,8 @@ mod tests {
             begun.send(()).expect("the test listens");
             may_go_on.recv().expect("the test lives");
             reader.read(source)
-        });
+        })
+        .expect("a thread");
         compile(&compiler, 1, "");
         begins.recv().expect("it begins");
         for version in 2..=200 {
@@ -215,7 +221,8 @@ mod tests {
                 .expect("the test listens");
             may_go_on.recv().expect("the test lives");
             reader.read(source)
-        });
+        })
+        .expect("a thread");
         let languages = Languages::standard();
         let edit = |version, text: &str, changes| {
             let language = Arc::clone(languages.default_language());

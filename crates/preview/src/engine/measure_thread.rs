@@ -2,12 +2,13 @@
 //!
 //! A search for geodesics may take seconds, so it never runs on the frame's thread.
 
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use session::camera_controller::Subject;
 use session::questions::{MeasureAnswer, MeasureQuestion, Measurer};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use crate::queue::LatestQueue;
 
 /// The order in which questions are taken, and the key under which the latest wins.
@@ -27,11 +28,14 @@ pub(crate) struct MeasureThread {
 
 impl MeasureThread {
     /// Starts the thread.
-    pub(crate) fn start(events: EventSender<MeasureAnswer>) -> Self {
+    ///
+    /// # Errors
+    /// The system's.
+    pub(crate) fn start(events: EventSender<MeasureAnswer>) -> io::Result<Self> {
         let queue = LatestQueue::default();
         let own = queue.clone();
-        std::thread::spawn(move || work(&own, &events));
-        Self { queue }
+        start_thread("measure", move || work(&own, &events))?;
+        Ok(Self { queue })
     }
 
     /// Asks a question, in the place of one of its kind that has not been begun.

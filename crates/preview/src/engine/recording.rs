@@ -2,6 +2,7 @@
 
 pub(crate) mod film;
 
+use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -9,7 +10,7 @@ use std::thread::JoinHandle;
 
 use session::StatusMessage;
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use film::{Ended, Film};
 
 /// A recording that runs. Dropped, it is called off, and leaves nothing behind.
@@ -29,7 +30,15 @@ struct Shared {
 }
 
 impl Recording {
-    pub(crate) fn start(events: EventSender<StatusMessage>, film: Film, path: PathBuf) -> Self {
+    /// Starts to record a film into a file.
+    ///
+    /// # Errors
+    /// The system's, which refuses a thread.
+    pub(crate) fn start(
+        events: EventSender<StatusMessage>,
+        film: Film,
+        path: PathBuf,
+    ) -> io::Result<Self> {
         let shared = Arc::new(Shared {
             frames: film.clip.frames,
             now: AtomicU32::new(0),
@@ -52,10 +61,10 @@ impl Recording {
                 }
             });
         };
-        Self {
+        Ok(Self {
             shared,
-            thread: Some(std::thread::spawn(work)),
-        }
+            thread: Some(start_thread("record", work)?),
+        })
     }
 
     /// Calls the recording off.

@@ -3,6 +3,7 @@
 
 mod worker;
 
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -14,7 +15,7 @@ use render::{PictureRequest, Renderer, ViewId};
 use session::SpaceCamera;
 use session::snapping::Snapping;
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use crate::queue::LatestQueue;
 use worker::Worker;
 
@@ -120,18 +121,21 @@ enum Job {
 
 impl RenderThread {
     /// Starts the thread, which draws with a renderer. The pictures of a renderer on the window's own GPU stay there.
-    pub(crate) fn start(events: EventSender<RenderEvent>, renderer: Renderer) -> Self {
+    ///
+    /// # Errors
+    /// The system's.
+    pub(crate) fn start(events: EventSender<RenderEvent>, renderer: Renderer) -> io::Result<Self> {
         let queue = LatestQueue::default();
         let own = queue.clone();
         let has_used_gpu = renderer.gpu().is_some();
-        let thread = std::thread::spawn(move || work(&own, &events, renderer));
-        Self {
+        let thread = start_thread("render", move || work(&own, &events, renderer))?;
+        Ok(Self {
             queue,
             questions: 0,
             answers: 0,
             thread: Some(thread),
             has_used_gpu,
-        }
+        })
     }
 
     /// Draws with another renderer from now on.
@@ -280,7 +284,7 @@ mod tests {
         let gpu = Arc::new(Gpu::open().expect("a GPU or software Vulkan"));
         let left = Arc::downgrade(&gpu);
         let (events, _received) = EventSender::new(egui::Context::default());
-        let thread = RenderThread::start(events, Renderer::on_gpu(gpu));
+        let thread = RenderThread::start(events, Renderer::on_gpu(gpu)).expect("a thread");
         drop(thread);
         assert!(left.upgrade().is_none());
     }

@@ -1,16 +1,19 @@
-//! Images for surfaces: each file is read once, on a thread of its own.
+//! Images for surfaces: each file is read once, on one thread for all.
 //!
 //! The file that a window remembers a view in may come from somebody else, beside a program. An image that it names is opened
 //! only if it lies below the program's folder, or if the user has opened it before.
 
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use render::texture::{TexelBudget, Texture, named_file, named_files};
 use session::textures::{ImageSource, ImageState, TextureRead};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use crate::io::path_list::PathList;
+use crate::queue::LatestQueue;
 
 /// The images of a window.
 pub(crate) type Library = session::textures::Library<ImageFiles>;
@@ -25,10 +28,16 @@ pub(crate) struct ImageFiles {
     /// The texels that they have together.
     pub(crate) budget: TexelBudget,
     events: Option<EventSender<TextureRead>>,
+    /// The thread that reads, once there is something to read.
+    reader: Option<ReaderThread>,
 }
 
+/// Hands paths to the thread that reads images, which ends when this is dropped.
+#[derive(Debug)]
+struct ReaderThread(LatestQueue<PathBuf, TexelBudget>);
+
 impl ImageFiles {
-    /// Files that are read on threads, whose images are sent as events.
+    /// Files that are read on a thread, whose images are sent as events.
     pub(crate) fn new(events: EventSender<TextureRead>) -> Self {
         Self {
             events: Some(events),
@@ -43,16 +52,55 @@ impl ImageFiles {
     }
 
     /// Begins to read an image.
-    fn begin(&self, path: PathBuf) -> ImageState {
-        if let Some(events) = self.events.clone() {
-            let budget = self.budget.clone();
-            std::thread::spawn(move || {
-                let texture = Texture::load(&path, &budget).map(Arc::new);
-                let texture = texture.map_err(|error| error.to_string());
-                events.send(TextureRead { path, texture });
-            });
+    fn begin(&mut self, path: PathBuf) -> ImageState {
+        if let Err(error) = self.queue(&path) {
+            let texture = Err(format!("cannot read `{}`: {error}", path.display()));
+            self.send(TextureRead { path, texture });
         }
         ImageState::Reading
+    }
+
+    /// Has the thread read an image, and starts it for the first one.
+    fn queue(&mut self, path: &Path) -> io::Result<()> {
+        let Some(events) = &self.events else {
+            return Ok(());
+        };
+        let reader = match &mut self.reader {
+            Some(reader) => reader,
+            reader => reader.insert(ReaderThread::start(events.clone())?),
+        };
+        reader.0.push(0, path.to_owned(), self.budget.clone());
+        Ok(())
+    }
+}
+
+impl ReaderThread {
+    fn start(events: EventSender<TextureRead>) -> io::Result<Self> {
+        let queue = LatestQueue::<PathBuf, TexelBudget>::default();
+        let own = queue.clone();
+        start_thread("images", move || {
+            while let Some((path, budget)) = own.take() {
+                // A panic must not end the thread: it becomes a sentence.
+                let texture = match catch_unwind(AssertUnwindSafe(|| Texture::load(&path, &budget)))
+                {
+                    Ok(texture) => texture.map(Arc::new).map_err(|error| error.to_string()),
+                    Err(_) => Err(format!(
+                        "internal error: `{}` could not be read",
+                        path.display()
+                    )),
+                };
+                if !events.send(TextureRead { path, texture }) {
+                    return;
+                }
+            }
+        })?;
+        Ok(Self(queue))
+    }
+}
+
+impl Drop for ReaderThread {
+    fn drop(&mut self) {
+        self.0.abandon();
     }
 }
 

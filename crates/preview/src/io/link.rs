@@ -3,7 +3,7 @@
 //! Reading and writing have a thread each, so that the window waits for neither. What waits for a reader that
 //! does not read is bounded: of values and of texts that were shown only the latest is kept.
 
-use std::io::{BufReader, Read, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use protocol::follower::{Follower, Gap};
 use protocol::line::{self, ReadError};
 use protocol::{Command, Event, Hello, handshake};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 use crate::queue::LatestQueue;
 
 /// An event of the conversation.
@@ -69,18 +69,21 @@ pub(crate) fn greet(output: &mut impl Write) {
 impl Link {
     /// Starts the conversation, behind [`greet`]: listens, and says what it is given. Texts go to `compile`, with
     /// the path or the URI of their document and the changes of the text before it, without waiting for the window.
+    ///
+    /// # Errors
+    /// The system's, which refuses a thread.
     pub(crate) fn start(
         events: EventSender<LinkEvent>,
         compile: impl Fn(&Path, i32, Arc<str>, Option<Changes>) + Send + 'static,
         input: impl Read + Send + 'static,
         output: impl Write + Send + 'static,
-    ) -> Self {
+    ) -> io::Result<Self> {
         let outbox = Outbox::default();
         let own = outbox.clone();
-        std::thread::spawn(move || write(&own.queue, output));
+        start_thread("link output", move || write(&own.queue, output))?;
         let own = outbox.clone();
-        std::thread::spawn(move || read(&events, compile, input, &own));
-        Self { outbox }
+        start_thread("link input", move || read(&events, compile, input, &own))?;
+        Ok(Self { outbox })
     }
 
     /// Sends an event to the server, without waiting.

@@ -20,7 +20,7 @@ use session::layout::Layout;
 use session::measuring::PlacedFigure;
 use session::{StatusMessage, View};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
@@ -234,7 +234,8 @@ impl ViewStore {
             ..known
         };
         let last = written.clone();
-        let thread = std::thread::spawn(move || {
+        let failures = events.clone();
+        let thread = start_thread("view store", move || {
             while let Ok(mut view) = views.recv() {
                 let begun = Instant::now();
                 let closed = loop {
@@ -260,10 +261,14 @@ impl ViewStore {
                 }
             }
         });
+        if let Err(error) = &thread {
+            let sentence = format!("the view is not remembered: {error}");
+            failures.send(StatusMessage::error(sentence));
+        }
         Self {
             last,
             sender: Some(sender),
-            thread: Some(thread),
+            thread: thread.ok(),
         }
     }
 

@@ -16,7 +16,7 @@ use ide::language::LONGEST_PROGRAM;
 use ide::limited::read_file;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 
 /// The time for which nothing must happen before the file is read.
 const QUIET: Duration = Duration::from_millis(30);
@@ -124,7 +124,7 @@ impl Watch {
             .map_err(|error| error.to_string())?;
         let watcher = Arc::new(Mutex::new(watcher));
         let weak = Arc::downgrade(&watcher);
-        std::thread::spawn(move || {
+        let thread = start_thread("watch", move || {
             let mut known: Result<String, Unreadable> = Ok(known);
             // Ends when the watcher is dropped.
             while let Some(change) = next(&changes, matches!(known, Err(Unreadable::Missing(_)))) {
@@ -145,6 +145,7 @@ impl Watch {
                 }
             }
         });
+        thread.map_err(|error| error.to_string())?;
         Ok(Self { _watcher: watcher })
     }
 }

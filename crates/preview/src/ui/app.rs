@@ -254,14 +254,14 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             let views = options.views.clone();
             Window::of_file(context, &options.languages, views, path.clone(), true)?
         }
-        Source::Welcome => Window::welcome(context, &options.languages, options.views.clone()),
+        Source::Welcome => Window::welcome(context, &options.languages, options.views.clone())?,
         Source::Attached => Window::attached(
             context,
             options.languages.clone(),
             options.views.clone(),
             std::io::stdin(),
             std::io::stdout(),
-        ),
+        )?,
     };
     if let Some(folder) = crate::platform::state_folder() {
         window.remember_paths_in(&folder);

@@ -197,7 +197,17 @@ pub(crate) fn point_at_nothing(window: &mut Window) {
 fn ask(window: &mut Window, subject: Subject, question: MeasureQuestion) {
     let events = &window.events;
     let thread = &mut window.dialogs.measuring.thread;
-    let thread = thread.get_or_insert_with(|| MeasureThread::start(events.measured()));
+    let thread = match thread {
+        Some(thread) => thread,
+        None => match MeasureThread::start(events.measured()) {
+            Ok(started) => thread.insert(started),
+            Err(error) => {
+                let sentence = format!("nothing can be measured: {error}");
+                window.status_message = Some(StatusMessage::error(sentence));
+                return;
+            }
+        },
+    };
     thread.ask(subject, question);
 }
 

@@ -34,6 +34,7 @@ use session::layout::Layout;
 use session::model::Emphasis;
 use session::{CameraPath, Model, StatusMessage};
 
+use crate::Failure;
 use crate::engine::compiler::Compiler;
 use crate::engine::render_thread::RenderThread;
 use crate::engine::textures::{ImageFiles, Library, turn_to};
@@ -73,23 +74,26 @@ pub struct Window {
 
 impl Window {
     /// A window for an editor's text, which comes from `input`; events go to `output`.
+    ///
+    /// # Errors
+    /// [`Failure::NoThread`].
     pub fn attached(
         context: &egui::Context,
         languages: Languages,
         views: Views,
         input: impl std::io::Read + Send + 'static,
         output: impl std::io::Write + Send + 'static,
-    ) -> Self {
+    ) -> Result<Self, Failure> {
         let events = WindowEvents::new(context.clone());
         let sender = &events.sender;
-        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
+        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled))?;
         let (own, known) = (compiler.clone(), languages.clone());
         let compile = move |place: &Path, version, text, changes| {
             let language = Arc::clone(languages.for_path(place));
             own.compile(language, version, text, changes);
         };
         let commands = sender.for_part(WindowEvent::Link);
-        let link = Link::start(commands, compile, input, output);
+        let link = Link::start(commands, compile, input, output)?;
         let source = TextSource::Attached {
             link,
             uri: String::new(),
@@ -99,16 +103,16 @@ impl Window {
         Self::new(views, events, WindowText::new(source, compiler, known))
     }
 
-    fn new(views: Views, events: WindowEvents, text: WindowText) -> Self {
+    fn new(views: Views, events: WindowEvents, text: WindowText) -> Result<Self, Failure> {
         let first = ViewId::of_scene(views.first().name());
         let sender = &events.sender;
-        Self {
+        Ok(Self {
             model: Model::default(),
             pictures: Pictures {
                 render_thread: RenderThread::start(
                     sender.for_part(|event| WindowEvent::Render(Box::new(event))),
                     Renderer::software().with_views(views.clone()),
-                ),
+                )?,
                 library: Library::new(ImageFiles::new(sender.for_part(WindowEvent::Texture))),
                 of_views: BTreeMap::new(),
             },
@@ -127,7 +131,7 @@ impl Window {
             views,
             text,
             events,
-        }
+        })
     }
 
     /// Writes counters after each drawing.

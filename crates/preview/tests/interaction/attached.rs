@@ -30,13 +30,14 @@ impl Desk {
         let mut window: Option<Window> = None;
         let context = egui::Context::default();
         let (input, output) = ends.take().expect("both");
-        window.replace(Window::attached(
+        let attached = Window::attached(
             &context,
             ide::Languages::standard(),
             render::Views::standard(),
             input,
             output,
-        ));
+        );
+        window.replace(attached.expect("its threads start"));
         let harness = Harness::builder()
             .with_size([1100.0, 700.0])
             .with_step_dt(FRAME)
@@ -370,7 +371,8 @@ fn another_version_of_the_messages_is_told_in_a_sentence() {
         render::Views::standard(),
         input,
         output,
-    );
+    )
+    .expect("its threads start");
     desk.until("it is told", |desk| {
         desk.shows(
             "The language server (geotrace 9.9) speaks version 9999 of the preview's messages",

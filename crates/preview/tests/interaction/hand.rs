@@ -74,7 +74,8 @@ impl Hand {
                 let window = window.get_or_insert_with(|| {
                     let languages = ide::Languages::standard();
                     let views = render::Views::standard();
-                    let mut window = Window::welcome(ui.ctx(), &languages, views);
+                    let window = Window::welcome(ui.ctx(), &languages, views);
+                    let mut window = window.expect("its threads start");
                     window.remember_paths_in(&state);
                     window
                 });

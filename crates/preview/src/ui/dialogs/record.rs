@@ -311,7 +311,13 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         clip: dialog.clip,
     };
     let path = PathBuf::from(&dialog.path);
-    window.dialogs.recording = Some(Recording::start(window.events.status(), film, path));
+    match Recording::start(window.events.status(), film, path) {
+        Ok(recording) => window.dialogs.recording = Some(recording),
+        Err(error) => {
+            let sentence = format!("the recording cannot begin: {error}");
+            window.status_message = Some(StatusMessage::error(sentence));
+        }
+    }
 }
 
 /// Shows the progress of a recording, and the button that cancels it.

@@ -42,25 +42,32 @@ pub(crate) enum Next {
 
 impl Window {
     /// A window without a program: it offers new ones, those that were opened last, and the examples.
-    pub fn welcome(context: &Context, languages: &Languages, views: Views) -> Self {
+    ///
+    /// # Errors
+    /// [`Failure::NoThread`].
+    pub fn welcome(
+        context: &Context,
+        languages: &Languages,
+        views: Views,
+    ) -> Result<Self, Failure> {
         let events = WindowEvents::new(context.clone());
-        let compiler = Compiler::start(events.sender.for_part(WindowEvent::Compiled));
+        let compiler = Compiler::start(events.sender.for_part(WindowEvent::Compiled))?;
         let editor = untitled(languages, UNTITLED, "");
         let source = TextSource::File {
             editor: Box::new(editor),
             _watch: None,
         };
         let text = WindowText::new(source, compiler, languages.clone());
-        let mut window = Self::new(views, events, text);
+        let mut window = Self::new(views, events, text)?;
         window.panes.is_welcome = true;
         window.text.compile();
-        window
+        Ok(window)
     }
 
     /// A window for a file's text, which it edits and, with `watched`, follows on disk.
     ///
     /// # Errors
-    /// [`Failure::Unreadable`].
+    /// [`Failure::Unreadable`], [`Failure::NoThread`].
     pub fn of_file(
         context: &Context,
         languages: &Languages,
@@ -72,7 +79,7 @@ impl Window {
             path: path.clone(),
             reason: reason.to_string(),
         })?;
-        let mut window = Self::welcome(context, languages, views);
+        let mut window = Self::welcome(context, languages, views)?;
         window.show_file(path, text, watched);
         Ok(window)
     }
@@ -213,7 +220,10 @@ impl Window {
             _watch: watch,
         };
         let sender = &self.events.sender;
-        self.text.compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
+        // Without another thread, that of the program before goes on.
+        if let Ok(compiler) = Compiler::start(sender.for_part(WindowEvent::Compiled)) {
+            self.text.compiler = compiler;
+        }
         self.records.view_store = None;
         self.forget_click();
         let preferences = self.model.view.preferences.clone();
