@@ -1,16 +1,17 @@
 //! The desktop's own dialogs for files, each on a thread of its own; and what is known of a desktop that has none.
 
 use std::cell::Cell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use log::{Level, LevelFilter, Log, Metadata, Record};
+use rfd::FileDialog;
 
-use crate::channel::EventSender;
+use crate::channel::{EventSender, start_thread};
 
 /// The user's choice in a dialog.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum FileChoice {
     /// Image files.
     Images(Vec<PathBuf>),
@@ -37,18 +38,16 @@ pub(crate) fn has_dialogs() -> bool {
 
 /// Lets the user choose image files, which become textures.
 pub(crate) fn choose_images(events: EventSender<FileChoice>, folder: Option<PathBuf>) {
-    std::thread::spawn(move || {
-        let mut dialog = rfd::FileDialog::new()
-            .set_title("Open textures")
-            .add_filter("Images", &["png", "jpg", "jpeg"]);
-        if let Some(folder) = folder {
-            dialog = dialog.set_directory(folder);
-        }
-        match opened(|| dialog.pick_files()) {
-            Ok(paths) => events.send(FileChoice::Images(paths.unwrap_or_default())),
-            Err(NoDialog) => events.send(FileChoice::NoDialogForImages),
-        }
-    });
+    let dialog = in_folder(FileDialog::new(), folder.as_deref())
+        .set_title("Open textures")
+        .add_filter("Images", &["png", "jpg", "jpeg"]);
+    let missing = Some(FileChoice::NoDialogForImages);
+    ask(
+        events,
+        move || dialog.pick_files(),
+        FileChoice::Images,
+        missing,
+    );
 }
 
 /// Lets the user choose a program, whose file has one of some extensions.
@@ -57,41 +56,63 @@ pub(crate) fn choose_program(
     folder: Option<PathBuf>,
     extensions: Vec<&'static str>,
 ) {
-    std::thread::spawn(move || {
-        let mut dialog = rfd::FileDialog::new()
-            .set_title("Open program")
-            .add_filter("Programs", &extensions);
-        if let Some(folder) = folder {
-            dialog = dialog.set_directory(folder);
-        }
-        match opened(|| dialog.pick_file()) {
-            Ok(Some(path)) => {
-                events.send(FileChoice::Program(path));
-            }
-            Ok(None) => events.wake(),
-            Err(NoDialog) => {
-                events.send(FileChoice::NoDialogForProgram);
-            }
-        }
-    });
+    let dialog = in_folder(FileDialog::new(), folder.as_deref())
+        .set_title("Open program")
+        .add_filter("Programs", &extensions);
+    let missing = Some(FileChoice::NoDialogForProgram);
+    ask(
+        events,
+        move || dialog.pick_file(),
+        FileChoice::Program,
+        missing,
+    );
 }
 
 /// Lets the user choose the place of a file that is written; the window's open dialog gets its name.
 pub(crate) fn choose_target(events: EventSender<FileChoice>, title: String, proposed: PathBuf) {
-    std::thread::spawn(move || {
-        let name = proposed.file_name().unwrap_or_default().to_string_lossy();
-        let mut dialog = rfd::FileDialog::new().set_title(title).set_file_name(name);
-        if let Some(folder) = proposed.parent() {
-            dialog = dialog.set_directory(folder);
-        }
-        match opened(|| dialog.save_file()) {
-            Ok(Some(path)) => {
-                events.send(FileChoice::Target(path));
-            }
-            // The window's dialog says that the desktop has none.
-            Ok(None) | Err(NoDialog) => events.wake(),
-        }
+    let name = proposed.file_name().unwrap_or_default().to_string_lossy();
+    let dialog = in_folder(FileDialog::new(), proposed.parent())
+        .set_title(title)
+        .set_file_name(name);
+    // The window's dialog says that the desktop has none.
+    ask(events, move || dialog.save_file(), FileChoice::Target, None);
+}
+
+fn in_folder(dialog: FileDialog, folder: Option<&Path>) -> FileDialog {
+    match folder {
+        Some(folder) => dialog.set_directory(folder),
+        None => dialog,
+    }
+}
+
+/// Opens a dialog on a thread of its own. Sends what was chosen as `done` makes it an event, or `missing` where no dialog can
+/// be opened; wakes the window where there is nothing to send.
+fn ask<T: 'static>(
+    events: EventSender<FileChoice>,
+    dialog: impl FnOnce() -> Option<T> + Send + 'static,
+    done: fn(T) -> FileChoice,
+    missing: Option<FileChoice>,
+) {
+    let (own, without) = (events.clone(), missing.clone());
+    let thread = start_thread("file dialog", move || {
+        let choice = match opened(dialog) {
+            Ok(chosen) => chosen.map(done),
+            Err(NoDialog) => without,
+        };
+        answer(&own, choice);
     });
+    if thread.is_err() {
+        answer(&events, missing);
+    }
+}
+
+fn answer(events: &EventSender<FileChoice>, choice: Option<FileChoice>) {
+    match choice {
+        Some(choice) => {
+            events.send(choice);
+        }
+        None => events.wake(),
+    }
 }
 
 /// No dialog can be opened.
@@ -142,7 +163,11 @@ impl Log for Listener {
 
 #[cfg(test)]
 mod tests {
-    use super::opened;
+    use std::path::PathBuf;
+    use std::sync::mpsc::Receiver;
+
+    use super::{FileChoice, ask, opened};
+    use crate::channel::EventSender;
 
     #[test]
     fn a_dialog_that_says_it_cannot_be_opened_is_not_one_that_was_called_off() {
@@ -160,5 +185,20 @@ mod tests {
             None::<u8>
         };
         assert!(matches!(opened(answers), Ok(None)));
+    }
+
+    #[test]
+    fn a_dialog_that_was_called_off_chooses_nothing() {
+        let choice = |chosen: Option<PathBuf>| -> Option<FileChoice> {
+            let (sender, events): (_, Receiver<FileChoice>) =
+                EventSender::new(egui::Context::default());
+            let missing = Some(FileChoice::NoDialogForProgram);
+            ask(sender, move || chosen, FileChoice::Program, missing);
+            // The thread holds the last sender.
+            events.recv().ok()
+        };
+        assert!(choice(None).is_none());
+        let path = PathBuf::from("a.gtr");
+        assert!(matches!(choice(Some(path.clone())), Some(FileChoice::Program(it)) if it == path));
     }
 }
