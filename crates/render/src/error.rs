@@ -6,6 +6,8 @@ use geodesic::trace::Status;
 
 use geometry::ManifoldError;
 
+use crate::request::SCALES;
+
 /// The longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
@@ -117,10 +119,11 @@ impl fmt::Display for RenderError {
                     "the picture takes more work than there may be: more than {limit} operations on solids, lights and surfaces"
                 )
             }
-            Self::Scale(_) => {
+            Self::Scale(scale) => {
+                let (least, most) = (SCALES.start(), SCALES.end());
                 write!(
                     f,
-                    "the factor by which lines and words are larger is from 0.1 to 20"
+                    "lines and words cannot be {scale} times as large as usual: the factor is from {least} to {most}"
                 )
             }
             Self::Internal { message, .. } => {
@@ -144,5 +147,19 @@ impl From<wgsl::InternalError> for RenderError {
 impl From<ManifoldError> for RenderError {
     fn from(error: ManifoldError) -> Self {
         Self::Manifold(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RenderError;
+    use crate::request::SCALES;
+
+    #[test]
+    fn a_scale_that_is_refused_is_named_with_its_limits() {
+        let sentence = RenderError::Scale(30.0).to_string();
+        for number in [30.0, *SCALES.start(), *SCALES.end()] {
+            assert!(sentence.contains(&number.to_string()), "{sentence}");
+        }
     }
 }
