@@ -416,8 +416,10 @@ impl Renderer {
         let request = with_scene_of_params(request);
         let (renderer, shared) = self.renderer(&request)?;
         let camera = renderer.camera(shared, &request)?;
-        camera
-            .ok_or_else(|| RenderError::Camera("a geodesic view has no camera in space".to_owned()))
+        camera.ok_or_else(|| {
+            let name = request.view.name();
+            RenderError::Camera(format!("the view `{name}` has no camera in space"))
+        })
     }
 
     /// The bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
