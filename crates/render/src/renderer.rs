@@ -367,18 +367,7 @@ impl Renderer {
                 textures: Vec::new(),
             },
         };
-        let mut whole = request.clone();
-        for id in std::mem::take(&mut whole.curved) {
-            if !known.textures.iter().any(|(it, _)| *it == id) {
-                // A surface whose derivatives are too large shows what it would show otherwise.
-                let texture = Texture::curvature(&request.scene, &request.params, id);
-                known
-                    .textures
-                    .extend(texture.ok().map(|it| (id, it.into())));
-            }
-            let texture = known.textures.iter().find(|(it, _)| *it == id);
-            whole.textures.extend(texture.cloned());
-        }
+        let whole = request.clone().with_curvatures_from(|id| known.texture(id));
         self.curvatures = Some(known);
         Cow::Owned(whole)
     }
@@ -461,6 +450,17 @@ impl Curvatures {
     /// Returns true if the textures are those of a request's scene and params.
     fn is_for(&self, request: &PictureRequest) -> bool {
         self.scene == request.scene && self.params == request.params
+    }
+
+    /// Returns the texture of a surface, which is made the first time; `None` if its derivatives are too large.
+    fn texture(&mut self, id: ObjectId) -> Option<Shared<Texture>> {
+        if let Some((_, texture)) = self.textures.iter().find(|(it, _)| *it == id) {
+            return Some(texture.clone());
+        }
+        let texture = Texture::curvature(&self.scene, &self.params, id).ok()?;
+        let texture: Shared<Texture> = texture.into();
+        self.textures.push((id, texture.clone()));
+        Some(texture)
     }
 }
 

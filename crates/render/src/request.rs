@@ -247,6 +247,27 @@ impl PictureRequest {
         }
         if !SCALES.contains(&self.scale) {
             return Err(RenderError::Scale(self.scale));
+    /// Returns the request with the textures of the surfaces that show their curvature as images.
+    pub fn with_curvatures(self) -> Self {
+        let (scene, params) = (self.scene.clone(), self.params.clone());
+        self.with_curvatures_from(|id| {
+            let texture = Texture::curvature(&scene, &params, id);
+            texture.ok().map(Shared::from)
+        })
+    }
+
+    /// As [`Self::with_curvatures`], with the textures that `texture` returns. A surface without one, since its derivatives are
+    /// too large, shows what it would show otherwise.
+    pub(crate) fn with_curvatures_from(
+        mut self,
+        mut texture: impl FnMut(ObjectId) -> Option<Shared<Texture>>,
+    ) -> Self {
+        for id in std::mem::take(&mut self.curved) {
+            self.textures.extend(texture(id).map(|it| (id, it)));
+        }
+        self
+    }
+
         }
         self.view.check(&self.scene)
     }

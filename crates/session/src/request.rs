@@ -4,7 +4,6 @@
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing, Theme};
 use render::shared::Shared;
-use render::texture::Texture;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
 use scene::{Object, ObjectId};
@@ -200,17 +199,6 @@ pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
         like.view.set_samples(samples);
     }
     like == *b
-}
-
-/// Returns a request whose surfaces have the textures of curvature as images, for a mesh.
-pub fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
-    for id in std::mem::take(&mut request.curved) {
-        // A surface whose derivatives are too large shows what it would show otherwise.
-        if let Ok(texture) = Texture::curvature(&request.scene, &request.params, id) {
-            request.textures.push((id, texture.into()));
-        }
-    }
-    request
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use export::mesh::{self, MeshFormat};
 use image::ImageFormat;
 use render::{Backend, ViewId};
-use session::request::{at_rest, with_curvatures};
+use session::request::at_rest;
 
 use super::Core;
 
@@ -54,7 +54,7 @@ impl Core {
         let id = ViewId::of_scene(self.views.first().name());
         let request = self.request(&id, [256; 2], false);
         let request = request.ok_or("there is nothing to be exported")?;
-        let request = with_curvatures(at_rest(request, &self.model, [256; 2]));
+        let request = at_rest(request, &self.model, [256; 2]).with_curvatures();
         let model = mesh::model(&request, None);
         let mut bytes = Vec::new();
         let notes = model.write(format, &mut bytes);

@@ -9,7 +9,6 @@ use export::whole_file::write_whole;
 use render::request::{SCALES, Theme};
 use render::{Backend, PictureRequest, ViewId, style};
 use session::StatusMessage;
-use session::request::with_curvatures;
 
 use crate::channel::report_when_done;
 use crate::io::files;
@@ -400,7 +399,7 @@ fn write_mesh(window: &Window, path: &str) {
     };
     let path = PathBuf::from(path);
     report_when_done(window.events.status(), move || {
-        save_mesh(&path, &with_curvatures(request))
+        save_mesh(&path, &request.with_curvatures())
     });
 }
 
