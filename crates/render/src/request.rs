@@ -231,22 +231,22 @@ impl PictureRequest {
         }
     }
 
+    /// The options of the view that draws the request.
+    ///
+    /// # Errors
+    /// [`RenderError::NoView`] if they are another view's, which claims this view's name.
+    pub(crate) fn options<T: ViewOptions>(&self) -> Result<&T, RenderError> {
+        self.view.get().ok_or_else(|| RenderError::NoView {
+            name: self.view.name().to_owned(),
+        })
+    }
+
     /// The trails on a surface.
     pub fn trails_on(&self, surface: ObjectId) -> impl Iterator<Item = &Trail> {
         let trails = self.trails.iter().map(|trail| &**trail);
         trails.filter(move |trail| trail.surface == surface && trail.points.len() > 1)
     }
 
-    /// Refuses a request that cannot be drawn, whatever the backend.
-    ///
-    /// # Errors
-    /// [`RenderError::Size`], and those of the view, such as [`RenderError::Camera`] and [`RenderError::Manifold`].
-    pub fn check(&self) -> Result<(), RenderError> {
-        if self.size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
-            return Err(RenderError::Size(self.size));
-        }
-        if !SCALES.contains(&self.scale) {
-            return Err(RenderError::Scale(self.scale));
     /// Returns the request with the textures of the surfaces that show their curvature as images.
     pub fn with_curvatures(self) -> Self {
         let (scene, params) = (self.scene.clone(), self.params.clone());
@@ -268,6 +268,16 @@ impl PictureRequest {
         self
     }
 
+    /// Refuses a request that cannot be drawn, whatever the backend.
+    ///
+    /// # Errors
+    /// [`RenderError::Size`], and those of the view, such as [`RenderError::Camera`] and [`RenderError::Manifold`].
+    pub fn check(&self) -> Result<(), RenderError> {
+        if self.size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
+            return Err(RenderError::Size(self.size));
+        }
+        if !SCALES.contains(&self.scale) {
+            return Err(RenderError::Scale(self.scale));
         }
         self.view.check(&self.scene)
     }

@@ -205,7 +205,7 @@ impl ViewRenderer for SpaceRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let request = &*shared.stated_colours.textured(request);
-        let options = options(request)?;
+        let options: &SpaceOptions = request.options()?;
         let Stage {
             structures,
             framed,
@@ -302,7 +302,7 @@ impl ViewRenderer for SpaceRenderer {
         request: &PictureRequest,
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
-        let options = options(request)?;
+        let options: &SpaceOptions = request.options()?;
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request)?;
@@ -331,7 +331,7 @@ impl ViewRenderer for SpaceRenderer {
         shared: &mut SharedState,
         request: &PictureRequest,
     ) -> Result<Option<Camera>, RenderError> {
-        let options = options(request)?;
+        let options: &SpaceOptions = request.options()?;
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
         framed.camera(&options.camera, request).map(Some)
@@ -433,17 +433,6 @@ impl SpaceRenderer {
         });
         Ok(objects)
     }
-}
-
-/// The view's options in a request.
-///
-/// # Errors
-/// [`RenderError::NoView`] if they are another view's, which claims this view's name.
-fn options(request: &PictureRequest) -> Result<&SpaceOptions, RenderError> {
-    let name = request.view.name();
-    request.view.get().ok_or_else(|| RenderError::NoView {
-        name: name.to_owned(),
-    })
 }
 
 /// Frames the scene of a request of a view in space in the bounds that are kept.

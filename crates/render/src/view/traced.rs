@@ -330,7 +330,7 @@ impl ViewRenderer for TracedRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
-        let options = options(request)?;
+        let options: &TracedOptions = request.options()?;
         let settings = options.settings(&request.scene);
         let framed = space::framed(shared, request, &options.space);
         let (space_camera, scene) = prepared(shared, request, &framed)?;
@@ -459,7 +459,7 @@ impl ViewRenderer for TracedRenderer {
         request: &PictureRequest,
         at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
-        let options = options(request)?;
+        let options: &TracedOptions = request.options()?;
         let framed = space::framed(shared, request, &options.space);
         let (space_camera, scene) = prepared(shared, request, &framed)?;
         let camera = LensCamera {
@@ -481,21 +481,10 @@ impl ViewRenderer for TracedRenderer {
         shared: &mut SharedState,
         request: &PictureRequest,
     ) -> Result<Option<Camera>, RenderError> {
-        let options = options(request)?;
+        let options: &TracedOptions = request.options()?;
         let framed = space::framed(shared, request, &options.space);
         framed.camera(&options.space.camera, request).map(Some)
     }
-}
-
-/// The view's options in a request.
-///
-/// # Errors
-/// [`RenderError::NoView`] if they are another view's, which claims this view's name.
-fn options(request: &PictureRequest) -> Result<&TracedOptions, RenderError> {
-    let name = request.view.name();
-    request.view.get().ok_or_else(|| RenderError::NoView {
-        name: name.to_owned(),
-    })
 }
 
 /// The 3D view's camera for a picture, and what rays meet in it.
@@ -504,7 +493,7 @@ fn prepared(
     request: &PictureRequest,
     framed: &Framed,
 ) -> Result<(Camera, Arc<TracedScene>), RenderError> {
-    let options = options(request)?;
+    let options: &TracedOptions = request.options()?;
     let look = options.settings(&request.scene).look;
     let camera = framed.camera(&options.space.camera, request)?;
     let (hidden, solids) = (&options.space.hidden, &mut shared.solids);
@@ -515,7 +504,11 @@ fn prepared(
 /// A clause about what of a picture the GPU cannot trace; `None` if it can.
 fn misfit(request: &PictureRequest) -> Result<Option<String>, RenderError> {
     let mut shared = SharedState::default();
-    let framed = space::framed(&mut shared, request, &options(request)?.space);
+    let framed = space::framed(
+        &mut shared,
+        request,
+        &request.options::<TracedOptions>()?.space,
+    );
     let (_, scene) = prepared(&mut shared, request, &framed)?;
     Ok(scene.tables().err().map(str::to_owned))
 }

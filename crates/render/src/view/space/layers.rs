@@ -1,6 +1,6 @@
 //! The 3D view in layers: its curves, geodesics and axes as vectors, and its names.
 
-use super::{SpaceRenderer, drawables, is_labelled, labels, options, tints};
+use super::{SpaceRenderer, drawables, is_labelled, labels, tints};
 use crate::error::RenderError;
 use crate::gpu::Pixels;
 use crate::layers::Layers;
@@ -8,6 +8,7 @@ use crate::note::Note;
 use crate::overlay;
 use crate::rendered::RenderedImage;
 use crate::request::PictureRequest;
+use crate::request::part::SpaceOptions;
 use crate::sample::Samples;
 use crate::software::{self, Drawable, LineCover};
 use crate::solids::SolidPainter;
@@ -22,7 +23,7 @@ impl SpaceRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
         let request = &*shared.stated_colours.textured(request);
-        let options = options(request)?;
+        let options: &SpaceOptions = request.options()?;
         let stage = self.stage(shared, request, options)?;
         let (drawables, mut notes) =
             drawables(shared, request, options, &stage.framed, None, &|_| {});
