@@ -20,6 +20,16 @@ pub(crate) fn too_large() -> Diagnostic {
     Diagnostic::error(codes::FILE_TOO_LARGE, Span::default(), message)
 }
 
+/// Returns the number of bytes before the end of the first line.
+pub(crate) fn line_length(bytes: &[u8]) -> usize {
+    let length = bytes.iter().position(|byte| *byte == b'\n');
+    match length {
+        Some(length) if length > 0 && bytes[length - 1] == b'\r' => length - 1,
+        Some(length) => length,
+        None => bytes.len(),
+    }
+}
+
 /// Returns the bytes as a text.
 ///
 /// # Errors

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::token::{Token, TokenKind};
 use crate::span::Span;
+use crate::text::line_length;
 
 /// A token, and what is wrong with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,16 +143,6 @@ impl<'s> Lexer<'s> {
                 _ => return false,
             }
         }
-    }
-}
-
-/// The bytes up to the end of the line, without it.
-fn line_length(bytes: &[u8]) -> usize {
-    let length = bytes.iter().position(|byte| *byte == b'\n');
-    match length {
-        Some(length) if length > 0 && bytes[length - 1] == b'\r' => length - 1,
-        Some(length) => length,
-        None => bytes.len(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
+use crate::text::line_length;
 
 /// A token, and what is wrong with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,16 +164,6 @@ impl<'s> Lexer<'s> {
             start: start as u32,
             word_start: self.word_start as u32,
         }
-    }
-}
-
-/// The bytes up to the end of the line, without it.
-fn line_length(bytes: &[u8]) -> usize {
-    let length = bytes.iter().position(|byte| *byte == b'\n');
-    match length {
-        Some(length) if length > 0 && bytes[length - 1] == b'\r' => length - 1,
-        Some(length) => length,
-        None => bytes.len(),
     }
 }
 
