@@ -10,7 +10,7 @@
 //!                                         │                   ├─ camera_input: keys, drags, wheel ──▶ motions
 //!                                         │                   └─ clicks: hits ──▶ cameras, declarations
 //!                                         ├─ view: what is remembered by name, and between runs
-//!                                         ├─ faults: what is wrong with the text, and when that is shown
+//!                                         ├─ faults, attention: what is wrong with the text, and when that is shown
 //!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
 //!                                         ├─ motion, path, camera_controller: the motions of the geodesic ones
 //!                                         ├─ measuring, questions, figures: what is measured on a surface
@@ -26,6 +26,7 @@
 //!                    └─ snapping: the place that is measured at a pixel
 //! ```
 
+pub mod attention;
 pub mod camera;
 pub mod camera_controller;
 pub mod camera_input;

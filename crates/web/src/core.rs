@@ -20,9 +20,9 @@ use ide::Languages;
 use render::texture::Texture;
 use render::{Renderer, ViewId, Views};
 use serde_json::{Value, json};
+use session::attention::Attention;
 use session::clicks::Clicks;
 use session::framing::Framing;
-use session::model::Emphasis;
 use session::questions::Measurer;
 use session::reader::Read;
 use session::snapping::SnapTargets;
@@ -35,11 +35,6 @@ use crate::images::GivenImages;
 use crate::message::{Call, CoreEvent, Notice, SceneInfo};
 use motion::Motions;
 use pictures::PanePictures;
-
-/// The pause in typing after which what has an error is dim, in seconds.
-const TYPING_PAUSE: f64 = 0.5;
-/// The time for which the object at the cursor is set off in the views in space, in seconds.
-const EMPHASIS: f64 = 1.0;
 
 /// Everything that the page has open. Points in time are in seconds, of any clock.
 #[derive(Debug)]
@@ -57,19 +52,13 @@ pub struct Core {
     pictures: PanePictures,
     clicks: Clicks,
     motions: Motions,
-    times: Times,
+    /// The time of the last call.
+    now: f64,
+    attention: Attention,
     /// The text has changed since it was compiled.
     is_unread: bool,
     told: Told,
     events: Vec<CoreEvent>,
-}
-
-/// The time, and until when something counts as going on.
-#[derive(Debug, Default)]
-struct Times {
-    now: f64,
-    typing_until: f64,
-    emphasis_until: f64,
 }
 
 /// The last state that the page was told.
@@ -99,7 +88,8 @@ impl Core {
             pictures: PanePictures::default(),
             clicks: Clicks::default(),
             motions: Motions::default(),
-            times: Times::default(),
+            now: 0.0,
+            attention: Attention::default(),
             is_unread: false,
             told: Told::default(),
             events: Vec::new(),
@@ -121,7 +111,7 @@ impl Core {
     /// # Errors
     /// A sentence for the reader of the page.
     pub fn call(&mut self, call: Call, now: f64) -> Result<Value, String> {
-        self.times.now = now;
+        self.now = now;
         let editing = &self.editing;
         Ok(match call {
             Call::Open {
@@ -179,7 +169,7 @@ impl Core {
 
     /// Takes what the page tells.
     pub fn notice(&mut self, notice: Notice, now: f64) {
-        self.times.now = now;
+        self.now = now;
         match notice {
             Notice::Edit { version, changes } => match self.editing.edit(version, &changes) {
                 Ok(()) => self.note_text(),
@@ -272,7 +262,7 @@ impl Core {
     /// Notes that the text is another one.
     fn note_text(&mut self) {
         self.is_unread = true;
-        self.times.typing_until = self.times.now + TYPING_PAUSE;
+        self.attention.note_text(self.now);
         self.note_motion();
     }
 
@@ -311,23 +301,10 @@ impl Core {
 
     /// Ends what only lasts for a while. Returns the next time at which something does.
     fn let_end(&mut self) -> Option<f64> {
-        let now = self.times.now;
-        if now >= self.times.typing_until && self.model.faults.are_waiting() {
-            self.model.faults.show_latest();
+        if self.attention.advance(&mut self.model, self.now) {
             self.told.is_stale = true;
         }
-        self.model.emphasis = match self.model.emphasis {
-            Emphasis::Begins => {
-                self.times.emphasis_until = now + EMPHASIS;
-                Emphasis::On
-            }
-            Emphasis::On if now < self.times.emphasis_until => Emphasis::On,
-            _ => Emphasis::Off,
-        };
-        let waits = self.model.faults.are_waiting();
-        let typing = waits.then_some(self.times.typing_until);
-        let emphasis = (self.model.emphasis == Emphasis::On).then_some(self.times.emphasis_until);
-        typing.into_iter().chain(emphasis).reduce(f64::min)
+        self.attention.next_end(&self.model)
     }
 
     /// Tells the page what it does not know: the scene at once, settings when nothing moves.

@@ -295,18 +295,9 @@ impl Window {
     fn show_faults(&mut self, ui: &Ui) {
         let now = ui.input(|input| input.time);
         let clock = &mut self.display.clock;
-        if clock.is_typing_over(now) && self.model.faults.are_waiting() {
-            self.model.faults.show_latest();
+        if clock.advance_attention(&mut self.model, now) {
             self.text.painter.mark(self.model.faults.findings());
         }
-        self.model.emphasis = match self.model.emphasis {
-            Emphasis::Begins => {
-                clock.begin_emphasis(now);
-                Emphasis::On
-            }
-            Emphasis::On if now < clock.emphasis_until => Emphasis::On,
-            _ => Emphasis::Off,
-        };
     }
 
     /// Does the work behind a frame: drops requests of panes that are not on the screen, saves the view, reports.

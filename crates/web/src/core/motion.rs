@@ -40,11 +40,11 @@ struct HeldKeys {
 impl Core {
     /// Notes that something moves: pictures may be coarse for a while.
     pub(super) fn note_motion(&mut self) {
-        self.motions.until = self.times.now + MOTION_PAUSE;
+        self.motions.until = self.now + MOTION_PAUSE;
     }
 
     pub(super) fn is_moving(&self) -> bool {
-        self.times.now < self.motions.until
+        self.now < self.motions.until
     }
 
     /// The time until which something counts as moving, if it does.
@@ -182,12 +182,12 @@ impl Core {
             }
             CameraMove::Axis(view) => view.direction(),
         };
-        self.motions.turn = Turn::begin(&mut self.model, direction, self.times.now);
+        self.motions.turn = Turn::begin(&mut self.model, direction, self.now);
     }
 
     /// Moves what moves by itself up to now, and ends gestures that have paused.
     pub(super) fn advance(&mut self) {
-        let now = self.times.now;
+        let now = self.now;
         if !self.is_moving() && std::mem::take(&mut self.motions.is_gesture) {
             self.model.history.settle();
         }

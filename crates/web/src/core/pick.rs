@@ -120,9 +120,7 @@ impl Core {
         let mut placed = None;
         if let Some(camera) = camera {
             self.clicks.end(&mut self.model);
-            let number = self
-                .clicks
-                .begin(Some(self.times.now), self.pictures.surface());
+            let number = self.clicks.begin(Some(self.now), self.pictures.surface());
             self.clicks
                 .place(number, &mut self.model, &pick.object, camera);
             self.pictures.focus(Some(pick.object.clone()));

@@ -157,7 +157,7 @@ impl Core {
 
     /// Does the next piece of work: compiles a text, moves what moves, draws a picture.
     pub fn step(&mut self, now: f64) -> StepOutcome {
-        self.times.now = now;
+        self.now = now;
         self.read();
         self.advance();
         let next_end = self.let_end();

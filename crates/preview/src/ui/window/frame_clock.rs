@@ -2,13 +2,11 @@
 
 use std::time::Duration;
 
+use session::Model;
+use session::attention::Attention;
+
 /// The pause between two turns of a wheel: a view counts as moving for so long after its last motion, in seconds.
 const MOTION_PAUSE: f64 = 0.18;
-
-/// The pause in typing after which faults are shown, in seconds.
-const TYPING_PAUSE: f64 = 0.5;
-/// The time for which the object at the cursor is set off in the views in space, in seconds.
-const EMPHASIS: f64 = 1.0;
 
 /// The times of the window. Points in time are in seconds, as egui counts them.
 #[derive(Debug, Default)]
@@ -25,10 +23,8 @@ pub(crate) struct FrameClock {
     pub(super) gesture_until: f64,
     /// The last text has just come.
     has_text: bool,
-    /// The text counts as being typed until this time.
-    pub(super) typing_until: f64,
-    /// The object at the cursor is set off until this time.
-    pub(super) emphasis_until: f64,
+    /// The times at which faults are shown and the emphasis ends.
+    pub(super) attention: Attention,
 }
 
 impl FrameClock {
@@ -49,24 +45,18 @@ impl FrameClock {
         self.has_text = true;
     }
 
-    /// Returns whether the last text came a while ago.
-    pub(super) fn is_typing_over(&mut self, now: f64) -> bool {
+    /// Advances what lasts for a while ([`Attention::advance`]). Returns true if faults are shown now.
+    pub(super) fn advance_attention(&mut self, model: &mut Model, now: f64) -> bool {
         if std::mem::take(&mut self.has_text) {
-            self.typing_until = now + TYPING_PAUSE;
+            self.attention.note_text(now);
         }
-        now >= self.typing_until
-    }
-
-    /// Sets an object off from now on, for a while.
-    pub(super) fn begin_emphasis(&mut self, now: f64) {
-        self.emphasis_until = now + EMPHASIS;
+        self.attention.advance(model, now)
     }
 
     /// Begins anew: another context counts its time from the beginning.
     pub(super) fn restart(&mut self) {
         self.moving_until = 0.0;
         self.gesture_until = 0.0;
-        self.typing_until = 0.0;
-        self.emphasis_until = 0.0;
+        self.attention = Attention::default();
     }
 }

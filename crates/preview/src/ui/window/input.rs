@@ -7,7 +7,6 @@ use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheel
 use scene::ObjectId;
 use session::camera_input::axis_views::Turn;
 use session::clicks::Clicks;
-use session::model::Emphasis;
 use session::motion::Motion;
 use session::pane::Pane;
 use session::{Choice, SpaceCamera, Step};
@@ -98,11 +97,7 @@ impl Window {
         let clock = &self.display.clock;
         let times = [
             Some(clock.moving_until),
-            self.model
-                .faults
-                .are_waiting()
-                .then_some(clock.typing_until),
-            (self.model.emphasis == Emphasis::On).then_some(clock.emphasis_until),
+            clock.attention.next_end(&self.model),
             self.clicked_until(),
         ];
         let next = times.into_iter().flatten().filter(|time| *time > now);
