@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use export::whole_file::{check_target, phrase, write_whole_at, write_whole_with};
+use export::whole_file::{check_target, phrase, write_whole_with};
 
 use crate::failure::Failure;
 use crate::style::TextColours;
@@ -190,19 +190,6 @@ impl OutputTarget {
             });
         };
         write_whole_with(path, write).map_err(|error| failure_of(path, error))
-    }
-
-    /// Writes the file by something else, which receives the path of a temporary one: all of it, or nothing.
-    ///
-    /// # Errors
-    /// As [`Self::write_with`]; standard output is refused.
-    pub(crate) fn write_at(
-        &self,
-        write: impl FnOnce(&Path) -> Result<(), WriteError>,
-    ) -> Result<(), Failure> {
-        let path = self.path.as_deref();
-        let path = path.ok_or_else(|| Failure::usage("this needs a file: `-o FILE`"))?;
-        write_whole_at(path, write).map_err(|error| failure_of(path, error))
     }
 }
 

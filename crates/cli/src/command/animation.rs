@@ -4,19 +4,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use export::animation::{
-    self, AnimationFormat, Clip, Course, ParamChange, RecordError, Recorder, Script, ScriptError,
+    self, AnimationError, AnimationFile, AnimationFormat, Clip, Course, ParamChange, Script,
+    ScriptError,
 };
 use export::print::PrintFormat;
-use export::video::{Video, VideoError, VideoFormat};
-use export::whole_file::FileSeries;
+use export::video::VideoError;
 use render::PictureRequest;
 use scene::ParamValues;
 
-use super::render::{Picture, failure as render_failure, png};
+use super::render::{Picture, failure as render_failure};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
 use crate::interruption;
-use crate::output::{self, Inputs, OutputTarget, WriteError};
+use crate::output::{self, Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
 
@@ -56,22 +56,11 @@ pub(super) struct Arguments {
     fps: Option<f64>,
 }
 
-/// The format of an animation.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Format {
-    /// One file with all pictures.
-    Film(AnimationFormat),
-    /// A file that `ffmpeg` makes.
-    Video(VideoFormat),
-    /// A PNG file for each picture.
-    Series,
-}
-
 /// An animation that is to be written.
 #[derive(Debug)]
 pub(super) struct Animation {
     output: PathBuf,
-    format: Format,
+    file: AnimationFile,
     frames: u32,
     rate: f64,
     course: Course,
@@ -163,9 +152,7 @@ impl Arguments {
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase())
             .unwrap_or_default();
-        let film = AnimationFormat::of_extension(&extension).map(Format::Film);
-        let video = || VideoFormat::of_extension(&extension).map(Format::Video);
-        let format = film.or_else(video);
+        let file = AnimationFile::of_path(output).filter(|file| *file != AnimationFile::Series);
         if NEITHER.contains(&extension.as_str()) {
             return Err(wrong(
                 format!(
@@ -175,7 +162,7 @@ impl Arguments {
             ));
         }
         let still = self.animate.is_empty() && self.walk.is_none() && !self.turntable;
-        if still && (format.is_some() || self.frames.is_some() || self.fps.is_some()) {
+        if still && (file.is_some() || self.frames.is_some() || self.fps.is_some()) {
             return Err(wrong(
                 format!("`{name}` would be an animation in which nothing moves"),
                 "`--animate NAME=FROM:TO` moves a param, `--walk LENGTH` the geodesic camera, `--turntable` the one in space"
@@ -183,7 +170,7 @@ impl Arguments {
             ));
         }
         let is_for_print = PrintFormat::of_extension(&extension).is_some();
-        if format.is_none() && (self.frames.is_none() || is_for_print) {
+        if file.is_none() && (self.frames.is_none() || is_for_print) {
             let many = self.fps.is_some() || self.frames.is_some() || self.course.is_some();
             if !self.animate.is_empty() || self.turntable || many {
                 return Err(wrong(
@@ -208,7 +195,7 @@ impl Arguments {
         }
         Ok(Some(Animation {
             output: output.to_owned(),
-            format: format.unwrap_or(Format::Series),
+            file: file.unwrap_or(AnimationFile::Series),
             frames: self.frames.unwrap_or(animation::FRAMES),
             rate: self.fps.unwrap_or(animation::RATE),
             course: self.course.unwrap_or(if self.turntable {
@@ -226,14 +213,17 @@ impl Animation {
     /// # Errors
     /// [`Failure::Usage`].
     pub(super) fn check_partial(&self) -> Result<(), Failure> {
-        match self.format {
-            Format::Film(AnimationFormat::Gif) | Format::Series => Ok(()),
-            Format::Film(AnimationFormat::Apng) | Format::Video(_) => Err(Failure::Usage {
-                message: "--partial cannot keep a part of this format".to_owned(),
-                hint: Some(
-                    "write to a GIF, or give `--frames N` and a PNG for a picture each".to_owned(),
-                ),
-            }),
+        match self.file {
+            AnimationFile::Film(AnimationFormat::Gif) | AnimationFile::Series => Ok(()),
+            AnimationFile::Film(AnimationFormat::Apng) | AnimationFile::Video(_) => {
+                Err(Failure::Usage {
+                    message: "--partial cannot keep a part of this format".to_owned(),
+                    hint: Some(
+                        "write to a GIF, or give `--frames N` and a PNG for a picture each"
+                            .to_owned(),
+                    ),
+                })
+            }
         }
     }
 
@@ -274,62 +264,21 @@ impl Animation {
             size,
             rate: self.rate,
         };
-        match self.format {
-            Format::Video(format) => {
-                OutputTarget::apart_from(&self.output, inputs)?.write_at(|path| {
-                    let mut video = Video::start(format, clip, path).map_err(video_fault)?;
-                    for number in 0..self.frames {
-                        let Some(image) = frame(number).map_err(WriteError::Content)? else {
-                            break;
-                        };
-                        video.add(&image).map_err(video_fault)?;
-                    }
-                    video.finish().map_err(video_fault)
-                })?;
-            }
-            Format::Film(format) => {
-                OutputTarget::apart_from(&self.output, inputs)?.write_with(|out| {
-                    let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
-                    for number in 0..self.frames {
-                        let Some(image) = frame(number).map_err(WriteError::Content)? else {
-                            return recorder.finish_early().map_err(fault);
-                        };
-                        recorder.add(&image).map_err(fault)?;
-                    }
-                    recorder.finish().map_err(fault)
-                })?;
-            }
-            Format::Series => {
-                // Checked before anything is drawn.
-                for number in 0..self.frames {
-                    let path = animation::numbered(&self.output, number, self.frames);
-                    OutputTarget::apart_from(&path, inputs)?;
-                }
-                let mut series = FileSeries::default();
-                for number in 0..self.frames {
-                    let path = animation::numbered(&self.output, number, self.frames);
-                    let Some(image) = frame(number)? else {
-                        break;
-                    };
-                    let bytes = png(&image)?;
-                    let added = series.add(&path, &bytes);
-                    added.map_err(|error| output::unwritable(&path, &error))?;
-                }
-                let finished = series.finish();
-                finished.map_err(|(path, error)| output::unwritable(&path, &error))?;
-            }
+        // Checked before anything is drawn.
+        for path in self.paths() {
+            OutputTarget::apart_from(&path, inputs)?;
         }
+        let written = self.file.write(&self.output, clip, &mut frame);
+        written.map_err(|error| self.failure(error))?;
         drop(progress);
         let frames = drawn;
         let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
-        let film = |seconds: f64| format!("; {frames} pictures, {seconds:.2} s long\n");
-        text.push_str(&match self.format {
-            Format::Film(format) => film(Clip { frames, ..clip }.seconds(format)),
-            Format::Video(_) => film(f64::from(frames) / self.rate),
-            Format::Series => format!("; the first of {frames}\n"),
+        text.push_str(&match self.file.seconds(Clip { frames, ..clip }) {
+            Some(seconds) => format!("; {frames} pictures, {seconds:.2} s long\n"),
+            None => format!("; the first of {frames}\n"),
         });
-        if self.format == Format::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
+        if self.file == AnimationFile::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
             text.push_str(
                 "note: most viewers show a GIF of more than 50 pictures per second slowly\n",
             );
@@ -346,36 +295,45 @@ impl Animation {
 
     /// The name of the file, or of the first one.
     fn name(&self) -> String {
-        match self.format {
-            Format::Film(_) | Format::Video(_) => self.output.display().to_string(),
-            Format::Series => animation::numbered(&self.output, 0, self.frames)
-                .display()
-                .to_string(),
-        }
+        let first = self.paths().next();
+        first.unwrap_or_default().display().to_string()
     }
-}
 
-fn fault(error: RecordError) -> WriteError {
-    match error {
-        RecordError::Write(error) => WriteError::System(error),
-        RecordError::Format(_) => WriteError::Content(Failure::Input {
-            message: error.to_string(),
-            hint: None,
-        }),
+    /// The files that are written.
+    fn paths(&self) -> impl Iterator<Item = PathBuf> {
+        let files = match self.file {
+            AnimationFile::Film(_) | AnimationFile::Video(_) => 1,
+            AnimationFile::Series => self.frames,
+        };
+        (0..files).map(move |number| match self.file {
+            AnimationFile::Film(_) | AnimationFile::Video(_) => self.output.clone(),
+            AnimationFile::Series => animation::numbered(&self.output, number, self.frames),
+        })
     }
-}
 
-fn video_fault(error: VideoError) -> WriteError {
-    WriteError::Content(Failure::Input {
-        message: error.to_string(),
-        hint: match error {
-            VideoError::NoProgram => Some(
+    fn failure(&self, error: AnimationError<Failure>) -> Failure {
+        let hint = match &error {
+            AnimationError::Video(VideoError::NoProgram) => Some(
                 "`ffmpeg` is free, at https://ffmpeg.org and in every system's packages; a .gif or .apng needs nothing"
                     .to_owned(),
             ),
             _ => None,
-        },
-    })
+        };
+        let message = match error {
+            AnimationError::Picture(failure) => return failure,
+            AnimationError::Unwritable { file, error } => {
+                return output::unwritable(file.as_deref().unwrap_or(&self.output), &error);
+            }
+            AnimationError::Encoding(error) => {
+                return Failure::Internal {
+                    message: format!("the picture could not be encoded: {error}"),
+                };
+            }
+            AnimationError::Format(error) => error.to_string(),
+            AnimationError::Video(error) => error.to_string(),
+        };
+        Failure::Input { message, hint }
+    }
 }
 
 /// Converts the error of a script into a failure of the command.

@@ -449,7 +449,7 @@ fn print_picture(
     Ok(())
 }
 
-pub(super) fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
+fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = Cursor::new(Vec::new());
     image
         .write_to(&mut bytes, ImageFormat::Png)

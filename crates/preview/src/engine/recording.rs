@@ -55,7 +55,7 @@ impl Recording {
             own.ended.store(true, Ordering::Release);
             events.send(match result {
                 Ok(text) => StatusMessage::info(text),
-                Err(Ended::Failed(text) | Ended::Unwritten(text)) => StatusMessage::error(text),
+                Err(Ended::Failed(text)) => StatusMessage::error(text),
                 Err(Ended::Cancelled) => {
                     StatusMessage::info("The recording was called off: there is no file")
                 }

@@ -46,7 +46,7 @@ pub(crate) fn save_picture(
 ///
 /// # Errors
 /// A sentence.
-pub(crate) fn png(image: &RgbaImage) -> Result<Vec<u8>, String> {
+fn png(image: &RgbaImage) -> Result<Vec<u8>, String> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image
         .write_to(&mut bytes, image::ImageFormat::Png)

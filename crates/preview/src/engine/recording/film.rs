@@ -1,8 +1,7 @@
-//! The pictures of a recording, one after the other, and the files that hold them.
+//! The pictures of a recording, one after the other, and the file that they are written to.
 //!
 //! ```text
-//! Film: request, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ Reel
-//!                                                                    Reel: one file, or a file for each picture
+//! Film: request, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ AnimationFile
 //! ```
 //!
 //! The processor draws, so that neither the window's GPU nor its loss has anything to do with it.
@@ -10,9 +9,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use export::animation::{self, Clip, Course, ParamChange, Recorder, Script};
-use export::video::{Video, VideoError, VideoFormat};
-use export::whole_file::{FileSeries, write_whole_at, write_whole_with};
+use export::animation::{self, AnimationError, AnimationFile, Clip, Course, ParamChange, Script};
 use image::RgbaImage;
 use render::shared::Shared;
 use render::{PictureRequest, Renderer, Views};
@@ -21,8 +18,6 @@ use session::InsideCamera;
 use session::camera_controller::{CameraController, Subject};
 use session::motion::Motion;
 use session::path::{CameraPath, between};
-
-use crate::io::files;
 
 /// The content of a recording.
 #[derive(Debug)]
@@ -54,56 +49,6 @@ pub(crate) enum Ended {
     Cancelled,
     /// A picture could not be drawn, or the file's name makes no sense: a sentence.
     Failed(String),
-    /// The file could not be written: why.
-    Unwritten(String),
-}
-
-impl From<std::io::Error> for Ended {
-    fn from(error: std::io::Error) -> Self {
-        Self::Unwritten(error.to_string())
-    }
-}
-
-impl From<animation::RecordError> for Ended {
-    fn from(error: animation::RecordError) -> Self {
-        Self::Unwritten(error.to_string())
-    }
-}
-
-impl From<VideoError> for Ended {
-    fn from(error: VideoError) -> Self {
-        Self::Failed(error.to_string())
-    }
-}
-
-/// The format of a recording, by the extension of its file.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum RecordingFormat {
-    /// One file with all pictures.
-    Film(animation::AnimationFormat),
-    /// A file that `ffmpeg` makes.
-    Video(VideoFormat),
-    /// A PNG file for each picture.
-    Series,
-}
-
-impl RecordingFormat {
-    /// The kinds and their extensions, in the order of a menu.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
-        (Self::Film(animation::AnimationFormat::Gif), "GIF", "gif"),
-        (Self::Film(animation::AnimationFormat::Apng), "APNG", "apng"),
-        (Self::Video(VideoFormat::Mp4), "MP4", "mp4"),
-        (Self::Video(VideoFormat::Webm), "WebM", "webm"),
-        (Self::Series, "PNG sequence", "png"),
-    ];
-
-    /// The kind that a file's extension means.
-    pub(crate) fn of(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_string_lossy().to_lowercase();
-        let mut all = Self::ALL.into_iter();
-        all.find(|(_, _, known)| *known == extension)
-            .map(|(kind, _, _)| kind)
-    }
 }
 
 impl Film {
@@ -112,7 +57,7 @@ impl Film {
     /// # Errors
     /// See [`Ended`]; nothing is left behind then.
     pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
-        let kind = RecordingFormat::of(path).ok_or_else(|| {
+        let file = AnimationFile::of_path(path).ok_or_else(|| {
             Ended::Failed(format!(
                 "`{}` does not end in gif, apng, mp4, webm or png",
                 path.display()
@@ -121,69 +66,39 @@ impl Film {
         let clip = self.clip;
         let frames = clip.frames;
         let mut pictures = Pictures::new(self)?;
-        let mut picture = |number: u32| -> Result<RgbaImage, Ended> {
+        let mut picture = |number: u32| {
             if !next(number) {
                 return Err(Ended::Cancelled);
             }
-            pictures.draw(number)
+            pictures.draw(number).map(Some)
         };
-        let cannot = |error: Ended| match error {
-            Ended::Unwritten(reason) => {
-                Ended::Failed(format!("cannot write `{}`: {reason}", path.display()))
-            }
-            other => other,
-        };
-        match kind {
-            RecordingFormat::Film(format) => {
-                write_whole_with(path, |out| -> Result<(), Ended> {
-                    let mut recorder = Recorder::new(format, clip, out)?;
-                    for number in 0..frames {
-                        recorder.add(&picture(number)?)?;
-                    }
-                    Ok(recorder.finish()?)
-                })
-                .map_err(cannot)?;
-                Ok(in_one_file(clip, path))
-            }
-            RecordingFormat::Video(format) => {
-                write_whole_at(path, |temporary| -> Result<(), Ended> {
-                    let mut video = Video::start(format, clip, temporary)?;
-                    for number in 0..frames {
-                        video.add(&picture(number)?)?;
-                    }
-                    Ok(video.finish()?)
-                })
-                .map_err(cannot)?;
-                Ok(in_one_file(clip, path))
-            }
-            RecordingFormat::Series => {
-                let mut series = FileSeries::default();
-                for number in 0..frames {
-                    let bytes = files::png(&picture(number)?).map_err(Ended::Failed)?;
-                    let place = animation::numbered(path, number, frames);
-                    let added = series.add(&place, &bytes);
-                    added.map_err(|error| cannot(error.into()))?;
-                }
-                let finished = series.finish();
-                finished.map_err(|(_, error)| cannot(error.into()))?;
+        let written = file.write(path, clip, &mut picture);
+        written.map_err(|error| ended(error, path))?;
+        Ok(match file.seconds(clip) {
+            Some(seconds) => format!(
+                "{frames} pictures, {seconds:.2} s long, are in `{}`",
+                path.display()
+            ),
+            None => {
                 let first = animation::numbered(path, 0, frames);
-                Ok(format!(
-                    "{frames} pictures: `{}` and so on",
-                    first.display()
-                ))
+                format!("{frames} pictures: `{}` and so on", first.display())
             }
-        }
+        })
     }
 }
 
-/// The sentence about a recording in one file.
-fn in_one_file(clip: Clip, path: &Path) -> String {
-    let Clip { frames, rate, .. } = clip;
-    let seconds = f64::from(frames) / rate;
-    format!(
-        "{frames} pictures, {seconds:.2} s long, are in `{}`",
-        path.display()
-    )
+fn ended(error: AnimationError<Ended>, path: &Path) -> Ended {
+    let unwritten =
+        |path: &Path, reason: String| format!("cannot write `{}`: {reason}", path.display());
+    Ended::Failed(match error {
+        AnimationError::Picture(ended) => return ended,
+        AnimationError::Unwritable { file, error } => {
+            unwritten(file.as_deref().unwrap_or(path), error.to_string())
+        }
+        AnimationError::Format(error) => unwritten(path, error.to_string()),
+        AnimationError::Video(error) => error.to_string(),
+        AnimationError::Encoding(error) => error.to_string(),
+    })
 }
 
 /// Draws pictures in their order.

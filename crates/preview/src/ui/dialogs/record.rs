@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, ComboBox, Grid, ProgressBar, Ui};
-use export::animation::{self, Clip, Course, ParamChange};
+use export::animation::{self, AnimationFile, Clip, Course, ParamChange};
 use render::ViewId;
 use session::motion::Motion;
 use session::{InsideCamera, StatusMessage};
 
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
-use crate::engine::recording::film::{Film, RecordingFormat};
+use crate::engine::recording::film::Film;
 use crate::ui::number_field;
 use crate::ui::window::Window;
 
@@ -147,7 +147,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
         }
         Decision::Save
             if dialog.moves.is_empty()
-                || RecordingFormat::of(Path::new(&dialog.path)).is_none() =>
+                || AnimationFile::of_path(Path::new(&dialog.path)).is_none() =>
         {
             window.dialogs.record = Some(dialog);
         }
@@ -225,8 +225,8 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         }
         let label = ui.label("Format");
         ui.horizontal(|ui| {
-            let now = RecordingFormat::of(Path::new(&dialog.path));
-            for (kind, name, extension) in RecordingFormat::ALL {
+            let now = AnimationFile::of_path(Path::new(&dialog.path));
+            for (kind, name, extension) in AnimationFile::ALL {
                 if ui.selectable_label(now == Some(kind), name).clicked() {
                     let path = Path::new(&dialog.path).with_extension(extension);
                     dialog.path = path.display().to_string();
@@ -243,11 +243,11 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     }
     picture::transparency(&mut dialog.transparent, ui);
     let path = Path::new(&dialog.path);
-    let first = match RecordingFormat::of(path) {
-        Some(RecordingFormat::Series) => animation::numbered(path, 0, dialog.clip.frames),
+    let first = match AnimationFile::of_path(path) {
+        Some(AnimationFile::Series) => animation::numbered(path, 0, dialog.clip.frames),
         _ => path.to_owned(),
     };
-    if RecordingFormat::of(path).is_none() {
+    if AnimationFile::of_path(path).is_none() {
         ui.colored_label(
             ui.visuals().error_fg_color,
             "The file's name must end in gif, apng, mp4, webm or png.",
