@@ -348,7 +348,11 @@ fn compared(
     if finer.status != end.status {
         return None;
     }
-    let gap = atlas.gap(end.state.at, finer.state.at);
+    let mut gap = atlas.gap(end.state.at, finer.state.at);
+    if end.status != Status::Complete {
+        // At an edge or a tip both end in one place: an error along the ray is one of its length.
+        gap += (end.length - finer.length).abs();
+    }
     // Rounding, which both runs have of their own.
     let rounding = 32.0 * f64::EPSILON * (atlas.layout.scale.size + length);
     Some(gap + rounding)

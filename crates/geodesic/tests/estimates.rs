@@ -3,6 +3,7 @@
 mod random;
 mod shapes;
 
+use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, trace};
 use random::Random;
@@ -174,6 +175,73 @@ fn an_estimate_that_cannot_be_checked_is_a_bound() {
     println!("{known}, worst {worst}");
     assert!(known >= 200, "{known}");
     assert!(worst <= 2.0, "{worst}");
+}
+
+/// A part of the half-plane of curvature −1, whose sides u = ±4 are glued.
+fn part_of_the_half_plane() -> MetricSurface {
+    metric([[-4.0, 4.0], [0.02, 8.0]], |m| {
+        let one = m.c(1.0);
+        let square = m.mul(m.v, m.v);
+        let e = m.g.div(one, square);
+        let zero = m.c(0.0);
+        [e, zero, e]
+    })
+}
+
+/// The length to the edge of that part: geodesics are half circles about (c, 0), along which s = ln tan(θ/2).
+fn to_the_edge([x, y]: [f64; 2], heading: f64) -> f64 {
+    let centre = x + y * heading.tan();
+    let radius = y.hypot(x - centre);
+    let angle = y.atan2(x - centre);
+    let clockwise = heading.cos() > 0.0;
+    let low = (0.02 / radius).asin();
+    let high = (8.0 / radius).min(1.0).asin();
+    let crossings = [low, PI - low, high, PI - high];
+    let passed = |a: f64| if clockwise { angle - a } else { a - angle };
+    // Also of a touch from within, where `high` is the highest point.
+    let ahead = (crossings.into_iter()).filter(|&a| passed(a) > 0.0 && a != 0.5 * PI);
+    let s = |a: f64| (0.5 * a).tan().ln();
+    let lengths = ahead.map(|a| (s(a) - s(angle)).abs());
+    lengths.fold(f64::INFINITY, f64::min)
+}
+
+/// Rays of that part, with the lengths to its edge.
+fn rays_to_the_edge(seed: u64, count: usize) -> Vec<([f64; 2], [f64; 2], f64)> {
+    let mut random = Random(seed);
+    let ray = |_| {
+        let from = [random.between(-3.5, 3.5), random.between(0.5, 6.0)];
+        let heading = random.between(0.0, TAU);
+        (
+            from,
+            [heading.cos(), heading.sin()],
+            to_the_edge(from, heading),
+        )
+    };
+    (0..count).map(ray).collect()
+}
+
+#[test]
+fn a_ray_ends_on_the_edge_that_it_meets() {
+    let surface = part_of_the_half_plane();
+    let heading = 321.0_f64.to_radians();
+    let named = [2.42, 3.31];
+    let mut rays = rays_to_the_edge(41, 400);
+    rays.push((named, [heading.cos(), heading.sin()], 5.313_949_872_954_259));
+    for tolerance in [1.5e-10, 2e-14] {
+        let options = Options {
+            tolerance,
+            ..Options::default()
+        };
+        for (from, direction, expected) in &rays {
+            let end = trace(&surface, *from, *direction, 40.0, &options).expect("a start");
+            assert_eq!(end.status, Status::LeftDomain, "{end:?}");
+            let error = (end.length - expected).abs();
+            assert!(
+                error < 1e-7,
+                "{from:?} {direction:?} {expected} {error:e} {end:?}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -101,6 +101,17 @@ fn an_edge_is_met_exactly_where_the_formula_ends_there() {
 }
 
 #[test]
+fn beside_a_corner_a_ray_leaves_through_the_side_that_it_meets_first() {
+    for degree in 0..720 {
+        let (sin, cos) = (0.5 * f64::from(degree)).to_radians().sin_cos();
+        let end = go(&plane(), [0.0, 0.0], [cos, sin], 40.0);
+        assert_eq!(end.status, Status::LeftDomain, "{end:?}");
+        let expected = (4.0 / cos.abs()).min(3.0 / sin.abs());
+        assert!((end.length - expected).abs() < 1e-12, "{end:?} {expected}");
+    }
+}
+
+#[test]
 fn the_limit_on_evaluations_bounds_every_method() {
     let s = torus(0.4);
     for method in [Method::Adaptive, Method::Rk4 { steps: 1_000_000 }] {

@@ -184,19 +184,26 @@ impl ChartLayout {
     }
 
     /// The edge that a step to `end` leaves through, and a share of the step by which it has: the earliest of a few
-    /// looks at it.
+    /// looks at it that are later than `after`.
     pub(crate) fn edge_on_way(
         &self,
         end: [f64; 2],
+        after: f64,
         between: impl Fn(f64) -> [f64; 2],
     ) -> Option<(f64, (usize, usize))> {
         if !self.any_edge {
             return None;
         }
-        LOOKS.into_iter().find_map(|share| {
+        let mut looks = LOOKS.into_iter().filter(|share| *share > after);
+        looks.find_map(|share| {
             let at = if share == 1.0 { end } else { between(share) };
             Some((share, self.beyond_edge(at)?))
         })
+    }
+
+    /// Returns whether a point in (u,v) lies on a side, but for rounding.
+    pub(crate) fn is_on(&self, at: [f64; 2], side: (usize, usize)) -> bool {
+        self.beyond(at, side).abs() <= EDGE_SLACK * self.width(side.0)
     }
 
     /// The distance in its parameter by which a point in (u,v) lies beyond a side; negative inside.

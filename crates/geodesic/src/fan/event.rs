@@ -18,15 +18,23 @@ pub(super) fn leaves(
         quintic(h, start, [to.at[k], to.velocity[k], to.acceleration[k]])
     });
     let point = |x: f64| [0, 1].map(|k| value(&path[k], x));
-    let (first, edge) = layout.edge_on_way(to.at, point)?;
-    let (mut low, mut high) = (first - 0.25, first);
-    for _ in 0..48 {
-        let middle = 0.5 * (low + high);
-        if layout.beyond(point(middle), edge) > 0.0 {
-            high = middle;
-        } else {
-            low = middle;
+    let (first, edge) = layout.edge_on_way(to.at, 0.0, point)?;
+    let crossing = |edge: (usize, usize), beyond: f64| {
+        let (mut low, mut high) = (first - 0.25, beyond);
+        for _ in 0..48 {
+            let middle = 0.5 * (low + high);
+            if layout.beyond(point(middle), edge) > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
         }
-    }
-    Some((high, edge))
+        high
+    };
+    let share = crossing(edge, first);
+    Some(match layout.beyond_edge(point(share)) {
+        // Beside a corner both are crossed between two looks.
+        Some(earlier) if earlier != edge => (crossing(earlier, share), earlier),
+        _ => (share, edge),
+    })
 }

@@ -5,6 +5,7 @@ use super::stalled_at;
 use super::step::RayStep;
 use crate::chart::{Chart, State};
 use crate::interpolate::cubic;
+use crate::metric::{combine, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 
@@ -17,8 +18,15 @@ pub(super) enum Event {
 }
 
 impl Ray<'_, '_> {
-    /// Returns the event within a step, and a length of the step by which it has happened.
-    pub(super) fn event(&self, step: &RayStep, h: f64) -> Option<(Event, f64)> {
+    /// Returns an event that may be within a step, and the share of the step by which it has happened then: of an edge, the
+    /// first look at the interpolated step later than `after` that finds it beyond.
+    pub(super) fn event(
+        &self,
+        step: &RayStep,
+        h: f64,
+        pace: StepParameter,
+        after: f64,
+    ) -> Option<(Event, f64)> {
         match &self.chart {
             Chart::Apex(chart) => {
                 if chart.apex.smooth {
@@ -29,27 +37,41 @@ impl Ray<'_, '_> {
                 };
                 let passes = outward(&self.state) < 0.0 && outward(&step.end) >= 0.0;
                 let arrives = chart.is_hit_at(step.end.at);
-                (passes || arrives).then_some((Event::NearestToApex, h))
+                (passes || arrives).then_some((Event::NearestToApex, 1.0))
             }
             Chart::Plain => {
                 let between = |share: f64| {
                     let ends = |k: usize| {
-                        [&self.state, &step.end].map(|state| [state.at[k], state.velocity[k]])
+                        [&self.state, &step.end]
+                            .map(|state| [state.at[k], self.pace(state, pace) * state.velocity[k]])
                     };
                     [0, 1].map(|k| {
                         let [from, to] = ends(k);
                         cubic(share, h, from, to)
                     })
                 };
-                let (share, edge) = self.atlas.layout.edge_on_way(step.end.at, between)?;
-                Some((Event::Edge(edge), share * h))
+                let layout = &self.atlas.layout;
+                let (share, edge) = layout.edge_on_way(step.end.at, after, between)?;
+                Some((Event::Edge(edge), share))
             }
         }
     }
 
-    /// The distance by which an event is ahead (negative) or behind (positive) at a point, and its rate.
-    fn measure(&self, event: Event, state: &State) -> (f64, f64) {
-        match event {
+    /// The arc length per unit of a step's size at a point of it.
+    fn pace(&self, state: &State, pace: StepParameter) -> f64 {
+        match pace {
+            StepParameter::Length => 1.0,
+            StepParameter::Coordinates => {
+                let [t, w] = self.local.tangents;
+                let [x, y] = state.velocity;
+                self.speed() / norm(combine(x, t, y, w))
+            }
+        }
+    }
+
+    /// The distance by which an event is ahead (negative) or behind (positive) at a point, and its rate with the step's size.
+    fn measure(&self, event: Event, state: &State, pace: StepParameter) -> (f64, f64) {
+        let (value, rate) = match event {
             Event::Edge(edge) => {
                 let outward = if edge.1 == 0 { -1.0 } else { 1.0 };
                 let beyond = self.atlas.layout.beyond(state.at, edge);
@@ -59,21 +81,25 @@ impl Ray<'_, '_> {
                 let ([a, b], [x, y]) = (state.at, state.velocity);
                 (a * x + b * y, x * x + y * y)
             }
-        }
+        };
+        (value, rate * self.pace(state, pace))
     }
 
-    /// Locates an event by Newton's method on the step's length, kept within a bracket: as exact as the steps are.
+    /// Locates an event by Newton's method on the step's size, kept within a bracket: as exact as the steps are. `None` where
+    /// the step of size `h` turns out not to reach the edge: the interpolated one went beyond it, the ray does not.
     pub(super) fn end_at(
         &mut self,
         event: Event,
         h: f64,
         pace: StepParameter,
         length: f64,
-    ) -> Attempt {
+    ) -> Option<Attempt> {
         let scale = self.atlas.layout.scale.size.min(length);
         let rounding = self.rounding();
         let (mut low, mut high) = (0.0, h);
-        let (value, rate) = self.measure(event, &self.state);
+        // True if the event is known to be within the bracket: only the interpolated step says so at first.
+        let mut is_sure = matches!(event, Event::NearestToApex);
+        let (value, rate) = self.measure(event, &self.state, pace);
         let mut at = if rate > 0.0 {
             (-value / rate).clamp(0.0, h)
         } else {
@@ -82,20 +108,24 @@ impl Ray<'_, '_> {
         let mut best = None;
         for _ in 0..60 {
             let Some(step) = self.step(at, pace) else {
-                high = at;
+                (high, is_sure) = (at, true);
                 at = 0.5 * (low + high);
                 continue;
             };
-            let (value, rate) = self.measure(event, &step.end);
+            let (value, rate) = self.measure(event, &step.end, pace);
             best = Some((at, step));
             if value > 0.0 {
-                high = at;
+                (high, is_sure) = (at, true);
+            } else if at >= high && !is_sure {
+                return None;
             } else {
                 low = at;
             }
             let newton = at - value / rate;
             let next = if newton > low && newton < high {
                 newton
+            } else if !is_sure {
+                high
             } else {
                 0.5 * (low + high)
             };
@@ -107,10 +137,16 @@ impl Ray<'_, '_> {
                 break;
             }
         }
-        let stalled = |ray: &Self| Attempt::Ended(stalled_at(ray.atlas, ray.plain().at));
         let Some((at, step)) = best else {
-            return stalled(self);
+            return Some(Attempt::Ended(stalled_at(self.atlas, self.plain().at)));
         };
+        if let Event::Edge(edge) = event
+            && let Some(earlier) = self.atlas.layout.beyond_edge(step.end.at)
+            && earlier != edge
+        {
+            // Beside a corner both are crossed between two looks.
+            return self.end_at(Event::Edge(earlier), at, pace, length);
+        }
         // At the very end nothing but the direction is needed: the last local data serve at a tip.
         let local = self.local_after(&step).unwrap_or(self.local);
         if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart)
@@ -124,15 +160,22 @@ impl Ray<'_, '_> {
                 let along = (a * x + b * y) / (x * x + y * y);
                 self.state.at = [a - along * x, b - along * y];
             }
-            return if self.enter_next_chart() {
+            return Some(if self.enter_next_chart() {
                 Attempt::Accepted(Some(h))
             } else {
                 Attempt::Ended(stalled_at(self.atlas, self.plain().at))
-            };
+            });
         }
         self.accept(&step, local, at, pace, rounding, scale);
-        Attempt::Ended(match event {
+        Some(Attempt::Ended(match event {
             Event::NearestToApex => Status::ConePoint,
+            Event::Edge(edge) if !self.atlas.layout.is_on(self.state.at, edge) => {
+                if self.affords_step() {
+                    stalled_at(self.atlas, self.state.at)
+                } else {
+                    Status::WorkLimit
+                }
+            }
             Event::Edge((axis, end)) => {
                 self.state.at[axis] = self.atlas.layout.domain[axis][end];
                 match self.atlas.layout.apexes[axis][end] {
@@ -140,6 +183,6 @@ impl Ray<'_, '_> {
                     None => Status::LeftDomain,
                 }
             }
-        })
+        }))
     }
 }

@@ -187,8 +187,12 @@ impl Ray<'_, '_> {
         if self.oversteps(&step) {
             return Attempt::Again(0.5 * h);
         }
-        if let Some((event, h)) = self.event(&step, h) {
-            return self.end_at(event, h, pace, length);
+        let mut looked = 0.0;
+        while let Some((event, share)) = self.event(&step, h, pace, looked) {
+            if let Some(met) = self.end_at(event, share * h, pace, length) {
+                return met;
+            }
+            looked = share;
         }
         let Some(local) = self.local_after(&step) else {
             return Attempt::Again(UNDEFINED * h);
