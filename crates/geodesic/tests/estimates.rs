@@ -245,6 +245,26 @@ fn a_ray_ends_on_the_edge_that_it_meets() {
 }
 
 #[test]
+fn the_length_of_a_ray_that_left_is_within_its_estimate() {
+    let surface = part_of_the_half_plane();
+    let mut random = Random(42);
+    for (from, direction, expected) in rays_to_the_edge(43, 300) {
+        let options = Options {
+            tolerance: random.size(1e-9, 1e-2),
+            compare: true,
+            ..Options::default()
+        };
+        let end = trace(&surface, from, direction, 40.0, &options).expect("a start");
+        assert_eq!(end.status, Status::LeftDomain, "{end:?}");
+        let error = (end.length - expected).abs();
+        assert!(
+            error <= 2.0 * end.error_estimate,
+            "{from:?} {direction:?} {expected} {error:e} {end:?}"
+        );
+    }
+}
+
+#[test]
 fn a_length_without_digits_takes_no_work() {
     let end = trace(
         &torus(0.4),
