@@ -110,6 +110,74 @@ fn what_replaces_a_character_does_not_run_into_its_neighbours() {
     }
 }
 
+/// The text after all fixes that may be applied together.
+fn with_all_fixes(source: &str) -> String {
+    let found = parse(source).0.diagnostics;
+    let mut fixes: Vec<_> = found.iter().flat_map(|found| &found.fixes).collect();
+    fixes.retain(|fix| fix.all);
+    fixes.sort_by_key(|fix| std::cmp::Reverse(fix.span));
+    let mut text = source.to_owned();
+    for fix in fixes {
+        let place = fix.span.start as usize..fix.span.end as usize;
+        text.replace_range(place, &fix.replacement);
+    }
+    text
+}
+
+#[test]
+fn signs_that_touch_have_a_fix_each() {
+    for (source, meant) in [
+        ("define a = π²;", "define a = pi^2;"),
+        ("define a = −π;", "define a = -pi;"),
+        ("define a = 2√π;", "define a = 2sqrt pi;"),
+        ("param r : [−π/2, π/2];", "param r : [-pi/2, pi/2];"),
+        ("function f(x) = x²−1;", "function f(x) = x^2-1;"),
+        ("function f(x) = x²÷2;", "function f(x) = x^2/2;"),
+        (
+            "curve c(t) = (t, t, t), −π≤t≤π;",
+            "curve c(t) = (t, t, t), t : [-pi, pi];",
+        ),
+    ] {
+        let text = with_all_fixes(source);
+        assert_eq!(text, meant);
+        assert_eq!(program_findings(&text), [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn bars_around_a_term_are_repaired_whatever_touches_them() {
+    for (body, meant) in [
+        ("|x|+|y|+|z|", "abs x+abs y+abs z"),
+        ("|x|²+y", "(abs x)^2+y"),
+        ("|x|^3+y", "(abs x)^3+y"),
+        ("|x|−1", "abs x-1"),
+        ("|x||y|z", "(abs x)(abs y)z"),
+        ("|x - y|(z)", "(abs(x - y))(z)"),
+    ] {
+        let text = with_all_fixes(&format!("solid b(x, y, z) = {body};"));
+        assert_eq!(text, format!("solid b(x, y, z) = {meant};"));
+        assert_eq!(program_findings(&text), [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn a_sign_in_a_name_has_no_fix() {
+    for source in [
+        "define π = 3;",
+        "define π² = 3;",
+        "define a² = 3;",
+        "function f(π) = 1;",
+        "function f(x²) = 1;",
+        "function f²(x) = 1;",
+        "param τ : [0, 1];",
+        "solid ×cube(x, y, z) = x;",
+    ] {
+        let found = parse(source).0.diagnostics;
+        assert_eq!(found.len(), 1, "{source}: {found:?}");
+        assert_eq!(found[0].fixes, [], "{source}");
+    }
+}
+
 #[test]
 fn a_set_with_a_wrong_sign_has_one_error() {
     for set in ["b - b \\ b", "b + b & b", "b + b | b"] {

@@ -113,6 +113,15 @@ struct Stop;
 /// The place of a nonterminal, from its first token to its last.
 type Parse = Result<Span, Stop>;
 
+/// A part of the text that is no token, which one error reports.
+#[derive(Clone, Copy)]
+struct Run {
+    span: Span,
+    first: char,
+    /// It is known as a whole, such as `|x|`: what touches it is no part of it.
+    is_whole: bool,
+}
+
 struct Parser<'s, 'a, A, S> {
     source: &'s str,
     lexer: Lexer<'s>,
@@ -254,30 +263,48 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
     #[cold]
     fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
         // A run of bad characters is reported once, at its end, and so is a name in quotes, `<1, 2, 3>`, or the `.x` of `v.x`.
-        let mut run: Option<(Span, char)> = None;
+        let mut run: Option<Run> = None;
         loop {
             let token = lexeme.token;
             match (run, lexeme.fault) {
-                (Some((span, _)), _) if token.span.start < span.end => {}
-                (Some((span, first)), Some(Fault::Character(_)))
-                    if span.end == token.span.start =>
-                {
-                    run = Some((span.to(token.span), first));
+                (Some(run), _) if token.span.start < run.span.end => {}
+                (
+                    Some(Run {
+                        span,
+                        first,
+                        is_whole: false,
+                    }),
+                    Some(Fault::Character(next)),
+                ) if span.end == token.span.start && self.joins(first, next, mode) => {
+                    run = Some(Run {
+                        span: span.to(token.span),
+                        first,
+                        is_whole: false,
+                    });
                 }
                 (ended, fault) => {
-                    if let Some((span, first)) = ended {
-                        self.report_characters(span, first);
+                    if let Some(run) = ended {
+                        self.report_characters(run, mode);
                     }
                     run = match fault {
                         Some(Fault::Character(first)) => {
                             let known = quoted_name(self.source, token.span)
                                 .or_else(|| self.angle_vector(token.span))
-                                .or_else(|| self.absolute_value(token.span));
-                            Some((known.unwrap_or(token.span), first))
+                                .or_else(|| self.absolute_value(token.span))
+                                .or_else(|| Some(self.foreign_item(token.span, mode)?.0));
+                            Some(Run {
+                                span: known.unwrap_or(token.span),
+                                first,
+                                is_whole: known.is_some(),
+                            })
                         }
                         Some(Fault::LonePoint) => {
                             let component = self.lettered_component(token.span);
-                            component.map(|span| (span, '.'))
+                            component.map(|span| Run {
+                                span,
+                                first: '.',
+                                is_whole: true,
+                            })
                         }
                         _ => None,
                     };

@@ -263,7 +263,8 @@ pub(super) fn apart(before: &str, text: &str, after: &str) -> String {
     let joins = match text.ends_with(|c: char| c.is_ascii_digit()) {
         // A number goes on with `.` and `e` too.
         true => after.starts_with(|c: char| c.is_ascii_digit() || ".e".contains(c)),
-        false => begins_word && after.starts_with(is_letter_or_digit),
+        // The signs become words.
+        false => begins_word && after.starts_with(|c| is_letter_or_digit(c) || "π√".contains(c)),
     };
     let left = if begins_word && is_behind_word {
         " "
@@ -349,6 +350,8 @@ mod tests {
             ("2", "pi", "r", "pi "),
             ("", "sqrt", "2", "sqrt "),
             ("2", "sqrt", "(2)", "sqrt"),
+            ("", "sqrt", "π", "sqrt "),
+            ("", "pi", "²", "pi"),
             ("a", "(2pi)", "3", "(2pi)"),
             ("a", "*", "3", "*"),
         ] {

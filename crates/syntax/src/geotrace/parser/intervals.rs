@@ -3,7 +3,7 @@
 use super::foreign::ForeignInterval;
 use super::messages::quote;
 use super::names::Mode;
-use super::{Parser, Stop, foreign};
+use super::{Parser, Stop, foreign, messages};
 use crate::diagnostic::{Diagnostic, Fix};
 use crate::geotrace::actions::{Actions, Interval, IntervalKind};
 use crate::geotrace::codes;
@@ -48,14 +48,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// Rejects an interval in another notation.
     #[cold]
     pub(super) fn foreign_interval(&mut self, place: Span, written: &str) -> Stop {
-        let found = quote(place.text(self.source));
-        let (message, hint) = (
-            format!("an interval is written `[min, max]`, found {found}"),
-            format!("write {}", quote(written)),
-        );
-        let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
-            .with_hint(hint)
-            .with_fix(Fix::change(place, written, true).with_all());
+        let diagnostic = messages::foreign_interval(self.source, place, written);
         let stop = self.reject(diagnostic);
         self.state.quiet = true;
         stop
@@ -89,11 +82,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
 
     /// The interval in another notation that begins with the current token, which is none of this one.
     fn interval_here(&self) -> Option<(Span, ForeignInterval<'s>)> {
-        let start = self.current.span.start;
+        self.interval_at(self.current.span.start)
+    }
+
+    /// The interval in another notation that begins at a place.
+    pub(super) fn interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let text = &self.source[start as usize..];
-        let found = match self.current.kind {
-            TokenKind::ParenOpen => foreign::round_interval(text)?,
-            _ => foreign::interval(text)?,
+        let found = match text.starts_with('(') {
+            true => foreign::round_interval(text)?,
+            false => foreign::interval(text)?,
         };
         let names_parameter = found.parameter.is_none_or(|name| {
             self.state.parameter_trie.get(name).is_some() || name == self.state.name

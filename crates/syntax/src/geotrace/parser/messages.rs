@@ -1,7 +1,8 @@
 //! The sentences of lexical and syntax errors, in the user's words.
 
 use super::deferred::Deferred;
-use super::{Parser, Stop, foreign};
+use super::names::Mode;
+use super::{Parser, Run, Stop, foreign};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
 use crate::geotrace::attributes::{self, AttributeWord};
@@ -169,14 +170,35 @@ fn substitute(character: char) -> Option<&'static str> {
     })
 }
 
-impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
+/// The error of an interval in another notation.
+pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diagnostic {
+    let found = quote(place.text(source));
+    let message = format!("an interval is written `[min, max]`, found {found}");
+    Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
+        .with_hint(format!("write {}", quote(written)))
+        .with_fix(Fix::change(place, written, true).with_all())
+}
+
+impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// Reports a run of characters that begin no token.
-    pub(super) fn report_characters(&mut self, span: Span, first: char) {
+    pub(super) fn report_characters(&mut self, run: Run, mode: Mode) {
         if self.state.quiet {
+            return;
+        }
+        let Run { span, first, .. } = run;
+        if let Some((place, found)) = self.foreign_item(span, mode) {
+            let diagnostic = foreign_interval(self.source, place, &found.written());
+            self.report(diagnostic);
+            self.state.quiet = true;
+            self.state.rejected = true;
             return;
         }
         let text = span.text(self.source);
         let mut diagnostic = bad_characters(self.source, span, first);
+        if equivalent(first).is_some() && self.is_in_name(mode) {
+            diagnostic.fixes.clear();
+            diagnostic.hint = Some("choose a name of letters and digits".to_owned());
+        }
         match first {
             '.' => {
                 diagnostic = self.bad_component(span);
@@ -184,10 +206,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             }
             '|' if text.contains(|c: char| c.is_ascii_alphanumeric()) => {
                 let inside = text.trim_matches('|').trim();
-                let written = match inside.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
+                let mut written = match inside.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
                     true => format!("abs {inside}"),
                     false => format!("abs({inside})"),
                 };
+                let behind = self.source[span.end as usize..].trim_start();
+                let is_factor = |c: char| c.is_ascii_alphanumeric() || "(|^_²³.".contains(c);
+                if behind.starts_with(is_factor) {
+                    // Else it might be a part of the argument.
+                    written = format!("({written})");
+                }
                 diagnostic = diagnostic
                     .with_hint(format!("write {}", quote(&written)))
                     .with_fix(Fix::change(span, &written, true).with_all());
@@ -225,6 +253,32 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             _ => {}
         }
         self.report(diagnostic);
+    }
+
+    /// Returns true if a bad character behind another one is reported with it.
+    pub(super) fn joins(&self, first: char, next: char, mode: Mode) -> bool {
+        let is_sign = |character| equivalent(character).is_some();
+        self.is_in_name(mode)
+            || !is_sign(first) && !is_sign(next) && substitute(first) == substitute(next)
+    }
+
+    /// Returns true if a name is read, or has just been: a bad character is none of an expression.
+    fn is_in_name(&self, mode: Mode) -> bool {
+        let is_behind = |name: Span| name.end > 0 && name == self.previous.span;
+        let parameter = self.state.parameters.last();
+        !matches!(mode, Mode::Expression | Mode::Place)
+            || is_behind(self.state.name_span)
+            || parameter.is_some_and(|parameter| is_behind(parameter.span))
+    }
+
+    /// The interval in another notation in the place of an item, if it begins with this character.
+    pub(super) fn foreign_item(
+        &self,
+        first: Span,
+        mode: Mode,
+    ) -> Option<(Span, foreign::ForeignInterval<'s>)> {
+        let found = matches!(mode, Mode::Item).then(|| self.interval_at(first.start))??;
+        found.1.parameter.is_some().then_some(found)
     }
 
     /// The error of a component that is chosen by a letter, `.x`.
