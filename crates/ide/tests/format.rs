@@ -85,6 +85,32 @@ fn faulty_texts_are_laid_out_too_without_losing_a_token() {
 }
 
 #[test]
+fn what_cannot_be_read_stays_as_it_is() {
+    for (text, expected) in [
+        (
+            "point p=(1,2,3); // the point of the curve, here\ndefine a=2;\ndefine b=a;",
+            "point p = (1, 2, 3); // the point of the curve, here\ndefine a=2;\ndefine b = a;\n",
+        ),
+        (
+            "/* radius; in  metres */\ndefine a=2;define b=a;",
+            "/* radius; in  metres */\ndefine a=2;\ndefine b = a;\n",
+        ),
+        (
+            "curve c(t)=(cos t,sin t,0),0 <= t <= 2pi;define b=2;",
+            "curve c(t)=(cos t,sin t,0),0 <= t <= 2pi;\ndefine b = 2;\n",
+        ),
+        ("function f(x) -> x^2;", "function f(x) -> x^2;\n"),
+        ("label \"a  b\";", "label \"a  b\";\n"),
+        // What is unknown can be read.
+        ("define a=b+c;", "define a = b + c;\n"),
+        ("define a=b==c;", "define a = b == c;\n"),
+    ] {
+        assert_eq!(formatted(text), expected);
+        assert_eq!(formatted(expected), expected);
+    }
+}
+
+#[test]
 fn a_range_touches_only_its_declarations() {
     let text = "define a=1;\ndefine b=2;\ndefine c=3;";
     let analysis = GeotraceAnalysis::new(text);

@@ -2,11 +2,14 @@
 //!
 //! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@`, the operators
 //! of sets and between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within
-//! a declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
+//! a declaration and what comments say is the writer's. What cannot be read stays as it is, with the white space before it: it
+//! may be a comment or a sign of another notation. What comes out is read again: where a single token would be read
 //! otherwise, the text stays as it is.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use syntax::diagnostic::Code;
+use syntax::geotrace::codes;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
@@ -68,13 +71,22 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
         false => 0,
     };
     let mut end = before.map_or(mark, |token| token.span.end);
+    let whole = Span::new(0, analysis.len());
+    let mut unreadable = unreadable(analysis, wanted.unwrap_or(whole)).peekable();
     for token in analysis.tokens(first..last.max(first)) {
         let gap = Span::new(end, token.span.start);
         let written = analysis.slice(gap);
         let next = layout.gap(&written, before, token);
         let next = next.replace('\n', new_line);
         let inside = wanted.is_none_or(|wanted| wanted.start <= gap.start && gap.end <= wanted.end);
-        if inside && next != written {
+        while unreadable
+            .next_if(|part| part.end <= token.span.start)
+            .is_some()
+        {}
+        let stays = unreadable
+            .peek()
+            .is_some_and(|part| part.start <= token.span.start);
+        if inside && !stays && next != written {
             edits.push(Edit::replace(gap, next));
         }
         layout.pass(token.kind);
@@ -89,6 +101,33 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
         }
     }
     edits
+}
+
+/// The parts of a range that cannot be read: up to the `;` behind them, with the white space and the comments before them.
+fn unreadable(analysis: &GeotraceAnalysis, range: Span) -> impl Iterator<Item = Span> {
+    let document = analysis.document();
+    let parts = document.chunks_in(range).filter(|(chunk, _)| {
+        let mut errors = document.errors(*chunk);
+        errors.any(|(code, _)| is_of_syntax(code))
+    });
+    parts.map(|(chunk, start)| Span::new(start, start + document.chunk_text(chunk).len() as u32))
+}
+
+/// Returns true for the code of an error behind which the text may not have been read.
+fn is_of_syntax(code: Code) -> bool {
+    matches!(
+        code,
+        codes::BAD_CHARACTER
+            | codes::BAD_NUMBER
+            | codes::COMPONENT_INDEX
+            | codes::EXPECTED_DECLARATION
+            | codes::MISMATCHED_BRACKET
+            | codes::MISSING_ARGUMENT
+            | codes::MISSING_SEMICOLON
+            | codes::TOO_DEEP
+            | codes::UNCLOSED_BRACKET
+            | codes::UNEXPECTED_TOKEN
+    )
 }
 
 /// Returns the text's line ending: that of its first line, so that a text of another system stays one.
@@ -119,7 +158,7 @@ fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
 #[derive(PartialEq)]
 struct TextReading {
     tokens: usize,
-    /// A hash of what each token means and how it is written, and of which declarations are faulty.
+    /// A hash of what each token means and how it is written, of which declarations are faulty, and of the errors.
     digest: u64,
 }
 
@@ -134,6 +173,10 @@ impl TextReading {
         }
         for item in analysis.items() {
             item.faulty.hash(&mut digest);
+        }
+        let document = analysis.document();
+        for (code, _) in document.chunks().flat_map(|chunk| document.errors(chunk)) {
+            code.hash(&mut digest);
         }
         Self {
             tokens,
@@ -180,6 +223,13 @@ impl Layout {
             return self.new_line(1, false);
         }
         if tight {
+            return String::new();
+        }
+        if written.is_empty()
+            && matches!(token.text, "=" | ">")
+            && matches!(before.text, "-" | ":" | "=" | "<" | ">" | "!")
+        {
+            // One sign of another language, such as `<=`.
             return String::new();
         }
         let spaced = self.is_spaced(before.kind, token.kind);
