@@ -215,8 +215,18 @@ impl ObjectCloud {
                 closed = ClosedSurface::from_grid(&places, counts);
                 grid.clone_from(&places);
             }
-            let middle = places.get(counts[1] / 2 * counts[0] + counts[0] / 2);
-            let middle = middle.copied().filter(finite);
+            let [across, along] = [counts[0] / 2, counts[1] / 2];
+            // Of a curve with an even number of samples it is between two of them.
+            let before = match counts[1] {
+                1 => counts[0].saturating_sub(1) / 2,
+                _ => across,
+            };
+            let [before, at] = [before, across].map(|k| places.get(along * counts[0] + k));
+            let middle = before.zip(at).map(|(before, at)| {
+                let mean = |k: usize| 0.5 * before[k] + 0.5 * at[k];
+                [0, 1, 2].map(mean)
+            });
+            let middle = middle.filter(finite);
             (places.into_iter().filter(finite).collect(), middle)
         };
         let outliers = Outliers::of(scene, params, object);

@@ -137,6 +137,14 @@ impl PictureRequest {
         self.texture_seen(object, false)
     }
 
+    /// The texture of a surface as the geodesic view has it: one colour would show nothing of how the surface bends.
+    pub(crate) fn texture_inside(&self, object: ObjectId) -> Arc<Texture> {
+        match self.own_texture(object) {
+            None if self.states_colour(object) => Texture::checker(),
+            _ => self.texture(object),
+        }
+    }
+
     /// The texture of a surface; `from_behind` if the built-in one is to be read from the side that σu×σv does not point
     /// to.
     pub(crate) fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {

@@ -41,6 +41,9 @@ const GREEN: [u8; 3] = [0, 205, 120];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
+/// The factor of the linear colour of every other square, where an object of one colour shows a checker.
+pub(crate) const DARK_SQUARE: f32 = 0.45;
+
 /// Solids, sRGB: those that state no colour.
 pub const SOLID_COLOUR: [u8; 3] = [224, 219, 209];
 

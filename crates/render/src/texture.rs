@@ -22,7 +22,7 @@ use std::sync::{Arc, OnceLock};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbaImage};
 use rayon::prelude::*;
 
-use crate::style::{decode, encode};
+use crate::style::{DARK_SQUARE, decode, encode};
 
 /// The longest side of an image file in pixels.
 pub const MAX_FILE_SIDE: u32 = 32_768;
@@ -231,6 +231,25 @@ impl Texture {
         static PLAIN: OnceLock<Arc<Texture>> = OnceLock::new();
         PLAIN
             .get_or_init(|| Arc::new(Self::from_image(RgbaImage::new(0, 0))))
+            .clone()
+    }
+
+    /// White squares and darker ones, eight along u and along v: with a surface's colour they show how it bends.
+    pub fn checker() -> Arc<Self> {
+        static CHECKER: OnceLock<Arc<Texture>> = OnceLock::new();
+        const SQUARES: u32 = 8;
+        const SQUARE: u32 = 128;
+        let texel = |x: u32, y: u32| {
+            let is_dark = (x / SQUARE + y / SQUARE).is_multiple_of(2);
+            let light = if is_dark { DARK_SQUARE } else { 1.0 };
+            let [r, g, b] = [encode(light); 3];
+            image::Rgba([r, g, b, 255])
+        };
+        CHECKER
+            .get_or_init(|| {
+                let side = SQUARES * SQUARE;
+                Arc::new(Self::from_image(RgbaImage::from_fn(side, side, texel)))
+            })
             .clone()
     }
 

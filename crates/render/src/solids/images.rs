@@ -8,6 +8,7 @@ use scene::{Object, ObjectId};
 
 use crate::request::{PictureRequest, color_nodes};
 use crate::texture::{Level, Texture};
+use crate::view::space::texture_in_space;
 
 /// The images of the objects of a picture.
 #[derive(Debug)]
@@ -30,7 +31,13 @@ impl FaceImages {
                 true => request.own_texture(id).is_some() || color_nodes(object).is_none(),
                 false => request.chosen_texture(id).is_some(),
             };
-            (chosen && shown(id)).then(|| (id, request.texture(id)))
+            (chosen && shown(id)).then(|| {
+                let texture = match object.shape.is_surface() {
+                    true => texture_in_space(request, id),
+                    false => request.texture(id),
+                };
+                (id, texture)
+            })
         };
         let stated = rays.images().iter();
         let stated = stated.map(|word| request.image(word).map(|image| image.arc().clone()));

@@ -155,7 +155,7 @@ impl View for GeodesicView {
             is_table: options.method.is_fan(),
             derivative_operations: derivative_operations(&request.scene, surface),
         });
-        plan.count_textures(&[request.texture(surface)]);
+        plan.count_textures(&[request.texture_inside(surface)]);
     }
 
     fn renderer(&self) -> Box<dyn ViewRenderer> {
@@ -315,7 +315,7 @@ fn by_software(
     map: &CachedMap,
 ) -> RenderedImage {
     let CachedMap { camera, ends } = map;
-    let texture = request.texture(camera.surface);
+    let texture = request.texture_inside(camera.surface);
     let paint = Paint {
         texture: &texture,
         colour: colour(request, camera.surface),
@@ -355,7 +355,11 @@ fn by_gpu(
         return Ok(by_software(shared, request, options, map));
     };
     let surface = camera.surface;
-    let cover = Cover::new(&request.texture(surface), camera.domain(), camera.sides());
+    let cover = Cover::new(
+        &request.texture_inside(surface),
+        camera.domain(),
+        camera.sides(),
+    );
     let task = ResolveTask {
         ends,
         cover: &cover,

@@ -31,9 +31,10 @@ pub(super) fn request(
 ) -> Result<PictureRequest, Failure> {
     let params = program.params(&arguments.set)?;
     let view = view(arguments, views, program, &params)?;
+    let is_traced = view.get::<TracedOptions>().is_some();
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
-        overlays: overlays(arguments),
+        overlays: overlays(arguments, is_traced),
         theme: arguments.theme,
         scale: arguments.scale as f32,
         colours: colours(arguments, program)?,
@@ -137,7 +138,7 @@ fn manifold(
     Ok((id, manifold))
 }
 
-fn overlays(arguments: &Arguments) -> Overlays {
+fn overlays(arguments: &Arguments, is_traced: bool) -> Overlays {
     let wavefronts = arguments.wavefronts;
     Overlays {
         legend: arguments.legend,
@@ -146,7 +147,8 @@ fn overlays(arguments: &Arguments) -> Overlays {
         cut_locus: arguments.cut_locus,
         error: arguments.error,
         labels: arguments.labels,
-        axes: arguments.axes,
+        // Rays have no axes, and their picture no room for any.
+        axes: arguments.axes && !is_traced,
         hidden_lines: arguments.hidden_lines,
     }
 }
@@ -208,11 +210,12 @@ fn view(
         let usual = most_traced_operations(arguments.size(program.scene()));
         options.max_operations = Some(arguments.max_operations.unwrap_or(usual));
     }
+    let is_traced = view.get::<TracedOptions>().is_some();
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
             eye: place("--eye", &arguments.eye)?,
             target: place("--target", &arguments.target)?,
-            projection: match arguments.orthographic {
+            projection: match arguments.orthographic && !is_traced {
                 true => Projection::Orthographic,
                 false => Projection::Perspective,
             },
@@ -357,11 +360,10 @@ pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String
         ("--gamma", arguments.gamma.is_some()),
         ("--max-operations", arguments.max_operations.is_some()),
     ];
-    // Lines and words are not drawn over rays, and rays part at the eye.
+    // Lines are not drawn over rays, and rays part at the eye.
     let drawn = [
         ("--axes", arguments.axes),
         ("--hidden-lines", arguments.hidden_lines),
-        ("--labels", arguments.labels),
         ("--legend", arguments.legend),
         ("--figure", !arguments.figure.is_empty()),
         ("--path", !arguments.path.is_empty()),

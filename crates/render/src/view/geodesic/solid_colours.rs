@@ -13,12 +13,10 @@ use tracer::shade::Face;
 use crate::geodesic_view::{PlacedSolidCamera, Ring, hatch};
 use crate::request::PictureRequest;
 use crate::solids::SolidScene;
-use crate::style;
+use crate::style::{self, DARK_SQUARE};
 
 /// The squares of a checker along the longest side of the box.
 const SQUARES: f64 = 8.0;
-/// The factor of the linear colour of every other square.
-const DARK: f32 = 0.45;
 /// The places in a pixel that are looked at, as offsets from its middle in pixels to the right and down.
 const SAMPLES: [[f32; 2]; 4] = [
     [-0.125, -0.375],
@@ -104,7 +102,7 @@ pub(super) fn resolve_solid(
     let one = one.map(|own| chosen.unwrap_or(own));
     let checker = CheckerBoard::new(camera.solid().bounds());
     let seen = |at: [f64; 3]| match one {
-        Some(light) if checker.is_dark(at) => light.map(|c| DARK * c),
+        Some(light) if checker.is_dark(at) => light.map(|c| DARK_SQUARE * c),
         Some(light) => light,
         None => colour(at),
     };
