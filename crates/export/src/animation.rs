@@ -1,4 +1,4 @@
-//! Animations: scripts of what changes from frame to frame (`script.rs`), and files that hold many pictures (`file.rs`).
+//! Animations: scripts of what changes from frame to frame (`script.rs`), and files that hold many pictures.
 //!
 //! ```text
 //! Course + number ──▶ share
@@ -7,7 +7,6 @@
 //!
 //! A recorder keeps one picture at a time, however many there are.
 
-mod file;
 mod palette;
 mod script;
 
@@ -18,7 +17,6 @@ use std::path::{Path, PathBuf};
 use gif::Repeat;
 use image::RgbaImage;
 
-pub use file::{AnimationError, AnimationFile};
 pub use script::{Course, ParamChange, Script, ScriptError};
 
 /// The default number of pictures of an animation.

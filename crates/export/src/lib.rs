@@ -7,8 +7,11 @@
 //! pictures, one after the other ──animation.rs──▶ GIF, APNG ───┴─▶ io::Write ──whole_file.rs──▶ a file that is whole, or none
 //! pictures, one after the other ──video.rs──▶ ffmpeg ──▶ MP4, WebM
 //! ```
+//!
+//! `animation_file.rs` writes an animation by any of the last two, or as a PNG for each picture.
 
 pub mod animation;
+pub mod animation_file;
 pub mod command_line;
 
 pub mod mesh;

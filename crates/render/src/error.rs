@@ -6,10 +6,10 @@ use geodesic::trace::Status;
 
 use geometry::ManifoldError;
 
-use crate::request::SCALES;
-
 /// The longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 16_384;
+/// The factors of widths and of words that a picture may have.
+pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=20.0;
 
 /// The reason for which there is no picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub enum RenderError {
     Interrupted,
     /// The picture takes more operations on solids, lights and surfaces than this limit.
     TooMuchWork(u64),
-    /// The factor of widths and of words is not one of [`crate::request::SCALES`].
+    /// The factor of widths and of words is not one of [`SCALES`].
     Scale(f32),
     /// A fault of this program: generated text did not pass validation.
     Internal {
@@ -152,8 +152,7 @@ impl From<ManifoldError> for RenderError {
 
 #[cfg(test)]
 mod tests {
-    use super::RenderError;
-    use crate::request::SCALES;
+    use super::{RenderError, SCALES};
 
     #[test]
     fn a_scale_that_is_refused_is_named_with_its_limits() {

@@ -11,7 +11,7 @@ use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
 use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene, stated_word};
 
-use crate::error::{MAX_SIDE, RenderError};
+use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
 use crate::style;
 pub use crate::style::Theme;
@@ -58,9 +58,6 @@ pub struct PictureRequest {
     /// a flat angle.
     pub moving: bool,
 }
-
-/// The factors of widths and of words that a picture may have.
-pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=20.0;
 
 /// The overlays of a picture; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,5 +1,4 @@
-//! What lasts for a while after an edit or a motion of the cursor: the pause before faults are shown, and the emphasis of the
-//! object at the cursor.
+//! The pause in typing before faults are shown, and the time for which the object at the cursor is set off.
 
 use crate::Model;
 use crate::model::Emphasis;

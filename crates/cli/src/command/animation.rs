@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use export::animation::{
-    self, AnimationError, AnimationFile, AnimationFormat, Clip, Course, ParamChange, Script,
-    ScriptError,
-};
+use export::animation::{self, AnimationFormat, Clip, Course, ParamChange, Script, ScriptError};
+use export::animation_file::{AnimationError, AnimationFile};
 use export::print::PrintFormat;
 use export::video::VideoError;
 use render::PictureRequest;

@@ -6,13 +6,13 @@ use std::thread::{self, JoinHandle};
 
 /// A value that a thread builds, or has built. Dropping it waits for the thread.
 #[derive(Debug)]
-pub(crate) struct Background<T> {
+pub(crate) struct BackgroundBuild<T> {
     /// The value, or the message of the failure.
     outcome: Arc<OnceLock<Result<T, String>>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl<T: Send + Sync + 'static> Background<T> {
+impl<T: Send + Sync + 'static> BackgroundBuild<T> {
     /// Starts to build a value on a thread with a name. A panic of `work` is a failure, and so is a system that refuses the
     /// thread.
     pub(crate) fn start(
@@ -39,7 +39,7 @@ impl<T: Send + Sync + 'static> Background<T> {
     }
 }
 
-impl<T> Background<T> {
+impl<T> BackgroundBuild<T> {
     /// Returns true until the value is built or has failed.
     pub(crate) fn is_building(&self) -> bool {
         self.outcome.get().is_none()
@@ -56,7 +56,7 @@ impl<T> Background<T> {
     }
 }
 
-impl<T> Drop for Background<T> {
+impl<T> Drop for BackgroundBuild<T> {
     fn drop(&mut self) {
         // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
         if let Some(thread) = self.thread.take() {
@@ -68,11 +68,11 @@ impl<T> Drop for Background<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::Background;
+    use super::BackgroundBuild;
 
     #[test]
     fn a_value_is_built_once_it_has_been_waited_for() {
-        let value = Background::start("test", || Ok(7));
+        let value = BackgroundBuild::start("test", || Ok(7));
         value.wait();
         assert!(!value.is_building());
         assert_eq!(value.get(), Some(&Ok(7)));
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_a_failure_that_ends_waiting() {
-        let value = Background::<u8>::start("test", || panic!("a fault"));
+        let value = BackgroundBuild::<u8>::start("test", || panic!("a fault"));
         value.wait();
         let failure = value.get().and_then(|it| it.as_ref().err());
         assert!(failure.is_some_and(|it| it.starts_with("internal error")));

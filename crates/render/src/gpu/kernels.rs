@@ -12,7 +12,7 @@ use wgsl::GenerateError;
 
 use crate::content::Structure;
 use crate::error::RenderError;
-use crate::gpu::background::Background;
+use crate::gpu::background::BackgroundBuild;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{self, SampleBuffer};
@@ -38,7 +38,7 @@ struct KernelState {
     /// Operations of one sample, with its normal.
     operations: u64,
     /// It fails if the driver, or this program's own validation, refuses it.
-    kernel: Option<Background<Kernel>>,
+    kernel: Option<BackgroundBuild<Kernel>>,
 }
 
 #[derive(Debug)]
@@ -176,7 +176,9 @@ impl Kernels {
 
 impl KernelState {
     fn is_building(&self) -> bool {
-        self.kernel.as_ref().is_some_and(Background::is_building)
+        self.kernel
+            .as_ref()
+            .is_some_and(BackgroundBuild::is_building)
     }
 }
 
@@ -185,12 +187,16 @@ fn refused(name: &str, message: &str) -> String {
 }
 
 /// Starts to build the kernel of an object.
-fn start(gpu: &Arc<Gpu>, wanted: &SampleRequest, built: &Arc<AtomicU64>) -> Background<Kernel> {
+fn start(
+    gpu: &Arc<Gpu>,
+    wanted: &SampleRequest,
+    built: &Arc<AtomicU64>,
+) -> BackgroundBuild<Kernel> {
     let (gpu, count) = (gpu.clone(), built.clone());
     let scene = wanted.scene.clone();
     let (params, object) = (wanted.params.clone(), wanted.object);
     let (structure, placement) = (wanted.structure.clone(), *wanted.placement);
-    Background::start("kernel", move || {
+    BackgroundBuild::start("kernel", move || {
         let kernel = build(&gpu, &scene, &params, object, &structure, &placement)?;
         count.fetch_add(
             u64::from(matches!(kernel, Kernel::Ready(_))),

@@ -9,7 +9,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use export::animation::{self, AnimationError, AnimationFile, Clip, Course, ParamChange, Script};
+use export::animation::{self, Clip, Course, ParamChange, Script};
+use export::animation_file::{AnimationError, AnimationFile};
 use image::RgbaImage;
 use render::shared::Shared;
 use render::{PictureRequest, Renderer, Views};

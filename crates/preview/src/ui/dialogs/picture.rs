@@ -6,7 +6,8 @@ use egui::{Grid, Ui};
 use export::command_line;
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
-use render::request::{SCALES, Theme};
+use render::error::SCALES;
+use render::request::Theme;
 use render::{Backend, PictureRequest, ViewId, style};
 use session::StatusMessage;
 

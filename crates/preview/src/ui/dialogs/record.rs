@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, ComboBox, Grid, ProgressBar, Ui};
-use export::animation::{self, AnimationFile, Clip, Course, ParamChange};
+use export::animation::{self, Clip, Course, ParamChange};
+use export::animation_file::AnimationFile;
 use render::ViewId;
 use session::motion::Motion;
 use session::{InsideCamera, StatusMessage};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bytemuck::Zeroable;
 
 use crate::error::RenderError;
-use crate::gpu::background::Background;
+use crate::gpu::background::BackgroundBuild;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::Trace;
 use crate::gpu::pipelines::{PipelineFactory, dispatch};
@@ -24,7 +24,7 @@ pub(super) struct TracePipelines(Vec<TracePipeline>);
 #[derive(Debug)]
 struct TracePipeline {
     functions: String,
-    pipeline: Background<wgpu::ComputePipeline>,
+    pipeline: BackgroundBuild<wgpu::ComputePipeline>,
 }
 
 impl TracePipelines {
@@ -81,7 +81,7 @@ impl TracePipelines {
 impl TracePipeline {
     fn start(gpu: &Arc<Gpu>, functions: &str) -> Self {
         let (gpu, text) = (gpu.clone(), functions.to_owned());
-        let pipeline = Background::start("trace", move || {
+        let pipeline = BackgroundBuild::start("trace", move || {
             let built = gpu.guarded(|| build(&gpu, &text));
             built.map_err(|error| error.to_string())
         });

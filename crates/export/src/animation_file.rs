@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::{ImageError, ImageFormat, RgbaImage};
 
-use super::{AnimationFormat, Clip, RecordError, Recorder, numbered};
+use crate::animation::{AnimationFormat, Clip, RecordError, Recorder, numbered};
 use crate::video::{Video, VideoError, VideoFormat};
 use crate::whole_file::{FileSeries, write_whole_at, write_whole_with};
 
