@@ -5,7 +5,7 @@ mod shapes;
 use expr::ops::Unary;
 use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
-use geodesic::surface::Surface;
+use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::trace::{Options, Status};
 use shapes::*;
 
@@ -253,4 +253,58 @@ fn rays_pass_the_rim_of_a_flat_spheroid() {
             assert_eq!(end.status, Status::Complete, "{flatness} {n}: {end:?}");
         }
     }
+}
+
+/// (√v cos u, √v sin u, v), v ∈ [0, 9].
+fn paraboloid_by_height() -> ParametricSurface {
+    let mut m = Maker::new();
+    let r = m.f(Unary::Sqrt, m.v);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(r, u, v);
+    m.done(p, [[-PI, PI], [0.0, 9.0]])
+}
+
+/// (v cos u, v sin u, v²), v ∈ [0, far].
+fn paraboloid(far: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let square = m.mul(m.v, m.v);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(v, u, square);
+    m.done(p, [[-PI, PI], [0.0, far]])
+}
+
+#[test]
+fn a_bent_pole_of_a_wide_domain_is_smooth() {
+    // The metric of the first, by the height.
+    let by_metric = metric([[0.0, 8.0], [0.0, TAU]], |m| {
+        let one = m.c(1.0);
+        let four = m.scale(4.0, m.u);
+        let share = m.g.div(one, four);
+        [m.plus(1.0, share), m.c(0.0), m.u]
+    });
+    let by_height = paraboloid_by_height();
+    let wide = paraboloid(1e4);
+    let cases: [(&dyn Surface, [f64; 2], [f64; 2], usize); 3] = [
+        (&by_height, [0.3, 2.0], [0.0, -1.0], 1),
+        (&by_metric, [2.0, 0.3], [-1.0, 0.0], 0),
+        (&wide, [0.3, 2.0_f64.sqrt()], [0.0, -1.0], 1),
+    ];
+    // Along the parabola z = x².
+    let arc = |x: f64| 0.5 * x * (1.0 + 4.0 * x * x).sqrt() + 0.25 * (2.0 * x).asinh();
+    for (n, (surface, from, direction, axis)) in cases.into_iter().enumerate() {
+        let end = geodesic::trace::trace(surface, from, direction, 3.0, &Options::default());
+        let end = end.expect("a start");
+        assert_eq!(end.status, Status::Complete, "{n}: {end:?}");
+        let x = match n {
+            2 => end.uv[axis],
+            _ => end.uv[axis].sqrt(),
+        };
+        assert!(
+            (arc(2.0_f64.sqrt()) + arc(x) - 3.0).abs() < 1e-9,
+            "{n}: {end:?}"
+        );
+        assert!((end.uv[1 - axis] - 0.3).abs() > 3.0, "{n}: {end:?}");
+    }
+    let found = geodesic::measure::place(&by_height, [0.0, 0.0]).expect("a pole");
+    assert!((found.gaussian.expect("K") - 4.0).abs() < 1e-6, "{found:?}");
 }
