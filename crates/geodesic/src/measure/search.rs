@@ -54,8 +54,10 @@ const LEAST_WIDTH: f64 = 2e-4;
 const SURE_WIDTH: f64 = 4e-4;
 /// The most rings that the disc is cut into.
 const MOST_RINGS: f64 = 256.0;
-/// Guesses whose angles and lengths (of the reach) differ by less are one.
+/// Guesses whose angles and lengths (of the reach) differ by less are one; …
 const SAME: f64 = 2e-3;
+/// … those whose angles differ by less, where the tip of a cone may lie between them.
+const SAME_BESIDE_TIP: f64 = 1e-6;
 
 /// A part of the disc of directions and lengths.
 #[derive(Clone, Copy)]
@@ -99,10 +101,12 @@ pub(super) fn guesses(
     };
     let fan = Fan::build(surface, &frame.zoomed(reach), [PICTURE; 2], &options);
     let all_known = Cell::new(true);
+    let mut sides = (0..4).map(|k| surface.apex(k / 2, k % 2));
     let search = TargetSearch {
         surface,
         target,
         reach,
+        has_tip: sides.any(|apex| apex.is_some_and(|apex| !apex.smooth)),
         follow: &|at| end_of(surface, &fan, reach, at, &all_known),
     };
     let mut guesses = Guesses {
@@ -185,6 +189,7 @@ struct TargetSearch<'s> {
     surface: &'s dyn Surface,
     target: &'s AimedPlace<'s>,
     reach: f64,
+    has_tip: bool,
     follow: &'s dyn Fn(PolarVector) -> Option<Arrival>,
 }
 
@@ -303,7 +308,8 @@ impl TargetSearch<'_> {
             iterations: 10,
         };
         // Of a cell through which an edge runs, a corner may be all that is inside.
-        let others = corners.into_iter().filter(|_| folded || centre.is_none());
+        let every = folded || centre.is_none() || self.has_tip;
+        let others = corners.into_iter().filter(|_| every);
         for start in [middle].into_iter().chain(others) {
             let Some(hit) = shoot::newton(target, start, &bounds, follow) else {
                 continue;
@@ -311,9 +317,10 @@ impl TargetSearch<'_> {
             let PolarVector { angle, length } = hit.at;
             let strays = (angle - middle.angle).abs() > 3.0 * width.max(NARROW)
                 || (length - middle.length).abs() > 4.0 * depth;
+            let same_angle = if self.has_tip { SAME_BESIDE_TIP } else { SAME };
             let same = |other: &PolarVector| {
                 let turn = (angle - other.angle) / TAU;
-                (turn - turn.round()).abs() * TAU < SAME
+                (turn - turn.round()).abs() * TAU < same_angle
                     && (length - other.length).abs() < SAME * reach
             };
             if !strays && length > 0.5 * FINE * reach.min(far) && !found.iter().any(same) {
