@@ -21,6 +21,8 @@ pub(super) struct AimedPlace<'s> {
     position: Option<[f64; 3]>,
     /// Its place in coordinates that go on beyond the sides.
     copies: Vec<Uv>,
+    /// Where the nearest of these may lie farther off than beyond the next side.
+    lattice: Option<SkewedLattice>,
 }
 
 /// About an apex within this share of its chart's reach, its own coordinates are used.
@@ -49,7 +51,15 @@ impl<'s> AimedPlace<'s> {
             uv,
             position,
             copies: copies(surface, uv),
+            lattice: SkewedLattice::at(surface, uv),
         })
+    }
+
+    /// The ways in the coordinates from a place to the copies near by.
+    fn ways(&self, from: Uv) -> impl Iterator<Item = TangentVector> {
+        let next = self.copies.iter().map(move |&copy| copy - from);
+        let nearest = self.lattice.map(|lattice| lattice.nearest(self.uv - from));
+        next.chain(nearest.into_iter().flatten())
     }
 
     /// The way from an end: its components along the ray and across it.
@@ -59,9 +69,8 @@ impl<'s> AimedPlace<'s> {
             return near_apex;
         }
         let ways = self
-            .copies
-            .iter()
-            .filter_map(|&copy| components(end.along, end.left, copy - end.at));
+            .ways(end.at)
+            .filter_map(|way| components(end.along, end.left, way));
         ways.min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
     }
 
@@ -84,9 +93,8 @@ impl<'s> AimedPlace<'s> {
             return 0.5 * here;
         }
         let there = self
-            .copies
-            .iter()
-            .map(|&copy| speed(&jet, copy - end.at))
+            .ways(end.at)
+            .map(|way| speed(&jet, way))
             .fold(f64::INFINITY, f64::min);
         0.5 * if there.is_finite() {
             here.min(there)
@@ -112,6 +120,7 @@ impl<'s> AimedPlace<'s> {
         let other = Self {
             uv: at,
             copies: copies(self.surface, at),
+            lattice: SkewedLattice::at(self.surface, at),
             ..self.clone()
         };
         // At a pole σu has no direction: there the distance in space will do, or the one along a meridian.
@@ -149,8 +158,7 @@ impl<'s> AimedPlace<'s> {
         const PIECES: u32 = 64;
         let sides = self.surface.sides();
         let domain = self.surface.domain();
-        let line = |copy: &Uv| {
-            let way = *copy - from;
+        let line = |way: TangentVector| {
             let length: f64 = (0..PIECES)
                 .map(|n| {
                     let share = (f64::from(n) + 0.5) / f64::from(PIECES);
@@ -167,7 +175,7 @@ impl<'s> AimedPlace<'s> {
             }
         };
         let none = 64.0 * f64::EPSILON * self.surface.scale().size;
-        let lengths = self.copies.iter().map(line).filter(|length| *length > none);
+        let lengths = self.ways(from).map(line).filter(|length| *length > none);
         lengths.fold(f64::INFINITY, f64::min)
     }
 
@@ -258,6 +266,82 @@ pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -
             let is_point = surface.apex(axis, end).is_some();
             is_point && is_at(a, axis, end) && is_at(b, axis, end)
         })
+}
+
+/// The periods of a surface whose metric is so oblique that the nearest repetition of a place may lie beyond others.
+#[derive(Clone, Copy)]
+struct SkewedLattice {
+    /// A reduced basis, by the metric at the place; the second is zero where one pair of sides wraps.
+    periods: [TangentVector; 2],
+    metric: Metric,
+}
+
+impl SkewedLattice {
+    /// The lattice by the metric at a place; `None` where the nearest repetitions are those beyond the next sides, and where
+    /// sides are glued with a flip, whose metric is oblique in both ways.
+    fn at(surface: &dyn Surface, uv: Uv) -> Option<Self> {
+        let domain = surface.domain();
+        let width = |axis: usize| domain[axis][1] - domain[axis][0];
+        let [mut p, mut q] = [
+            TangentVector([width(0), 0.0]),
+            TangentVector([0.0, width(1)]),
+        ];
+        let kinds = [0, 1].map(|axis| surface.sides().of(axis)[0]);
+        let metric = Metric::of(&surface.jet(uv));
+        let oblique = 2.0 * metric.inner(p, q).abs();
+        let is_oblique = |period: TangentVector| oblique > metric.inner(period, period);
+        let is_of_use = match kinds {
+            [Side::Wrap, Side::Wrap] => is_oblique(p) || is_oblique(q),
+            [Side::WrapFlip, _] | [_, Side::WrapFlip] => false,
+            [Side::Wrap, _] => is_oblique(p),
+            [_, Side::Wrap] => {
+                std::mem::swap(&mut p, &mut q);
+                is_oblique(p)
+            }
+            _ => false,
+        };
+        if !is_of_use || !oblique.is_finite() {
+            return None;
+        }
+        if kinds != [Side::Wrap; 2] {
+            q = TangentVector([0.0; 2]);
+        }
+        // Lagrange's reduction: each round makes the longer one shorter, by a factor but for the last.
+        for _ in 0..64 {
+            if metric.inner(q, q) < metric.inner(p, p) && q != TangentVector([0.0; 2]) {
+                std::mem::swap(&mut p, &mut q);
+            }
+            let times = (metric.inner(p, q) / metric.inner(p, p)).round();
+            if times == 0.0 {
+                break;
+            }
+            q = q - times * p;
+        }
+        let lattice = Self {
+            periods: [p, q],
+            metric,
+        };
+        lattice
+            .periods
+            .iter()
+            .all(|it| it.is_finite())
+            .then_some(lattice)
+    }
+
+    /// The nine shortest ways, or three, that differ from a way by periods: in coordinates by a reduced basis the nearest of
+    /// all is beside the one of which both are at most a half.
+    fn nearest(&self, way: TangentVector) -> [TangentVector; 9] {
+        let [p, q] = self.periods;
+        let [x, y] = components(p, q, way).unwrap_or_else(|| {
+            let share = self.metric.inner(way, p) / self.metric.inner(p, p);
+            [share, 0.0]
+        });
+        let shortest = way - x.round() * p - y.round() * q;
+        std::array::from_fn(|n| {
+            let [i, j] = [n / 3, n % 3].map(|k| k as f64 - 1.0);
+            shortest + i * p + j * q
+        })
+    }
 }
 
 /// A place and its repetitions beyond each side that wraps.
