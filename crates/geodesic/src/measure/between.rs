@@ -41,6 +41,8 @@ pub struct Connections {
     pub within: f64,
     /// False if there may be more: work was left undone, or there are more than [`MOST_CONNECTIONS`].
     pub complete: bool,
+    /// False if there may be a shorter one than the first.
+    pub distance_known: bool,
 }
 
 /// The most geodesics that are returned.
@@ -101,26 +103,31 @@ fn between_on(
     let size = surface.scale().size;
     let nearest = shortest(&source, &target);
     let wanted = within.or_else(|| Some(2.0 * nearest.found.first()?.length));
-    let Some(wanted) = wanted else {
+    let Some(mut wanted) = wanted else {
         return Ok(nearest);
     };
-    let within = wanted * (1.0 + SAME_LENGTH);
-    let mut all = if within <= nearest.within {
+    let reach = wanted * (1.0 + SAME_LENGTH);
+    // A search for the shortest that left nothing undone has found it.
+    let is_known = nearest.complete;
+    let mut all = if reach <= nearest.within {
         nearest
     } else {
         // Where geodesics diverge, so wide a search may be too much, and find less.
-        let mut all = all_within(&source, &target, within);
-        for it in nearest.found {
-            if !all.found.iter().any(|other| other.is_same(&it, size)) {
-                all.found.push(it);
-            }
-        }
+        let mut all = both_ways(&source, &target, |source, target| {
+            all_within(source, target, reach)
+        });
+        all.add(nearest.found, size);
         all
     };
+    if let (None, Some(first)) = (within, all.found.first()) {
+        wanted = wanted.min(2.0 * first.length);
+    }
+    let within = wanted * (1.0 + SAME_LENGTH);
     all.found.retain(|it| it.length <= within);
-    all.found.sort_by(|a, b| a.length.total_cmp(&b.length));
     all.complete &= all.found.len() <= MOST_CONNECTIONS;
-    all.complete &= !misses_a_path(&source, &target, &all.found, wanted);
+    let misses = misses_a_path(&source, &target, &all.found, wanted);
+    all.complete &= !misses;
+    all.distance_known = all.complete || is_known && !misses;
     all.found.truncate(MOST_CONNECTIONS);
     all.within = wanted;
     Ok(all)
@@ -167,6 +174,59 @@ fn distance_on(
     Ok(shortest(&source, &target).found.first().copied())
 }
 
+/// Searches from one place to another, and where that may have missed some geodesics, from the other one too: a geodesic run
+/// backwards is one.
+fn both_ways<'s>(
+    source: &RaySource<'s>,
+    target: &AimedPlace<'s>,
+    search: impl Fn(&RaySource<'s>, &AimedPlace<'s>) -> Connections,
+) -> Connections {
+    let mut all = search(source, target);
+    let is_loop = target.near_distance(source) == 0.0;
+    if all.complete || is_loop {
+        return all;
+    }
+    let surface = source.surface;
+    let back = RaySource::at(surface, target.uv);
+    let (Ok(back), Ok(aim)) = (back, AimedPlace::new(surface, source.start(0.0))) else {
+        return all;
+    };
+    let other = search(&back, &aim);
+    let mut is_complete = other.complete;
+    let size = surface.scale().size;
+    let mut found = Vec::new();
+    for it in other.found {
+        let angle = source.angle_of(it.to, -it.arrival);
+        let guess = angle.map(|angle| PolarVector {
+            angle,
+            length: it.length,
+        });
+        match guess.and_then(|guess| shoot::hit(source, target, guess)) {
+            Some(hit) => found.push(Connection::of(source, &hit)),
+            None => is_complete = false,
+        }
+    }
+    all.add(found, size);
+    if is_complete {
+        // All that there are have been found from there.
+        all.complete = true;
+        all.within = all.within.max(other.within);
+    }
+    all
+}
+
+impl Connections {
+    /// Adds those that are not among them yet.
+    fn add(&mut self, others: Vec<Connection>, size: f64) {
+        for it in others {
+            if !self.found.iter().any(|other| other.is_same(&it, size)) {
+                self.found.push(it);
+            }
+        }
+        self.found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    }
+}
+
 /// Both places; the second one has the name of the first, if they are one.
 fn ends(
     surface: &dyn Surface,
@@ -195,6 +255,19 @@ impl Connection {
         }
     }
 
+    fn of(source: &RaySource<'_>, hit: &Hit) -> Self {
+        Self {
+            length: hit.at.length,
+            from: source.start(hit.at.angle),
+            direction: source.direction(hit.at.angle),
+            to: hit.end.at,
+            arrival: hit.end.along,
+            m: hit.end.m,
+            conjugate: shoot::is_conjugate(hit),
+            angle: hit.at.angle,
+        }
+    }
+
     fn is_same(&self, other: &Self, size: f64) -> bool {
         let rounding = 64.0 * f64::EPSILON * size;
         let turn = (self.angle - other.angle) / TAU;
@@ -208,7 +281,11 @@ impl Connection {
 }
 
 /// Looks for the shortest geodesic, and finds others on the way: those within the length that was looked at.
-pub(super) fn shortest(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections {
+pub(super) fn shortest<'s>(source: &RaySource<'s>, target: &AimedPlace<'s>) -> Connections {
+    both_ways(source, target, shortest_from)
+}
+
+fn shortest_from(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections {
     let size = source.surface.scale().size;
     let straight = target.straight_length(source.start(0.0));
     // Around an edge a geodesic may be longer than the straight line of the chart, which is none.
@@ -276,6 +353,7 @@ fn search(
         found: Vec::new(),
         within: reach.min(within),
         complete: complete && !has_uneven_pole(source.surface),
+        distance_known: false,
     };
     for guess in found {
         if hits.len() >= MOST_CONNECTIONS {
@@ -294,17 +372,9 @@ fn search(
         }
     }
     hits.sort_by(|a, b| a.at.length.total_cmp(&b.at.length));
-    let connection = |hit: &Hit| Connection {
-        length: hit.at.length,
-        from: source.start(hit.at.angle),
-        direction: source.direction(hit.at.angle),
-        to: hit.end.at,
-        arrival: hit.end.along,
-        m: hit.end.m,
-        conjugate: shoot::is_conjugate(hit),
-        angle: hit.at.angle,
-    };
-    all.found = hits.iter().map(connection).collect();
+    all.found = (hits.iter())
+        .map(|hit| Connection::of(source, hit))
+        .collect();
     all
 }
 
