@@ -8,7 +8,8 @@
 //! curve, frames ──walk.rs──▶ length and holonomy
 //! ```
 //!
-//! Where a parameter crosses a seam unevenly, connections and triangles are found in even ones (`reparametrised.rs`).
+//! Where a parameter crosses a seam unevenly, connections and triangles are found in even ones (`reparametrised.rs`), and
+//! on surfaces of extreme sizes in other units (`rescaled.rs`).
 //!
 //! The fan only finds candidates; every length and angle that is returned is that of a ray followed by itself. All work is
 //! limited, and what was not found says so.
@@ -18,6 +19,7 @@ mod circle;
 mod gap;
 mod place;
 mod quadrature;
+mod rescaled;
 mod search;
 mod shoot;
 mod source;

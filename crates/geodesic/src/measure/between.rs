@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::MeasureError;
 use super::gap::{AimedPlace, is_one_place};
+use super::rescaled::Rescaled;
 use super::search::{self, Guesses};
 use super::shoot::{self, Hit, PolarVector};
 use super::source::RaySource;
@@ -82,6 +83,17 @@ pub fn between(
         return Err(MeasureError::BadLength { length });
     }
     let (from, to) = (from.into(), to.into());
+    if let Some(usual) = Rescaled::of(surface) {
+        let [from, to] = [from, to].map(|uv| usual.changed(uv));
+        let within = within.map(|length| length / usual.size());
+        let found = between(&usual, from, to, within);
+        let mut all = found.map_err(|error| usual.restored_error(error))?;
+        all.within *= usual.size();
+        for it in &mut all.found {
+            *it = usual.restored(*it);
+        }
+        return Ok(all);
+    }
     if let Some(even) = Reparametrised::of(surface) {
         let found = between_on(&even, even.changed(from).0, even.changed(to).0, within);
         let mut all = found.map_err(|error| error.restored(&even))?;
@@ -157,6 +169,12 @@ pub fn distance(
     to: impl Into<Uv>,
 ) -> Result<Option<Connection>, MeasureError> {
     let (from, to) = (from.into(), to.into());
+    if let Some(usual) = Rescaled::of(surface) {
+        let [from, to] = [from, to].map(|uv| usual.changed(uv));
+        let found = distance(&usual, from, to);
+        let found = found.map_err(|error| usual.restored_error(error))?;
+        return Ok(found.map(|it| usual.restored(it)));
+    }
     if let Some(even) = Reparametrised::of(surface) {
         let found = distance_on(&even, even.changed(from).0, even.changed(to).0);
         let found = found.map_err(|error| error.restored(&even))?;

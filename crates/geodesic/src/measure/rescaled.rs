@@ -1,0 +1,143 @@
+//! Surfaces of extreme sizes: a surface in; the same surface in units in which it is about as large as 1, and its domain as
+//! wide, out. A search multiplies several lengths, which would leave the range of numbers.
+//!
+//! The units are powers of two, so that nothing is rounded.
+
+use super::MeasureError;
+use super::between::Connection;
+use crate::point::{TangentVector, Uv};
+use crate::surface::{ChartData, Jet, Surface};
+
+/// A surface in other units of length and of its parameters.
+pub(super) struct Rescaled<'s> {
+    surface: &'s dyn Surface,
+    /// The unit of length.
+    size: f64,
+    /// Those of the parameters.
+    units: [f64; 2],
+    chart_data: ChartData,
+}
+
+/// Sizes of which this and its inverse are the bounds are usual.
+const USUAL: f64 = 1e30;
+
+impl<'s> Rescaled<'s> {
+    /// The surface in usual units; `None` where its own ones are.
+    pub(super) fn of(surface: &'s dyn Surface) -> Option<Self> {
+        let mut chart_data = *surface.chart_data();
+        let lengths = [
+            chart_data.scale.size,
+            chart_data.domain[0][1] - chart_data.domain[0][0],
+            chart_data.domain[1][1] - chart_data.domain[1][0],
+        ];
+        let is_usual = |length: &f64| (1.0 / USUAL..USUAL).contains(length);
+        if lengths.iter().all(is_usual) {
+            return None;
+        }
+        let [size, unit_u, unit_v] = lengths.map(|length| length.log2().round().exp2());
+        let units = [unit_u, unit_v];
+        if !(size.is_normal() && units.iter().all(|unit| unit.is_normal())) {
+            return None;
+        }
+        chart_data.scale.size /= size;
+        for axis in 0..2 {
+            chart_data.scale.stretch[axis] /= size / units[axis];
+            for end in 0..2 {
+                chart_data.domain[axis][end] /= units[axis];
+                if let Some(apex) = &mut chart_data.topology.apexes[axis][end] {
+                    apex.rate *= units[1 - axis];
+                    apex.bend /= units[axis].powf(1.0 / apex.power);
+                }
+            }
+        }
+        Some(Self {
+            surface,
+            size,
+            units,
+            chart_data,
+        })
+    }
+
+    /// The unit of length.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// The new parameters of a place.
+    pub(super) fn changed(&self, uv: Uv) -> Uv {
+        Uv([0, 1].map(|k| uv[k] / self.units[k]))
+    }
+
+    /// A connection in the surface's own units.
+    pub(super) fn restored(&self, it: Connection) -> Connection {
+        let place = |uv: Uv| Uv([0, 1].map(|k| uv[k] * self.units[k]));
+        let vector =
+            |v: TangentVector| TangentVector([0, 1].map(|k| v[k] * (self.units[k] / self.size)));
+        Connection {
+            length: it.length * self.size,
+            from: place(it.from),
+            direction: vector(it.direction),
+            to: place(it.to),
+            arrival: vector(it.arrival),
+            m: it.m * self.size,
+            ..it
+        }
+    }
+
+    /// An error with its place and its length in the surface's own units.
+    pub(super) fn restored_error(&self, error: MeasureError) -> MeasureError {
+        let place = |at: [f64; 2]| [0, 1].map(|k| at[k] * self.units[k]);
+        match error {
+            MeasureError::Outside { at, .. } => MeasureError::Outside {
+                at: place(at),
+                domain: self.surface.domain(),
+            },
+            MeasureError::Undefined { at } => MeasureError::Undefined { at: place(at) },
+            MeasureError::Degenerate { at } => MeasureError::Degenerate { at: place(at) },
+            MeasureError::BadLength { length } => MeasureError::BadLength {
+                length: length * self.size,
+            },
+            MeasureError::NotFinite => error,
+        }
+    }
+}
+
+impl Surface for Rescaled<'_> {
+    fn jet(&self, uv: Uv) -> Jet {
+        let [a, b] = self.units;
+        let jet = self.surface.jet(Uv([a * uv[0], b * uv[1]]));
+        // One factor after the other: their product may be out of range.
+        let times = |vector: [f64; 3], units: &[f64]| {
+            units
+                .iter()
+                .fold(vector.map(|x| x / self.size), |vector, unit| {
+                    vector.map(|x| x * unit)
+                })
+        };
+        Jet {
+            // Without an embedding it is (u, v, 0).
+            position: if self.is_embedded() {
+                times(jet.position, &[])
+            } else {
+                [uv[0], uv[1], 0.0]
+            },
+            du: times(jet.du, &[a]),
+            dv: times(jet.dv, &[b]),
+            duu: times(jet.duu, &[a, a]),
+            duv: times(jet.duv, &[a, b]),
+            dvv: times(jet.dvv, &[b, b]),
+        }
+    }
+
+    fn is_embedded(&self) -> bool {
+        self.surface.is_embedded()
+    }
+
+    fn instruction_count(&self) -> usize {
+        self.surface.instruction_count()
+    }
+
+    fn chart_data(&self) -> &ChartData {
+        &self.chart_data
+    }
+}
