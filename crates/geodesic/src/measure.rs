@@ -61,6 +61,11 @@ pub enum MeasureError {
         /// The place.
         at: [f64; 2],
     },
+    /// The place lies on a crease, as where |u| has one at u = 0: the tangent planes of both sides differ.
+    Crease {
+        /// The place.
+        at: [f64; 2],
+    },
     /// A length is negative or no finite number.
     BadLength {
         /// The length.
@@ -79,6 +84,7 @@ impl MeasureError {
             },
             Self::Undefined { at } => Self::Undefined { at: restored(at) },
             Self::Degenerate { at } => Self::Degenerate { at: restored(at) },
+            Self::Crease { at } => Self::Crease { at: restored(at) },
             Self::NotFinite | Self::BadLength { .. } => self,
         }
     }
@@ -117,6 +123,10 @@ impl fmt::Display for MeasureError {
             Self::Degenerate { at: [u, v] } => write!(
                 f,
                 "the surface has no tangent plane at the place ({u}, {v}): σu and σv are parallel"
+            ),
+            Self::Crease { at: [u, v] } => write!(
+                f,
+                "the place ({u}, {v}) lies on a crease: the tangent planes of both sides differ"
             ),
             Self::BadLength { length } => {
                 write!(f, "the length {length} is not a number of at least 0")

@@ -181,6 +181,17 @@ fn a_triangle_around_a_handle_has_no_region() {
     assert_eq!(found.region, Err(NoRegion::NotSwept), "{found:?}");
 }
 
+#[test]
+fn a_triangle_whose_corners_are_one_place_says_so() {
+    let sphere = spheroid(1.0, 1.0);
+    let found = triangle(&sphere, [[0.0, 0.0], [TAU, 0.0], [1.0, 1.0]]);
+    assert_eq!(
+        found.region,
+        Err(NoRegion::OnePlace { corners: [0, 1] }),
+        "{found:?}"
+    );
+}
+
 /// The difference of two angles, but for whole turns.
 fn turn_between(a: f64, b: f64) -> f64 {
     let turns = (a - b) / TAU;

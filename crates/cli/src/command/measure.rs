@@ -352,7 +352,9 @@ fn stopped(stop: &RayStop) -> String {
 fn refused(option: &str, error: &MeasureError) -> Failure {
     let message = format!("{option}: {error}");
     match error {
-        MeasureError::Undefined { .. } | MeasureError::Degenerate { .. } => Failure::Input {
+        MeasureError::Undefined { .. }
+        | MeasureError::Degenerate { .. }
+        | MeasureError::Crease { .. } => Failure::Input {
             message,
             hint: None,
         },

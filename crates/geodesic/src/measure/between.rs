@@ -274,10 +274,11 @@ impl Connection {
     }
 
     fn of(source: &RaySource<'_>, hit: &Hit) -> Self {
+        let [from, direction] = source.tidy_start(hit.at.angle);
         Self {
             length: hit.at.length,
-            from: source.start(hit.at.angle),
-            direction: source.direction(hit.at.angle),
+            from: Uv(from),
+            direction: TangentVector(direction),
             to: hit.end.at,
             arrival: hit.end.along,
             m: hit.end.m,

@@ -8,6 +8,7 @@ use crate::jet::Jet;
 use crate::metric::{cross, dot, gaussian_curvature, norm};
 use crate::point::Uv;
 use crate::surface::Surface;
+use crate::topology::Apex;
 use crate::trace::TraceError;
 
 /// The measures at one place.
@@ -54,7 +55,7 @@ fn rounded(number: f64, size: f64) -> f64 {
 /// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.
 ///
 /// # Errors
-/// [`MeasureError`] where the place lies outside the domain, or the surface is undefined.
+/// [`MeasureError`] where the place lies outside the domain or on a crease, or the surface is undefined.
 pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, MeasureError> {
     let given = uv.into();
     match Frame::new(surface, given, 0.0, 1.0) {
@@ -67,12 +68,21 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let [[u0, u1], [v0, v1]] = surface.domain();
     let uv = Uv([at[0].clamp(u0, u1), at[1].clamp(v0, v1)]);
     let jet = surface.jet(uv);
-    let [e, g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
+    let [mut e, mut g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
+    let apex = apex_at(surface, uv);
+    if apex.is_none() && is_on_crease(surface, uv) {
+        return Err(MeasureError::Crease { at: uv.0 });
+    }
+    // Rounding may leave a side that is a point some length.
+    match apex {
+        Some((0, _)) => g = 0.0,
+        Some(_) => e = 0.0,
+        None => {}
+    }
     let form = [e, rounded(dot(jet.du, jet.dv), (e * g).sqrt()), g];
-    // Rounding may leave a side at a tip some length.
-    let [gaussian, mean] = match is_tip(surface, uv) {
-        true => [f64::NAN; 2],
-        false => curvatures_near(surface, uv),
+    let [gaussian, mean] = match apex {
+        Some((_, Apex { smooth: false, .. })) => [f64::NAN; 2],
+        _ => curvatures_near(surface, uv),
     };
     let finite = |x: f64| x.is_finite().then_some(x);
     Ok(PlaceMeasures {
@@ -80,20 +90,45 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
-        principal: principal(&jet).filter(|_| surface.is_embedded()),
+        principal: principal(&jet).filter(|_| surface.is_embedded() && apex.is_none()),
     })
 }
 
-/// Returns whether a place is the tip of a cone.
-fn is_tip(surface: &dyn Surface, uv: Uv) -> bool {
+/// The side that is a point and has a place on it: its axis and its shape.
+fn apex_at(surface: &dyn Surface, uv: Uv) -> Option<(usize, Apex)> {
     let domain = surface.domain();
-    let is_at = |axis: usize, end: usize| {
-        let apex = surface.apex(axis, end).filter(|apex| !apex.smooth);
-        apex.is_some() && uv[axis] == domain[axis][end]
-    };
     [[0, 0], [0, 1], [1, 0], [1, 1]]
-        .iter()
-        .any(|&[axis, end]| is_at(axis, end))
+        .into_iter()
+        .filter(|&[axis, end]| uv[axis] == domain[axis][end])
+        .find_map(|[axis, end]| Some((axis, surface.apex(axis, end)?)))
+}
+
+/// Returns whether the tangent planes on both sides of a place make an angle, however near to it they are.
+fn is_on_crease(surface: &dyn Surface, uv: Uv) -> bool {
+    const OFF: [f64; 2] = [1e-9, 1e-10];
+    const BENT: f64 = 1e-4;
+    let domain = surface.domain();
+    let normal = |axis: usize, off: f64| {
+        let mut at = uv.0;
+        at[axis] += off * (domain[axis][1] - domain[axis][0]);
+        surface.sides().bring_back(domain, &mut at);
+        let [low, high] = domain[axis];
+        let inside = at[axis] >= low && at[axis] <= high;
+        let jet = surface.jet(Uv(at));
+        let normal = cross(jet.du, jet.dv);
+        let length = norm(normal);
+        if inside {
+            normal.map(|x| x / length)
+        } else {
+            [f64::NAN; 3]
+        }
+    };
+    let angle = |axis: usize, off: f64| norm(cross(normal(axis, off), normal(axis, -off)));
+    surface.is_embedded()
+        && (0..2).any(|axis| {
+            let [far, near] = OFF.map(|off| angle(axis, off));
+            near > BENT && near > 0.5 * far
+        })
 }
 
 /// The principal curvatures and directions: those in which the second form, with respect to an orthonormal basis of the

@@ -94,6 +94,7 @@ impl<'s> Rescaled<'s> {
             },
             MeasureError::Undefined { at } => MeasureError::Undefined { at: place(at) },
             MeasureError::Degenerate { at } => MeasureError::Degenerate { at: place(at) },
+            MeasureError::Crease { at } => MeasureError::Crease { at: place(at) },
             MeasureError::BadLength { length } => MeasureError::BadLength {
                 length: length * self.size,
             },

@@ -6,7 +6,7 @@ use super::MeasureError;
 use crate::chart::{Atlas, Chart, State};
 use crate::ends::Coordinates;
 use crate::frame::Frame;
-use crate::metric::Metric;
+use crate::metric::{Metric, norm};
 use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::status::Status;
 use crate::surface::Surface;
@@ -141,6 +141,38 @@ impl<'s> RaySource<'s> {
             Origin::Frame(frame) => frame.turned(angle).plain(self.surface).uv,
             Origin::Tip { axis, end, rate } => self.on_tip(*axis, *end, *rate, angle),
         }
+    }
+
+    /// The place and the direction of a ray without what is rounding alone: components without length are zero, and a place
+    /// by a pole is on it.
+    pub(super) fn tidy_start(&self, angle: f64) -> [[f64; 2]; 2] {
+        const NOISE: f64 = 1e-14;
+        let (Uv(mut from), TangentVector(mut direction)) =
+            (self.start(angle), self.direction(angle));
+        let jet = self.surface.jet(Uv(from));
+        for (component, tangent) in direction.iter_mut().zip([jet.du, jet.dv]) {
+            if component.abs() * norm(tangent) <= NOISE {
+                *component = 0.0;
+            }
+        }
+        if let Some(frame) = self.frame()
+            && let Coordinates::Apex { axis, end } = frame.coordinates
+        {
+            let [axis, end] = [axis, end].map(usize::from);
+            let atlas = Atlas::new(self.surface);
+            let pole = self.surface.domain()[axis][end];
+            let given = atlas.layout.pole_chart(frame.coordinates);
+            let is_at = given.is_some_and(|pole| {
+                let [a, b] = pole.point(frame.uv.0);
+                a.hypot(b) < pole.nearest()
+            });
+            if is_at {
+                from[axis] = pole;
+                // It leaves along the meridian.
+                direction[1 - axis] = 0.0;
+            }
+        }
+        [from, direction]
     }
 
     fn on_tip(&self, axis: usize, end: usize, rate: f64, angle: f64) -> Uv {

@@ -52,7 +52,12 @@ pub struct TriangleRegion {
 /// The reason why a triangle has no region.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum NoRegion {
-    /// Two corners are not joined by a geodesic that was found, or are one place.
+    /// Two corners are one place.
+    OnePlace {
+        /// The numbers of the corners, from 0.
+        corners: [usize; 2],
+    },
+    /// Two corners are not joined by a geodesic that was found.
     NoSide {
         /// The numbers of the corners, from 0.
         corners: [usize; 2],
@@ -65,6 +70,9 @@ pub enum NoRegion {
 impl fmt::Display for NoRegion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::OnePlace { corners: [a, b] } => {
+                write!(f, "the corners {} and {} are one place", a + 1, b + 1)
+            }
             Self::NoSide { corners: [a, b] } => {
                 let (a, b) = (a + 1, b + 1);
                 write!(f, "no geodesic was found that joins the corners {a} and {b}")
@@ -116,9 +124,10 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
         sources.push(RaySource::at(surface, corner)?);
         targets.push(AimedPlace::new(surface, corner)?);
     }
+    let is_one = |[from, to]: [usize; 2]| is_one_place(surface, corners[from], corners[to]);
     let side = |from: usize, to: usize| {
         // Loops are no sides.
-        if is_one_place(surface, corners[from], corners[to]) {
+        if is_one([from, to]) {
             return None;
         }
         let all = shortest(&sources[from], &targets[to]);
@@ -138,10 +147,14 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
         between(arriving(1, &ab), leaving(&bc)),
         between(arriving(2, &ac), arriving(2, &bc)),
     ];
+    let without = |corners: [usize; 2]| match is_one(corners) {
+        true => Err(NoRegion::OnePlace { corners }),
+        false => Err(NoRegion::NoSide { corners }),
+    };
     let region = match (ab, ac, bc) {
-        (None, _, _) => Err(NoRegion::NoSide { corners: [0, 1] }),
-        (_, None, _) => Err(NoRegion::NoSide { corners: [0, 2] }),
-        (_, _, None) => Err(NoRegion::NoSide { corners: [1, 2] }),
+        (None, _, _) => without([0, 1]),
+        (_, None, _) => without([0, 2]),
+        (_, _, None) => without([1, 2]),
         (Some(ab), Some(ac), Some(bc)) => {
             let sides = [
                 SidePath::new(&sources[0], &ab, false),
