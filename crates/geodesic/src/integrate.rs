@@ -218,7 +218,11 @@ fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
         // Steps that shrink to nothing run into something that they will not pass.
         let shortest = SHORTEST * length.min(atlas.layout.scale.size).max(ray.s);
         if adaptive && h < shortest && length - ray.s > shortest {
-            break stalled_at(atlas, ray.plain().at);
+            if !ray.leaps_over_kink(10.0 * shortest) {
+                break stalled_at(atlas, ray.plain().at);
+            }
+            h = 10.0 * shortest;
+            ray.note_place();
         }
     };
     ray.note_place();

@@ -2,6 +2,7 @@
 
 mod shapes;
 
+use expr::ops::Unary;
 use geodesic::surface::Surface;
 use geodesic::trace::{Method, Options, Status, Trace, trace};
 use shapes::*;
@@ -97,6 +98,38 @@ fn an_edge_is_met_exactly_where_the_formula_ends_there() {
         assert!((end.length - expected).abs() < 1e-12, "{end:?} {expected}");
         assert_eq!(end.uv[0], 0.0);
         assert!((end.uv[1] - 0.8 * direction[1]).abs() < 1e-12, "{end:?}");
+    }
+}
+
+#[test]
+fn a_rim_across_which_the_metric_is_continuous_is_passed() {
+    // Two cones, ((1 − |v|/2) cos u, (1 − |v|/2) sin u, v).
+    let mut m = Maker::new();
+    let abs = m.f(Unary::Abs, m.v);
+    let part = m.scale(-0.5, abs);
+    let r = m.plus(1.0, part);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(r, u, v);
+    let s = m.done(p, [[-PI, PI], [-1.9, 1.9]]);
+    let clairaut = |at: [f64; 2], d: [f64; 2]| (1.0 - 0.5 * at[1].abs()).powi(2) * d[0];
+    for n in 0..60 {
+        let n = f64::from(n);
+        let (from, heading) = ([0.1 * n - 3.0, -0.2 - 0.012 * n], 0.9 + 0.02 * n);
+        let direction = [
+            heading.cos() / (1.0 + 0.5 * from[1]),
+            heading.sin() / 1.25_f64.sqrt(),
+        ];
+        for tolerance in [1e-12, 1e-13, 1e-14] {
+            let options = Options {
+                tolerance,
+                ..Options::default()
+            };
+            let end = trace(&s, from, direction, 1.5, &options).expect("a start");
+            assert_eq!(end.status, Status::Complete, "{end:?}");
+            let drift = clairaut(end.uv.0, end.direction.0) - clairaut(from, direction);
+            assert!(drift.abs() < 1e-11, "{drift:e} {end:?}");
+            assert!(end.error_estimate < 1e-9, "{end:?}");
+        }
     }
 }
 

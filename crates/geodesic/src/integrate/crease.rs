@@ -24,6 +24,10 @@ const SHARP: f64 = 1e-14;
 /// By how much, relative to their lengths, what both sides must have in common may differ.
 const COMMON: f64 = 1e-6;
 
+/// The most that direction and speed change in a step over a kink, which is 10⁻¹² of the scale long: the curvature of what is
+/// singular there is larger.
+const HARDLY: f64 = 1e-9;
+
 /// The cause of a change of the speed.
 enum Found {
     /// Nothing that stays in one place: the surface is steep there.
@@ -67,6 +71,40 @@ impl Ray<'_, '_> {
                 Some(self.cross(before, after, pace, h))
             }
         }
+    }
+
+    /// Takes one short step whatever its error, and returns whether it has: where the metric is continuous and its derivatives
+    /// are not, as at the rim of two cones, no step across is short enough for a tight tolerance, and yet the direction
+    /// hardly changes. The error counts.
+    pub(super) fn leaps_over_kink(&mut self, h: f64) -> bool {
+        if !matches!(self.chart, Chart::Plain) || !self.affords_step() {
+            return false;
+        }
+        let pace = StepParameter::Coordinates;
+        let Some(step) = self.step(h, pace) else {
+            return false;
+        };
+        let Some(local) = self.local_after(&step) else {
+            return false;
+        };
+        let change = [0, 1].map(|k| step.end.velocity[k] - self.state.velocity[k]);
+        let speeds = [&self.state.velocity, &step.end.velocity]
+            .map(|velocity| length(local.tangents, *velocity));
+        let is_small = |change: f64| change <= HARDLY;
+        let turns = length(self.local.tangents, change) / self.speed();
+        let jumps = [
+            speeds[0] / self.speed() - 1.0,
+            speeds[1] / self.speed() - 1.0,
+        ];
+        let is_kink = is_small(turns) && jumps.iter().all(|jump| is_small(jump.abs()));
+        if !is_kink || self.event(&step, h, pace, 0.0).is_some() || self.oversteps(&step) {
+            return false;
+        }
+        let scale = self.atlas.layout.scale.size.min(self.s + h);
+        let rounding = self.rounding();
+        self.accept(&step, local, h, pace, rounding, scale);
+        self.control.forget();
+        self.enter_next_chart()
     }
 
     fn locate(
