@@ -190,6 +190,8 @@ pub(crate) const FINER: f64 = 1000.0;
 const UNCHECKED: f64 = 4.0;
 /// A ray of fewer steps is compared with one in two halves.
 const FEW: usize = 15;
+/// Two runs of the classical method that end farther apart, in units of the size, have not converged.
+const CONVERGED: f64 = 1e-3;
 /// σu and σv whose angle has a smaller sine than this are parallel.
 const PARALLEL: f64 = 1e-12;
 
@@ -293,8 +295,14 @@ pub(crate) fn trace_from(
             // Where the first run ended early, there the second one is compared with it.
             let coarse = integrate::integrate(atlas, start, fine.length, coarse);
             let gap = atlas.gap(fine.state.at, coarse.state.at);
-            // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson's extrapolation).
-            fine.error = gap / 15.0;
+            // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson's extrapolation), once steps
+            // are short enough for that to show.
+            let size = atlas.layout.scale.size.min(length);
+            fine.error = if gap > CONVERGED * size {
+                gap
+            } else {
+                gap / 15.0
+            };
             fine
         }
     };

@@ -5,7 +5,7 @@ mod shapes;
 
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::Surface;
-use geodesic::trace::{Options, Status, trace};
+use geodesic::trace::{Method, Options, Status, trace};
 use random::Random;
 use shapes::*;
 
@@ -262,6 +262,31 @@ fn the_length_of_a_ray_that_left_is_within_its_estimate() {
             "{from:?} {direction:?} {expected} {error:e} {end:?}"
         );
     }
+}
+
+#[test]
+fn steps_that_are_too_long_to_converge_claim_little() {
+    let pancake = spheroid(1.0, 0.05);
+    let mut compared = 0;
+    for n in 0..40 {
+        let heading = 0.15 * f64::from(n);
+        let (from, direction) = ([0.8, -0.3], [heading.cos(), heading.sin()]);
+        let run = |options: &Options| trace(&pancake, from, direction, 5.0, options);
+        let truth = run(&Options::default()).expect("a start");
+        for steps in [64, 512] {
+            let end = run(&Options {
+                method: Method::Rk4 { steps },
+                ..Options::default()
+            });
+            let end = end.expect("a start");
+            let error = gap(&pancake, truth.uv.0, end.uv.0);
+            if end.status == Status::Complete && end.error_estimate > 1e-3 {
+                assert!(error <= 5.0 * end.error_estimate, "{error:e} {end:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 10, "{compared}");
 }
 
 #[test]
