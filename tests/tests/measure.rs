@@ -42,7 +42,19 @@ fn keys(document: &Value) -> Vec<&String> {
 #[test]
 fn a_place_has_its_curvatures_and_its_first_form() {
     let found = document(TORUS, "--at 0,pi/3 --set r=1");
-    assert_eq!(keys(&found), ["E", "F", "G", "H", "K"]);
+    assert_eq!(keys(&found), ["E", "F", "G", "H", "K", "principal"]);
+    // The tube's own curvature, and that of the circles about the axis.
+    for (k, (curvature, direction)) in [(-0.5 / 2.5, [0.4, 0.0]), (-1.0, [0.0, 1.0])]
+        .into_iter()
+        .enumerate()
+    {
+        let found = &found["principal"][k];
+        assert_close("k", number(found, "curvature"), curvature, 1e-14);
+        for (n, expected) in direction.into_iter().enumerate() {
+            let found = found["direction"][n].as_f64().expect("a number");
+            assert_close("along", found.abs(), expected, 1e-14);
+        }
+    }
     // K = cos v/(r(2 + r cos v)); the normal σu × σv points outwards.
     assert_close("K", number(&found, "K"), 0.5 / 2.5, 1e-14);
     assert_close(
@@ -96,6 +108,9 @@ fn a_circle_has_its_circumference_and_area() {
 #[test]
 fn two_places_have_their_geodesics() {
     let found = document(SPHERE, "--between 0,0 1,0 --within 2pi");
+    assert_eq!(keys(&found), ["distance", "geodesics", "within"]);
+    assert_close("distance", number(&found, "distance"), 1.0, 1e-9);
+    assert_close("within", number(&found, "within"), TAU, 1e-12);
     let geodesics = found["geodesics"].as_array().expect("a list");
     assert_eq!(geodesics.len(), 2, "{found}");
     assert_eq!(keys(&geodesics[0]), ["direction", "length"]);
@@ -337,4 +352,27 @@ fn a_place_is_named_by_the_parameters_of_its_surface() {
     let text = &run.expect_status(0).stdout;
     assert!(text.contains("from       (x, y) = (0, 1)"), "{text}");
     assert!(!text.contains("(u, v)"), "{text}");
+}
+
+#[test]
+fn numbers_that_mean_little_say_so() {
+    // A cyclide of Dupin, whose curvature is large on the inside.
+    let cyclide = "param a = 2 : [1, 4];
+define b = 1.9; define c = sqrt(a^2 - b^2); define d = 1;
+function den(u,v) = a - c cosu cosv;
+surface s(u, v) = (d (c - a cosu cosv) + b^2 cosu, b sinu (a - d cosv), b sinv (c cosu - d))/den(u,v), u : [0, 2pi, 120], v : [0, 2pi, 120];";
+    measure(cyclide, "--at 0.3,2 --circle 20")
+        .expect_status(0)
+        .expect_text("these numbers are not to be trusted")
+        .expect_text("area           10000,");
+}
+
+#[test]
+fn a_crease_and_equal_corners_are_named() {
+    let fold = "surface c(u,v) = (u, v, abs u), u : [-1, 1], v : [-1, 1];";
+    measure(fold, "--at 0,0")
+        .expect_status(1)
+        .expect_text("lies on a crease");
+    let one = document(SPHERE, "--triangle 0,0 0,0 1,1");
+    assert_eq!(one["note"], "the corners 1 and 2 are one place");
 }

@@ -36,6 +36,24 @@ pub(crate) fn show_measured(value: f64) -> String {
     show(rounded)
 }
 
+/// The share of a number from which its error estimate makes it vague.
+const VAGUE: f64 = 0.01;
+
+/// Returns whether the error estimate of a number leaves it two digits at most.
+pub(crate) fn is_vague(value: f64, estimate: f64) -> bool {
+    estimate > VAGUE * value.abs()
+}
+
+/// Formats a measured number: as [`show_measured`]; a vague one with the digits alone that its error estimate leaves.
+pub(crate) fn show_estimated(value: f64, estimate: f64) -> String {
+    if !is_vague(value, estimate) || value == 0.0 || !value.is_finite() {
+        return show_measured(value);
+    }
+    let decimals = if estimate < value.abs() { 1 } else { 0 };
+    let rounded = format!("{value:.decimals$e}").parse().unwrap_or(value);
+    show(rounded)
+}
+
 /// Formats one number, or several as a tuple.
 pub(crate) fn show_all(values: &[f64]) -> String {
     match values {
@@ -105,6 +123,9 @@ mod tests {
         }
         assert_eq!(show_measured(0.999_999_999_999_999_9), "1");
         assert_eq!(show_measured(f64::NAN), "undefined");
+        assert_eq!(show_estimated(14726.055, 12e3), "15000");
+        assert_eq!(show_estimated(14726.055, 15e3), "10000");
+        assert_eq!(show_estimated(14726.055, 1.0), "14726.055");
         assert_eq!(show(-0.0), "0");
         assert_eq!(show(f64::NAN), "undefined");
         assert_eq!(show_all(&[1.0, 0.5]), "(1, 0.5)");

@@ -90,6 +90,14 @@ struct PlaceJson {
     f: f64,
     #[serde(rename = "G")]
     g: f64,
+    /// The larger curvature first; null on a metric, at an umbilic and at a pole.
+    principal: Option<[PrincipalJson; 2]>,
+}
+
+#[derive(Serialize)]
+struct PrincipalJson {
+    curvature: f64,
+    direction: [f64; 2],
 }
 
 /// The JSON document of a circle; null where rays end.
@@ -106,6 +114,9 @@ struct CircleJson {
 /// The JSON document of the geodesics between two places.
 #[derive(Serialize)]
 struct ConnectionsJson {
+    /// Null where no geodesic was found.
+    distance: Option<f64>,
+    within: f64,
     geodesics: Vec<ConnectionJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     note: Option<String>,
@@ -214,6 +225,7 @@ impl Measuring<'_> {
             form: [e, f, g],
             gaussian,
             mean,
+            principal,
             ..
         } = found;
         let document = PlaceJson {
@@ -222,6 +234,12 @@ impl Measuring<'_> {
             e,
             f,
             g,
+            principal: principal.map(|both| {
+                both.map(|it| PrincipalJson {
+                    curvature: it.curvature,
+                    direction: it.direction,
+                })
+            }),
         };
         self.print(
             &document,
@@ -272,12 +290,17 @@ impl Measuring<'_> {
             .transpose()?;
         let found = measure::between(self.surface, from, to, within);
         let found = found.map_err(|error| refused("--between", &error))?;
+        let distance = match measure::is_one_place(self.surface, from, to) {
+            true => Some(0.0),
+            false => found.found.first().map(|it| it.length),
+        };
         let document = ConnectionsJson {
+            distance,
+            within: found.within,
             geodesics: found.found.iter().map(|it| connection(it, from)).collect(),
             note: note(&found),
         };
-        let one_place = measure::is_one_place(self.surface, from, to);
-        let mut text = text::between(&found, from, one_place, &self.chart);
+        let mut text = text::between(&found, from, distance, &self.chart);
         if let Some(note) = &document.note {
             text.push_str(&format!("{note}\n"));
         }

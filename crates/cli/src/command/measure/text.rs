@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
 
 use super::pair_text;
-use crate::number::{count, show_all, show_measured};
+use crate::number::{count, is_vague, show_estimated, show_measured};
 
 /// What is measured at a place; `chart` names the parameters.
 pub(super) fn place(found: &PlaceMeasures, embedded: bool, chart: &str) -> String {
@@ -35,13 +35,29 @@ at {chart} = {}
     text
 }
 
+/// A place or a vector that has been measured.
+fn show_pair(pair: [f64; 2]) -> String {
+    let [a, b] = pair.map(show_measured);
+    format!("({a}, {b})")
+}
+
+/// The error estimate of some numbers, with a warning where it is so large that most of their digits mean nothing.
+fn trust(estimate: f64, values: [f64; 2]) -> String {
+    let warning = if values.iter().any(|&value| is_vague(value, estimate)) {
+        ": these numbers are not to be trusted"
+    } else {
+        ""
+    };
+    format!("error estimate {estimate:.1e}{warning}")
+}
+
 pub(super) fn circle(found: &Circle, radius: f64) -> String {
     let ratio = |value: f64, flat: f64| {
-        format!(
-            "{:.6} of the flat one's {}",
-            value / flat,
-            show_measured(flat)
-        )
+        let share = match is_vague(value, found.error_estimate) {
+            true => show_estimated(value / flat, found.error_estimate / flat),
+            false => format!("{:.6}", value / flat),
+        };
+        format!("{share} of the flat one's {}", show_measured(flat))
     };
     let overlap = if found.overlaps {
         "it overlaps itself: what is swept twice counts twice"
@@ -53,29 +69,35 @@ pub(super) fn circle(found: &Circle, radius: f64) -> String {
 circle of radius {}
   circumference  {}, {}
   area           {}, {}
-  trust          error estimate {:.1e}
+  trust          {}
   {overlap}
 ",
         show_measured(radius),
-        show_measured(found.circumference),
+        show_estimated(found.circumference, found.error_estimate),
         ratio(found.circumference, TAU * radius),
-        show_measured(found.area),
+        show_estimated(found.area, found.error_estimate),
         ratio(found.area, PI * radius * radius),
-        found.error_estimate,
+        trust(found.error_estimate, [found.circumference, found.area]),
     )
 }
 
-/// The geodesics from one place to another, which are loops where both are `one_place`; `chart` names the parameters.
-pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool, chart: &str) -> String {
-    let Some(first) = found.found.first() else {
+/// The geodesics from one place to another, which are loops where their distance is 0; `chart` names the parameters.
+pub(super) fn between(
+    found: &Connections,
+    from: [f64; 2],
+    distance: Option<f64>,
+    chart: &str,
+) -> String {
+    let Some(distance) = distance.filter(|_| !found.found.is_empty()) else {
         return String::new();
     };
-    let (distance, kind) = match one_place {
-        true => (0.0, "loop"),
-        false => (first.length, "geodesic"),
+    let (most, kind) = match distance {
+        0.0 => ("", "loop"),
+        _ if found.distance_known => ("", "geodesic"),
+        _ => ("at most ", "geodesic"),
     };
     let mut text = format!(
-        "distance {}; {} no longer than {}\n",
+        "distance {most}{}; {} no longer than {}\n",
         show_measured(distance),
         count(found.found.len(), kind),
         show_measured(found.within)
@@ -87,11 +109,11 @@ pub(super) fn between(found: &Connections, from: [f64; 2], one_place: bool, char
             ""
         };
         let start = super::other_start(it, from);
-        let start = start.map_or_else(String::new, |at| format!(" from {}", show_all(&at)));
+        let start = start.map_or_else(String::new, |at| format!(" from {}", show_pair(at)));
         text.push_str(&format!(
             "  length {:<20} direction {} in {chart}{start}{family}\n",
             show_measured(it.length),
-            show_all(&it.direction.0)
+            show_pair(it.direction.0)
         ));
     }
     text
@@ -116,11 +138,12 @@ pub(super) fn triangle(found: &Triangle) -> String {
         Ok(region) => text.push_str(&format!(
             "  ∫K            {}
   area          {}
-  trust         error estimate {:.1e}
+  trust         {}
 ",
-            show_measured(region.curvature),
-            show_measured(region.area),
-            region.error_estimate,
+            show_estimated(region.curvature, region.error_estimate),
+            show_estimated(region.area, region.error_estimate),
+            // A curvature of 0 is as good as the area.
+            trust(region.error_estimate, [region.area; 2]),
         )),
         Err(error) => text.push_str(&format!("  no region: {error}\n")),
     }
