@@ -20,6 +20,9 @@ use rayon::prelude::*;
 
 use crate::note::Note;
 
+/// An error of this many pixels, but for 1 % of the picture, leaves nothing to look at.
+const USELESS: f64 = 100.0;
+
 /// The method by which the geodesics of a geodesic view are integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum PictureMethod {
@@ -153,9 +156,15 @@ pub fn notes(
     let error = estimate.map(|Estimate { max, p99 }| match max > pixels as f64 {
         // Beside a place where the surface is singular, an estimate has no meaning.
         true => "the error could not be estimated: at some pixels it may be any".to_owned(),
-        false => format!(
-            "the error is estimated to be at most {max:.2} pixels, and below {p99:.2} for 99 % of them"
-        ),
+        false => {
+            let warning = match p99 > USELESS {
+                true => ": the picture is not to be trusted",
+                false => "",
+            };
+            format!(
+                "the error is estimated to be at most {max:.2} pixels, and below {p99:.2} for 99 % of them{warning}"
+            )
+        }
     });
     notes.extend(error.map(Note::Cost));
     notes
