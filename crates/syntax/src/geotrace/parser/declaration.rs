@@ -235,6 +235,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `OPENING ":"` of a param: the value that it opens with, if it has one.
     fn opening(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
+            if self.current.kind == TokenKind::BracketOpen
+                && let Some((place, found)) = self.bracketed_interval_at(self.current.span.start)
+            {
+                return Err(self.foreign_interval(place, &format!(": {}", found.written())));
+            }
             return self.after_name(keyword, TokenKind::Colon, "`:`");
         }
         let equals = self.current.span.start;
@@ -244,10 +249,19 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.advance(Mode::Expression);
             return Ok(());
         }
-        if let Some(interval) = foreign::interval(value.text(self.source)) {
+        let text = value.text(self.source);
+        if let Some(interval) =
+            foreign::interval(text).or_else(|| foreign::bracketed_interval(text))
+        {
             let written = format!(": {}", interval.written());
             let place = Span::new(equals, value.end);
             return Err(self.foreign_interval(place, &written));
+        }
+        let opening = text.rfind('[').map(|at| value.start + at as u32);
+        if let Some((place, found)) = opening.and_then(|at| self.bracketed_interval_at(at))
+            && place.end == value.end
+        {
+            return Err(self.foreign_interval(place, &format!(": {}", found.written())));
         }
         let form = format!(
             "param {} = {} : [min, max];",
@@ -290,6 +304,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             TokenKind::Equals if keyword == DeclarationKeyword::Function => {
                 Some("a constant is declared by `define`".to_owned())
             }
+            TokenKind::Colon if keyword == DeclarationKeyword::Function => {
+                Some(format!("write `function {text}(x) = …`"))
+            }
+            TokenKind::Colon if keyword == DeclarationKeyword::Curve => {
+                Some(format!("write `curve {text}(t) = …`"))
+            }
             TokenKind::Equals => Some(match keyword {
                 DeclarationKeyword::Curve => format!("write `curve {text}(t) = …`"),
                 DeclarationKeyword::Geodesic => format!("write `{GEODESIC}`"),
@@ -297,6 +317,16 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             }),
             TokenKind::Colon if keyword == DeclarationKeyword::Geodesic => {
                 Some(format!("write `{GEODESIC}`"))
+            }
+            TokenKind::ParenOpen if !self.is_list_of_words() => {
+                let end = self.state.name_span.end;
+                let fix = Fix::insert(
+                    &format!("Insert {what}"),
+                    end,
+                    &format!(" {}", what.trim_matches('`')),
+                );
+                diagnostic = diagnostic.with_fix(fix);
+                Some(format!("write {what} behind the name"))
             }
             TokenKind::ParenOpen => {
                 let words = DeclarationKeyword::ALL
@@ -322,6 +352,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             None => diagnostic,
         };
         Err(self.reject(diagnostic))
+    }
+
+    /// Returns true if the bracket that opens here holds nothing but words, as a list of parameters does.
+    fn is_list_of_words(&self) -> bool {
+        let behind = &self.source[self.current.span.end as usize..];
+        let inside = behind.split([')', ';']).next().unwrap_or_default();
+        inside.split(',').all(|word| {
+            let word = word.trim();
+            word.starts_with(|c: char| c.is_ascii_alphabetic())
+                && word.bytes().all(|byte| byte.is_ascii_alphanumeric())
+        })
     }
 
     /// `"@" EXPR` of a vector, a camera or a geodesic.

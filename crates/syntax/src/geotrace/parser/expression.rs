@@ -60,7 +60,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 short = None;
             }
             short = short.or_else(|| self.short_argument());
-            self.warn_index();
+            self.warn_index(span);
+            self.warn_numbers(span);
             span = span.to(self.mult2()?);
             self.operator(Operator::Juxtapose, span);
         }
@@ -95,6 +96,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let next = self.current;
             if [sign.kind, next.kind] == [TokenKind::Star; 2] && sign.span.end == next.span.start {
                 self.warn_power(span, sign.span);
+            }
+            if [sign.kind, next.kind] == [TokenKind::Slash; 2] && sign.span.end == next.span.start {
+                self.warn_slashes(sign.span);
             }
             let argument = self.argument_of_one(sign.span);
             if sign.kind == TokenKind::Slash && matches!(next.kind, TokenKind::Number(_)) {

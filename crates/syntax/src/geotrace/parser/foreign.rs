@@ -44,7 +44,7 @@ pub(super) fn style(word: &str) -> Option<&'static str> {
         "view" => {
             "a program says what there is: write `camera eye = direction @ place;` for a view"
         }
-        "style" | "plot" | "draw" | "show" | "hide" | "label" | "width" => {
+        "style" | "plot" | "draw" | "print" | "show" | "hide" | "label" | "width" => {
             "a program says what there is: all that it declares is drawn, and attributes such as `, color : 0.5` say how"
         }
         _ => return None,
@@ -113,10 +113,13 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// The interval with which a text begins, if its ends stand between round brackets.
-pub(super) fn round_interval(text: &str) -> Option<ForeignInterval<'_>> {
+/// The interval with which a text begins, if its ends stand between two brackets of any kind.
+pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
     let text = first_item(text);
-    let (a, b) = text.strip_prefix('(')?.strip_suffix(')')?.split_once(',')?;
+    let (a, b) = text
+        .strip_prefix(['(', '[', '{'])?
+        .strip_suffix([')', ']', '}'])?
+        .split_once(',')?;
     let ends = [a, b].map(str::trim);
     let is_plain = |end: &str| !end.is_empty() && !end.contains(',');
     ends.into_iter().all(is_plain).then_some(ForeignInterval {
@@ -303,7 +306,8 @@ pub(super) fn first_item(text: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::{
-        angle_vector, apart, between_bars, block_comment, color, interval, rotation, round_interval,
+        angle_vector, apart, between_bars, block_comment, bracketed_interval, color, interval,
+        rotation,
     };
 
     #[test]
@@ -360,9 +364,10 @@ mod tests {
     }
 
     #[test]
-    fn round_brackets_around_two_ends_are_an_interval() {
-        let written = |text| round_interval(text).map(|found| found.written());
+    fn brackets_around_two_ends_are_an_interval() {
+        let written = |text| bracketed_interval(text).map(|found| found.written());
         assert_eq!(written("(0, 2pi);").as_deref(), Some("[0, 2pi]"));
+        assert_eq!(written("{0, 1};").as_deref(), Some("[0, 1]"));
         assert_eq!(written("(-1,1), v : [0, 1]").as_deref(), Some("[-1, 1]"));
         for text in ["(0, 1, 5)", "(0)", "(0, )", "0, 1", ""] {
             assert_eq!(written(text), None, "{text}");

@@ -88,8 +88,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// The interval in another notation that begins at a place.
     pub(super) fn interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let text = &self.source[start as usize..];
-        let found = match text.starts_with('(') {
-            true => foreign::round_interval(text)?,
+        let found = match text.starts_with(['(', '{']) {
+            true => foreign::bracketed_interval(text)?,
             false => foreign::interval(text)?,
         };
         let names_parameter = found.parameter.is_none_or(|name| {
@@ -97,6 +97,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         });
         let place = Span::new(start, start + found.text.len() as u32);
         names_parameter.then_some((place, found))
+    }
+
+    /// The two ends between brackets at a place.
+    pub(super) fn bracketed_interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
+        let found = foreign::bracketed_interval(&self.source[start as usize..])?;
+        let place = Span::new(start, start + found.text.len() as u32);
+        Some((place, found))
     }
 
     /// Rejects what stands here in the place of an item, if it is an interval in another notation.
@@ -123,7 +130,17 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 IntervalOwner::Grid => "an interval `[a, b, n]`",
                 _ => "an interval `[a, b]`",
             };
-            return Err(self.expected(form));
+            let mut diagnostic = self.expected_diagnostic(form);
+            if owner == IntervalOwner::Param && self.current.kind == TokenKind::Equals {
+                let behind = self.source[self.current.span.end as usize..].trim_start();
+                let value = foreign::first_item(behind);
+                let form = quote(&format!(
+                    "param {} = {value} : [min, max];",
+                    self.state.name
+                ));
+                diagnostic = diagnostic.with_hint(format!("write {form}"));
+            }
+            return Err(self.reject(diagnostic));
         }
         self.advance(Mode::Expression);
         self.expression()?;

@@ -24,6 +24,8 @@ pub(super) struct LintState {
     pub(super) argument: Option<Argument>,
     /// The end of the last word that looks like a derivative by several parameters.
     derivative_end: u32,
+    /// The end of the last numbers that look like one.
+    numbers_end: u32,
     splits: Vec<Split>,
 }
 
@@ -188,15 +190,101 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.parsed.get(name).is_none() && words.is_some_and(|words| words.weak(name).is_some())
     }
 
-    /// `v[1]`: looks like a component. The current token is a factor behind an operand.
+    /// `v[1]`: looks like a component. The current token is a factor behind a product.
     #[inline]
-    pub(super) fn warn_index(&mut self) {
-        if self.current.kind == TokenKind::BracketOpen
-            && self.previous.kind.is_value()
-            && self.previous.span.end == self.current.span.start
+    pub(super) fn warn_index(&mut self, product: Span) {
+        if self.current.kind != TokenKind::BracketOpen
+            || self.previous.span.end != self.current.span.start
         {
-            self.warn_brackets_behind(self.previous.span);
+            return;
         }
+        if self.previous.kind.is_value() {
+            self.warn_brackets_behind(self.previous.span);
+        } else if is_bracket(product.text(self.source)) {
+            self.warn_brackets_behind(product);
+        }
+    }
+
+    /// `1 000`, `3.14.15`: looks like one number. The current token is a factor behind a product.
+    #[inline]
+    pub(super) fn warn_numbers(&mut self, product: Span) {
+        if matches!(self.current.kind, TokenKind::Number(_))
+            && (matches!(self.previous.kind, TokenKind::Number(_))
+                || self.previous.span.end == self.current.span.start)
+        {
+            self.warn_joined_numbers(product);
+        }
+    }
+
+    #[cold]
+    fn warn_joined_numbers(&mut self, product: Span) {
+        let next = self.current.span;
+        let first = match self.previous.kind {
+            TokenKind::Number(_) | TokenKind::Variable(_) | TokenKind::Constant(_) => {
+                self.previous.span
+            }
+            _ if is_bracket(product.text(self.source)) => product,
+            _ => return,
+        };
+        if first.start < self.lints.numbers_end {
+            return;
+        }
+        let between = Span::new(first.end, next.start).text(self.source);
+        // `0..2` is an interval in another notation.
+        let is_fraction = between.is_empty()
+            && next.text(self.source).starts_with('.')
+            && !first.text(self.source).ends_with('.');
+        let is_group = |text: &str| text.len() == 3 && text.bytes().all(|it| it.is_ascii_digit());
+        let is_grouped = between.bytes().all(|byte| byte == b' ')
+            && !between.is_empty()
+            && first
+                .text(self.source)
+                .bytes()
+                .all(|it| it.is_ascii_digit())
+            && first.end - first.start <= 3
+            && is_group(next.text(self.source));
+        if !is_fraction && !is_grouped {
+            return;
+        }
+        let mut end = next.end;
+        while is_grouped
+            && let Some(group) = self.source[end as usize..].strip_prefix(' ')
+            && let length = group.bytes().take_while(u8::is_ascii_alphanumeric).count()
+            && is_group(&group[..length])
+        {
+            end += 1 + length as u32;
+        }
+        self.lints.numbers_end = end;
+        let place = first.to(Span::new(next.start, end));
+        let written = place.text(self.source);
+        let parts: Vec<&str> = match is_grouped {
+            true => written.split(' ').filter(|part| !part.is_empty()).collect(),
+            false => vec![first.text(self.source), next.text(self.source)],
+        };
+        let read = parts.join("*");
+        let message = format!("{} is read as {}, a product", quote(written), quote(&read));
+        if is_fraction {
+            let hint = format!("write {} if that is meant", quote(&read));
+            self.warn(place, message, hint, &[&read]);
+            return;
+        }
+        let meant = parts.concat();
+        let (one, product) = (quote(&meant), quote(&read));
+        let hint = format!("write {one} for the number, or {product} if that is meant");
+        self.warn(place, message, hint, &[&meant, &read]);
+    }
+
+    /// `a//b`: looks like a quotient of whole numbers, or a comment. The current token is the second slash, and touches the first.
+    #[cold]
+    pub(super) fn warn_slashes(&mut self, slash: Span) {
+        let message = "`a//b` is read as `a/(/b)`, a times b".to_owned();
+        let hint = "write `/` for a quotient, `#` before a comment, or `/ /` if that is meant";
+        self.warn(
+            slash.to(self.current.span),
+            message,
+            hint.to_owned(),
+            &["/", "/ /"],
+        );
     }
 
     #[cold]
@@ -271,9 +359,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let is_single = text
             .bytes()
             .all(|byte| byte.is_ascii_alphanumeric() || byte == b'.');
-        let is_bracket = matches!(text.as_bytes().first(), Some(b'(' | b'[' | b'{'))
-            && text.find([')', ']', '}']) == Some(text.len() - 1);
-        if is_single || is_bracket {
+        if is_single || is_bracket(text) {
             let hint = "write `^` for a power, or `* *` if that is meant".to_owned();
             self.warn(stars, message, hint, &["^", "* *"]);
             return;
@@ -482,6 +568,11 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
             self.report(warning);
         }
     }
+}
+
+/// Returns true if a text is one bracket that holds no other.
+fn is_bracket(text: &str) -> bool {
+    text.starts_with(['(', '[', '{']) && text.find([')', ']', '}']) == Some(text.len() - 1)
 }
 
 /// Returns true if a text in one line holds no `*` and no `/` outside brackets.

@@ -83,6 +83,9 @@ const INTERVAL: &str = "an interval is written `t : [a, b]`";
 /// The hint at a comparison in the expression of a solid.
 const SOLID: &str = "a solid is where its function is at most 0";
 
+/// The hint at a comma in a number.
+const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in brackets: `(1, 2)`";
+
 /// The hint at a comment of another language.
 const COMMENT: &str = "a comment begins with `#`";
 
@@ -135,6 +138,7 @@ fn equivalent(character: char) -> Option<&'static str> {
         '’' | '′' => "'",
         'π' => "pi",
         'τ' => "(2pi)",
+        '½' => "(1/2)",
         '√' => "sqrt",
         _ => return None,
     })
@@ -154,7 +158,14 @@ fn substitute(character: char) -> Option<&'static str> {
             "words stand without quotes, and files without their ending: `image : earth`; a second derivative is `f''`"
         }
         'π' => "write `pi`",
-        'τ' => "write `2pi`",
+        'τ' => "write `(2pi)`",
+        '½' => "write `(1/2)`",
+        '°' => "angles are in radians: 30° is `30pi/180`",
+        '∞' => "an interval has two ends: write a large number",
+        '⁰' | '¹' | '⁴'..='⁹' | '⁺' | '⁻' => "an exponent stands behind `^`: `x^-1`",
+        '₀'..='₉' => "a component is written `v_1`, and a digit of a name as any other: `a1`",
+        '⟨' | '⟩' => "a vector is written `(1, 2, 3)`",
+        '∈' => "write `:`",
         '<' | '>' | '≤' | '≥' => INTERVAL,
         '√' => "write `sqrt`",
         '|' => "write `abs x` for a number, and `sqrt*v` for the length of a vector",
@@ -177,6 +188,12 @@ pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diag
     Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message)
         .with_hint(format!("write {}", quote(written)))
         .with_fix(Fix::change(place, written, true).with_all())
+}
+
+/// Returns true if a text begins with digits and no list goes on behind them.
+fn is_last_digits(text: &str) -> bool {
+    let behind = text.trim_start_matches(|c: char| c.is_ascii_digit());
+    behind.len() < text.len() && !behind.trim_start().starts_with(',')
 }
 
 impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
@@ -216,9 +233,27 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     // Else it might be a part of the argument.
                     written = format!("({written})");
                 }
-                diagnostic = diagnostic
-                    .with_hint(format!("write {}", quote(&written)))
-                    .with_fix(Fix::change(span, &written, true).with_all());
+                let fix = Fix::change(span, &written, self.state.is_of_space);
+                diagnostic = match self.state.is_of_space {
+                    true => diagnostic
+                        .with_hint(format!("write {}", quote(&written)))
+                        .with_fix(fix.with_all()),
+                    // It may be the length of a vector.
+                    false => diagnostic.with_fix(fix),
+                };
+            }
+            '⟨' => {
+                self.report(diagnostic);
+                self.state.quiet = true;
+                self.state.rejected = true;
+                return;
+            }
+            '∈' if matches!(
+                self.state.keyword,
+                Some(DeclarationKeyword::Param | DeclarationKeyword::Grid)
+            ) =>
+            {
+                diagnostic = diagnostic.with_fix(Fix::change(span, ":", true).with_all());
             }
             '>' if self.is_arrow(span) => return self.report_arrow(span),
             '<' if text.contains(',') => {
@@ -331,34 +366,45 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
     }
 
-    /// The place of `|x|` in the function of a solid, if it begins with this bar.
+    /// The place of `|x|` in an expression, if it begins with this bar.
     pub(super) fn absolute_value(&self, bar: Span) -> Option<Span> {
-        let is_in_function = self.state.is_of_space && !self.state.parameters.is_empty();
+        let is_set = self.state.is_of_space && self.state.parameters.is_empty();
         let is_behind_value = matches!(
             self.previous.kind,
             TokenKind::Variable(_) | TokenKind::Constant(_) | TokenKind::ParenClose
         );
-        if !is_in_function || is_behind_value {
+        if is_set || is_behind_value {
             return None;
         }
         let inside = foreign::between_bars(&self.source[bar.start as usize..])?;
         Some(Span::new(bar.start, bar.end + inside.len() as u32 + 1))
     }
 
-    /// Returns true if the sign `>` ends an arrow `->` of a vector.
+    /// Returns true if the sign `>` ends an arrow `->`.
     fn is_arrow(&self, sign: Span) -> bool {
-        let is_behind_minus =
-            self.previous.kind == TokenKind::Minus && self.previous.span.end == sign.start;
-        is_behind_minus && self.state.keyword == Some(DeclarationKeyword::Vector)
+        self.previous.kind == TokenKind::Minus && self.previous.span.end == sign.start
     }
 
-    /// Reports the arrow of a vector, which is the one report of its declaration.
+    /// Reports an arrow, which is the one report of its declaration.
     fn report_arrow(&mut self, sign: Span) {
-        let arrow = self.previous.span.to(sign);
-        let diagnostic = Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot stand here")
-            .with_hint("write `direction @ origin`: from p to q, the vector is `(q - p) @ p`");
-        self.report(diagnostic);
         self.state.quiet = true;
+        if self.state.rejected {
+            return;
+        }
+        let arrow = self.previous.span.to(sign);
+        let mut diagnostic =
+            Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot stand here");
+        let hint = match self.state.keyword {
+            Some(DeclarationKeyword::Vector) => {
+                Some("write `direction @ origin`: from p to q, the vector is `(q - p) @ p`")
+            }
+            Some(DeclarationKeyword::Define | DeclarationKeyword::Function) => {
+                Some("a function is written `function f(x) = x^2;`")
+            }
+            _ => None,
+        };
+        diagnostic.hint = hint.map(str::to_owned);
+        self.report(diagnostic);
         self.state.rejected = true;
     }
 
@@ -513,7 +559,19 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
 
     pub(super) fn expected_diagnostic(&self, what: &str) -> Diagnostic {
         let message = format!("expected {what}, found {}", self.found());
-        self.here(codes::UNEXPECTED_TOKEN, message)
+        let diagnostic = self.here(codes::UNEXPECTED_TOKEN, message);
+        let start = self.current.span.start;
+        let rest = &self.source[start as usize..];
+        if !rest.starts_with("//") {
+            return diagnostic;
+        }
+        let line = rest.lines().next().unwrap_or_default();
+        let diagnostic = diagnostic.with_hint(COMMENT);
+        match line.contains(';') {
+            // The rest of the declaration stands behind it.
+            true => diagnostic,
+            false => diagnostic.with_fix(Fix::change(Span::new(start, start + 2), "#", true)),
+        }
     }
 
     /// The current token begins no expression.
@@ -551,7 +609,23 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     pub(super) fn unclosed(&mut self, opening: Span, close: char, separator: &str) -> Stop {
         let open = opening.text(self.source);
         let found = self.found();
+        let before = self.source[..self.previous.span.start as usize].trim_end();
         let diagnostic = match self.current.kind {
+            TokenKind::Colon
+                if self.state.in_body
+                    && matches!(self.previous.kind, TokenKind::Variable(_))
+                    && before.ends_with(',') =>
+            {
+                let end = before.len() as u32 - 1;
+                let message = format!(
+                    "`{open}` is not closed: expected `{close}` before the interval of {}",
+                    quote(self.previous.span.text(self.source))
+                );
+                let title = format!("Insert `{close}`");
+                let fix = Fix::insert(&title, end, &close.to_string());
+                Diagnostic::error(codes::UNCLOSED_BRACKET, Span::new(end, end + 1), message)
+                    .with_fix(fix.with_all())
+            }
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::MISMATCHED_BRACKET,
                 format!("`{open}` is closed by {found}: each kind of bracket closes with its own, `{close}`"),
@@ -584,11 +658,21 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             return false;
         };
         let written = place.text(self.source).replace(';', ",");
-        let diagnostic = self
-            .here(
-                codes::UNEXPECTED_TOKEN,
-                "expected `,` between brackets, found `;`",
-            )
+        let diagnostic = self.here(
+            codes::UNEXPECTED_TOKEN,
+            "expected `,` between brackets, found `;`",
+        );
+        let before = &self.source[..self.current.span.start as usize];
+        let number = before.trim_end_matches(|c: char| c.is_ascii_digit());
+        let whole = number.strip_suffix(',').unwrap_or_default();
+        if number.len() < before.len() && whole.ends_with(|c: char| c.is_ascii_digit()) {
+            // `(1,5; 2; 3)`: the commas stand in numbers.
+            let hint =
+                "components are separated by `,`, and the sign in a number is `.`: `(1.5, 2, 3)`";
+            self.reject(diagnostic.with_hint(hint));
+            return true;
+        }
+        let diagnostic = diagnostic
             .with_hint(
                 "a `;` ends a declaration: components are separated by `,`, as in `(1, 2, 3)`",
             )
@@ -619,12 +703,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
         let hint = match (guess, unworded) {
             (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
+            _ if let Some(hint) = foreign::style(name) => hint.to_owned(),
+            _ if matches!(name, "if" | "else" | "while" | "for") => NO_CONDITIONS.to_owned(),
             (None, Some(word)) => {
                 let written = quote(&format!("{} {name}", word.text()));
                 format!("write {written}")
             }
             _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
-            _ if let Some(hint) = foreign::style(name) => hint.to_owned(),
             _ => {
                 let words = DeclarationKeyword::ALL
                     .map(DeclarationKeyword::text)
@@ -660,6 +745,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         };
         diagnostic.fixes.extend(fix.map(Fix::with_all));
         self.reject(diagnostic);
+    }
+
+    /// Returns true at a `,` that touches the numbers on both sides.
+    fn is_decimal_comma(&self) -> bool {
+        let comma = self.current.span;
+        matches!(self.previous.kind, TokenKind::Number(_))
+            && self.previous.span.end == comma.start
+            && is_last_digits(&self.source[comma.end as usize..])
     }
 
     /// Returns true if the word of an attribute and a `:` follow the current token.
@@ -740,6 +833,11 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 let fix = Fix::change(self.current.span, sign, true);
                 let diagnostic = self.expected_diagnostic("`;`");
                 diagnostic.with_hint(hint).with_fix(fix.with_all())
+            }
+            TokenKind::Comma if self.is_decimal_comma() => {
+                let fix = Fix::change(self.current.span, ".", true);
+                let diagnostic = self.expected_diagnostic("`;`").with_hint(DECIMAL);
+                diagnostic.with_fix(fix)
             }
             TokenKind::Comma => self
                 .expected_diagnostic("`;`")
