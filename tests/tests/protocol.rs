@@ -486,3 +486,59 @@ async fn settings_are_heeded() {
     );
     assert_eq!(editor.quit().await, 0);
 }
+
+#[tokio::test]
+async fn settings_that_are_not_sent_are_asked_for() {
+    let mut editor = Editor::start(Place::Here, "settings-asked");
+    editor.initialize(capabilities(&["utf-16"])).await;
+    editor.asked("workspace/configuration").await;
+    for settings in [Value::Null, json!({})] {
+        let changed = json!({ "settings": settings });
+        editor
+            .tell("workspace/didChangeConfiguration", changed)
+            .await;
+        editor.asked("workspace/configuration").await;
+    }
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
+async fn an_editor_is_sent_what_it_knows() {
+    let text = "function f(x, y) = x y;\ndefine a = 1\ndefine b = f(a, a);\ndefine b = 2;\n";
+    for knows in [false, true] {
+        let mut editor = Editor::start(Place::Here, "what-it-knows");
+        let capabilities = match knows {
+            false => json!({}),
+            true => json!({ "textDocument": {
+                "rename": { "prepareSupport": true },
+                "codeAction": { "isPreferredSupport": true },
+                "signatureHelp": {
+                    "signatureInformation": { "parameterInformation": { "labelOffsetSupport": true } },
+                },
+                "publishDiagnostics": { "relatedInformation": true },
+            } }),
+        };
+        let answer = editor.initialize(capabilities).await;
+        let renames = &answer["capabilities"]["renameProvider"];
+        assert_eq!(*renames == json!(true), !knows, "{renames}");
+        editor.open(URI, text).await;
+        let found = editor.diagnostics(URI, 1).await;
+        let has_places = found.iter().any(|it| !it["relatedInformation"].is_null());
+        assert_eq!(has_places, knows, "{found:?}");
+        let help = editor.ask("textDocument/signatureHelp", at(2, 13)).await;
+        let label = &help["signatures"][0]["parameters"][0]["label"];
+        let expected = if knows { json!([2, 3]) } else { json!("x") };
+        assert_eq!(*label, expected);
+        let params = json!({
+            "textDocument": document(),
+            "range": range([0, 0], [4, 0]),
+            "context": { "diagnostics": [] },
+        });
+        let actions = editor.ask("textDocument/codeAction", params).await;
+        let actions = actions.as_array().expect("a list");
+        let is_marked = actions.iter().any(|it| it["isPreferred"] == true);
+        assert!(!actions.is_empty());
+        assert_eq!(is_marked, knows, "{actions:?}");
+        assert_eq!(editor.quit().await, 0);
+    }
+}

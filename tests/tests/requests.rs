@@ -31,6 +31,29 @@ fn progress(editor: &Editor, token: &str) -> Vec<String> {
 }
 
 #[tokio::test]
+async fn the_root_of_an_editor_without_folders_is_searched() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("one.gtr"), "define alpha = 1;\n").expect("a file");
+    let mut editor = Editor::start(Place::Here, "root");
+    let params = json!({
+        "processId": null,
+        "rootUri": format!("file://{}", folder.path().display()),
+        "capabilities": {},
+    });
+    let answer = editor.initialize_with(params).await;
+    let folders = &answer["capabilities"]["workspace"]["workspaceFolders"];
+    assert_eq!(
+        *folders,
+        json!({ "supported": true, "changeNotifications": true })
+    );
+    let found = editor
+        .ask("workspace/symbol", json!({ "query": "al" }))
+        .await;
+    assert_eq!(names(&found), ["alpha"]);
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
 async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();

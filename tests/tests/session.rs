@@ -169,6 +169,8 @@ async fn unknown_methods_and_wrong_params_are_errors_of_their_own() {
     let mut editor = started(Place::Here, "unknown").await;
     let error = editor.fail("geotrace/no-such-method", json!({})).await;
     assert_eq!(error["code"], -32601);
+    let error = editor.fail("$/no-such-method", json!({})).await;
+    assert_eq!(error["code"], -32601);
     editor
         .tell("geotrace/no-such-notification", json!({}))
         .await;

@@ -49,11 +49,10 @@ impl Context {
         }
     }
 
-    /// The languages of a window: all of them, or the one that was given.
+    /// The languages of a window or an editor: all of them, or the one that was given.
     ///
     /// # Errors
     /// As [`Context::language`].
-    #[cfg(feature = "window")]
     pub(crate) fn languages(&self) -> Result<Languages, Failure> {
         Ok(match self.named()? {
             Some(language) => Languages::only(Arc::clone(language)),
@@ -101,5 +100,10 @@ mod tests {
             chosen(Some("latin"), "a.gtr"),
             Err(Failure::Usage { .. })
         ));
+        let all = context(None).languages();
+        assert!(all.is_ok_and(|languages| languages.all().count() > 1));
+        let one = context(Some("crt")).languages();
+        assert!(one.is_ok_and(|languages| languages.default_language().name() == "crt"));
+        assert!(context(Some("latin")).languages().is_err());
     }
 }

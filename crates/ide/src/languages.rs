@@ -53,11 +53,13 @@ impl Languages {
         self.all().find(|language| language.name() == name)
     }
 
-    /// The language of a file's extension.
+    /// The language of a file's extension, in small letters or capitals.
     pub fn by_extension(&self, path: &Path) -> Option<&Arc<dyn Language>> {
         let extension = path.extension()?.to_str()?;
-        self.all()
-            .find(|language| language.extensions().contains(&extension))
+        self.all().find(|language| {
+            let mut known = language.extensions().iter();
+            known.any(|known| known.eq_ignore_ascii_case(extension))
+        })
     }
 
     /// The language of a file: that of its extension, else the default.
@@ -82,7 +84,9 @@ mod tests {
         assert!(languages.by_extension(Path::new("a.gtr")).is_some());
         assert!(languages.by_extension(Path::new("a.txt")).is_none());
         assert!(languages.named("plaintext").is_none());
-        let script = languages.by_extension(Path::new("a.crt"));
-        assert!(script.is_some_and(|language| language.name() == "crt"));
+        for path in ["a.crt", "A.CRT"] {
+            let script = languages.by_extension(Path::new(path));
+            assert!(script.is_some_and(|language| language.name() == "crt"));
+        }
     }
 }

@@ -15,7 +15,7 @@ use futures::{FutureExt, Sink, SinkExt, Stream, StreamExt, TryFutureExt, future,
 use serde::Serialize;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tower_lsp::ClientSocket;
-use tower_lsp::jsonrpc::{Request, Response};
+use tower_lsp::jsonrpc::{Error, Request, Response};
 use tower_lsp::ls_types as lsp;
 use tower_lsp::ls_types::notification::Notification as _;
 use tower_service::Service;
@@ -66,6 +66,14 @@ pub(crate) async fn run<S>(
             let mut frames = Box::pin(frames);
             while let Some(frame) = frames.next().await {
                 match frame {
+                    Frame::Request(request)
+                        if request.method().starts_with("$/") && request.id().is_some() =>
+                    {
+                        // The service takes them all for notifications.
+                        let id = request.id().cloned().unwrap_or_default();
+                        let unknown = Response::from_error(id, Error::method_not_found());
+                        raw_sender.send(json(unknown));
+                    }
                     Frame::Request(request) => {
                         let is_last = request.method() == "exit";
                         if future::poll_fn(|cx| service.poll_ready(cx)).await.is_err() {

@@ -22,6 +22,14 @@ pub(crate) struct Editor {
     pub(crate) snippets: bool,
     /// Edits of documents of a version.
     pub(crate) versioned_edits: bool,
+    /// Takes the parameters of a signature as parts of its label.
+    pub(crate) label_offsets: bool,
+    /// Takes an action as the preferred one.
+    pub(crate) preferred_actions: bool,
+    /// Asks whether a name can be changed.
+    pub(crate) prepares_rename: bool,
+    /// Takes the related places of a diagnostic.
+    pub(crate) related_places: bool,
     /// Answers requests for settings.
     pub(crate) configuration: bool,
     /// Takes a declaration's outline as a tree.

@@ -16,6 +16,7 @@ use tower_lsp::ls_types as lsp;
 use crate::documents::{Places, Snapshot};
 use crate::encoding::{Encoding, Place};
 use crate::preview;
+use crate::session::Editor;
 use crate::tokens::Encoded;
 
 pub(crate) fn position(place: Place) -> lsp::Position {
@@ -28,7 +29,7 @@ pub(crate) fn range(places: &impl Places, span: Span) -> lsp::Range {
 }
 
 /// Returns the server's capabilities.
-pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
+pub(crate) fn capabilities(encoding: Encoding, editor: Editor) -> lsp::ServerCapabilities {
     let encoding = match encoding {
         Encoding::Utf8 => lsp::PositionEncodingKind::UTF8,
         Encoding::Utf16 => lsp::PositionEncodingKind::UTF16,
@@ -85,10 +86,13 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
             first_trigger_character: ";".to_owned(),
             more_trigger_character: None,
         }),
-        rename_provider: Some(lsp::OneOf::Right(lsp::RenameOptions {
-            prepare_provider: Some(true),
-            work_done_progress_options: no_progress(),
-        })),
+        rename_provider: Some(match editor.prepares_rename {
+            true => lsp::OneOf::Right(lsp::RenameOptions {
+                prepare_provider: Some(true),
+                work_done_progress_options: no_progress(),
+            }),
+            false => lsp::OneOf::Left(true),
+        }),
         color_provider: Some(lsp::ColorProviderCapability::Simple(true)),
         folding_range_provider: Some(lsp::FoldingRangeProviderCapability::Simple(true)),
         selection_range_provider: Some(lsp::SelectionRangeProviderCapability::Simple(true)),
@@ -128,6 +132,13 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
                 work_done_progress_options: no_progress(),
             },
         )),
+        workspace: Some(lsp::WorkspaceServerCapabilities {
+            workspace_folders: Some(lsp::WorkspaceFoldersServerCapabilities {
+                supported: Some(true),
+                change_notifications: Some(lsp::OneOf::Left(true)),
+            }),
+            file_operations: None,
+        }),
         ..lsp::ServerCapabilities::default()
     }
 }
@@ -136,12 +147,19 @@ pub(crate) fn diagnostics(
     places: &impl Places,
     uri: &lsp::Uri,
     found: &[Diagnostic],
+    related: bool,
 ) -> Vec<lsp::Diagnostic> {
     let found = found.iter();
-    found.map(|d| diagnostic(places, uri, d)).collect()
+    found.map(|d| diagnostic(places, uri, d, related)).collect()
 }
 
-fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> lsp::Diagnostic {
+/// `related` says whether the editor takes the related places.
+fn diagnostic(
+    places: &impl Places,
+    uri: &lsp::Uri,
+    diagnostic: &Diagnostic,
+    related: bool,
+) -> lsp::Diagnostic {
     let severity = match diagnostic.severity {
         Severity::Error => lsp::DiagnosticSeverity::ERROR,
         Severity::Warning => lsp::DiagnosticSeverity::WARNING,
@@ -154,6 +172,7 @@ fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> 
     let related: Vec<_> = diagnostic
         .related
         .iter()
+        .filter(|_| related)
         .map(|related| lsp::DiagnosticRelatedInformation {
             location: lsp::Location::new(uri.clone(), range(places, related.span)),
             message: related.message.clone(),
@@ -255,11 +274,18 @@ pub(crate) fn documentation(
     }
 }
 
-pub(crate) fn signature(signature: &Signature) -> lsp::SignatureHelp {
+/// `offsets` says whether the editor takes a parameter as a part of the label; else it is given its text.
+pub(crate) fn signature(signature: &Signature, offsets: bool) -> lsp::SignatureHelp {
     let units = |at: u32| signature.label[..at as usize].encode_utf16().count() as u32;
     let parameters = signature.parameters.iter();
     let parameters = parameters.map(|&(start, end)| lsp::ParameterInformation {
-        label: lsp::ParameterLabel::LabelOffsets([start, end].map(units)),
+        label: match offsets {
+            true => lsp::ParameterLabel::LabelOffsets([start, end].map(units)),
+            false => {
+                let text = &signature.label[start as usize..end as usize];
+                lsp::ParameterLabel::Simple(text.to_owned())
+            }
+        },
         documentation: None,
     });
     lsp::SignatureHelp {
@@ -312,14 +338,16 @@ pub(crate) fn action(
     snapshot: &Snapshot,
     uri: &lsp::Uri,
     fix: &Fix,
-    versioned: bool,
+    editor: Editor,
 ) -> lsp::CodeActionOrCommand {
+    let edit = workspace_edit(snapshot, uri, &fix.edits, editor.versioned_edits);
+    let found = diagnostic(snapshot, uri, &fix.diagnostic, editor.related_places);
     lsp::CodeActionOrCommand::CodeAction(lsp::CodeAction {
         title: fix.title.clone(),
         kind: Some(lsp::CodeActionKind::QUICKFIX),
-        diagnostics: Some(vec![diagnostic(snapshot, uri, &fix.diagnostic)]),
-        edit: Some(workspace_edit(snapshot, uri, &fix.edits, versioned)),
-        is_preferred: fix.preferred.then_some(true),
+        diagnostics: Some(vec![found]),
+        edit: Some(edit),
+        is_preferred: (fix.preferred && editor.preferred_actions).then_some(true),
         ..lsp::CodeAction::default()
     })
 }

@@ -23,15 +23,12 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
-    let clean = server::run(
-        context.registry.languages.clone(),
-        window(&arguments.window),
-    )
-    .map_err(|error| Failure::Internal {
-        message: format!(
-            "the language server cannot start: {}",
-            output::reason(&error)
-        ),
+    let languages = context.languages()?;
+    let clean = server::run(languages, window(&arguments.window)).map_err(|error| {
+        let reason = output::reason(&error);
+        Failure::Internal {
+            message: format!("the language server cannot start: {reason}"),
+        }
     })?;
     if clean {
         Ok(())

@@ -20,6 +20,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
         session.pulled.remove(uri.as_str());
         session.tokens.remove(uri.as_str());
         session.keep_text(uri.as_str());
+        let related = session.editor.related_places;
         let documents = &mut session.documents;
         let opened = documents
             .open(
@@ -28,7 +29,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
                 document.version,
                 &document.text,
             )
-            .map(|open| Findings::of(open, &uri));
+            .map(|open| Findings::of(open, &uri, related));
         session.preview_text(uri.as_str());
         // What an editor reads anew has its window already, which stays where it is.
         let opens = session.settings.preview_on_open && !session.previews.has(uri.as_str());
@@ -55,12 +56,13 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
         let mut session = server.session();
         let pulled = session.pulled.contains(uri.as_str());
         let previewed = session.previews.has(uri.as_str());
+        let related = session.editor.related_places;
         let changed = session
             .documents
             .change(uri.as_str(), version, changes.collect(), previewed);
         let changed = changed.map(|open| {
             // An editor that pulls diagnostics gets none pushed.
-            open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
+            open.map(|open| (!pulled).then(|| Findings::of(open, &uri, related)))
         });
         session.preview_edit(uri.as_str());
         changed
@@ -108,14 +110,15 @@ pub(super) async fn diagnostic(
             client.publish_diagnostics(uri, Vec::new(), None).await;
         });
     }
-    let (revision, snapshot, known) = {
+    let (revision, snapshot, known, related) = {
         let session = server.session();
         let Some(open) = session.documents.get(uri.as_str()) else {
             return Err(not_open(&uri));
         };
         let (found, may_grow) = open.findings();
         let known = (!may_grow).then_some(found);
-        (open.revision, open.snapshot(), known)
+        let related = session.editor.related_places;
+        (open.revision, open.snapshot(), known, related)
     };
     let name = revision.to_string();
     if params.previous_result_id.as_ref() == Some(&name) {
@@ -147,7 +150,7 @@ pub(super) async fn diagnostic(
             related_documents: None,
             full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
                 result_id: Some(name),
-                items: to_lsp::diagnostics(&*snapshot, &uri, &found),
+                items: to_lsp::diagnostics(&*snapshot, &uri, &found, related),
             },
         },
     ))
@@ -170,12 +173,12 @@ struct Findings {
 }
 
 impl Findings {
-    fn of(open: &Open, uri: &lsp::Uri) -> Self {
+    fn of(open: &Open, uri: &lsp::Uri, related: bool) -> Self {
         let (found, may_grow) = open.findings();
         Self {
             revision: open.revision,
             version: open.version,
-            found: to_lsp::diagnostics(open, uri, &found),
+            found: to_lsp::diagnostics(open, uri, &found, related),
             runs: may_grow.then(|| open.snapshot()),
         }
     }
@@ -190,11 +193,12 @@ impl Backend {
         };
         // The handler ends: only a few may be under way.
         let server = self.clone();
+        let related = self.session().editor.related_places;
         tasks::spawn(async move {
             let place = uri.clone();
             let run = server.work(move || {
                 let found = snapshot.analysis().diagnostics();
-                to_lsp::diagnostics(&*snapshot, &place, &found)
+                to_lsp::diagnostics(&*snapshot, &place, &found, related)
             });
             let Ok(found) = run.await else {
                 return;

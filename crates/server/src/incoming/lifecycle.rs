@@ -1,5 +1,7 @@
 //! The life of a session: what the editor offers, what the server can do, and the end.
 
+use std::path::PathBuf;
+
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
 
@@ -15,25 +17,22 @@ pub(super) async fn initialize(
     params: lsp::InitializeParams,
 ) -> Result<lsp::InitializeResult> {
     let encoding = encoding(&params.capabilities);
+    let editor = editor(&params.capabilities);
     {
         let mut session = server.session();
-        session.editor = editor(&params.capabilities);
+        session.editor = editor;
         session.documents.encoding = encoding;
         if let Some(options) = &params.initialization_options {
             session.settings = session.settings.with(options);
         }
-        let folders = params.workspace_folders.iter().flatten();
-        session.folders = folders
-            .filter_map(|folder| folder.uri.to_file_path())
-            .map(|path| path.into_owned())
-            .collect();
+        session.folders = folders(&params);
     }
     if let Some(process) = params.process_id {
         let end = server.end.clone();
         crate::platform::when_process_ends(process, move || end.now());
     }
     Ok(lsp::InitializeResult {
-        capabilities: to_lsp::capabilities(encoding),
+        capabilities: to_lsp::capabilities(encoding, editor),
         server_info: Some(lsp::ServerInfo {
             name: "geotrace".to_owned(),
             version: Some(env!("CARGO_PKG_VERSION").to_owned()),
@@ -42,7 +41,23 @@ pub(super) async fn initialize(
     })
 }
 
+/// Returns the folders of the workspace; of an editor that knows none, the root.
+fn folders(params: &lsp::InitializeParams) -> Vec<PathBuf> {
+    let path = |uri: &lsp::Uri| uri.to_file_path().map(|path| path.into_owned());
+    #[allow(deprecated)]
+    let root = params.root_uri.as_ref();
+    match &params.workspace_folders {
+        Some(folders) => folders.iter().filter_map(|it| path(&it.uri)).collect(),
+        None => root.and_then(path).into_iter().collect(),
+    }
+}
+
 pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
+    request_settings(server);
+}
+
+/// Asks the editor for its settings, if it answers that.
+pub(super) fn request_settings(server: &Backend) {
     if server.session().editor.configuration {
         let (client, session) = (server.client.clone(), server.session.clone());
         tasks::spawn(async move {
@@ -78,6 +93,12 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     let hover = text.and_then(|text| text.hover.as_ref());
     let symbols = text.and_then(|text| text.document_symbol.as_ref());
     let edit = workspace.and_then(|workspace| workspace.workspace_edit.as_ref());
+    let signatures = text
+        .and_then(|text| text.signature_help.as_ref()?.signature_information.as_ref())
+        .and_then(|signature| signature.parameter_information.as_ref());
+    let actions = text.and_then(|text| text.code_action.as_ref());
+    let rename = text.and_then(|text| text.rename.as_ref());
+    let diagnostics = text.and_then(|text| text.publish_diagnostics.as_ref());
     let hints = workspace.and_then(|workspace| workspace.inlay_hint.as_ref());
     let lenses = workspace.and_then(|workspace| workspace.code_lens.as_ref());
     let window = capabilities.window.as_ref();
@@ -94,6 +115,16 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
             operations.any(|it| *it == lsp::ResourceOperationKind::Create)
         }),
         versioned_edits: edit.and_then(|edit| edit.document_changes).unwrap_or(false),
+        label_offsets: signatures
+            .and_then(|it| it.label_offset_support)
+            .unwrap_or(false),
+        preferred_actions: actions
+            .and_then(|it| it.is_preferred_support)
+            .unwrap_or(false),
+        prepares_rename: rename.and_then(|it| it.prepare_support).unwrap_or(false),
+        related_places: diagnostics
+            .and_then(|it| it.related_information)
+            .unwrap_or(false),
         configuration: workspace.and_then(|w| w.configuration).unwrap_or(false),
         hierarchical_symbols: symbols
             .and_then(|symbols| symbols.hierarchical_document_symbol_support)

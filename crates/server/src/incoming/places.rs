@@ -70,11 +70,12 @@ pub(super) async fn signature_help(
     params: lsp::SignatureHelpParams,
 ) -> Result<Option<lsp::SignatureHelp>> {
     let at = params.text_document_position_params;
+    let offsets = server.session().editor.label_offsets;
     server
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = snapshot.analysis().signature(offset)?;
-            Some(to_lsp::signature(&found))
+            Some(to_lsp::signature(&found, offsets))
         })
         .await
 }

@@ -251,7 +251,7 @@ pub(super) async fn code_action(
             if one {
                 let fixes = analysis.fixes(span(snapshot, params.range));
                 let fixes = fixes.iter();
-                actions.extend(fixes.map(|fix| to_lsp::action(snapshot, &uri, fix, versioned)));
+                actions.extend(fixes.map(|fix| to_lsp::action(snapshot, &uri, fix, editor)));
             }
             if all {
                 let (edits, count) = analysis.fix_all();

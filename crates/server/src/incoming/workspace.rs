@@ -10,6 +10,7 @@ use tower_lsp::ls_types as lsp;
 use tower_lsp::ls_types::notification::Notification as _;
 
 use super::documents::is_previewed;
+use super::lifecycle::request_settings;
 use super::work::failed;
 use super::{Backend, conversion, window};
 use crate::documents::Snapshot;
@@ -27,6 +28,12 @@ pub(super) async fn did_change_configuration(
     server: &Backend,
     params: lsp::DidChangeConfigurationParams,
 ) {
+    let settings = params.settings.as_object();
+    if settings.is_none_or(|settings| settings.is_empty()) {
+        // The editor only says that they have changed.
+        request_settings(server);
+        return;
+    }
     set(&server.session, &server.client, &params.settings);
 }
 
