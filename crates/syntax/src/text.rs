@@ -22,12 +22,8 @@ pub(crate) fn too_large() -> Diagnostic {
 
 /// Returns the number of bytes before the end of the first line.
 pub(crate) fn line_length(bytes: &[u8]) -> usize {
-    let length = bytes.iter().position(|byte| *byte == b'\n');
-    match length {
-        Some(length) if length > 0 && bytes[length - 1] == b'\r' => length - 1,
-        Some(length) => length,
-        None => bytes.len(),
-    }
+    let end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+    end.unwrap_or(bytes.len())
 }
 
 /// Returns the bytes as a text.

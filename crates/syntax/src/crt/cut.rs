@@ -94,7 +94,7 @@ pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<u
     // A comment or a string that nothing new can end is not read again.
     let begun = text.get(state.at..from).unwrap_or_default().as_bytes();
     let is_open = matches!(begun, [b'-', b'-', ..]) || matches!(begun, [b'"', ..]);
-    if is_open && begun.len() >= LOOKAHEAD && !text[from..].contains(['\n', '"', '\\']) {
+    if is_open && begun.len() >= LOOKAHEAD && !text[from..].contains(['\n', '\r', '"', '\\']) {
         return state;
     }
     let mut lexer = Lexer::new(text, state.at as u32);

@@ -154,7 +154,7 @@ fn string(bytes: &[u8]) -> (usize, bool) {
             [b'"', ..] => return (at + 1, true),
             [b'\\', b'\n' | b'\r', ..] => at += 1,
             [b'\\', _, ..] => at += 2,
-            [b'\n', ..] | [] => return (line_length(bytes), false),
+            [b'\n' | b'\r', ..] | [] => return (line_length(bytes), false),
             _ => at += 1,
         }
     }

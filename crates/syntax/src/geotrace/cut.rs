@@ -30,7 +30,7 @@ pub struct CutState {
 pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
     for (at, byte) in text.bytes().enumerate().skip(state.at) {
         match byte {
-            b'\n' => state.in_comment = false,
+            b'\n' | b'\r' => state.in_comment = false,
             _ if state.in_comment => {}
             b'#' => state.in_comment = true,
             b'(' | b'[' | b'{' => state.depth = state.depth.saturating_add(1),

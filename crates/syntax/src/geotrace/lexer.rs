@@ -286,6 +286,14 @@ mod tests {
     }
 
     #[test]
+    fn a_comment_ends_with_its_line() {
+        for end in ["\n", "\r\n", "\r"] {
+            let source = format!("# one{end}a # two{end}");
+            assert_eq!(texts(&source), ["# one", "a", "# two"], "{source:?}");
+        }
+    }
+
+    #[test]
     fn numbers_are_the_longest_decimal_literals() {
         for (source, expected) in [
             ("2", vec!["2"]),

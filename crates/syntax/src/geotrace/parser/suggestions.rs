@@ -36,7 +36,7 @@ pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, 
                 .unwrap_or(rest.len())
         };
         let length = match byte {
-            b'#' => run(|byte| *byte != b'\n'),
+            b'#' => run(|byte| !matches!(byte, b'\n' | b'\r')),
             b'a'..=b'z' | b'A'..=b'Z' => {
                 let length = run(u8::is_ascii_alphanumeric);
                 let word = &source[at..at + length];
