@@ -230,6 +230,18 @@ fn completion_offers_what_fits_at_the_place() {
     let (_, list) = labels("surface s(u,v) = (u,v,0), |v : [0,1]");
     assert_eq!(list[..3], ["u", "v", "color"]);
 
+    let above = "param rad : [0, 1]; grid kk : [0, 1, 3]; define rest = 2; define rr = rad;";
+    for text in [
+        "curve c(t) = (t, t, t), t : [0, r|]",
+        "param p : [0, r|]",
+        "grid p : [0, 1, 3], [r|",
+    ] {
+        let (_, list) = labels(&format!("{above} {text}"));
+        assert!(list.contains(&"rest".to_owned()), "{list:?}");
+        for name in ["rad", "kk", "rr"] {
+            assert!(!list.contains(&name.to_owned()), "{name} in {list:?}");
+        }
+    }
     let (_, list) = labels("# a comm|ent");
     assert!(list.is_empty());
     let (_, list) = labels("define |");

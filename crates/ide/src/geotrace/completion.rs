@@ -62,6 +62,13 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
             list.extend(names.list(analysis).into_iter().map(of_symbol));
             list
         }
+        Expected::Constant => {
+            is_complete = names.are_few();
+            let all = names.list(analysis).into_iter();
+            all.filter(|symbol| is_constant(analysis, symbol))
+                .map(of_symbol)
+                .collect()
+        }
         Expected::Operand(item) => {
             let mut list = item
                 .map(|item| own_parameters(analysis, item))
@@ -278,6 +285,12 @@ impl<'r> Names<'r> {
         }
         list
     }
+}
+
+/// Returns true if a symbol depends on no param and no grid.
+fn is_constant(analysis: &GeotraceAnalysis, symbol: &Symbol) -> bool {
+    let id = analysis.document().named(&symbol.name);
+    !id.is_some_and(|id| analysis.depends_on_settings(id))
 }
 
 fn of_symbol(symbol: &Symbol) -> Completion {

@@ -4,7 +4,7 @@
 //! into names, and its last part is being written.
 
 use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
-use syntax::geotrace::declarations::Syntax;
+use syntax::geotrace::declarations::{Category, Syntax};
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
@@ -29,6 +29,8 @@ pub(super) enum Expected {
     Atom,
     /// A map, or an operand: behind the `@` of a set.
     Place,
+    /// An operand that depends on no param and no grid: in an interval.
+    Constant,
     /// Any operand, in the body of this item.
     Operand(Option<usize>),
 }
@@ -45,7 +47,10 @@ impl CompletionPlace {
         let whole = analysis.document().word_start(offset);
         let of_whole = Self::from(analysis, whole, offset);
         match of_whole.wanted {
-            Expected::Operand(_) | Expected::ParameterOf(_) | Expected::Nothing => {
+            Expected::Operand(_)
+            | Expected::Constant
+            | Expected::ParameterOf(_)
+            | Expected::Nothing => {
                 Self::from(analysis, part_start(analysis, whole, offset), offset)
             }
             _ => of_whole,
@@ -98,7 +103,7 @@ fn behind(
         return Expected::Nothing;
     }
     if item.is_some_and(|item| in_interval(analysis, item, at)) {
-        return Expected::Operand(None);
+        return Expected::Constant;
     }
     if let Some(expected) = item.and_then(|item| in_set(analysis, item, at)) {
         return expected;
@@ -169,7 +174,7 @@ fn in_head(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     tokens.all(|token| !matches!(token.kind, TokenKind::Equals | TokenKind::Colon))
 }
 
-/// Returns true if a parameter's interval is open behind a token of an item.
+/// Returns true if the interval of a parameter, a param or a grid is open behind a token of an item.
 fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let tokens = analysis.tokens(first..last + 1);
@@ -179,7 +184,12 @@ fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> boo
     for token in tokens {
         if open == 0 && token.kind == TokenKind::BracketOpen {
             let is_parameter = item.variables().any(|name| name == word);
-            is_interval = before == Some(TokenKind::Colon) && is_parameter;
+            let is_own = matches!(item.keyword.category(), Category::Slider | Category::Grid);
+            is_interval = match before {
+                Some(TokenKind::Colon) => is_parameter || is_own,
+                Some(TokenKind::Comma) => is_own,
+                _ => false,
+            };
         } else if open == 0 && depth(token) > 0 {
             is_interval = false;
         }
