@@ -188,12 +188,40 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
                 self.body();
                 self.step(ParseStep::Scene, start);
             }
+            TokenKind::Identifier if self.begins_small_block() => {
+                let word = self.text();
+                let is_scene = word.eq_ignore_ascii_case("scene");
+                let meant = if is_scene { "Scene" } else { "Settings" };
+                let span = self.current.span;
+                let message = format!("there is no object `{word}`");
+                let diagnostic = Diagnostic::error(codes::UNKNOWN_OBJECT, span, message)
+                    .with_hint(format!("write `{meant}`, with a capital letter"))
+                    .with_fix(Fix::change(span, meant, true).with_all());
+                self.report(diagnostic);
+                self.advance();
+                if is_scene {
+                    self.body();
+                    self.step(ParseStep::Scene, start);
+                } else {
+                    let (braces, count) = self.attributes(None, true);
+                    self.step(ParseStep::Settings(braces, count), start);
+                }
+            }
             kind if kind.begins_statement() => {
                 self.statement();
                 self.step(ParseStep::Statement, start);
             }
             _ => self.stray(),
         }
+    }
+
+    /// Returns true if the current word is that of a block but for its capital letter, and a brace follows.
+    fn begins_small_block(&self) -> bool {
+        let text = self.text();
+        ["scene", "settings"]
+            .iter()
+            .any(|word| word.eq_ignore_ascii_case(text))
+            && self.lexer.peek() == TokenKind::BraceOpen
     }
 
     /// `Stmt = Expr | "while" "(" Expr ")" "{" Stmts "}" | If`
@@ -258,9 +286,12 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
     /// `"{" Stmts "}"`
     fn body(&mut self) {
         let open = self.current.span;
-        if !self.accept(TokenKind::BraceOpen, "a `{`") {
+        if !self.at(TokenKind::BraceOpen) {
+            let hint = "statements of a body stand between `{` and `}`";
+            self.unexpected_with("a `{`", Some(hint.to_owned()));
             return self.step(ParseStep::Body(0), self.previous.span.end);
         }
+        self.advance();
         let mut count = 0;
         if self.enter() {
             loop {

@@ -24,7 +24,9 @@ impl<A: Actions> Parser<'_, '_, A> {
                 first.span.start,
                 self.previous.span.end.max(first.span.start),
             );
-            let is_name = first.kind == TokenKind::Identifier && first.span == target;
+            // A name with a capital letter has been reported.
+            let is_word = matches!(first.kind, TokenKind::Identifier | TokenKind::Name);
+            let is_name = is_word && first.span == target;
             if !is_name {
                 self.not_assignable(target);
             }

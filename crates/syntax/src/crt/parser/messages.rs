@@ -31,8 +31,8 @@ impl<A: Actions> Parser<'_, '_, A> {
         loop {
             let token = lexeme.token;
             match (run, lexeme.fault) {
-                (Some((span, first)), Some(Fault::Character(_)))
-                    if span.end == token.span.start =>
+                (Some((span, first)), Some(Fault::Character(next)))
+                    if span.end == token.span.start && joins(first, next) =>
                 {
                     run = Some((span.to(token.span), first));
                 }
@@ -81,12 +81,27 @@ impl<A: Actions> Parser<'_, '_, A> {
 
     /// Reports that the current token is not what is expected.
     pub(super) fn unexpected(&mut self, expected: &str) {
-        let span = self.current.span;
-        let message = match self.current.kind {
-            TokenKind::Eoi => format!("the text ends where {expected} is expected"),
-            _ => format!("{expected} is expected, not {}", quote(self.text())),
-        };
         let hint = self.reserved_hint();
+        self.unexpected_with(expected, hint);
+    }
+
+    /// Reports that the current token is not what is expected, with a hint.
+    pub(super) fn unexpected_with(&mut self, expected: &str, hint: Option<String>) {
+        let (span, message) = match self.current.kind {
+            // The statement ends, and with it this piece of the script.
+            TokenKind::Eoi => {
+                let before = self.previous.span;
+                let text = quote(before.text(self.source));
+                (before, format!("{expected} is expected behind {text}"))
+            }
+            _ => {
+                let text = quote(self.text());
+                (
+                    self.current.span,
+                    format!("{expected} is expected, not {text}"),
+                )
+            }
+        };
         if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
             self.report(match hint {
                 Some(hint) => found.with_hint(hint),
@@ -102,7 +117,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             TokenKind::Eoi => "an expression is missing at the end of the statement".to_owned(),
             _ => format!("an expression is missing before {}", quote(self.text())),
         };
-        let hint = self.reserved_hint();
+        let hint = self.increment_hint().or_else(|| self.reserved_hint());
         if let Some(found) = self.fault(codes::MISSING_OPERAND, span, message) {
             self.report(match hint {
                 Some(hint) => found.with_hint(hint),
@@ -113,11 +128,29 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.actions.act_step(ParseStep::Missing, place);
     }
 
+    /// The hint at `i++` and `i += 1`, which other languages have.
+    fn increment_hint(&self) -> Option<String> {
+        let (before, sign) = (self.previous.span, self.text());
+        let is_double = before.end == self.current.span.start
+            && matches!(
+                (before.text(self.source), sign),
+                ("+", "+" | "=") | ("-" | "*" | "/", "=")
+            );
+        let is_postfix = self.source[..before.end as usize].ends_with("++");
+        (is_double || is_postfix).then(|| "a variable is changed by `i = i + 1`".to_owned())
+    }
+
     fn reserved_hint(&self) -> Option<String> {
         let kind = self.current.kind;
         let is_word = RESERVED.iter().any(|(_, reserved)| *reserved == kind);
         is_word.then(|| format!("`{}` is a word of the language and no name", self.text()))
     }
+}
+
+/// Returns true if a bad character behind another one is reported with it: what is said of the first holds for both.
+fn joins(first: char, next: char) -> bool {
+    let is_known = |character| matches!(character, ';' | '#' | '\'' | '&' | '|' | '−' | '–' | '→');
+    first == next || !is_known(first) && !is_known(next)
 }
 
 /// The error of a run of characters that begin no token.
@@ -152,6 +185,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
             .with_fix(Fix::remove(span, ";").with_all()),
         '#' => diagnostic.with_hint(COMMENT).with_fix(change("--")),
         '\'' => diagnostic.with_hint("a string stands between `\"`"),
+        '→' if is_single => diagnostic.with_fix(change("->").with_all()),
         '−' | '–' if is_single => diagnostic.with_fix(change("-").with_all()),
         _ if first.is_alphabetic() || first == '_' => {
             diagnostic.with_hint("names hold only the letters a-z, A-Z and digits")

@@ -12,6 +12,13 @@ use crate::spelling::nearest;
 /// The attributes that an object states, each with the place of its name.
 type Stated<'s> = Vec<(&'s str, Span)>;
 
+/// Returns a word with a small first letter.
+fn small(word: &str) -> String {
+    let mut letters = word.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_lowercase());
+    first.into_iter().chain(letters).collect()
+}
+
 /// The name of the object that a word is without its capital letters.
 pub(super) fn uncapitalized(word: &str) -> Option<&'static str> {
     let mut names = ObjectName::objects().map(ObjectName::text);
@@ -22,6 +29,9 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
     /// `Prim = name "{" Attrs "}"`
     pub(super) fn object(&mut self) {
         let (text, name) = (self.text(), self.current.span);
+        if self.lexer.peek() == TokenKind::Assign {
+            return self.capital_variable();
+        }
         let object = ObjectName::from_text(text);
         if let Some(meant) = uncapitalized(text) {
             let message = format!("there is no object `{text}`");
@@ -42,6 +52,19 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         self.advance();
         let (braces, count) = self.attributes(object.map(|object| (object, name)), false);
         self.step(ParseStep::Object(name, count, braces), name.start);
+    }
+
+    /// Reports a variable that begins with a capital letter, and takes it for one.
+    fn capital_variable(&mut self) {
+        let (text, span) = (self.text(), self.current.span);
+        let written = small(text);
+        let message = format!("a variable begins with a small letter, unlike `{text}`");
+        if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+            let fix = Fix::change(span, &written, true);
+            self.report(found.with_fix(fix));
+        }
+        self.advance();
+        self.step(ParseStep::Identifier(text), span.start);
     }
 
     /// `"{" Attrs "}"`, of an object with the place of its name, or of the block `Settings`. Returns the place of the braces
@@ -90,6 +113,23 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
     ) -> bool {
         let (word, span) = (self.text(), self.current.span);
         match self.current.kind {
+            TokenKind::Name | TokenKind::Text if self.lexer.peek() == TokenKind::Arrow => {
+                let name = small(word.trim_matches('"'));
+                let row = object.and_then(|object| object.attribute(&name));
+                let message = "the name of an attribute is a word that begins with a small letter";
+                if let Some(mut found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
+                    let fix = row.map(|row| Fix::change(span, row.text, true));
+                    found.fixes.extend(fix);
+                    self.report(found);
+                }
+                stated.extend(row.map(|row| (row.text, span)));
+                self.advance();
+                self.advance();
+                self.expression();
+                self.step(ParseStep::Attribute(span), span.start);
+                *count += 1;
+                return true;
+            }
             TokenKind::BraceClose | TokenKind::Settings | TokenKind::Scene | TokenKind::Eoi => {
                 return false;
             }
@@ -142,7 +182,11 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         if self.at(TokenKind::Arrow) {
             self.advance();
         } else {
-            let place = self.current.span;
+            let mut place = self.current.span;
+            if self.at(TokenKind::Assign) && self.source[place.end as usize..].starts_with('>') {
+                // `=>` of other languages.
+                place.end += 1;
+            }
             let message = format!("`->` stands between `{word}` and its value");
             if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
                 let is_sign = matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon);
@@ -153,6 +197,9 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 self.report(found.with_fix(fix));
             }
             if matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon) {
+                self.advance();
+            }
+            if self.current.span.end == place.end && self.at(TokenKind::Greater) {
                 self.advance();
             }
         }
