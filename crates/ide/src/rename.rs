@@ -37,7 +37,7 @@ impl std::fmt::Display for RenameError {
                 "`{name}` is not a name: a name starts with a letter and has only letters a-z, A-Z and digits"
             ),
             Self::Keyword(name) => {
-                write!(f, "`{name}` opens a declaration: it cannot be a name")
+                write!(f, "`{name}` is a keyword: it cannot be a name")
             }
             Self::Taken { name, line: None } => write!(f, "`{name}` is already builtin"),
             Self::Taken {

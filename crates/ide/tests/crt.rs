@@ -387,6 +387,20 @@ fn modifiers_are_completed_and_attributes_with_a_value_alone() {
         let labels: Vec<String> = completed(text).into_iter().map(|it| it.label).collect();
         assert_eq!(labels, ["scale", "translate", "rotate"], "{text}");
     }
+    // An editor that closes quotes leaves the cursor between them.
+    for text in [
+        "Camera { projection -> \"|\" }",
+        "Camera { projection -> \"sph|\" }",
+    ] {
+        let list = completed(text);
+        let labels: Vec<&str> = list.iter().map(|it| &*it.label).collect();
+        assert!(labels.contains(&"spherical"), "{labels:?}");
+        assert_eq!(list[0].insert, list[0].label);
+    }
+    assert_eq!(completed("a = \"|\"").len(), 0);
+    // A parameter hides the variable of its name.
+    let list = completed("x = 1\nm = Macro (x) { y = x| }");
+    assert_eq!(list.iter().filter(|it| it.label == "x").count(), 1);
     let list = completed("Sphere { center -> vec3(0,0,0) rad| -> 1 }");
     let radius = list.iter().find(|it| it.label == "radius");
     let radius = radius.expect("the attribute");

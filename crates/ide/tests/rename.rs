@@ -62,7 +62,7 @@ fn names_that_cannot_be_are_refused_with_the_reason() {
     );
     assert_eq!(
         refused("define |a = 1;", "param"),
-        "`param` opens a declaration: it cannot be a name"
+        "`param` is a keyword: it cannot be a name"
     );
     assert!(refused("define |a = 1;", "2a").contains("is not a name"));
     assert!(refused("define |a = 1;", "").contains("is not a name"));

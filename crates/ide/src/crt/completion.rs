@@ -1,5 +1,7 @@
 //! Completions: attributes between the braces of an object, the words of an attribute, and what an expression can begin with.
 
+use std::collections::HashMap;
+
 use syntax::crt::objects::{FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::token::{RESERVED, Token, TokenKind};
 use syntax::span::Span;
@@ -14,8 +16,8 @@ use crate::description::Description;
 enum CompletionPlace {
     /// The name of an attribute of an object. These are stated already.
     Attribute(ObjectName, Vec<String>),
-    /// The value of an attribute that is one of these strings.
-    Choice(&'static [&'static str]),
+    /// The value of an attribute that is one of these strings; `true` between quotes.
+    Choice(&'static [&'static str], bool),
     /// A modifier, within `<…>`.
     Modifier,
     /// Another value.
@@ -59,15 +61,18 @@ pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -
                 false => attribute(row, snippets),
             }));
         }
-        CompletionPlace::Choice(words) => {
-            let words = words.iter().map(|word| Completion {
-                label: format!("\"{word}\""),
+        CompletionPlace::Choice(words, is_quoted) => {
+            let words = words.iter().map(|word| match is_quoted {
+                true => (*word).to_owned(),
+                false => format!("\"{word}\""),
+            });
+            list.extend(words.map(|word| Completion {
+                label: word.clone(),
                 kind: CompletionKind::Word,
                 detail: String::new(),
-                insert: format!("\"{word}\""),
+                insert: word,
                 snippet: false,
-            });
-            list.extend(words);
+            }));
         }
         CompletionPlace::Modifier => {
             let words = RESERVED.iter().filter(|(_, kind)| kind.is_modifier());
@@ -110,7 +115,19 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             .scope
             .is_none_or(|scope| scope.start <= offset && offset <= scope.end)
     });
+    let visible: Vec<_> = visible.collect();
+    // An inner variable hides an outer one of its name.
+    let mut starts: HashMap<&str, Option<u32>> = HashMap::new();
+    for variable in &visible {
+        let start = variable.scope.map(|scope| scope.start);
+        let known = starts.entry(&*variable.name).or_insert(start);
+        *known = start.max(*known);
+    }
+    let is_seen = |start: Option<u32>, name: &str| starts.get(name) == Some(&start);
     for variable in visible {
+        if !is_seen(variable.scope.map(|scope| scope.start), &variable.name) {
+            continue;
+        }
         let (kind, detail) = match variable.origin {
             Origin::Parameter => (CompletionKind::Parameter, ""),
             Origin::Macro => (CompletionKind::Function, "Macro"),
@@ -195,9 +212,18 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
         .get(before)
         .is_some_and(|it| it.span.start < offset && is_open(it))
     {
-        return CompletionPlace::Nothing;
+        let is_text = analysis.slice(tokens[before].span).starts_with('"');
+        return match place_behind(analysis, &tokens[..before], offset) {
+            CompletionPlace::Choice(words, _) if is_text => CompletionPlace::Choice(words, true),
+            _ => CompletionPlace::Nothing,
+        };
     }
-    let before: Vec<Token> = tokens[..before]
+    place_behind(analysis, &tokens[..before], offset)
+}
+
+/// Finds the kind of place behind some tokens.
+fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> CompletionPlace {
+    let before: Vec<Token> = tokens
         .iter()
         .copied()
         .filter(|token| token.kind != TokenKind::Comment)
@@ -259,7 +285,7 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
     let row = word.and_then(|word| object.attribute(&analysis.slice(word)));
     match row.map(|row| row.value) {
         Some(ValueType::Choice(words)) if last.kind == TokenKind::Arrow => {
-            CompletionPlace::Choice(words)
+            CompletionPlace::Choice(words, false)
         }
         _ => CompletionPlace::Value,
     }

@@ -46,7 +46,9 @@ pub(super) fn rename(
     if place.is_some() || is_builtin {
         return Err(RenameError::Taken {
             name: name.to_owned(),
-            line: place.map(|span| analysis.snapshot_text().line(span.start)),
+            line: place
+                .filter(|_| !is_builtin)
+                .map(|span| analysis.snapshot_text().line(span.start)),
         });
     }
     let places = names.occurrences(variable).into_iter();

@@ -35,7 +35,12 @@ impl Interpreter<'_> {
             return self.call_value(&value, arguments, span);
         };
         let arguments = self.arguments(arguments)?;
-        self.check_count(name, parameters.len(), arguments.len(), span)?;
+        self.check_count(
+            &format!("`{name}`"),
+            parameters.len(),
+            arguments.len(),
+            span,
+        )?;
         self.function(name, &arguments, span)
     }
 
@@ -50,7 +55,7 @@ impl Interpreter<'_> {
 
     fn check_count(
         &mut self,
-        name: &str,
+        called: &str,
         expected: usize,
         given: usize,
         span: Span,
@@ -63,7 +68,8 @@ impl Interpreter<'_> {
         } else {
             "arguments"
         };
-        let message = format!("`{name}` takes {expected} {word}, and {given} are given");
+        let are = if given == 1 { "is" } else { "are" };
+        let message = format!("{called} takes {expected} {word}, and {given} {are} given");
         Err(self.fault(codes::ARGUMENT_COUNT, span, message))
     }
 

@@ -127,8 +127,9 @@ impl Declarations {
         let lowered = self.over_variables(body, count);
         let mut is_sound = matches!(count, 0 | 3);
         if !is_sound {
+            let plural = if count == 1 { "" } else { "s" };
             let message = format!(
-                "a background is a function of x, y and z, but `{}` has {count} parameters",
+                "a background is a function of x, y and z, but `{}` has {count} parameter{plural}",
                 declaration.name
             );
             let error = SemanticError::new(error::PARAMETER_COUNT, message);

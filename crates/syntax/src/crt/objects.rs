@@ -176,7 +176,7 @@ const OPENING: ValueType = ValueType::Number(AttributeRange {
     ..AttributeRange::closed(0.0, 360.0)
 });
 /// The number of samples in each direction, or of samples. A billion are more than anybody waits for.
-const COUNT: ValueType = ValueType::Integer(AttributeRange::closed(1.0, 1e9));
+const COUNT: ValueType = ValueType::Integer(AttributeRange::closed(1.0, 65_536.0));
 const DEPTH: ValueType = ValueType::Integer(AttributeRange::closed(0.0, 64.0));
 const VECTOR: ValueType = ValueType::Vector;
 const COLOR: ValueType = ValueType::Color;
