@@ -57,6 +57,7 @@ mod cast;
 mod contour;
 mod field;
 mod first;
+mod frame;
 mod leaf;
 pub mod light;
 mod line;

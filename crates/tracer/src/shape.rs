@@ -12,6 +12,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::field::{Field, FieldCompiler, FieldScratch};
+use crate::frame::{centers, frame};
 use crate::program::PolynomialProgram;
 use crate::reach::{ellipsoid, reach};
 use crate::surface::PolynomialSurface;
@@ -24,6 +25,8 @@ pub(crate) struct Shape {
     pub(crate) field: Field,
     /// The box outside which it holds nothing; some of its sides may be endless.
     pub(crate) extent: BoundingBox,
+    /// The box about the centres of the polynomials that bound it.
+    centers: BoundingBox,
     /// The number of surfaces that bound it.
     pub(crate) pieces: usize,
 }
@@ -72,6 +75,7 @@ impl Shape {
         let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
         let mut scratch = FieldScratch::default();
         let mut pieces = 2 * cuts.iter().flatten().count();
+        let mut middles = BoundingBox::EMPTY;
         let extent = if limits.iter().any(|side| side.is_empty()) {
             BoundingBox::EMPTY
         } else {
@@ -79,6 +83,7 @@ impl Shape {
             // It is read once more in its frame.
             work.take(2 * terms as u64);
             pieces += region.pieces();
+            middles = centers(&region);
             let within = |bounds: BoundingBox| {
                 let [lower, upper] = [bounds.lower.to_array(), bounds.upper.to_array()];
                 [0, 1, 2].map(|k| {
@@ -113,6 +118,7 @@ impl Shape {
             cuts,
             field,
             extent,
+            centers: middles,
             pieces,
         })
     }
@@ -128,12 +134,20 @@ impl Shape {
         self.cuts.iter().zip(at.to_array()).all(within) && self.field.value(scratch, at) <= 0.0
     }
 
-    /// Reads the shape in coordinates that take `frame` to [−1, 1]³.
+    /// Reads the shape in coordinates that take its box to [−1, 1]³; of an endless shape, a box about the centres of its
+    /// polynomials, with half the side `size` where they tell none.
     pub(crate) fn compile(
         &self,
         compiler: &FieldCompiler<'_>,
-        frame: &BoundingBox,
+        size: f64,
     ) -> Result<FramedShape, TooLarge> {
+        if self.extent.is_empty() {
+            return Ok(FramedShape::empty());
+        }
+        let frame = match self.bounds() {
+            Some(bounds) => bounds,
+            None => frame(&self.centers, &self.extent, size),
+        };
         let graph = compiler.graph;
         let uniform: &dyn Fn(Input) -> f64 = &|input| self.field.uniform(input);
         let center = frame.center();
@@ -193,7 +207,7 @@ fn meaning(input: Input, uniform: &dyn Fn(Input) -> f64, frame: &[[f64; 2]; 3]) 
 
 impl FramedShape {
     /// A set without points.
-    pub(crate) fn empty() -> Self {
+    fn empty() -> Self {
         Self {
             region: Region::Any(Vec::new()),
             pieces: Vec::new(),

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use expr::polynomial::Region;
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DVec3};
-use rustc_hash::FxHashMap;
 
 use crate::bounds::{BoundingBox, WorkBudget};
 use crate::bvh::Hierarchy;
 use crate::field::{FieldCompiler, FieldScratch};
+use crate::frame::power_of_two;
 use crate::leaf::Leaf;
 use crate::line::SurfaceId;
 use crate::low::{LowPiece, is_convex, is_simple, low_pieces};
@@ -232,8 +232,8 @@ impl<'a> WorldBuilder<'a> {
         let mut frames = FrameCache {
             compiler: &self.compiler,
             shapes: &shapes,
-            rest,
-            known: FxHashMap::default(),
+            size: power_of_two((0.5 * (rest.upper - rest.lower)).max_element()),
+            known: vec![None; shapes.len()],
         };
         let mut leaves: Vec<Leaf> = Vec::new();
         let mut boxes: Vec<Option<BoundingBox>> = Vec::new();
@@ -251,7 +251,7 @@ impl<'a> WorldBuilder<'a> {
             }
             let placed = placed.leaves;
             // What is known of each leaf before its literals are.
-            let drafts = placed.iter().map(|leaf| frames.compiled(leaf));
+            let drafts = placed.iter().map(|leaf| frames.compiled(leaf.shape));
             let drafts: Vec<Arc<FramedShape>> = drafts.collect::<Result<_, _>>()?;
             let mut literals: Vec<Option<LeafLiterals>> = vec![None; drafts.len()];
             forest.add(
@@ -375,38 +375,23 @@ impl<'a> WorldBuilder<'a> {
     }
 }
 
-/// Reads each shape once for each frame.
+/// Reads each shape once.
 struct FrameCache<'a> {
     compiler: &'a FieldCompiler<'a>,
     shapes: &'a [Shape],
-    rest: BoundingBox,
-    known: FxHashMap<(usize, [u64; 12]), Arc<FramedShape>>,
+    /// Half the side of the frames of shapes that tell none.
+    size: f64,
+    known: Vec<Option<Arc<FramedShape>>>,
 }
 
 impl FrameCache<'_> {
-    fn compiled(
-        &mut self,
-        &PlacedShape { shape, map }: &PlacedShape,
-    ) -> Result<Arc<FramedShape>, BuildError> {
-        let source = &self.shapes[shape];
-        // A bounded shape has one frame, whatever its map.
-        let (frame, key) = match source.bounds() {
-            Some(bounds) => (bounds, [0; 12]),
-            None => {
-                let key = map.to_cols_array().map(f64::to_bits);
-                (self.rest.transformed(&map.inverse()), key)
-            }
-        };
-        if let Some(known) = self.known.get(&(shape, key)) {
+    fn compiled(&mut self, shape: usize) -> Result<Arc<FramedShape>, BuildError> {
+        if let Some(known) = &self.known[shape] {
             return Ok(known.clone());
         }
-        let compiled = if frame.is_empty() {
-            FramedShape::empty()
-        } else {
-            source.compile(self.compiler, &frame)?
-        };
+        let compiled = self.shapes[shape].compile(self.compiler, self.size)?;
         let compiled = Arc::new(compiled);
-        self.known.insert((shape, key), compiled.clone());
+        self.known[shape] = Some(compiled.clone());
         Ok(compiled)
     }
 }

@@ -1,0 +1,198 @@
+//! Frames of endless shapes: where their polynomials are centred, and how large they are.
+//!
+//! Input: the region of a shape in its own coordinates. Output: a box. A frame only moves and stretches coordinates, so any
+//! box is right; but a polynomial that is written about a place far from its own centre has large terms that cancel, and its
+//! roots lose as many digits. A shape's frame depends on the shape alone: what else is in a world does not move its roots.
+
+use expr::polynomial::{Polynomial, Region};
+use glam::{DMat3, DVec3};
+
+use crate::bounds::BoundingBox;
+
+/// A pivot below this share of the largest one is none.
+const FLATTEST: f64 = 1e-9;
+
+/// The box about the centres of the polynomials that bound a region, as large as these are: of those of degree two at least,
+/// and where there are none, of the planes. It is a point where nothing tells a size.
+pub(crate) fn centers(region: &Region) -> BoundingBox {
+    let [mut flat, mut curved] = [BoundingBox::EMPTY; 2];
+    let mut rest = vec![region];
+    while let Some(region) = rest.pop() {
+        match region {
+            Region::Polynomial(p) => {
+                let (center, half) = (center(p), size(p));
+                if center.is_finite() && half.is_finite() {
+                    let all = if p.degree() > 1 {
+                        &mut curved
+                    } else {
+                        &mut flat
+                    };
+                    all.include(center - half);
+                    all.include(center + half);
+                }
+            }
+            Region::Field(..) => {}
+            Region::All(parts) | Region::Any(parts) => rest.extend(parts),
+        }
+    }
+    let found = [curved, flat].into_iter().find(|found| !found.is_empty());
+    found.unwrap_or(BoundingBox {
+        lower: DVec3::ZERO,
+        upper: DVec3::ZERO,
+    })
+}
+
+/// The frame of a shape whose polynomials have these centres: along axes on which its extent ends, that extent. `size` is half
+/// its side where nothing else tells one.
+pub(crate) fn frame(centers: &BoundingBox, extent: &BoundingBox, size: f64) -> BoundingBox {
+    let ends = |k: usize| extent.lower[k].is_finite() && extent.upper[k].is_finite();
+    let [mut center, mut half] = centers.middle();
+    let [own_center, own_half] = extent.middle();
+    let most = |half: DVec3, on: bool| {
+        let sides = (0..3).filter(|&k| ends(k) == on).map(|k| half[k]);
+        sides.fold(0.0, f64::max)
+    };
+    let sizes = [most(half, false), most(own_half, true), size];
+    let endless = sizes.into_iter().find(|&size| size > 0.0).unwrap_or(1.0);
+    for k in 0..3 {
+        (center[k], half[k]) = match ends(k) {
+            true => (own_center[k], own_half[k]),
+            false => (center[k], endless),
+        };
+    }
+    BoundingBox {
+        lower: center - half,
+        upper: center + half,
+    }
+}
+
+/// The power of two that is nearest to a size: scales by it are exact.
+pub(crate) fn power_of_two(size: f64) -> f64 {
+    size.log2().round().exp2()
+}
+
+/// The place about which the terms of the last degree but one are least: the centre of a quadric that has one; of a plane its
+/// point nearest to the origin.
+fn center(p: &Polynomial) -> DVec3 {
+    let degree = p.degree();
+    let of_degree = |degree: usize| {
+        let sum = |e: [u8; 3]| e.iter().map(|&e| usize::from(e)).sum::<usize>();
+        Polynomial::from_terms(p.terms().filter(|(e, _)| sum(*e) == degree))
+    };
+    if degree == 0 {
+        return DVec3::ZERO;
+    }
+    let (first, second) = (of_degree(degree), of_degree(degree - 1));
+    let slopes = [0, 1, 2].map(|k| first.derivative(k));
+    let product = |a: &Polynomial, b: &Polynomial| {
+        let other = |e: [u8; 3]| b.terms().find(|(f, _)| *f == e).map_or(0.0, |(_, c)| c);
+        a.terms().map(|(e, c)| c * other(e)).sum::<f64>()
+    };
+    // About c those terms are `second` + c·`slopes`: least squares of their coefficients.
+    let right = DVec3::from_array([0, 1, 2].map(|k| -product(&slopes[k], &second)));
+    let columns = [0, 1, 2].map(|j| [0, 1, 2].map(|k| product(&slopes[j], &slopes[k])));
+    if degree == 1 {
+        let square = columns[0][0] + columns[1][1] + columns[2][2];
+        return right / square;
+    }
+    solved(DMat3::from_cols_array_2d(&columns), right)
+}
+
+/// A solution of a symmetric system that has no negative eigenvalues, with 0 for what it leaves open.
+fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
+    let largest = matrix.x_axis.x.max(matrix.y_axis.y).max(matrix.z_axis.z);
+    let mut open = vec![0, 1, 2];
+    let mut order = Vec::new();
+    while let Some(&k) = open
+        .iter()
+        .max_by(|&&j, &&k| matrix.col(j)[j].total_cmp(&matrix.col(k)[k]))
+    {
+        let pivot = matrix.col(k)[k];
+        if !(pivot > FLATTEST * largest) {
+            break;
+        }
+        open.retain(|&other| other != k);
+        order.push(k);
+        for &j in &open {
+            let factor = matrix.col(k)[j] / pivot;
+            right[j] -= factor * right[k];
+            for &i in &open {
+                let part = factor * matrix.col(i)[k];
+                matrix.col_mut(i)[j] -= part;
+            }
+        }
+    }
+    let mut solution = DVec3::ZERO;
+    for &k in order.iter().rev() {
+        // The row of a pivot is untouched after its own step: what is solved already comes after it.
+        let known = (0..3)
+            .filter(|&j| j != k)
+            .map(|j| matrix.col(j)[k] * solution[j]);
+        solution[k] = (right[k] - known.sum::<f64>()) / matrix.col(k)[k];
+    }
+    solution
+}
+
+/// About its centre, the size at which the terms of the highest degree outweigh those of each lower one; 0 if there are no
+/// others.
+fn size(p: &Polynomial) -> f64 {
+    let center = center(p).to_array();
+    let place = [0, 1, 2].map(|k| {
+        let mut slopes = [0.0; 3];
+        slopes[k] = 1.0;
+        Polynomial::linear(center[k], slopes)
+    });
+    let mut sums = vec![0.0; p.degree() + 1];
+    for (e, c) in p.compose(&place).terms() {
+        let degree: usize = e.iter().map(|&e| usize::from(e)).sum();
+        if let Some(sum) = sums.get_mut(degree) {
+            *sum += c.abs();
+        }
+    }
+    let Some((first, lower)) = sums.split_last() else {
+        return 0.0;
+    };
+    let degrees = lower.iter().enumerate();
+    let sizes = degrees.map(|(k, sum)| (sum / first).powf(1.0 / (lower.len() - k) as f64));
+    let most = sizes.fold(0.0, f64::max);
+    if most > 0.0 && p.degree() > 1 {
+        power_of_two(most)
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn polynomial(terms: &[([u8; 3], f64)]) -> Polynomial {
+        Polynomial::from_terms(terms.iter().copied())
+    }
+
+    #[test]
+    fn polynomials_have_their_centers() {
+        // A cone with its tip at (1, 2, 3), turned and moved in its terms.
+        let tip = [1.0, 2.0, 3.0];
+        let at = [0, 1, 2].map(|k| {
+            let mut slopes = [0.0; 3];
+            slopes[k] = 1.0;
+            Polynomial::linear(-tip[k], slopes)
+        });
+        let [x, y, z] = &at;
+        let cone = x.times(y).plus(&z.times(z).scaled(-0.5));
+        let cone = cone.plus(&x.times(z));
+        assert!((center(&cone) - DVec3::from_array(tip)).length() < 1e-12);
+        // A paraboloid has none along its axis, and a cubic that of its triple term.
+        let bowl = polynomial(&[([2, 0, 0], 1.0), ([1, 0, 0], -2000.0), ([0, 0, 1], -1.0)]);
+        assert_eq!(center(&bowl), DVec3::new(1000.0, 0.0, 0.0));
+        let cubic = polynomial(&[([3, 0, 0], 1.0), ([2, 0, 0], -30.0), ([0, 2, 0], 1.0)]);
+        assert!((center(&cubic) - DVec3::new(10.0, 0.0, 0.0)).length() < 1e-12);
+        let plane = polynomial(&[([1, 0, 0], 2.0), ([0, 0, 0], -3.0)]);
+        assert_eq!(center(&plane), DVec3::new(1.5, 0.0, 0.0));
+        let sizes = [&cone, &bowl, &plane].map(size);
+        assert_eq!(sizes[0], 0.0);
+        assert_eq!(sizes[1], 1024.0);
+        assert_eq!(sizes[2], 0.0);
+    }
+}

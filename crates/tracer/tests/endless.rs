@@ -1,0 +1,97 @@
+//! Endless leaves: the digits of their crossings, whatever else is in the world.
+
+use glam::{DAffine3, DVec3};
+use tracer::{Ray, SetStep, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+mod scenes;
+use formula::{Formula, variables};
+use scenes::Random;
+
+/// The greatest absolute value of the coordinates less those of a place.
+fn cube([x, y, z]: &[Formula; 3], at: [f64; 3]) -> Formula {
+    let [x, y, z] = [x - at[0], y - at[1], z - at[2]];
+    x.abs().max(&y.abs()).max(&z.abs())
+}
+
+/// The crossings of the first of some solids, with true where the ray enters.
+fn crossings(solids: &[Vec<&Formula>], rays: &[Ray]) -> Vec<Vec<(f64, bool)>> {
+    let graph = solids[0][0].graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    for parts in solids {
+        let mut steps = Vec::new();
+        for (k, part) in parts.iter().enumerate() {
+            let shape = builder.shape(part.node(), [None; 3]).unwrap();
+            steps.push(SetStep::Leaf(shape, DAffine3::IDENTITY));
+            if k > 0 {
+                steps.push(SetStep::Intersection);
+            }
+        }
+        builder.solid(steps).unwrap();
+    }
+    let world = builder.build().unwrap();
+    let mut caster = world.caster();
+    let mut cast = |ray: &Ray| {
+        let all = caster.cast(ray).iter();
+        let of_first = all.filter(|crossing| crossing.solid == 0);
+        of_first
+            .map(|crossing| (crossing.t, crossing.entering))
+            .collect()
+    };
+    rays.iter().map(&mut cast).collect()
+}
+
+fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+    Ray {
+        origin: DVec3::from_array(origin),
+        direction: DVec3::from_array(direction),
+        leaving: None,
+    }
+}
+
+#[test]
+fn other_solids_take_no_digits_from_endless_ones() {
+    let variables = variables();
+    let [x, y, _] = &variables;
+    let cubic = y.squared() - x.powi(3) + x;
+    let column = x.squared() + y.squared() - 1.0;
+    let fourth = x.powi(4) + y.powi(4) - 1.0;
+    let mut random = Random(7);
+    let through: Vec<Ray> = (0..40)
+        .map(|_| {
+            let d = random.vector(0.1);
+            ray([-3.0, 0.3, 0.2], [1.0, d.y, d.z])
+        })
+        .collect();
+    for solid in [&cubic, &column, &fourth] {
+        let alone = crossings(&[vec![solid]], &through);
+        assert!(alone.iter().all(|found| !found.is_empty()));
+        for size in [50.0, 500.0, 5e3, 5e4, 5e5] {
+            let far = cube(&variables, [size, 0.0, 0.0]) - size;
+            let beside = crossings(&[vec![solid], vec![&far]], &through);
+            for (alone, beside) in alone.iter().zip(&beside) {
+                assert_eq!(alone.len(), beside.len(), "beside {size}");
+                for ((t, _), (other, _)) in alone.iter().zip(beside) {
+                    assert!(
+                        (t - other).abs() <= 1e-14 * (1.0 + t),
+                        "{t}, {other}: {size}"
+                    );
+                }
+            }
+        }
+    }
+    // y² = x³ − x along (1, 0.05, 0.02) from (−3, 0.3, 0.2), to 16 digits.
+    let mut known = ray([-3.0, 0.3, 0.2], [1.0, 0.05, 0.02]);
+    known.direction = known.direction.normalize();
+    let found = &crossings(&[vec![&cubic]], &[known])[0];
+    let expected = [
+        2.098_063_962_452_479_7,
+        2.802_320_981_943_097_4,
+        4.115_159_230_424_103,
+    ];
+    assert_eq!(found.len(), 3);
+    for ((t, _), expected) in found.iter().zip(expected) {
+        assert!((t - expected).abs() < 1e-14, "{t}, not {expected}");
+    }
+}
