@@ -59,6 +59,18 @@ impl BoundingBox {
         }
     }
 
+    /// The box with more room on all sides, by this share of half the longest one.
+    pub(crate) fn with_room(&self, share: f64) -> Self {
+        if self.is_empty() {
+            return *self;
+        }
+        let room = share * (0.5 * (self.upper - self.lower)).max_element();
+        Self {
+            lower: self.lower - room,
+            upper: self.upper + room,
+        }
+    }
+
     /// The box between the least and the greatest coordinates.
     pub(crate) fn of_ranges(ranges: [[f64; 2]; 3]) -> Self {
         Self {

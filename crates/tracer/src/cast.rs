@@ -62,6 +62,8 @@ pub struct Caster<'w> {
     field: FieldScratch,
     /// True for the pieces that the ray is inside of; of active leaves only.
     inside: Vec<bool>,
+    /// True for the leaves in whose boxes the ray is; of active leaves that are not convex only.
+    gates: Vec<bool>,
     /// The boxes to come that the ray meets, by entry, with the part of the ray in each.
     candidates: Queue<(RayOrder, BoxOwner), [f64; 2]>,
     /// That of the ray's direction.
@@ -171,9 +173,25 @@ fn rounded([entry, exit]: [f64; 2]) -> [f64; 2] {
 struct SurfaceEvent {
     t: f64,
     leaf: u32,
+    /// [`BOX`] for the leaf's box.
     piece: u32,
     /// Of a field, the part of the ray in which its next event is sought once this one is passed.
     rest: Option<[f64; 2]>,
+}
+
+/// The piece of an event that is a side of a leaf's box.
+const BOX: u32 = u32::MAX;
+
+impl SurfaceEvent {
+    /// A side of a leaf's box.
+    fn box_side(leaf: u32, t: f64) -> Self {
+        Self {
+            t,
+            leaf,
+            piece: BOX,
+            rest: None,
+        }
+    }
 }
 
 impl World {
@@ -184,6 +202,7 @@ impl World {
             state: ForestState::default(),
             field: FieldScratch::default(),
             inside: vec![false; self.surface_of_piece.len()],
+            gates: vec![false; self.leaves.len()],
             candidates: Queue::new(),
             reciprocal: DVec3::ZERO,
             own: None,
@@ -440,6 +459,15 @@ impl Caster<'_> {
             let event = self.events.first().map_or(before, |event| event.t);
             if let Some((leaf, part)) = self.next_leaf(ray, event.min(before)) {
                 self.activate(ray, leaf, part, bundled);
+                if self.state.changed.is_empty() {
+                    continue;
+                }
+                let known = self.crossings.len();
+                self.come_to(ray, leaf, part, bundled);
+                let enough = sought.first && !self.crossings.is_empty();
+                if enough || !self.crossings[known..].iter().all(&mut *found) {
+                    break;
+                }
                 continue;
             }
             let Some(&event) = self.events.first().filter(|event| event.t < before) else {
@@ -573,6 +601,31 @@ impl Caster<'_> {
         for k in 0..self.group.len() {
             self.toggle(self.group[k]);
         }
+        self.note_changes(ray);
+    }
+
+    /// Notes what is crossed where the ray comes to the box of a leaf that it is inside of there. In exact numbers no solid
+    /// begins there; a surface whose root has been rounded to a place before its box does.
+    fn come_to(&mut self, ray: &Ray, leaf: u32, [entry, _]: [f64; 2], bundled: bool) {
+        let mut ends = self.world.leaves[leaf as usize].ends;
+        self.group.clear();
+        self.group.push(SurfaceEvent::box_side(leaf, entry));
+        // What begins at the same place is taken together.
+        while let Some((leaf, part)) = self.next_leaf(ray, entry) {
+            self.activate(ray, leaf, part, bundled);
+            ends |= self.world.leaves[leaf as usize].ends;
+            self.group.push(SurfaceEvent::box_side(leaf, entry));
+        }
+        if ends {
+            self.note_changes(ray);
+        } else {
+            // The box of an endless field says nothing of where it begins.
+            self.state.changed.clear();
+        }
+    }
+
+    /// Notes what the events of the group have changed.
+    fn note_changes(&mut self, ray: &Ray) {
         let mut changed = std::mem::take(&mut self.state.changed);
         changed.sort_unstable();
         let mut at = 0;
@@ -607,6 +660,12 @@ impl Caster<'_> {
     fn toggle(&mut self, event: SurfaceEvent) {
         let leaf = &self.world.leaves[event.leaf as usize];
         let is_convex = self.world.convex[event.leaf as usize];
+        if event.piece == BOX && !is_convex {
+            let gate = &mut self.gates[event.leaf as usize];
+            *gate = !*gate;
+            self.state.set(&self.world.forest, leaf.gate, *gate);
+            return;
+        }
         let piece = if is_convex { 0 } else { event.piece as usize };
         let inside = &mut self.inside[leaf.first_piece + piece];
         *inside = !*inside;
@@ -663,14 +722,44 @@ impl Caster<'_> {
         self.crossing(ray, event, solid, entering)
     }
 
+    /// The piece of a leaf whose surface is nearest to a place, by the slope there.
+    fn nearest_piece(&mut self, leaf: u32, place: DVec3) -> u32 {
+        let leaf = &self.world.leaves[leaf as usize];
+        let mut nearest = (f64::INFINITY, 0);
+        for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
+            let (value, gradient) = match piece {
+                LeafSurface::Polynomial(surface) => {
+                    let at = leaf.unit_from_world.transform_point3(place);
+                    let gradient = leaf.unit_from_world.matrix3.transpose() * surface.gradient(at);
+                    (surface.polynomial.at(at.to_array()), gradient)
+                }
+                LeafSurface::Field(field, _) => {
+                    let at = leaf.shape_from_world.transform_point3(place);
+                    let gradient = field.gradient(&mut self.field, at);
+                    let gradient = leaf.shape_from_world.matrix3.transpose() * gradient;
+                    (field.value(&mut self.field, at), gradient)
+                }
+            };
+            let distance = value.abs() / gradient.length();
+            if distance < nearest.0 {
+                nearest = (distance, k as u32);
+            }
+        }
+        nearest.1
+    }
+
     fn crossing(
         &mut self,
         ray: &Ray,
-        event: SurfaceEvent,
+        mut event: SurfaceEvent,
         solid: usize,
         entering: bool,
     ) -> Crossing {
         let world = self.world;
+        if event.piece == BOX {
+            let place = ray.origin + event.t * ray.direction;
+            event.piece = self.nearest_piece(event.leaf, place);
+        }
         let leaf = &world.leaves[event.leaf as usize];
         let piece = leaf.first_piece + event.piece as usize;
         let flat = world.low[piece].as_ref().and_then(|low| low.normal);

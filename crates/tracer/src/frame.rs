@@ -108,7 +108,7 @@ fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
         .max_by(|&&j, &&k| matrix.col(j)[j].total_cmp(&matrix.col(k)[k]))
     {
         let pivot = matrix.col(k)[k];
-        if !(pivot > FLATTEST * largest) {
+        if pivot.is_nan() || pivot <= FLATTEST * largest {
             break;
         }
         open.retain(|&other| other != k);

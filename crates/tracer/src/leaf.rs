@@ -20,6 +20,8 @@ pub(crate) struct Leaf {
     pub(crate) bounded: bool,
     /// The box in which it is looked for.
     pub(crate) bounds: Option<BoundingBox>,
+    /// True if it does not matter outside of that box.
+    pub(crate) ends: bool,
     pub(crate) gate: Literal,
     /// Of its pieces; none of a convex leaf, whose membership is that of its gate.
     pub(crate) pieces: Vec<Literal>,

@@ -101,6 +101,9 @@ pub struct World {
     bounds: Vec<Option<BoundingBox>>,
 }
 
+/// The share by which the box of a leaf is larger than what is known to bound it: the roots of its surface may lie outside by
+/// their rounding, which is less unless they are nearly multiple.
+const ROOM: f64 = 1e-8;
 /// An unbounded field is searched within this many radii of the bounded part of the scene.
 const RADII: f64 = 64.0;
 /// The work of preparing a leaf, and each surface that bounds it, in operations.
@@ -284,7 +287,8 @@ impl<'a> WorldBuilder<'a> {
                 };
                 let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
                 let fields = compiled.pieces.iter().any(is_field);
-                let bounds = clip.if_finite();
+                let bounds = clip.if_finite().map(|bounds| bounds.with_room(ROOM));
+                let ends = bounds.is_some();
                 let bounds = bounds.or_else(|| fields.then(|| wide(&rest)));
                 boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
@@ -297,6 +301,7 @@ impl<'a> WorldBuilder<'a> {
                     shape_from_world: map.inverse(),
                     bounded: shapes[shape].bounds().is_some(),
                     bounds,
+                    ends,
                     gate,
                     pieces,
                     first_piece: piece_count,

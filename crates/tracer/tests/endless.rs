@@ -9,14 +9,16 @@ mod scenes;
 use formula::{Formula, variables};
 use scenes::Random;
 
+const BOTH: SetStep = SetStep::Intersection;
+
 /// The greatest absolute value of the coordinates less those of a place.
 fn cube([x, y, z]: &[Formula; 3], at: [f64; 3]) -> Formula {
     let [x, y, z] = [x - at[0], y - at[1], z - at[2]];
     x.abs().max(&y.abs()).max(&z.abs())
 }
 
-/// The crossings of the first of some solids, with true where the ray enters.
-fn crossings(solids: &[Vec<&Formula>], rays: &[Ray]) -> Vec<Vec<(f64, bool)>> {
+/// The crossings of the first of some solids, each of which is the join of its parts, with true where the ray enters.
+fn crossings(join: SetStep, solids: &[Vec<&Formula>], rays: &[Ray]) -> Vec<Vec<(f64, bool)>> {
     let graph = solids[0][0].graph().clone();
     let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
     for parts in solids {
@@ -25,7 +27,7 @@ fn crossings(solids: &[Vec<&Formula>], rays: &[Ray]) -> Vec<Vec<(f64, bool)>> {
             let shape = builder.shape(part.node(), [None; 3]).unwrap();
             steps.push(SetStep::Leaf(shape, DAffine3::IDENTITY));
             if k > 0 {
-                steps.push(SetStep::Intersection);
+                steps.push(join);
             }
         }
         builder.solid(steps).unwrap();
@@ -65,11 +67,11 @@ fn other_solids_take_no_digits_from_endless_ones() {
         })
         .collect();
     for solid in [&cubic, &column, &fourth] {
-        let alone = crossings(&[vec![solid]], &through);
+        let alone = crossings(BOTH, &[vec![solid]], &through);
         assert!(alone.iter().all(|found| !found.is_empty()));
         for size in [50.0, 500.0, 5e3, 5e4, 5e5] {
             let far = cube(&variables, [size, 0.0, 0.0]) - size;
-            let beside = crossings(&[vec![solid], vec![&far]], &through);
+            let beside = crossings(BOTH, &[vec![solid], vec![&far]], &through);
             for (alone, beside) in alone.iter().zip(&beside) {
                 assert_eq!(alone.len(), beside.len(), "beside {size}");
                 for ((t, _), (other, _)) in alone.iter().zip(beside) {
@@ -84,7 +86,7 @@ fn other_solids_take_no_digits_from_endless_ones() {
     // y² = x³ − x along (1, 0.05, 0.02) from (−3, 0.3, 0.2), to 16 digits.
     let mut known = ray([-3.0, 0.3, 0.2], [1.0, 0.05, 0.02]);
     known.direction = known.direction.normalize();
-    let found = &crossings(&[vec![&cubic]], &[known])[0];
+    let found = &crossings(BOTH, &[vec![&cubic]], &[known])[0];
     let expected = [
         2.098_063_962_452_479_7,
         2.802_320_981_943_097_4,
@@ -93,5 +95,88 @@ fn other_solids_take_no_digits_from_endless_ones() {
     assert_eq!(found.len(), 3);
     for ((t, _), expected) in found.iter().zip(expected) {
         assert!((t - expected).abs() < 1e-14, "{t}, not {expected}");
+    }
+}
+
+/// Rays through places near the origin, from some way before.
+fn through(random: &mut Random, count: usize) -> Vec<Ray> {
+    let mut ray = || {
+        let origin = 9.0 * random.direction();
+        Ray {
+            origin,
+            direction: random.vector(1.5) - origin,
+            leaving: None,
+        }
+    };
+    (0..count).map(|_| ray()).collect()
+}
+
+/// The rays whose crossings do not alternate, or that are inside a bounded solid at the start or at the end.
+fn unpaired(found: &[Vec<(f64, bool)>]) -> usize {
+    let is_paired = |crossings: &&Vec<(f64, bool)>| {
+        let enters = crossings.iter().map(|(_, enters)| *enters);
+        let alternates = enters.enumerate().all(|(k, enters)| enters == (k % 2 == 0));
+        alternates && crossings.len() % 2 == 0
+    };
+    found.len() - found.iter().filter(is_paired).count()
+}
+
+#[test]
+fn cut_leaves_are_entered_and_left() {
+    let variables = variables();
+    let [x, y, z] = &variables;
+    let mut random = Random(11);
+    let slab = cube(&variables, [0.0; 3]) - 2.0;
+    let down: Vec<Ray> = (0..500)
+        .map(|_| {
+            let (o, d) = (random.vector(0.6), random.vector(0.1));
+            ray([o.x, o.y, 5.0], [d.x, d.y, -1.0])
+        })
+        .collect();
+    let across: Vec<Ray> = (0..500)
+        .map(|_| {
+            let (o, d) = (random.vector(1.0), random.vector(0.1));
+            ray([-5.0, 0.05 * o.y, o.z], [1.0, 0.1 * d.y, d.z])
+        })
+        .collect();
+    let sheet = z * (x.squared() + y.squared() + 1.0);
+    let bowl = x.squared() + y.squared() - z;
+    for size in [30.0, 300.0, 1e4] {
+        let ground = cube(&variables, [size, size, -20.0]) - size;
+        let cases = [
+            (sheet.clone(), &down),
+            (bowl.clone(), &down),
+            (x.powi(4) + y.powi(4) - 1.0, &across),
+            (x.squared() + y.squared() - 1.0, &across),
+        ];
+        for (k, (leaf, rays)) in cases.iter().enumerate() {
+            let found = crossings(BOTH, &[vec![leaf, &slab], vec![&ground]], rays);
+            assert_eq!(unpaired(&found), 0, "{k}, {size}");
+            assert!(found.iter().all(|crossings| crossings.len() == 2), "{k}");
+        }
+    }
+    // Alone, at roots that are nearly multiple: none may be lost where rounding puts it outside of the leaf's box.
+    let ball = x.squared() + y.squared() + z.squared() - 30.0;
+    let thin = |half: f64| (y - 0.2).squared() - half * half;
+    let leaves = [
+        thin(1e-7),
+        thin(1e-8),
+        thin(1e-6),
+        z.powi(3) + 1e-6 * z,
+        z.powi(3),
+        z.powi(3) * -1.0,
+        z.squared() * z,
+        z.powi(3) * (x.squared() + 1.0),
+        z.powi(5),
+        (0.5 * y - 0.2).squared(),
+        z * z.sqrt(),
+        z.squared() * z.sin(),
+    ];
+    let rays = through(&mut random, 500);
+    for (k, leaf) in leaves.iter().enumerate() {
+        let found = crossings(BOTH, &[vec![leaf, &ball]], &rays);
+        assert_eq!(unpaired(&found), 0, "leaf {k}");
+        let rest = crossings(SetStep::Difference, &[vec![&ball, leaf]], &rays);
+        assert_eq!(unpaired(&rest), 0, "without leaf {k}");
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! Input: a leaf that a ray comes to. Output: the membership there, and the places where the ray passes the surfaces of its
 //! pieces. A convex leaf has two events at most; the others have those of each piece. Fields give their next event alone.
+//!
+//! Before and behind its box a leaf counts as outside, whatever its surfaces are computed to be there: where it is still inside
+//! at the box's end, it ends there.
 
 use super::queue::RayOrder;
 use super::{Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
@@ -34,7 +37,9 @@ impl Caster<'_> {
             return;
         }
         self.state.set(&self.world.forest, leaf.gate, true);
+        self.gates[number as usize] = true;
         let [from, to] = part;
+        let mut ends_inside = false;
         for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
             let surface = SurfaceId {
                 leaf: number,
@@ -45,10 +50,9 @@ impl Caster<'_> {
                 LeafSurface::Polynomial(polynomial) => {
                     if let Some(low) = &world.low[index] {
                         let leaving = ray.leaving.is_some() && self.leaves(ray, surface);
-                        let Some(changes) = self.low_changes(ray, low, leaving) else {
-                            return;
-                        };
+                        let changes = self.low_changes(ray, low, leaving).unwrap_or_default();
                         self.add_events(surface, changes.places(), [from, to]);
+                        ends_inside |= changes.inside_after(to) != low.opposite;
                         changes.inside_after(from) != low.opposite
                     } else {
                         self.operations += polynomial.operations();
@@ -56,6 +60,7 @@ impl Caster<'_> {
                         let (changes, opposite) =
                             self.polynomial_changes(ray, &line, polynomial, surface, range);
                         self.add_events(surface, changes.places(), [from, to]);
+                        ends_inside |= changes.inside_after(to) != opposite;
                         changes.inside_after(from) != opposite
                     }
                 }
@@ -76,6 +81,7 @@ impl Caster<'_> {
                     let (inside, start) =
                         field.start(&mut self.field, &line, [from, to], leaving, known);
                     self.seek(ray, surface, [start, to], inside, bundled);
+                    ends_inside = true;
                     inside
                 }
             };
@@ -83,6 +89,10 @@ impl Caster<'_> {
             if inside {
                 self.state.set(&self.world.forest, leaf.pieces[k], true);
             }
+        }
+        if ends_inside && leaf.ends {
+            let end = SurfaceEvent::box_side(number, to);
+            self.events.push(RayOrder::of(to), end);
         }
     }
 
@@ -135,17 +145,20 @@ impl Caster<'_> {
         if entry.0 >= exit.0 {
             return;
         }
-        let inside = entry.0 <= part[0] && part[0] < exit.0;
+        let [from, to] = part;
+        let inside = entry.0 <= from && from < exit.0;
         self.inside[leaf.first_piece] = inside;
         if inside {
             self.state.set(&world.forest, leaf.gate, true);
         }
-        for (t, piece) in [entry, exit] {
-            let surface = SurfaceId {
-                leaf: number,
-                piece,
-            };
-            self.add_events(surface, &[t], part);
+        let surface = |piece: u32| SurfaceId {
+            leaf: number,
+            piece,
+        };
+        self.add_events(surface(entry.1), &[entry.0], part);
+        if entry.0 <= to {
+            let end = if leaf.ends { exit.0.min(to) } else { exit.0 };
+            self.add_events(surface(exit.1), &[end], part);
         }
     }
 
