@@ -434,7 +434,10 @@ impl Sheet {
                     return Newton::Behind;
                 }
                 let against = -ray.direction.normalize_or(DVec3::Z);
-                let normal = normal.normalize_or(against);
+                // The last step doubles the digits of the place; those of the normal take another look.
+                let at_place = (size > 1e-14).then(|| self.frame_at(scratch, [u, v]));
+                let at_place = at_place.and_then(|[_, su, sv]| su.cross(sv).try_normalize());
+                let normal = at_place.unwrap_or_else(|| normal.normalize_or(against));
                 let is_front = normal.dot(ray.direction) < 0.0;
                 return Newton::Ahead(SheetHit {
                     t,

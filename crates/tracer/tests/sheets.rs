@@ -121,6 +121,29 @@ fn hits_lie_on_ray_and_surface_and_rays_leave_it() {
 }
 
 #[test]
+fn normals_are_those_at_the_place() {
+    let [u, v, _] = &variables();
+    let tube = &(2.0 + 0.5 * v.cos());
+    let torus = [tube * u.cos(), tube * u.sin(), 0.5 * v.sin()];
+    let torus = sheet(&torus, [[0.0, TAU]; 2]);
+    let mut scratch = SheetScratch::default();
+    let mut hits = 0;
+    for mut ray in rays(500) {
+        ray.origin += ray.direction;
+        for hit in torus.cast(&mut scratch, ray.origin, ray.direction, None) {
+            let [u, v] = hit.uv;
+            let outward = DVec3::new(u.cos() * v.cos(), u.sin() * v.cos(), v.sin());
+            let error = (hit.normal - outward)
+                .length()
+                .min((hit.normal + outward).length());
+            assert!(error < 1e-14, "{error:e}: {hit:?}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 300, "{hits}");
+}
+
+#[test]
 fn a_sheet_that_is_undefined_or_degenerate_has_an_answer() {
     let [u, v, _] = &variables();
     let nan = u.number(f64::NAN);
