@@ -178,6 +178,46 @@ fn regions_are_where_the_expression_is_not_positive() {
 }
 
 #[test]
+fn repeated_factors_and_roots_alone_leave_simple_zeros() {
+    let [x, y, z] = &variables();
+    let ball = &(x.squared() + y.squared() + z.squared() - 1.0);
+    let tilted = &(0.5 * z + 0.1);
+    // A formula, and the degrees of its polynomials.
+    let cases: Vec<(Formula, Vec<usize>)> = vec![
+        (z.powi(3), vec![1]),
+        (z.powi(3) * -1.0, vec![1]),
+        (z.powi(5), vec![1]),
+        (z * z * z, vec![1]),
+        ((2.0 * z).squared() * (z * -1.0), vec![1]),
+        (z.squared() * ((z * -1.0).min(&(z * -2.0))), vec![1; 2]),
+        (ball.powi(3), vec![2]),
+        (ball * ball, vec![]),
+        ((ball * -1.0) * ball, vec![]),
+        (ball * tilted * tilted * tilted, vec![3]),
+        ((ball * -1.0) * tilted * (0.1 * y).sqrt(), vec![1, 3]),
+        ((1.5 * x + 2.0).sqrt() * (0.1 * y).squared(), vec![]),
+        (z * z.sqrt(), vec![1, 1]),
+        // A sum is no product.
+        (z.powi(3) + 0.001 * z, vec![3]),
+        (z.powi(3) - 0.001, vec![3]),
+    ];
+    for (k, (formula, degrees)) in cases.iter().enumerate() {
+        let region = read(formula);
+        let mut found = Vec::new();
+        assert_eq!(class(&region, &mut found), 0, "case {k}");
+        assert_eq!(found, *degrees, "case {k}: {region:?}");
+        for point in 0..400 {
+            let at = [0, 1, 2].map(|axis| ((point * (axis * 2 + 7)) as f64 * 0.618).sin() * 2.0);
+            let expected = value(formula, formula.node(), at);
+            // Surfaces on which an even power is 0 are left out.
+            let (inside, distance) = contains(formula, &region, at);
+            let is_near = distance < 1e-9 || expected.abs() < 1e-12;
+            assert!(is_near || inside == (expected <= 0.0), "case {k} at {at:?}");
+        }
+    }
+}
+
+#[test]
 fn a_shape_far_away_is_read_about_its_place_without_loss() {
     // (x − 1000)⁴ + y⁴ + z⁴ − 1 about (1000, 0, 0), at a quarter of the scale.
     let [x, y, z] = &variables();

@@ -66,6 +66,11 @@ impl PolynomialProgram {
         })
     }
 
+    /// The degree of the polynomial at most.
+    pub(crate) fn degree(&self) -> usize {
+        self.steps.last().map_or(0, |(_, degree)| *degree)
+    }
+
     /// The number of multiplications for a ray, about.
     pub(crate) fn cost(&self) -> usize {
         let degree = |k: usize| self.steps[k].1 + 1;

@@ -86,7 +86,9 @@ impl PolynomialSurface {
             // About as many products of polynomials as there are exponents of x and y.
             let cost = |(e, _): &([u8; 3], f64)| usize::from(e[1] + 1) * usize::from(e[2] + 1);
             let cost: usize = terms.iter().map(cost).sum();
-            if self.degree > HIGHEST_SHARED && found.cost() < cost {
+            // Where factors are left out, the expression is of a higher degree.
+            let is_it = found.degree() == self.degree;
+            if is_it && self.degree > HIGHEST_SHARED && found.cost() < cost {
                 *program = Some(found);
             }
         }

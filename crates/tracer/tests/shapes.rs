@@ -1,12 +1,12 @@
 //! Each shape alone.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use tracer::{Ray, SetStep, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
 mod scenes;
-use formula::variables;
+use formula::{Formula, variables};
 use scenes::{LeafValue, Random, shapes};
 
 #[test]
@@ -85,4 +85,76 @@ fn a_solid_is_as_large_as_its_set() {
     for solid in 2..5 {
         assert_eq!(world.bounds(solid), None, "{solid}");
     }
+}
+
+#[test]
+fn products_are_met_where_their_factors_are() {
+    let [x, y, z] = &variables();
+    let ball = &(x.squared() + y.squared() + z.squared() - 1.0);
+    let cast = |formula: &Formula, cuts, from: [f64; 3], to: [f64; 3]| -> Vec<[f64; 4]> {
+        let graph = formula.graph().clone();
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder.shape(formula.node(), cuts).unwrap();
+        let leaf = SetStep::Leaf(shape, DAffine3::IDENTITY);
+        builder.solid([leaf]).unwrap();
+        let world = builder.build().unwrap();
+        let (origin, direction) = (DVec3::from_array(from), DVec3::from_array(to));
+        let ray = Ray {
+            origin,
+            direction,
+            leaving: None,
+        };
+        let mut caster = world.caster();
+        let found = caster.cast(&ray).iter();
+        found
+            .map(|found| {
+                let normal = found.normal;
+                [found.t, normal.x, normal.y, normal.z]
+            })
+            .collect()
+    };
+    let free = [None; 3];
+    let (from, along) = (
+        [0.2, -0.3, 2.493_950_846_374_102_2],
+        [0.85, 0.2, -3.011_892_059_694_605_3],
+    );
+    let expected = -from[2] / along[2];
+    let minus = z * -1.0;
+    for odd in [
+        minus.powi(3),
+        minus.powi(5),
+        (2.0 * z).squared() * &minus,
+        z.squared() * minus.min(&(z * -2.0)),
+    ] {
+        let found = cast(&odd, free, from, along);
+        let [[t, ..]] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert!((t - expected).abs() <= 4e-16, "{t}, not {expected}");
+    }
+    assert_eq!(
+        cast(&(ball * ball), free, from, along),
+        Vec::<[f64; 4]>::new()
+    );
+    let cuts = [Some([-2.0, 2.0]), Some([-2.5, 1.5]), Some([-1.0, 3.0])];
+    let rooted = (ball * -1.0) * (0.5 * z + 0.1) * (0.1 * y).sqrt();
+    let found = cast(&rooted, cuts, [-1.235, 1.424, -0.951], [0.0, 0.0, 1.0]);
+    let [t, x_slope, y_slope, z_slope] = found[0];
+    assert!((t - 0.751).abs() < 1e-15, "{t}");
+    let normal = DVec3::new(x_slope, y_slope, z_slope);
+    assert!((normal + DVec3::Z).length() < 1e-15, "{normal}");
+    let film = (1.5 * x + 2.0).sqrt() * (0.1 * y).squared();
+    let (from, along) = (
+        [
+            -2.752_643_581_542_54,
+            -3.897_035_132_923_405_4,
+            0.096_882_413_174_596_67,
+        ],
+        [
+            2.289_049_479_043_237,
+            3.628_908_701_701_214_5,
+            0.156_342_670_487_442_21,
+        ],
+    );
+    assert_eq!(cast(&film, cuts, from, along), Vec::<[f64; 4]>::new());
 }

@@ -14,6 +14,73 @@ pub(super) struct RootedPolynomial {
     pub(super) rational: Polynomial,
     /// b and p.
     pub(super) root: Option<(Polynomial, Arc<Polynomial>)>,
+    /// Of a product, polynomials whose product has its sign, but for surfaces on which it is 0.
+    pub(super) factors: Option<Factors>,
+}
+
+/// The factors of a product that occur an odd number of times: the others do not change its sign.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Factors {
+    odd: Vec<Polynomial>,
+    /// True if there are others.
+    is_reduced: bool,
+}
+
+impl Factors {
+    /// Those of a square root.
+    fn of_root() -> Self {
+        Self {
+            odd: Vec::new(),
+            is_reduced: true,
+        }
+    }
+
+    fn scaled(mut self, factor: f64) -> Option<Self> {
+        if factor == 0.0 || factor.is_nan() {
+            return None;
+        }
+        if factor < 0.0 {
+            let minus = Polynomial::constant(-1.0);
+            match self.odd.first_mut() {
+                Some(first) if *first == minus => {
+                    self.odd.remove(0);
+                }
+                Some(first) => *first = first.scaled(-1.0),
+                None => self.odd.push(minus),
+            }
+        }
+        Some(self)
+    }
+
+    fn times(mut self, other: Self) -> Self {
+        self.is_reduced |= other.is_reduced;
+        let mut is_negative = false;
+        for factor in other.odd {
+            let minus = factor.scaled(-1.0);
+            let same = self
+                .odd
+                .iter()
+                .position(|own| *own == factor || *own == minus);
+            match same {
+                Some(place) => {
+                    is_negative ^= self.odd.remove(place) == minus;
+                    self.is_reduced = true;
+                }
+                None => self.odd.push(factor),
+            }
+        }
+        match is_negative {
+            true => self.scaled(-1.0).unwrap_or_else(Self::of_root),
+            false => self,
+        }
+    }
+
+    /// A polynomial of the sign of the product; `None` where the product itself will do.
+    pub(super) fn sign(&self) -> Option<Polynomial> {
+        let one = Polynomial::constant(1.0);
+        let product = || self.odd.iter().fold(one, |product, p| product.times(p));
+        self.is_reduced.then(product)
+    }
 }
 
 /// Nested least and greatest values.
@@ -29,7 +96,19 @@ impl RootedPolynomial {
         Self {
             rational,
             root: None,
+            factors: None,
         }
+    }
+
+    /// Its factors; `None` for a sum with a square root.
+    fn factors(&self) -> Option<Factors> {
+        let itself = || {
+            self.root.is_none().then(|| Factors {
+                odd: vec![self.rational.clone()],
+                is_reduced: false,
+            })
+        };
+        self.factors.clone().or_else(itself)
     }
 
     fn scaled(&self, factor: f64) -> Self {
@@ -37,6 +116,7 @@ impl RootedPolynomial {
         Self {
             rational: self.rational.scaled(factor),
             root: root.map(|(b, p)| (b.scaled(factor), p.clone())),
+            factors: self.factors.clone().and_then(|all| all.scaled(factor)),
         }
     }
 
@@ -52,6 +132,7 @@ impl RootedPolynomial {
         Some(Self {
             rational: self.rational.plus(&other.rational),
             root,
+            factors: None,
         })
     }
 
@@ -73,7 +154,12 @@ impl RootedPolynomial {
             }
         };
         let root = root.filter(|(b, _)| b.value() != Some(0.0));
-        Some(Self { rational, root })
+        let factors = self.factors().zip(other.factors());
+        Some(Self {
+            rational,
+            root,
+            factors: factors.map(|(own, other)| own.times(other)),
+        })
     }
 }
 
@@ -158,9 +244,11 @@ impl Lattice {
             Self::Piece(RootedPolynomial {
                 rational,
                 root: None,
+                ..
             }) => Some(Self::Piece(RootedPolynomial {
                 rational: Polynomial::default(),
                 root: Some((Polynomial::constant(1.0), Arc::new(rational.clone()))),
+                factors: Some(Factors::of_root()),
             })),
             _ => None,
         }

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{Binary, Unary, small_integer};
 use crate::polynomial::Polynomial;
-use crate::polynomial::lattice::{Lattice, RootedPolynomial};
+use crate::polynomial::lattice::{Factors, Lattice, RootedPolynomial};
 
 /// The number of pieces that a region has at most.
 pub const MOST_PIECES: usize = 64;
@@ -378,12 +378,19 @@ impl Lattice {
 
 impl RootedPolynomial {
     /// The set where a + b√p ≤ 0, where p is not negative: a ≤ 0 and a² ≥ b²p where b is not negative, a ≤ 0 or a² ≤ b²p
-    /// where it is not positive.
+    /// where it is not positive. What occurs an even number of times in a product, and a root alone, do not change its sign,
+    /// and squared they would have double zeros: the set is read without the surfaces on which they are 0.
     fn region(&self) -> Region {
+        if let Some(sign) = self.factors.as_ref().and_then(Factors::sign) {
+            return Region::Polynomial(sign);
+        }
         let a = &self.rational;
         let Some((b, p)) = &self.root else {
             return Region::Polynomial(a.clone());
         };
+        if a.value() == Some(0.0) {
+            return Region::Polynomial(b.clone());
+        }
         let minus = |p: &Polynomial| p.scaled(-1.0);
         let squares = b.times(b).times(p).plus(&minus(&a.times(a)));
         let set = |p: &Polynomial| Region::Polynomial(p.clone());
