@@ -78,8 +78,121 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
     })
 }
 
-/// A box that contains the region, as far as its polynomials say so; none once `work` is used up.
+/// Parts of the cube are halved down to this size where several polynomials bound a set together.
+const FINEST: f64 = 1.0 / 128.0;
+
+/// A box that contains the region, as far as its polynomials say so, each by itself or all together; none once `work` is used up.
 pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
+    let found = reach_of_each(region, work);
+    found.or_else(|| match region {
+        Region::All(_) | Region::Any(_) => joint_reach(region, work),
+        _ => None,
+    })
+}
+
+/// A box that contains the region, where at each place far away it lies outside of one of the sets that it is the intersection
+/// of: so half-spaces bound a polyhedron, none of which is bounded.
+pub(crate) fn joint_reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
+    let mut least = None;
+    for k in (-LARGEST..=LARGEST).rev().step_by(2) {
+        let size = f64::from(k).exp2();
+        if !is_outside(region, size, work) {
+            break;
+        }
+        least = Some(DVec3::splat(size));
+    }
+    least.map(|size| BoundingBox {
+        lower: -size,
+        upper: size,
+    })
+}
+
+/// True if the region holds nothing outside of a cube.
+fn is_outside(region: &Region, size: f64, work: &WorkBudget) -> bool {
+    let operations = TERM * term_count(region) as u64;
+    let mut budget = BOXES;
+    let far = Interval::point(0.0);
+    parts_of_faces(size, &mut |point, small, is_finest| {
+        if budget == 0 || !work.take(2 * operations) {
+            return PartOfCube::Open;
+        }
+        budget -= 1;
+        if is_positive(region, point, small) {
+            return PartOfCube::Outside;
+        }
+        // Where it is not so in one direction, no division helps.
+        let middle = point.map(|side| Interval::point(0.5 * (side.lower() + side.upper())));
+        match !is_finest && is_positive(region, middle, far) {
+            true => PartOfCube::Halved,
+            false => PartOfCube::Open,
+        }
+    })
+}
+
+/// True if each place s·`point`, 1/s in `small`, is seen to be outside.
+fn is_positive(region: &Region, point: [Interval; 3], small: Interval) -> bool {
+    match region {
+        Region::Polynomial(p) => leading(p, point, small).lower() > 0.0,
+        Region::Field(..) => false,
+        Region::All(parts) => parts.iter().any(|part| is_positive(part, point, small)),
+        Region::Any(parts) => parts.iter().all(|part| is_positive(part, point, small)),
+    }
+}
+
+fn term_count(region: &Region) -> usize {
+    match region {
+        Region::Polynomial(p) => p.terms().len(),
+        Region::Field(..) => 1,
+        Region::All(parts) | Region::Any(parts) => parts.iter().map(term_count).sum(),
+    }
+}
+
+/// The finding about a part of the cube's surface.
+enum PartOfCube {
+    Outside,
+    Halved,
+    /// Nothing is found, on no part of it.
+    Open,
+}
+
+/// Asks about each face of the cube, with the reciprocal of the size as a third side, and about halves of it as long as they are
+/// to be halved; false once a part is open.
+fn parts_of_faces(
+    size: f64,
+    finding: &mut dyn FnMut([Interval; 3], Interval, bool) -> PartOfCube,
+) -> bool {
+    let small = Interval::new(0.0, 1.0 / size);
+    let whole = Interval::new(-1.0, 1.0);
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut rest = vec![[whole, whole, small]];
+            while let Some(part) = rest.pop() {
+                let mut point = [Interval::point(sign); 3];
+                point[(axis + 1) % 3] = part[0];
+                point[(axis + 2) % 3] = part[1];
+                let share = [part[0].width(), part[1].width(), part[2].width() * size];
+                let longest = (0..3)
+                    .max_by(|&j, &k| share[j].total_cmp(&share[k]))
+                    .unwrap_or(0);
+                match finding(point, part[2], share[longest] < FINEST) {
+                    PartOfCube::Outside => continue,
+                    PartOfCube::Open => return false,
+                    PartOfCube::Halved => {}
+                }
+                let [a, b] = [part[longest].lower(), part[longest].upper()];
+                for [a, b] in [[a, 0.5 * (a + b)], [0.5 * (a + b), b]] {
+                    let mut half = part;
+                    half[longest] = Interval::new(a, b);
+                    rest.push(half);
+                }
+            }
+        }
+    }
+    true
+}
+
+/// A box that contains the region, as far as each of its polynomials says so.
+fn reach_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
             let size = DVec3::splat(cube(p, work)?);
@@ -91,7 +204,7 @@ pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
         Region::Field(..) => None,
         Region::All(parts) => parts
             .iter()
-            .filter_map(|part| reach(part, work))
+            .filter_map(|part| reach_of_each(part, work))
             .reduce(|a, b| BoundingBox {
                 lower: a.lower.max(b.lower),
                 upper: a.upper.min(b.upper),
@@ -99,7 +212,7 @@ pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
         Region::Any(parts) => {
             let mut all = BoundingBox::EMPTY;
             for part in parts {
-                all = all.union(&reach(part, work)?);
+                all = all.union(&reach_of_each(part, work)?);
             }
             Some(all)
         }
@@ -123,39 +236,19 @@ fn cube(p: &Polynomial, work: &WorkBudget) -> Option<f64> {
 }
 
 fn positive_outside(p: &Polynomial, size: f64, work: &WorkBudget) -> bool {
-    let small = Interval::new(0.0, 1.0 / size);
-    let whole = Interval::new(-1.0, 1.0);
     let mut budget = BOXES;
-    let operations = TERM * p.terms().count() as u64;
-    for axis in 0..3 {
-        for sign in [-1.0, 1.0] {
-            // The two coordinates on the face, and the reciprocal of the size.
-            let mut rest = vec![[whole, whole, small]];
-            while let Some(part) = rest.pop() {
-                if budget == 0 || !work.take(operations) {
-                    return false;
-                }
-                budget -= 1;
-                let mut point = [Interval::point(sign); 3];
-                point[(axis + 1) % 3] = part[0];
-                point[(axis + 2) % 3] = part[1];
-                if leading(p, point, part[2]).lower() > 0.0 {
-                    continue;
-                }
-                let share = [part[0].width(), part[1].width(), part[2].width() * size];
-                let longest = (0..3)
-                    .max_by(|&j, &k| share[j].total_cmp(&share[k]))
-                    .unwrap_or(0);
-                let [a, b] = [part[longest].lower(), part[longest].upper()];
-                for [a, b] in [[a, 0.5 * (a + b)], [0.5 * (a + b), b]] {
-                    let mut half = part;
-                    half[longest] = Interval::new(a, b);
-                    rest.push(half);
-                }
-            }
+    let operations = TERM * p.terms().len() as u64;
+    parts_of_faces(size, &mut |point, small, _| {
+        if budget == 0 || !work.take(operations) {
+            return PartOfCube::Open;
         }
-    }
-    true
+        budget -= 1;
+        if leading(p, point, small).lower() > 0.0 {
+            PartOfCube::Outside
+        } else {
+            PartOfCube::Halved
+        }
+    })
 }
 
 /// The polynomial at s·`point`, divided by s^degree, where 1/s is `small`.

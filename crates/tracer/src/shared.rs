@@ -224,7 +224,7 @@ fn same(leaves: &[Leaf], a: (u32, u32), b: (u32, u32)) -> Option<bool> {
 }
 
 /// The coordinates of the image, as polynomials.
-fn coordinates(map: &DAffine3) -> [Polynomial; 3] {
+pub(crate) fn coordinates(map: &DAffine3) -> [Polynomial; 3] {
     let rows = map.matrix3.transpose();
     [rows.x_axis, rows.y_axis, rows.z_axis]
         .into_iter()

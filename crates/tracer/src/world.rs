@@ -5,11 +5,12 @@
 use std::borrow::Borrow;
 use std::sync::Arc;
 
-use expr::polynomial::Region;
+use expr::interval::Interval;
+use expr::polynomial::{Polynomial, Region};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::{DAffine3, DVec3};
 
-use crate::bounds::{BoundingBox, WorkBudget};
+use crate::bounds::{BoundingBox, WorkBudget, enclose};
 use crate::bvh::Hierarchy;
 use crate::field::{FieldCompiler, FieldScratch};
 use crate::frame::power_of_two;
@@ -17,8 +18,9 @@ use crate::leaf::Leaf;
 use crate::line::SurfaceId;
 use crate::low::{LowPiece, is_convex, is_simple, low_pieces};
 use crate::product::{Product, ProductLeaf, find_products};
+use crate::reach::joint_reach;
 use crate::shape::{FramedShape, LeafSurface, Shape};
-use crate::shared::{Surfaces, share};
+use crate::shared::{Surfaces, coordinates, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
 
 /// Names a shape of a [`WorldBuilder`].
@@ -109,6 +111,11 @@ const RADII: f64 = 64.0;
 /// The work of preparing a leaf, and each surface that bounds it, in operations.
 const LEAF_WORK: u64 = 16;
 const PIECE_WORK: u64 = 24;
+/// The work of looking for the boxes of sets whose leaves have none, in operations on intervals: a fraction of a second.
+const JOINT_WORK: u64 = 1 << 26;
+/// Sets of more leaves are not looked at together, and polynomials of a higher degree not in the coordinates of the world.
+const MOST_JOINT_LEAVES: usize = 64;
+const HIGHEST_JOINT: usize = 4;
 /// A map whose determinant is smaller beside the product of its columns' lengths is singular.
 const LEAST_DETERMINANT: f64 = 1e-12;
 
@@ -238,6 +245,7 @@ impl<'a> WorldBuilder<'a> {
             size: power_of_two((0.5 * (rest.upper - rest.lower)).max_element()),
             known: vec![None; shapes.len()],
         };
+        let joint_work = WorkBudget::new(self.work.left().min(JOINT_WORK));
         let mut leaves: Vec<Leaf> = Vec::new();
         let mut boxes: Vec<Option<BoundingBox>> = Vec::new();
         let mut forest = Forest::default();
@@ -269,11 +277,20 @@ impl<'a> WorldBuilder<'a> {
                 },
                 &mut |leaf, found| literals[leaf - first] = Some(found),
             );
-            let (all, clips) = joined(&read, &|leaf| {
+            let extent = |leaf: usize| {
                 let PlacedShape { shape, map } = &placed[leaf - first];
                 let shape: &Shape = &shapes[*shape];
                 (shape.extent, map)
-            });
+            };
+            let joint = JointSet {
+                steps: &read,
+                first,
+                leaves: &placed,
+                drafts: &drafts,
+                shapes: &shapes,
+                work: &joint_work,
+            };
+            let (all, clips) = joined(&read, &extent, &|limits| joint.bounds(limits));
             bounds.push(all.if_finite());
             leaves.reserve(placed.len());
             boxes.reserve(placed.len());
@@ -509,9 +526,12 @@ struct OpenSet<'a> {
 ///
 /// Outside the box of such a set the set holds nothing, whatever its endless leaves are taken to hold there: so it is for a
 /// union of such sets, for an intersection with one of them, for a difference from one.
+///
+/// Where the box of the whole set is endless, `joint` finds one within it.
 fn joined<'a>(
     steps: &[TreeStep],
     leaf: &dyn Fn(usize) -> (BoundingBox, &'a DAffine3),
+    joint: &dyn Fn(BoundingBox) -> BoundingBox,
 ) -> (BoundingBox, Vec<BoundingBox>) {
     // For each step the box of the set that ends there, and the steps at which its operands end.
     let mut sets: Vec<(BoundingBox, Option<[usize; 2]>)> = Vec::with_capacity(steps.len());
@@ -547,6 +567,11 @@ fn joined<'a>(
         sets.push((set, operands));
         stack.push(OpenSet { step: k, in_frame });
     }
+    if let Some((all, _)) = sets.last_mut()
+        && all.if_finite().is_none()
+    {
+        *all = joint(*all);
+    }
     let mut clips = vec![BoundingBox::WHOLE; sets.len()];
     for k in (0..sets.len()).rev() {
         let clip = clips[k].common(&sets[k].0);
@@ -559,6 +584,140 @@ fn joined<'a>(
     let leaves = leaves.filter(|(step, _)| matches!(step, TreeStep::Leaf(_)));
     let whole = sets.last().map_or(BoundingBox::WHOLE, |set| set.0);
     (whole, leaves.map(|(_, clip)| clip).collect())
+}
+
+/// A solid whose leaves are looked at together.
+struct JointSet<'a> {
+    steps: &'a [TreeStep],
+    /// The number of its first leaf.
+    first: usize,
+    leaves: &'a [PlacedShape],
+    drafts: &'a [Arc<FramedShape>],
+    shapes: &'a [Shape],
+    work: &'a WorkBudget,
+}
+
+impl JointSet<'_> {
+    /// A box within `limits` that contains the solid; some of its sides may be endless. No leaf need be bounded: a place is
+    /// outside of an intersection where it is outside of one of its operands.
+    fn bounds(&self, limits: BoundingBox) -> BoundingBox {
+        if self.leaves.len() > MOST_JOINT_LEAVES {
+            return limits;
+        }
+        let found = self.enclosed(limits);
+        if found.if_finite().is_some() {
+            return found;
+        }
+        // The sides that are known help to bound the rest.
+        let ends = (0..3).flat_map(|k| [(k, 1.0, found.upper[k]), (k, -1.0, -found.lower[k])]);
+        let ends = ends.filter(|(.., place)| place.is_finite());
+        let ends = ends.map(|(k, sign, place)| {
+            let mut slopes = [0.0; 3];
+            slopes[k] = sign;
+            Region::Polynomial(Polynomial::linear(-place, slopes))
+        });
+        let region = Region::All(ends.chain([self.region()]).collect());
+        match joint_reach(&region, self.work) {
+            Some(cube) => self.enclosed(found.common(&cube)),
+            None => found,
+        }
+    }
+
+    /// The least box within `limits` that intervals find.
+    fn enclosed(&self, limits: BoundingBox) -> BoundingBox {
+        if limits.is_empty() {
+            return limits;
+        }
+        let inverses: Vec<DAffine3> = self.leaves.iter().map(|leaf| leaf.map.inverse()).collect();
+        let work = |leaf: &PlacedShape| LEAF_WORK + self.shapes[leaf.shape].field.value_work();
+        let operations = self.leaves.iter().map(work).sum();
+        let mut scratch = FieldScratch::default();
+        let mut is_leaf_outside = |leaf: usize, place: &BoundingBox| {
+            let shape = &self.shapes[self.leaves[leaf].shape];
+            let place = place.transformed(&inverses[leaf]).common(&shape.extent);
+            if place.is_empty() {
+                return true;
+            }
+            let [lower, upper] = [place.lower.to_array(), place.upper.to_array()];
+            let sides = [0, 1, 2].map(|k| Interval::new(lower[k], upper[k]));
+            let value = shape.field.on_box(&mut scratch, sides);
+            value.is_empty() || value.lower() > 0.0
+        };
+        let mut stack: Vec<bool> = Vec::new();
+        let mut value = |sides: [Interval; 3]| {
+            if !self.work.take(operations) {
+                return Interval::WHOLE;
+            }
+            let place = BoundingBox {
+                lower: DVec3::from_array(sides.map(Interval::lower)),
+                upper: DVec3::from_array(sides.map(Interval::upper)),
+            };
+            stack.clear();
+            for step in self.steps {
+                let outside = match *step {
+                    TreeStep::Leaf(leaf) => is_leaf_outside(leaf - self.first, &place),
+                    _ => {
+                        let second = stack.pop().unwrap_or_default();
+                        let first = stack.pop().unwrap_or_default();
+                        match step {
+                            TreeStep::Union => first && second,
+                            TreeStep::Intersection => first || second,
+                            _ => first,
+                        }
+                    }
+                };
+                stack.push(outside);
+            }
+            match stack.last() {
+                Some(true) => Interval::UNDEFINED,
+                _ => Interval::WHOLE,
+            }
+        };
+        let [lower, upper] = [limits.lower.to_array(), limits.upper.to_array()];
+        let limits = [0, 1, 2].map(|k| Interval::new(lower[k], upper[k]));
+        enclose(limits, &mut value)
+    }
+
+    /// A region that contains the solid, in the coordinates of the world.
+    fn region(&self) -> Region {
+        let mut stack: Vec<Region> = Vec::new();
+        for step in self.steps {
+            let set = match *step {
+                TreeStep::Leaf(leaf) => {
+                    let leaf = leaf - self.first;
+                    let PlacedShape { shape, map } = &self.leaves[leaf];
+                    let draft = &self.drafts[leaf];
+                    let frame = coordinates(&(*map * draft.shape_from_unit).inverse());
+                    moved(&draft.region, &frame, self.shapes[*shape].node)
+                }
+                _ => {
+                    let (Some(second), Some(first)) = (stack.pop(), stack.pop()) else {
+                        break;
+                    };
+                    match step {
+                        TreeStep::Union => Region::Any(vec![first, second]),
+                        TreeStep::Intersection => Region::All(vec![first, second]),
+                        _ => first,
+                    }
+                }
+            };
+            stack.push(set);
+        }
+        stack.pop().unwrap_or(Region::Any(Vec::new()))
+    }
+}
+
+/// A region in other coordinates; of polynomials of a high degree, nothing that bounds it.
+fn moved(region: &Region, frame: &[Polynomial; 3], node: NodeId) -> Region {
+    let all = |parts: &[Region]| parts.iter().map(|part| moved(part, frame, node)).collect();
+    match region {
+        Region::Polynomial(p) if p.degree() <= HIGHEST_JOINT => {
+            Region::Polynomial(p.compose(frame))
+        }
+        Region::Polynomial(_) | Region::Field(..) => Region::Field(node, false),
+        Region::All(parts) => Region::All(all(parts)),
+        Region::Any(parts) => Region::Any(all(parts)),
+    }
 }
 
 /// For each leaf of a solid another without which it does not matter, if there is one: that without which the largest set is

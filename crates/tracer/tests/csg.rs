@@ -323,3 +323,143 @@ fn sets_of_endless_leaves_are_bounded_by_what_they_share() {
         }
     }
 }
+
+#[test]
+fn bounded_sets_of_endless_leaves_have_boxes() {
+    let variables = variables();
+    let [x, y, z] = &variables;
+    let graph_of = |f: &formula::Formula| f.graph().clone();
+    let turn = |axis: DVec3| glam::DAffine3::from_axis_angle(axis.normalize(), axis.length());
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let identity = glam::DAffine3::IDENTITY;
+    let (right, lean) = (turn(DVec3::X * quarter), turn(DVec3::X));
+    let bar = x.abs().max(&y.abs()) - 1.0;
+    let slab = x.abs() - 1.0;
+    let disk = x.squared() + y.squared() - 1.0;
+    let minus = |f: &formula::Formula| f * -1.0;
+    let everything = x.number(-1.0);
+    let tilted = 1.7 * x;
+    let triangle = minus(y).max(&(y - 1.0 + &tilted)).max(&(y - 1.0 - &tilted));
+    let tetrahedron = (x + y + z - 1.0)
+        .max(&(x - y - z - 1.0))
+        .max(&(y - x - z - 1.0))
+        .max(&(z - x - y - 1.0));
+    let free = [None; 3];
+    let cut = |k: usize, cut: [f64; 2]| {
+        let mut cuts = free;
+        cuts[k] = Some(cut);
+        cuts
+    };
+    // The leaves of an intersection with their cuts and maps, and half the longest side of a box that is good enough.
+    let cases = [
+        (
+            "a cone",
+            vec![
+                (x.squared() + y.squared() - z.squared(), free, identity),
+                (everything.clone(), cut(2, [0.0, 1.0]), identity),
+            ],
+            1.1,
+        ),
+        (
+            "bars",
+            vec![(bar.clone(), free, identity), (bar.clone(), free, right)],
+            1.1,
+        ),
+        (
+            "slabs",
+            vec![
+                (slab.clone(), free, identity),
+                (slab.clone(), free, turn(DVec3::Z * quarter)),
+                (slab.clone(), free, turn(DVec3::Y * quarter)),
+            ],
+            1.1,
+        ),
+        (
+            "cylinders",
+            vec![(disk.clone(), free, identity), (disk.clone(), free, right)],
+            1.1,
+        ),
+        (
+            "leaning",
+            vec![(disk.clone(), free, identity), (disk, free, lean)],
+            2.0,
+        ),
+        (
+            "a diamond",
+            vec![
+                ((x + y).abs() - 1.0, free, identity),
+                ((x - y).abs() - 1.0, free, identity),
+                (everything.clone(), cut(2, [0.0, 1.0]), identity),
+            ],
+            1.5,
+        ),
+        (
+            "half-spaces",
+            vec![
+                (minus(x), free, identity),
+                (minus(y), free, identity),
+                (minus(z), free, identity),
+                (x + y + z - 1.0, free, identity),
+            ],
+            1.0,
+        ),
+        (
+            "a cap",
+            vec![
+                (x.squared() + y.squared() - z, free, identity),
+                (z - 1.0 - 0.5 * x, free, identity),
+            ],
+            2.5,
+        ),
+        (
+            "a cap in one",
+            vec![(
+                (x.squared() + y.squared() - z).max(&(z - 1.0 - 0.5 * x)),
+                free,
+                identity,
+            )],
+            2.5,
+        ),
+        (
+            "a prism",
+            vec![
+                (triangle, free, right),
+                (everything, cut(1, [-0.5, 0.5]), identity),
+            ],
+            1.0,
+        ),
+        ("a tetrahedron", vec![(tetrahedron, free, identity)], 1.5),
+    ];
+    let mut random = Random(29);
+    for (name, leaves, most) in cases {
+        let graph = graph_of(&leaves[0].0);
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let mut steps = Vec::new();
+        for (k, (formula, cuts, map)) in leaves.iter().enumerate() {
+            let shape = builder.shape(formula.node(), *cuts).unwrap();
+            steps.push(SetStep::Leaf(shape, *map));
+            if k > 0 {
+                steps.push(SetStep::Intersection);
+            }
+        }
+        builder.solid(steps).unwrap();
+        let world = builder.build().unwrap();
+        let Some(bounds) = world.bounds(0) else {
+            panic!("{name} has no box")
+        };
+        let half = 0.5 * (bounds.upper - bounds.lower).max_element();
+        assert!(half <= most, "{name}: {bounds:?}");
+        // Nothing lies outside, and rays find what is inside.
+        let mut caster = world.caster();
+        for k in 0..200 {
+            let at = random.vector(4.0);
+            let is_in = at.cmpge(bounds.lower).all() && at.cmple(bounds.upper).all();
+            assert!(is_in || !world.contains(0, at), "{name} at {at}");
+            let ray = ray_by(&mut random, k);
+            let crossings = caster.cast(&ray).to_vec();
+            let inside = !caster.solids_at_start().is_empty();
+            let wrong = disagreements(&world, &ray, &crossings, inside, 12.0);
+            assert_eq!(wrong, 0, "{name}, ray {k}: {ray:?}");
+        }
+    }
+}
