@@ -394,3 +394,28 @@ fn crossings_of_random_sets_are_where_points_change_sides() {
     assert_eq!(wrong, 0);
     assert!(met > 500 && between > 5000, "{met}, {between}");
 }
+
+#[test]
+fn a_ray_that_is_cut_short_says_so() {
+    // Infinitely many crossings at two poles.
+    let program = "\
+        solid a(x, y, z) = sin(max(max(x^2 + y^2 + z^2 - 1, 1.5x + 0.5), (0.5y + 0.5)/(-(x^2 + y^2 + z^2 - 1))));\n\
+        solid big(x, y, z) = x^2 + y^2 + z^2 - 30;\n\
+        solid s = a & big;";
+    let from = [
+        3.084_533_753_707_055_4,
+        -2.051_005_610_326_426_8,
+        0.239_115_534_461_954_38,
+    ];
+    let along = [
+        -1.797_496_216_801_824_3,
+        1.444_515_131_763_430_8,
+        -0.666_369_423_554_541_7,
+    ];
+    let found = cast(program, from, along, &["--solid", "s"]);
+    let notes = found["notes"].as_array().expect("a list");
+    let note = "the ray took more work than there may be: crossings may be missing";
+    assert!(notes.iter().any(|found| found == note), "{notes:?}");
+    let short = cast(program, from, [0.0, 0.0, 1.0], &["--solid", "s"]);
+    assert_eq!(short["notes"].as_array().map(Vec::len), Some(0));
+}

@@ -244,7 +244,7 @@ fn pictures() -> Vec<Limit> {
             "parts of a ray on which a function that is no polynomial is bounded; the rest of the ray is sampled, and may lack crossings beyond some thousand",
             grouped(tracer::MOST_RAY_EVALUATIONS as u64),
             "run time",
-            "",
+            "took more work than there may be",
             "",
         ),
         limit(

@@ -68,13 +68,16 @@ pub(super) struct Arguments {
     format: Format,
 }
 
+/// The note on a ray on which a function was sampled in the end.
+const CUT_SHORT: &str = "the ray took more work than there may be: crossings may be missing";
+
 /// The JSON document of a ray.
 #[derive(Serialize)]
 struct CastJson<'a> {
     crossings: Vec<CrossingJson<'a>>,
     inside: Vec<&'a str>,
     first: Option<FirstJson<'a>>,
-    notes: &'a [String],
+    notes: Vec<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -338,6 +341,7 @@ fn cast<'a>(
     ray: &Ray,
     notes: &'a [String],
 ) -> CastJson<'a> {
+    let cut_short = caster.rays_cut_short();
     let crossings = caster.cast(ray).iter();
     let crossings = crossings.filter(|crossing| scene.is_declared_solid(crossing.solid));
     let crossings = crossings.map(|crossing| {
@@ -369,6 +373,10 @@ fn cast<'a>(
             grids: GridsJson(owner.grids),
         }
     });
+    let mut notes: Vec<&str> = notes.iter().map(String::as_str).collect();
+    if caster.rays_cut_short() > cut_short {
+        notes.push(CUT_SHORT);
+    }
     CastJson {
         crossings,
         inside,
@@ -425,7 +433,7 @@ fn text(found: &CastJson<'_>, ray: &Ray, number: Option<usize>) -> String {
             show_all(&crossing.normal),
         );
     }
-    for note in found.notes {
+    for note in &found.notes {
         let _ = writeln!(text, "note: {note}");
     }
     text
