@@ -116,7 +116,7 @@ fn unpaired(found: &[Vec<(f64, bool)>]) -> usize {
     let is_paired = |crossings: &&Vec<(f64, bool)>| {
         let enters = crossings.iter().map(|(_, enters)| *enters);
         let alternates = enters.enumerate().all(|(k, enters)| enters == (k % 2 == 0));
-        alternates && crossings.len() % 2 == 0
+        alternates && crossings.len().is_multiple_of(2)
     };
     found.len() - found.iter().filter(is_paired).count()
 }
