@@ -115,7 +115,7 @@ type Parse = Result<Span, Stop>;
 
 /// A part of the text that is no token, which one error reports.
 #[derive(Clone, Copy)]
-struct Run {
+struct BadRun {
     span: Span,
     first: char,
     /// It is known as a whole, such as `|x|`: what touches it is no part of it.
@@ -263,20 +263,20 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
     #[cold]
     fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
         // A run of bad characters is reported once, at its end, and so is a name in quotes, `<1, 2, 3>`, or the `.x` of `v.x`.
-        let mut run: Option<Run> = None;
+        let mut run: Option<BadRun> = None;
         loop {
             let token = lexeme.token;
             match (run, lexeme.fault) {
                 (Some(run), _) if token.span.start < run.span.end => {}
                 (
-                    Some(Run {
+                    Some(BadRun {
                         span,
                         first,
                         is_whole: false,
                     }),
                     Some(Fault::Character(next)),
                 ) if span.end == token.span.start && self.joins(first, next, mode) => {
-                    run = Some(Run {
+                    run = Some(BadRun {
                         span: span.to(token.span),
                         first,
                         is_whole: false,
@@ -292,7 +292,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                                 .or_else(|| self.angle_vector(token.span))
                                 .or_else(|| self.absolute_value(token.span))
                                 .or_else(|| Some(self.foreign_item(token.span, mode)?.0));
-                            Some(Run {
+                            Some(BadRun {
                                 span: known.unwrap_or(token.span),
                                 first,
                                 is_whole: known.is_some(),
@@ -300,7 +300,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                         }
                         Some(Fault::LonePoint) => {
                             let component = self.lettered_component(token.span);
-                            component.map(|span| Run {
+                            component.map(|span| BadRun {
                                 span,
                                 first: '.',
                                 is_whole: true,

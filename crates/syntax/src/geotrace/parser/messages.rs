@@ -2,7 +2,7 @@
 
 use super::deferred::Deferred;
 use super::names::Mode;
-use super::{Parser, Run, Stop, foreign};
+use super::{BadRun, Parser, Stop, foreign};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
 use crate::geotrace::attributes::{self, AttributeWord};
@@ -198,11 +198,11 @@ fn is_last_digits(text: &str) -> bool {
 
 impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// Reports a run of characters that begin no token.
-    pub(super) fn report_characters(&mut self, run: Run, mode: Mode) {
+    pub(super) fn report_characters(&mut self, run: BadRun, mode: Mode) {
         if self.state.quiet {
             return;
         }
-        let Run { span, first, .. } = run;
+        let BadRun { span, first, .. } = run;
         if let Some((place, found)) = self.foreign_item(span, mode) {
             let diagnostic = foreign_interval(self.source, place, &found.written());
             self.report(diagnostic);
