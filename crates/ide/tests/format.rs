@@ -100,6 +100,10 @@ fn what_cannot_be_read_stays_as_it_is() {
             "curve c(t)=(cos t,sin t,0),0 <= t <= 2pi;\ndefine b = 2;\n",
         ),
         ("function f(x) -> x^2;", "function f(x) -> x^2;\n"),
+        (
+            "define a=1 ;define  b=2+;  define c=3;",
+            "define a = 1;\ndefine  b=2+;\ndefine c = 3;\n",
+        ),
         ("label \"a  b\";", "label \"a  b\";\n"),
         // What is unknown can be read.
         ("define a=b+c;", "define a = b + c;\n"),

@@ -83,9 +83,12 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
             .next_if(|part| part.end <= token.span.start)
             .is_some()
         {}
-        let stays = unreadable
-            .peek()
-            .is_some_and(|part| part.start <= token.span.start);
+        let stays = unreadable.peek().is_some_and(|part| {
+            // A declaration starts a line all the same.
+            let starts_line =
+                matches!(token.kind, TokenKind::Declare(_)) && gap.start <= part.start;
+            part.start <= token.span.start && !starts_line
+        });
         if inside && !stays && next != written {
             edits.push(Edit::replace(gap, next));
         }
