@@ -448,6 +448,16 @@ impl RayScene {
         bounds.is_some_and(|bounds| bounds.is_empty())
     }
 
+    /// Returns a note for each solid around which no box is found.
+    pub fn endless(&self) -> impl Iterator<Item = RayNote> {
+        let solids = 0..self.world.solid_count();
+        let endless = solids.filter(|&solid| self.world.bounds(solid).is_none());
+        endless.map(|solid| RayNote {
+            object: self.object_of_solid(solid).name.clone(),
+            fault: RayFault::Endless,
+        })
+    }
+
     /// Returns the notes on differences from what is declared. Those that depend on places are known once rays have met them.
     pub fn notes(&self) -> Vec<RayNote> {
         let mut notes = self.content.notes.clone();

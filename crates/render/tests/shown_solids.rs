@@ -478,3 +478,36 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
         assert_eq!(drawn.notes, [Note::Remark(note)]);
     }
 }
+
+#[test]
+fn an_endless_solid_that_nothing_frames_is_noted() {
+    let note = "`s` may be endless: no box around it was found, so the picture does not frame it; intervals cut it, \
+                such as `x : [-3, 3]` behind it";
+    let endless = "solid s(x,y,z) = x^2 + y^2 - 1;";
+    let cases = [
+        (endless.to_owned(), true),
+        (
+            "solid s(x,y,z) = x^2 + y^2 - 1, z : [-1, 1];".to_owned(),
+            false,
+        ),
+        (
+            format!("{endless} solid b(x,y,z) = x^2 + y^2 + z^2 - 1;"),
+            false,
+        ),
+        (format!("{endless} point p = (1, 2, 3);"), false),
+    ];
+    for (program, is_noted) in cases {
+        let space = request(
+            Scene::clone(&scenes::scene(&program)),
+            SpaceOptions::default(),
+        );
+        let mut placed = space.clone();
+        placed.view = SpaceOptions::seen_from([5.0, 0.0, 0.0], [0.0; 3]).into();
+        let mut renderer = Renderer::software();
+        let drawn = renderer.draw(&space).expect("a picture");
+        let expected: Vec<&str> = is_noted.then_some(note).into_iter().collect();
+        assert_eq!(drawn.notes, expected, "{program}");
+        let drawn = renderer.draw(&placed).expect("a picture");
+        assert_eq!(drawn.notes, [] as [&str; 0], "{program}");
+    }
+}

@@ -27,6 +27,8 @@ pub enum RayFault {
     },
     /// Not seen: no point is in it.
     Empty,
+    /// No box around it is found.
+    Endless,
     /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
     TooManyLeaves,
     /// Not drawn: its derivatives are too large.
@@ -72,6 +74,11 @@ impl std::fmt::Display for RayNote {
                 "{skipped} of the {instances} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
             ),
             RayFault::Empty => write!(f, "`{name}` is not seen: no point is in it"),
+            RayFault::Endless => write!(
+                f,
+                "`{name}` may be endless: no box around it was found, so the picture does not frame it; intervals cut \
+                 it, such as `x : [-3, 3]` behind it"
+            ),
             RayFault::TooManyLeaves => write!(
                 f,
                 "`{name}` is not drawn: with it the solids have more than {MAX_LEAVES} leaves"

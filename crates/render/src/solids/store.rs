@@ -14,6 +14,7 @@ use tracer::{PictureLook, World};
 use crate::content::Content;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
+use crate::request::part::SpaceOptions;
 use crate::shared::Shared;
 use crate::style;
 use crate::texture::Texture;
@@ -196,9 +197,23 @@ impl SolidScene {
 /// Sentences about all that is not as it is declared, or as a request has it.
 pub(crate) fn notes(rays: &RayScene, request: &PictureRequest) -> impl Iterator<Item = String> {
     let unplaced = rays.unplaced(|id| request.chosen_texture(id).is_some());
-    let unplaced: Vec<RayNote> = unplaced.collect();
-    let notes = rays.notes().into_iter().chain(unplaced);
+    let mut missing: Vec<RayNote> = unplaced.collect();
+    if !is_framed(rays, request) {
+        // One is enough: nothing is known of the others' instances either.
+        missing.extend(rays.endless().take(1));
+    }
+    let notes = rays.notes().into_iter().chain(missing);
     notes.map(|note| note.to_string())
+}
+
+/// True if something tells where the camera is to stand: a place that is stated, or an object that has one.
+fn is_framed(rays: &RayScene, request: &PictureRequest) -> bool {
+    let is_placed = |options: &SpaceOptions| options.camera.eye.is_some();
+    let objects = &request.scene.objects;
+    request.view.space().is_none_or(is_placed)
+        || !rays.cameras().is_empty()
+        || rays.bounds().is_some()
+        || objects.iter().any(|object| object.shape.solid().is_none())
 }
 
 impl TracedScene {
