@@ -115,7 +115,9 @@ fn through(random: &mut Random, count: usize) -> Vec<Ray> {
 fn unpaired(found: &[Vec<(f64, bool)>]) -> usize {
     let is_paired = |crossings: &&Vec<(f64, bool)>| {
         let enters = crossings.iter().map(|(_, enters)| *enters);
-        let alternates = enters.enumerate().all(|(k, enters)| enters == (k % 2 == 0));
+        let alternates = enters
+            .enumerate()
+            .all(|(k, enters)| enters == k.is_multiple_of(2));
         alternates && crossings.len().is_multiple_of(2)
     };
     found.len() - found.iter().filter(is_paired).count()
