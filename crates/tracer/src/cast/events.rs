@@ -29,6 +29,10 @@ impl Caster<'_> {
         let world = self.world;
         let leaf = &world.leaves[number as usize];
         let part = [entry.max(0.0), exit];
+        if leaf.ends && part[0] >= part[1] {
+            // The ray starts where the box ends.
+            return;
+        }
         if world.convex[number as usize] {
             return self.activate_convex(ray, number, part);
         }
