@@ -284,10 +284,10 @@ fn a_bent_pole_of_a_wide_domain_is_smooth() {
     });
     let by_height = paraboloid_by_height();
     let wide = paraboloid(1e4);
-    let cases: [(&dyn Surface, [f64; 2], [f64; 2], usize); 3] = [
-        (&by_height, [0.3, 2.0], [0.0, -1.0], 1),
-        (&by_metric, [2.0, 0.3], [-1.0, 0.0], 0),
-        (&wide, [0.3, 2.0_f64.sqrt()], [0.0, -1.0], 1),
+    let cases = [
+        (&by_height as &dyn Surface, [0.3, 2.0], [0.0, -1.0], 1),
+        (&by_metric as &dyn Surface, [2.0, 0.3], [-1.0, 0.0], 0),
+        (&wide as &dyn Surface, [0.3, 2.0_f64.sqrt()], [0.0, -1.0], 1),
     ];
     // Along the parabola z = x².
     let arc = |x: f64| 0.5 * x * (1.0 + 4.0 * x * x).sqrt() + 0.25 * (2.0 * x).asinh();

@@ -90,7 +90,7 @@ pub fn between(
         let mut all = found.map_err(|error| usual.restored_error(error))?;
         all.within *= usual.size();
         for it in &mut all.found {
-            *it = usual.restored(*it);
+            *it = it.rescaled(&usual);
         }
         return Ok(all);
     }
@@ -173,7 +173,7 @@ pub fn distance(
         let [from, to] = [from, to].map(|uv| usual.changed(uv));
         let found = distance(&usual, from, to);
         let found = found.map_err(|error| usual.restored_error(error))?;
-        return Ok(found.map(|it| usual.restored(it)));
+        return Ok(found.map(|it| it.rescaled(&usual)));
     }
     if let Some(even) = Reparametrised::of(surface) {
         let found = distance_on(&even, even.changed(from).0, even.changed(to).0);
@@ -210,21 +210,27 @@ fn both_ways<'s>(
         return all;
     };
     let other = search(&back, &aim);
-    let mut is_complete = other.complete;
-    let size = surface.scale().size;
-    let mut found = Vec::new();
-    for it in other.found {
-        let angle = source.angle_of(it.to, -it.arrival);
-        let guess = angle.map(|angle| PolarVector {
+    let reversed = |it: &Connection| {
+        let angle = source.angle_of(it.to, -it.arrival)?;
+        let guess = PolarVector {
             angle,
             length: it.length,
-        });
-        match guess.and_then(|guess| shoot::hit(source, target, guess)) {
-            Some(hit) => found.push(Connection::of(source, &hit)),
-            None => is_complete = false,
-        }
-    }
-    all.add(found, size);
+        };
+        Some(match shoot::hit(source, target, guess) {
+            Some(hit) => Connection::of(source, &hit),
+            None => Connection {
+                from: source.start(angle),
+                direction: source.direction(angle),
+                to: target.uv,
+                arrival: -it.direction,
+                angle,
+                ..*it
+            },
+        })
+    };
+    let found: Vec<Connection> = other.found.iter().filter_map(reversed).collect();
+    let is_complete = other.complete && found.len() == other.found.len();
+    all.add(found, surface.scale().size);
     if is_complete {
         // All that there are have been found from there.
         all.complete = true;
@@ -269,6 +275,19 @@ impl Connection {
             direction: even.restored_vector(self.from, self.direction),
             to: even.restored(self.to).0,
             arrival: even.restored_vector(self.to, self.arrival),
+            ..self
+        }
+    }
+
+    /// A connection on a surface in usual units, in those of the surface itself.
+    fn rescaled(self, usual: &Rescaled<'_>) -> Self {
+        Self {
+            length: self.length * usual.size(),
+            from: usual.restored(self.from),
+            direction: usual.restored_vector(self.direction),
+            to: usual.restored(self.to),
+            arrival: usual.restored_vector(self.arrival),
+            m: self.m * usual.size(),
             ..self
         }
     }

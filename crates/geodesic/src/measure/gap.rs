@@ -21,7 +21,7 @@ pub(super) struct AimedPlace<'s> {
     position: Option<[f64; 3]>,
     /// Its place in coordinates that go on beyond the sides.
     copies: Vec<Uv>,
-    /// Where the nearest of these may lie farther off than beyond the next side.
+    /// The lattice of all its copies, where the nearest may lie farther off than beyond the next side.
     lattice: Option<SkewedLattice>,
 }
 

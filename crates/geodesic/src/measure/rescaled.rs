@@ -4,7 +4,6 @@
 //! The units are powers of two, so that nothing is rounded.
 
 use super::MeasureError;
-use super::between::Connection;
 use crate::point::{TangentVector, Uv};
 use crate::surface::{ChartData, Jet, Surface};
 
@@ -68,25 +67,19 @@ impl<'s> Rescaled<'s> {
         Uv([0, 1].map(|k| uv[k] / self.units[k]))
     }
 
-    /// A connection in the surface's own units.
-    pub(super) fn restored(&self, it: Connection) -> Connection {
-        let place = |uv: Uv| Uv([0, 1].map(|k| uv[k] * self.units[k]));
-        let vector =
-            |v: TangentVector| TangentVector([0, 1].map(|k| v[k] * (self.units[k] / self.size)));
-        Connection {
-            length: it.length * self.size,
-            from: place(it.from),
-            direction: vector(it.direction),
-            to: place(it.to),
-            arrival: vector(it.arrival),
-            m: it.m * self.size,
-            ..it
-        }
+    /// The surface's own parameters of a place.
+    pub(super) fn restored(&self, uv: Uv) -> Uv {
+        Uv([0, 1].map(|k| uv[k] * self.units[k]))
+    }
+
+    /// A unit vector in the surface's own parameters and units.
+    pub(super) fn restored_vector(&self, vector: TangentVector) -> TangentVector {
+        TangentVector([0, 1].map(|k| vector[k] * (self.units[k] / self.size)))
     }
 
     /// An error with its place and its length in the surface's own units.
     pub(super) fn restored_error(&self, error: MeasureError) -> MeasureError {
-        let place = |at: [f64; 2]| [0, 1].map(|k| at[k] * self.units[k]);
+        let place = |at: [f64; 2]| self.restored(Uv(at)).0;
         match error {
             MeasureError::Outside { at, .. } => MeasureError::Outside {
                 at: place(at),

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
 
 use super::pair_text;
-use crate::number::{count, is_vague, show_estimated, show_measured};
+use crate::number::{count, is_vague, show_all, show_estimated, show_measured};
 
 /// What is measured at a place; `chart` names the parameters.
 pub(super) fn place(found: &PlaceMeasures, embedded: bool, chart: &str) -> String {
@@ -35,10 +35,9 @@ at {chart} = {}
     text
 }
 
-/// A place or a vector that has been measured.
+/// A place or a vector to go on from: all digits but the last, which is rounding.
 fn show_pair(pair: [f64; 2]) -> String {
-    let [a, b] = pair.map(show_measured);
-    format!("({a}, {b})")
+    show_all(&pair.map(|x| format!("{x:.14e}").parse().unwrap_or(x)))
 }
 
 /// The error estimate of some numbers, with a warning where it is so large that most of their digits mean nothing.
