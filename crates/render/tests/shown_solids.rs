@@ -505,9 +505,9 @@ fn an_endless_solid_that_nothing_frames_is_noted() {
         placed.view = SpaceOptions::seen_from([5.0, 0.0, 0.0], [0.0; 3]).into();
         let mut renderer = Renderer::software();
         let drawn = renderer.draw(&space).expect("a picture");
-        let expected: Vec<&str> = is_noted.then_some(note).into_iter().collect();
-        assert_eq!(drawn.notes, expected, "{program}");
+        let expected = is_noted.then(|| Note::Remark(note.to_owned()));
+        assert_eq!(drawn.notes, Vec::from_iter(expected), "{program}");
         let drawn = renderer.draw(&placed).expect("a picture");
-        assert_eq!(drawn.notes, [] as [&str; 0], "{program}");
+        assert_eq!(drawn.notes, [], "{program}");
     }
 }
