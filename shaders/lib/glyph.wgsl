@@ -2,8 +2,6 @@
 // between bounds in pixels. Places are in view space.
 
 struct Glyph {
-    // Linear light.
-    colour: vec3f,
     // Half a line's width, or a point's radius, in drawing units.
     nominal: f32,
     // Its bounds, in pixel units of the view, and the least in true pixels.
@@ -31,9 +29,11 @@ struct GlyphVertex {
     @builtin(position) position: vec4f,
     // Where on the glyph: distance from the axis (or centre) is its length, 1 at the rim.
     @location(0) across: vec2f,
+    // Linear light; that of the instance.
+    @location(1) @interpolate(flat) colour: vec3f,
 }
 
-const NO_VERTEX = GlyphVertex(vec4f(2.0, 2.0, 2.0, 1.0), vec2f());
+const NO_VERTEX = GlyphVertex(vec4f(2.0, 2.0, 2.0, 1.0), vec2f(), vec3f());
 
 // Half a width at a place.
 fn half_width(glyph: Glyph, at: vec3f, view: View) -> f32 {
@@ -68,9 +68,11 @@ fn across_piece(a: vec3f, b: vec3f, view: View) -> vec2f {
 }
 
 // A corner on the edge of a strip: `side` is 1 or -1.
-fn edge_corner(at: vec3f, across: vec2f, side: f32, half_here: f32, lift: f32, view: View) -> GlyphVertex {
+fn edge_corner(
+    at: vec3f, across: vec2f, side: f32, half_here: f32, lift: f32, colour: vec3f, view: View,
+) -> GlyphVertex {
     let place = at + vec3f(side * half_here * across, 0.0);
-    return GlyphVertex(tile_position(place, lift * half_here, view), vec2f(0.0, side));
+    return GlyphVertex(tile_position(place, lift * half_here, view), vec2f(0.0, side), colour);
 }
 
 // Which end and which side of a strip its 6 corners are: true for the far end.
@@ -83,7 +85,9 @@ fn corner_side(corner: u32) -> f32 {
 }
 
 // One of the 3 · segments corners of a disc that faces the eye: a regular polygon of the disc's area.
-fn disc_corner(corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32, view: View) -> GlyphVertex {
+fn disc_corner(
+    corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32, colour: vec3f, view: View,
+) -> GlyphVertex {
     let turn = 6.2831855 / f32(segments);
     let size = radius * sqrt(turn / sin(turn));
     let place = corner % 3u;
@@ -92,11 +96,11 @@ fn disc_corner(corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32
         let angle = turn * f32((corner / 3u + place - 1u) % segments);
         on_disc = vec2f(cos(angle), sin(angle));
     }
-    return GlyphVertex(tile_position(centre + vec3f(size * on_disc, 0.0), lift, view), on_disc);
+    return GlyphVertex(tile_position(centre + vec3f(size * on_disc, 0.0), lift, view), on_disc, colour);
 }
 
 // The colour of a glyph at a place on it.
-fn glyph_colour(glyph: Glyph, across: vec2f, view: View) -> vec4f {
+fn glyph_colour(glyph: Glyph, colour: vec3f, across: vec2f, view: View) -> vec4f {
     let facing = sqrt(max(1.0 - dot(across, across), 0.0));
-    return vec4f(emphasised(glyph.colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
+    return vec4f(emphasised(colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
 }

@@ -9,6 +9,8 @@ const MITRE: f32 = 0.8;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
 // Position, and in w 0 where it is undefined, 2 where the curve breaks off behind it, else 1.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
+// The colours of the instances, linear light; the last one is that of all further instances.
+@group(0) @binding(3) var<storage, read> colours: array<vec4f>;
 
 // A sample in view space, with w as it is.
 fn sample_at(index: u32) -> vec4f {
@@ -51,6 +53,7 @@ fn place_curves(@builtin(vertex_index) vertex: u32) -> GlyphVertex {
     if here.w == 0.0 {
         return NO_VERTEX;
     }
+    let colour = colours[min(index / glyph.count, arrayLength(&colours) - 1u)].rgb;
     if corner >= 6u {
         if !is_in_front(here.xyz, view) {
             return NO_VERTEX;
@@ -63,7 +66,7 @@ fn place_curves(@builtin(vertex_index) vertex: u32) -> GlyphVertex {
         let is_end = all(before == vec2f()) || all(after == vec2f());
         let half_here = half_width(glyph, here.xyz, view);
         let lift = select(glyph.join_lift, glyph.lift, is_end) * half_here;
-        return disc_corner(corner - 6u, JOIN_SEGMENTS, here.xyz, half_here, lift, view);
+        return disc_corner(corner - 6u, JOIN_SEGMENTS, here.xyz, half_here, lift, colour, view);
     }
     if index % glyph.count + 1u >= glyph.count {
         return NO_VERTEX;
@@ -91,10 +94,10 @@ fn place_curves(@builtin(vertex_index) vertex: u32) -> GlyphVertex {
         }
     }
     let at = select(a, b, corner_is_far(corner));
-    return edge_corner(at, across, corner_side(corner), half_width(glyph, at, view), glyph.lift, view);
+    return edge_corner(at, across, corner_side(corner), half_width(glyph, at, view), glyph.lift, colour, view);
 }
 
 @fragment
 fn shade_curves(vertex: GlyphVertex) -> @location(0) vec4f {
-    return glyph_colour(glyph, vertex.across, view);
+    return glyph_colour(glyph, vertex.colour, vertex.across, view);
 }

@@ -1,13 +1,12 @@
 // Painter of surfaces: samples → lit triangles with a texture.
 
 struct Patch {
-    // Linear light, multiplies the texture; its fourth number is the share of the view's emphasis.
-    colour: vec4f,
     // Samples of one instance along u and v.
     count: vec2u,
     // The first instance of this draw.
     first: u32,
-    padding: u32,
+    // The share of the view's emphasis.
+    emphasis: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -16,6 +15,8 @@ struct Patch {
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
 @group(0) @binding(3) var image: texture_2d<f32>;
 @group(0) @binding(4) var image_sampler: sampler;
+// The colours of the instances, linear light, which multiply the texture; the last one is that of all further instances.
+@group(0) @binding(5) var<storage, read> colours: array<vec4f>;
 
 struct PatchVertex {
     @builtin(position) position: vec4f,
@@ -29,10 +30,13 @@ struct PatchVertex {
     @location(3) defined: f32,
     // 1 where the cell of the triangle is left open: its first corner says so.
     @location(4) @interpolate(flat, first) open: u32,
+    // That of the instance.
+    @location(5) @interpolate(flat) colour: vec3f,
 }
 
 @vertex
 fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> PatchVertex {
+    let colour = colours[min(patch_.first + instance, arrayLength(&colours) - 1u)].rgb;
     let at = ((patch_.first + instance) * patch_.count.x * patch_.count.y + index) * 2u;
     let sample = samples[at];
     let along = vec2u(index % patch_.count.x, index / patch_.count.x);
@@ -40,7 +44,7 @@ fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     let here = seen(sample.xyz, view);
     let normal = (view.view_from_world * vec4f(samples[at + 1u].xyz, 0.0)).xyz;
     let defined = select(-1e6, 1.0, sample.w > 0.0);
-    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, defined, u32(sample.w == 2.0));
+    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, defined, u32(sample.w == 2.0), colour);
 }
 
 @fragment
@@ -57,6 +61,6 @@ fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @l
         // turning it over there would speckle the rim.
         normal = select(-1.0, 1.0, front) * normalize(vertex.normal);
     }
-    let colour = lit(patch_.colour.rgb * texel, normal, to_eye, view);
-    return vec4f(emphasised(colour, patch_.colour.a, view), 1.0);
+    let colour = lit(vertex.colour * texel, normal, to_eye, view);
+    return vec4f(emphasised(colour, patch_.emphasis, view), 1.0);
 }

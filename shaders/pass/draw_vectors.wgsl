@@ -7,6 +7,8 @@ const HEAD_SEGMENTS: u32 = 16u;
 @group(0) @binding(1) var<uniform> glyph: Glyph;
 // Two for each arrow: origin (w: 1 where defined), direction.
 @group(0) @binding(2) var<storage, read> samples: array<vec4f>;
+// The colours of the instances, linear light; the last one is that of all further instances.
+@group(0) @binding(3) var<storage, read> colours: array<vec4f>;
 
 struct ArrowVertex {
     @builtin(position) position: vec4f,
@@ -16,10 +18,12 @@ struct ArrowVertex {
     @location(1) normal: vec3f,
     // In view space.
     @location(2) place: vec3f,
+    // Linear light; that of the instance.
+    @location(3) @interpolate(flat) colour: vec3f,
 }
 
 fn on_shaft(vertex: GlyphVertex) -> ArrowVertex {
-    return ArrowVertex(vertex.position, vertex.across, vec3f(), vec3f());
+    return ArrowVertex(vertex.position, vertex.across, vec3f(), vec3f(), vertex.colour);
 }
 
 @vertex
@@ -32,6 +36,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     if sample.w == 0.0 {
         return on_shaft(NO_VERTEX);
     }
+    let colour = colours[min(index, arrayLength(&colours) - 1u)].rgb;
     let origin = seen(sample.xyz, view);
     let along = (view.view_from_world * vec4f(samples[2u * index + 1u].xyz, 0.0)).xyz;
     let tip = origin + along;
@@ -44,7 +49,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
             return on_shaft(NO_VERTEX);
         }
         return on_shaft(disc_corner(
-            corner - 6u, START_SEGMENTS, origin, half_origin, glyph.lift * half_origin, view));
+            corner - 6u, START_SEGMENTS, origin, half_origin, glyph.lift * half_origin, colour, view));
     }
     let axis = along / size;
     let full = glyph.head_length * half_tip;
@@ -64,7 +69,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
         let b = cut_at_near(base, origin, view);
         if corner >= 6u {
             return on_shaft(disc_corner(
-                corner - 6u, START_SEGMENTS, a, start_half, glyph.join_lift * start_half, view));
+                corner - 6u, START_SEGMENTS, a, start_half, glyph.join_lift * start_half, colour, view));
         }
         var across = across_piece(a, b, view);
         if all(across == vec2f()) {
@@ -73,7 +78,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
         let far = corner_is_far(corner);
         let at = select(a, b, far);
         let half_here = select(start_half, base_half, far);
-        return on_shaft(edge_corner(at, across, corner_side(corner), half_here, glyph.lift, view));
+        return on_shaft(edge_corner(at, across, corner_side(corner), half_here, glyph.lift, colour, view));
     }
     let other = select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 0.0, 0.0), abs(axis.z) > 0.9);
     let x = normalize(cross(other, axis));
@@ -91,14 +96,15 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     }
     // The side's normal leans forward by the cone's slope.
     let normal = select(normalize(outwards * (full * scale) + axis * radius), -axis, is_base);
-    return ArrowVertex(tile_position(position, glyph.lift * half_tip * scale, view), vec2f(), normal, position);
+    let seen_at = tile_position(position, glyph.lift * half_tip * scale, view);
+    return ArrowVertex(seen_at, vec2f(), normal, position, colour);
 }
 
 @fragment
 fn shade_vectors(vertex: ArrowVertex) -> @location(0) vec4f {
     if dot(vertex.normal, vertex.normal) > 1e-6 {
         let facing = abs(dot(normalize(vertex.normal), to_eye_from(vertex.place, view)));
-        return vec4f(emphasised(glyph.colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
+        return vec4f(emphasised(vertex.colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
     }
-    return glyph_colour(glyph, vertex.across, view);
+    return glyph_colour(glyph, vertex.colour, vertex.across, view);
 }

@@ -33,8 +33,7 @@ use render::sample::{Samples, positions, sample_with_notes};
 use render::style;
 use render::texture::Texture;
 use render::view::space;
-use scene::ParamValues;
-use scene::{Object, ObjectId, Scene};
+use scene::{Object, ObjectId};
 use solid::Fineness;
 
 /// A file format.
@@ -72,6 +71,8 @@ pub struct Part {
     pub name: String,
     /// Its colour, sRGB; multiplies the texture. Colours of places replace it.
     pub colour: [u8; 3],
+    /// The colours of its places, sRGB; none where its colour is that of all.
+    pub colours: Vec<[u8; 3]>,
     /// Its shape.
     pub geometry: Geometry,
 }
@@ -168,7 +169,7 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let options = request.view.space();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
     let placement = Bounds::of(scene, params).placement;
-    let colours = request.object_colours();
+    let colours = request.instance_colours();
     let mut model = Model::default();
     let wanted = |id| objects.map_or(is_shown(id), |objects| objects.contains(&id));
     let all = (0..).map(ObjectId::new).zip(&scene.objects);
@@ -185,23 +186,23 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
         ));
     }
     for (id, object) in all {
-        let index = id.index();
+        let own = &*colours[id.index()];
         let (geometry, notes) = match object.shape.solid() {
             Some(_) => {
-                let (mesh, notes) =
-                    solid::meshed(scene, params, object, colours[index], &mut fineness);
-                let mesh = mesh.filter(|mesh| !mesh.triangles.is_empty());
-                let plain = |mesh| Geometry::Surface(mesh, Texture::plain());
+                let (mesh, notes) = solid::meshed(scene, params, object, own[0], &mut fineness);
+                let mesh = mesh.filter(|(mesh, _)| !mesh.triangles.is_empty());
+                let plain = |(mesh, colours)| (Geometry::Surface(mesh, Texture::plain()), colours);
                 (mesh.map(plain), notes)
             }
-            None => geometry(scene, params, request, id, object, &placement),
+            None => geometry(request, id, object, &placement, own),
         };
         model.notes.extend(notes);
-        model.parts.extend(geometry.map(|geometry| {
+        model.parts.extend(geometry.map(|(geometry, colours)| {
             let mut part = Part {
                 object: id,
                 name: object.name.clone(),
-                colour: colours[index],
+                colour: own[0],
+                colours,
                 geometry,
             };
             part.join_colours();
@@ -263,13 +264,29 @@ impl Model {
 impl Part {
     /// Makes the colour of all places, where it is one, the part's.
     fn join_colours(&mut self) {
-        if let Geometry::Surface(mesh, _) = &mut self.geometry
-            && let Some(&first) = mesh.colours.first()
-            && mesh.colours.iter().all(|colour| *colour == first)
+        if let Some(&first) = self.colours.first()
+            && self.colours.iter().all(|colour| *colour == first)
         {
             self.colour = first;
-            mesh.colours.clear();
+            self.colours.clear();
         }
+    }
+
+    /// The colours of the places, sRGB: its own; on a surface times the image at the first vertex of a place, averaged over the
+    /// distance to its neighbours.
+    fn colours_of_places(&self) -> Vec<[u8; 3]> {
+        let own = |place: usize| self.colours.get(place).copied().unwrap_or(self.colour);
+        let count = match &self.geometry {
+            Geometry::Surface(mesh, texture) => {
+                if self.colours.is_empty() || !Arc::ptr_eq(texture, &Texture::plain()) {
+                    return mesh.colours_of_places(texture, own);
+                }
+                mesh.places.len()
+            }
+            Geometry::Lines(lines) => lines.places.len(),
+            Geometry::Points(places) => places.len(),
+        };
+        (0..count).map(own).collect()
     }
 
     /// The number of triangles.
@@ -295,25 +312,25 @@ impl Part {
 }
 
 impl Mesh {
-    /// The colours of the places, sRGB: its own, or the image at the first vertex of a place, averaged over the distance to
-    /// its neighbours, times the colour of the object.
-    fn colours_of_places(&self, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
-        if !self.colours.is_empty() {
-            return self.colours.clone();
-        }
-        let tint = style::linear(colour);
+    /// The image at the first vertex of each place, averaged over the distance to its neighbours, times the place's own colour.
+    fn colours_of_places(&self, texture: &Texture, own: impl Fn(usize) -> [u8; 3]) -> Vec<[u8; 3]> {
         // About how far apart the vertices of an instance are: there are as many as in a square grid.
         let vertices = self.vertices.len() as f32 / self.instances.max(1) as f32;
         let step = 1.0 / vertices.sqrt().max(1.0);
         let sampler = texture.sampler();
         let mut colours: Vec<Option<[u8; 3]>> = vec![None; self.places.len()];
         for vertex in &self.vertices {
-            colours[vertex.place as usize].get_or_insert_with(|| {
+            let place = vertex.place as usize;
+            colours[place].get_or_insert_with(|| {
+                let tint = style::linear(own(place));
                 let light = sampler.colour(vertex.uv, [step, 0.0], [0.0, step]);
                 std::array::from_fn(|k| style::encode(light[k] * tint[k]))
             });
         }
-        colours.into_iter().map(|c| c.unwrap_or(colour)).collect()
+        let colours = colours.into_iter().enumerate();
+        colours
+            .map(|(place, colour)| colour.unwrap_or_else(|| own(place)))
+            .collect()
     }
 }
 
@@ -356,23 +373,34 @@ impl Polylines {
     }
 }
 
-/// The shape of an object that is no solid, if any of it is defined, and sentences for the user.
+/// The shape of an object that is no solid, if any of it is defined, with the colours of its places where instances differ in
+/// them, and sentences for the user. `own` are the colours of the instances.
 fn geometry(
-    scene: &Scene,
-    params: &ParamValues,
     request: &PictureRequest,
     id: ObjectId,
     object: &Object,
     placement: &Placement,
-) -> (Option<Geometry>, Vec<String>) {
+    own: &[[u8; 3]],
+) -> (Option<(Geometry, Vec<[u8; 3]>)>, Vec<String>) {
+    let (scene, params) = (&*request.scene, &*request.params);
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
+    let mut colours = Vec::new();
+    // An instance gives all its places, of which there are now so many, its colour.
+    let mut paint = |instance: usize, count: usize| {
+        colours.resize(count, own[instance.min(own.len() - 1)]);
+    };
     // A geodesic has samples, but no expression for its position.
     let geometry = match (&samples, object.shape.position()) {
         (Samples::Points(samples), Some(position)) => {
             let places = positions(scene, params, object, position);
-            let both = places.into_iter().zip(samples);
-            let kept = both.filter(|(place, it)| it.defined != 0.0 && weld::is_held(place));
-            Geometry::Points(kept.map(|(place, _)| place).collect())
+            let mut kept = Vec::new();
+            for (instance, (place, sample)) in places.into_iter().zip(samples).enumerate() {
+                if sample.defined != 0.0 && weld::is_held(&place) {
+                    kept.push(place);
+                    paint(instance, kept.len());
+                }
+            }
+            Geometry::Points(kept)
         }
         (Samples::Vectors(samples), _) => {
             let Some((direction, origin)) = object.shape.vector() else {
@@ -381,10 +409,12 @@ fn geometry(
             let origins = positions(scene, params, object, origin);
             let directions = positions(scene, params, object, direction);
             let mut lines = Polylines::default();
-            for ((from, by), sample) in origins.iter().zip(&directions).zip(samples) {
+            let both = origins.iter().zip(&directions).zip(samples);
+            for (instance, ((from, by), sample)) in both.enumerate() {
                 let tip = [0, 1, 2].map(|k| from[k] + by[k]);
                 if sample.defined != 0.0 && weld::is_held(from) && weld::is_held(&tip) {
                     lines.add(&[Some(*from), Some(tip)]);
+                    paint(instance, lines.places.len());
                 }
             }
             Geometry::Lines(lines)
@@ -393,7 +423,8 @@ fn geometry(
             let places = positions(scene, params, object, position);
             let mut lines = Polylines::default();
             let count = *count as usize;
-            for (places, samples) in places.chunks(count).zip(samples.chunks(count)) {
+            let instances = places.chunks(count).zip(samples.chunks(count));
+            for (instance, (places, samples)) in instances.enumerate() {
                 let pairs = places.iter().zip(samples);
                 let line = pairs.flat_map(|(place, sample)| {
                     let end = sample.is_last().then_some(None);
@@ -401,15 +432,18 @@ fn geometry(
                     std::iter::once(is_there.then_some(*place)).chain(end)
                 });
                 lines.add(&line.collect::<Vec<_>>());
+                paint(instance, lines.places.len());
             }
             Geometry::Lines(lines)
         }
         (Samples::Curves { .. }, None) => {
             let mut lines = Polylines::default();
-            for line in &follow_declared(scene, params, id).lines {
+            let followed = follow_declared(scene, params, id);
+            for (instance, line) in followed.lines.iter().enumerate() {
                 let places = line.iter().map(|knot| knot.and_then(|knot| knot.position));
                 let line = places.map(|place| place.filter(weld::is_held));
                 lines.add(&line.collect::<Vec<_>>());
+                paint(instance, lines.places.len());
             }
             Geometry::Lines(lines)
         }
@@ -417,8 +451,10 @@ fn geometry(
             let places = positions(scene, params, object, position);
             let mut mesh = Mesh::default();
             let size = count[0] as usize * count[1] as usize;
-            for (places, samples) in places.chunks(size).zip(samples.chunks(size)) {
+            let instances = places.chunks(size).zip(samples.chunks(size));
+            for (instance, (places, samples)) in instances.enumerate() {
                 mesh.add(*count, places, samples);
+                paint(instance, mesh.places.len());
             }
             Geometry::Surface(mesh, space::texture_in_space(request, id))
         }
@@ -429,7 +465,7 @@ fn geometry(
         Geometry::Lines(lines) => !lines.strips.is_empty(),
         Geometry::Points(places) => !places.is_empty(),
     };
-    (some.then_some(geometry), notes)
+    (some.then_some((geometry, colours)), notes)
 }
 
 fn listed(names: &[String]) -> String {

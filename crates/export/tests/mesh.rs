@@ -590,6 +590,46 @@ fn vertices_of_obj_have_the_colours_of_ply() {
 }
 
 #[test]
+fn each_instance_has_the_colour_of_its_grid_value() {
+    let objects = [
+        "point p = (k, 0, 0)",
+        "vector v = (0, 0.5, 0) @ (k, -0.25, 0)",
+        "curve c(t) = (k, t, 0), t : [-0.5, 0.5, 9]",
+        "surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3, 5], v : [-0.3, 0.3, 5]",
+    ];
+    let colours = "color : ((k(k-1))/2, 1 - k^2, (k(k+1))/2)";
+    for object in objects {
+        let model = exported(&format!("grid k : [-1, 1, 3]; {object}, {colours};"));
+        let mut counts = [0; 3];
+        for (place, colour) in coloured_places(&model) {
+            let instance = (place.x.round() + 1.0) as usize;
+            let expected = [[255, 0, 0], [0, 255, 0], [0, 0, 255]][instance];
+            assert_eq!(colour, expected, "{object} at {place}");
+            counts[instance] += 1;
+        }
+        assert!(
+            counts.iter().all(|count| *count > 0),
+            "{object}: {counts:?}"
+        );
+        let binary = file(&model, MeshFormat::Glb);
+        let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");
+        let blob = binary.blob.clone().expect("data");
+        let mesh = binary.meshes().next().expect("a mesh");
+        let primitive = mesh.primitives().next().expect("a primitive");
+        let base = primitive
+            .material()
+            .pbr_metallic_roughness()
+            .base_color_factor();
+        assert_eq!(base, [1.0; 4]);
+        let reader = primitive.reader(|_| Some(&blob[..]));
+        let colours = reader.read_colors(0).expect("colours").into_rgb_f32();
+        for (colour, [x, _, _]) in colours.zip(reader.read_positions().expect("positions")) {
+            assert_eq!(colour[(x.round() + 1.0) as usize], 1.0, "{object} at {x}");
+        }
+    }
+}
+
+#[test]
 fn gltf_has_the_colour_of_a_solid_or_those_of_its_vertices() {
     let binary = file(&exported(TWO_BALLS), MeshFormat::Glb);
     let binary = gltf::Gltf::from_slice(&binary).expect("a valid file");

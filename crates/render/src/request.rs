@@ -1,15 +1,15 @@
 //! The picture request: a [`PictureRequest`] holds all that a picture depends on, as data that can be compared. It is
 //! the same from a pane of a window, or a command line, down to what draws.
 
+mod colours;
 pub mod part;
 
+pub(crate) use colours::{color_nodes, srgb_of};
 pub use part::{ViewOptions, ViewPart};
 
 use std::sync::Arc;
 
-use expr::tape::{Registers, Tape};
-use expr::{Input, NodeId};
-use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene, stated_word};
+use scene::{ObjectId, ParamValues, Scene, stated_word};
 
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
@@ -178,44 +178,10 @@ impl PictureRequest {
         Some(image)
     }
 
-    /// Returns true if an object states a colour that is the same at all of its places.
-    fn states_colour(&self, object: ObjectId) -> bool {
-        let object = self.scene.get(object);
-        object.is_some_and(|it| stated_colour(&self.scene, &self.params, it).is_some())
-    }
-
     /// Returns true if a surface is coloured by its curvature.
     fn shows_curvature(&self) -> bool {
         let mut textures = self.textures.iter();
         !self.curved.is_empty() || textures.any(|(_, it)| it.curvature_scale().is_some())
-    }
-
-    /// The colours of all objects, sRGB, in their order.
-    pub fn object_colours(&self) -> Vec<[u8; 3]> {
-        let usual = style::colours(&self.scene, self.theme, self.shows_curvature());
-        let mut colours = usual.clone();
-        for (id, colour) in &self.colours {
-            if let Some(place) = colours.get_mut(id.index()) {
-                *place = *colour;
-            }
-        }
-        for (id, object) in self.scene.numbered() {
-            let at = id.index();
-            if let Some(stated) = stated_colour(&self.scene, &self.params, object) {
-                // It wins over one that was chosen; what is out of date is dim all the same.
-                let brightest = |colour: [u8; 3]| f64::from(colour.into_iter().fold(1, u8::max));
-                let dim = (brightest(colours[at]) / brightest(usual[at])).min(1.0);
-                colours[at] = stated.map(|part| (255.0 * dim * part).round() as u8);
-            }
-        }
-        colours
-    }
-
-    /// The colour of an object, sRGB.
-    pub fn srgb(&self, object: ObjectId) -> [u8; 3] {
-        let colours = self.object_colours();
-        let own = colours.get(object.index());
-        own.copied().unwrap_or(style::SURFACE_COLOUR)
     }
 
     /// The colour of the lines of axes, sRGB: between that of the backdrop and its opposite.
@@ -285,49 +251,6 @@ impl PictureRequest {
             return Err(RenderError::Scale(self.scale));
         }
         self.view.check(&self.scene)
-    }
-}
-
-/// The colour, sRGB from 0 to 1, that an object states for all of its places and its first instance; `None` for a solid,
-/// whose faces have colours of their own.
-fn stated_colour(scene: &Scene, params: &ParamValues, object: &Object) -> Option<[f64; 3]> {
-    let nodes = color_nodes(object).filter(|_| object.shape.solid().is_none())?;
-    let inputs = scene.graph.inputs(nodes);
-    if inputs
-        .iter()
-        .any(|input| matches!(input, Input::Variable(_)))
-    {
-        return None;
-    }
-    let uniforms = params.first_instance(scene, object);
-    let tape = Tape::new(&scene.graph, nodes);
-    let number = |input: &Input| match *input {
-        Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
-        Input::Variable(_) => f64::NAN,
-    };
-    let inputs: Vec<f64> = tape.inputs().iter().map(number).collect();
-    let mut out = vec![f64::NAN; tape.root_count()];
-    tape.eval(&mut Registers::default(), &inputs, &mut out);
-    srgb_of(&out)
-}
-
-/// The colour, sRGB from 0 to 1, of a grey or of red, green and blue; `None` where it is undefined.
-pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
-    let colour = match *numbers {
-        [grey] => [grey; 3],
-        [red, green, blue] => [red, green, blue],
-        _ => return None,
-    };
-    let is_defined = colour.iter().all(|part| part.is_finite());
-    is_defined.then(|| colour.map(|part| part.clamp(0.0, 1.0)))
-}
-
-/// The numbers of the colour that an object states.
-pub(crate) fn color_nodes(object: &Object) -> Option<&[NodeId]> {
-    let stated = object.attributes.iter().find(|it| it.word == "color")?;
-    match &stated.value {
-        AttributeValue::Numbers(nodes) => Some(nodes),
-        AttributeValue::Word(_) => None,
     }
 }
 

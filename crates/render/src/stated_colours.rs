@@ -7,7 +7,7 @@ use std::sync::Arc;
 use expr::tape::{Registers, Tape};
 use expr::{Input, NodeId};
 use rayon::prelude::*;
-use scene::{Object, Range, Sampling, Scene};
+use scene::{Object, ObjectId, Range, Sampling, Scene};
 
 use crate::content::{self, Content};
 use crate::request::{PictureRequest, color_nodes, srgb_of};
@@ -20,6 +20,8 @@ const SIDE: u32 = 512;
 const MOVING_SIDE: u32 = 256;
 /// Textures that are kept though the last picture has not used them.
 const KEPT: usize = 16;
+/// The most instances that are compared.
+const COMPARED: u64 = 256;
 
 /// Textures of stated colours, by the content of the colour.
 #[derive(Debug, Default)]
@@ -34,18 +36,9 @@ impl StatedColours {
     pub(crate) fn textured<'r>(&mut self, request: &'r PictureRequest) -> Cow<'r, PictureRequest> {
         let mut whole = Cow::Borrowed(request);
         let side = if request.moving { MOVING_SIDE } else { SIDE };
-        for (id, object) in request.scene.numbered() {
-            if object.shape.manifold().is_none() || request.own_texture(id).is_some() {
-                continue;
-            }
-            let Some(nodes) = color_nodes(object) else {
-                continue;
-            };
-            let mut inputs = request.scene.graph.inputs(nodes).into_iter();
-            if inputs.any(|input| matches!(input, Input::Variable(_))) {
-                let texture = self.get(request, object, nodes, side);
-                whole.to_mut().textures.push((id, texture));
-            }
+        for (id, object, nodes) in varying(request) {
+            let texture = self.get(request, object, nodes, side);
+            whole.to_mut().textures.push((id, texture));
         }
         let most = KEPT.max(whole.textures.len());
         let old = self.known.len().saturating_sub(most);
@@ -76,6 +69,51 @@ impl StatedColours {
         self.known.push(entry);
         texture
     }
+}
+
+/// The surfaces that state a colour which changes from place to place, and no image, with the numbers of the colour.
+fn varying(request: &PictureRequest) -> impl Iterator<Item = (ObjectId, &Object, &[NodeId])> {
+    let surfaces = request.scene.numbered().filter(|(id, object)| {
+        object.shape.manifold().is_some() && request.own_texture(*id).is_none()
+    });
+    surfaces.filter_map(|(id, object)| {
+        let nodes = color_nodes(object)?;
+        let mut inputs = request.scene.graph.inputs(nodes).into_iter();
+        let varies = inputs.any(|input| matches!(input, Input::Variable(_)));
+        varies.then_some((id, object, nodes))
+    })
+}
+
+/// Sentences about the surfaces in space whose colour changes from place to place and from instance to instance: an image for
+/// each instance would take too much memory.
+pub(crate) fn notes(request: &PictureRequest) -> Vec<String> {
+    let (scene, params) = (&*request.scene, &*request.params);
+    let options = request.view.space();
+    let shown = varying(request).filter(|(id, object, _)| {
+        object.shape.is_surface() && options.is_none_or(|options| options.shows(*id))
+    });
+    let differs = |object: &Object, nodes: &[NodeId]| {
+        let count = params.instance_count(scene, object).min(COMPARED);
+        let inputs = scene.graph.inputs(nodes);
+        let of_instance = |index: u64| -> Vec<u64> {
+            let uniforms = params.instance(scene, object, index);
+            let number = |input: &Input| match *input {
+                Input::Uniform(k) => uniforms.get(k as usize).map(|number| number.to_bits()),
+                Input::Variable(_) => None,
+            };
+            inputs.iter().filter_map(number).collect()
+        };
+        count > 1 && (1..count).any(|index| of_instance(index) != of_instance(0))
+    };
+    let differing = shown.filter(|(_, object, nodes)| differs(object, nodes));
+    let sentence = |object: &Object| {
+        format!(
+            "all instances of `{}` have the colours of the first one: its `color` depends on the place and on a grid; the traced \
+             view shows those of each",
+            object.name
+        )
+    };
+    differing.map(|(_, object, _)| sentence(object)).collect()
 }
 
 /// The colours at the middles of the texels. What is undefined is white, as a surface without a colour is.

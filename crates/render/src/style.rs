@@ -10,7 +10,7 @@
 //!
 //! **Surfaces** are lit on both sides: the normal is turned towards the eye first, see [`surface_light`].
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use scene::{Object, Scene, Shape};
 
@@ -101,11 +101,11 @@ const LIFT_STEP: f32 = 0.3;
 /// The number of curves that have a lift of their own.
 const LIFTS: usize = 6;
 
-/// The colour of an object and the look of its lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The colours of an object and the look of its lines.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Look {
-    /// In linear light.
-    pub(crate) colour: [f32; 3],
+    /// The colours of its instances in linear light, at least one; the last one is that of all further instances.
+    pub(crate) colours: Arc<[[f32; 3]]>,
     /// The share of [`EMPHASIS_COLOUR`] that is mixed into it.
     pub(crate) emphasis: f32,
     pub(crate) line: LineStyle,

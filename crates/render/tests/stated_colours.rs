@@ -5,11 +5,12 @@ mod scenes;
 use std::sync::Arc;
 
 use image::RgbaImage;
-use render::gpu::Pixels;
+use render::gpu::{Gpu, Pixels};
+use render::point::WorldPoint;
 use render::request::part::SpaceOptions;
 use render::view::geodesic::GeodesicOptions;
-use render::viewpoint::GeodesicCamera;
-use render::{PictureRequest, Renderer};
+use render::viewpoint::{GeodesicCamera, Pose};
+use render::{PictureRequest, Renderer, Views};
 use scene::{ObjectId, ParamValues};
 
 const SIDE: u32 = 64;
@@ -73,4 +74,132 @@ fn the_expression_is_seen_in_space_and_a_chosen_image_wins() {
     let chosen = image(&mut renderer, &request);
     let [left, right] = [middle - 8, middle + 8].map(|x| chosen.get_pixel(x, middle).0);
     assert!(left[0].abs_diff(right[0]) < 8, "{left:?}, {right:?}");
+}
+
+/// Three instances of an object from left to right, red, green and blue, seen from above.
+fn three(object: &str) -> PictureRequest {
+    let text =
+        format!("grid k : [-1, 1, 3];\n{object}, color : ((k(k-1))/2, 1 - k^2, (k(k+1))/2);");
+    let scene = scenes::scene(&text);
+    let eye = SpaceOptions::seen_from([0.0, 0.0, 6.0], [0.0; 3]);
+    let params = Arc::new(ParamValues::initial(&scene));
+    PictureRequest::new(&scene, params, eye, [3 * SIDE, SIDE])
+}
+
+const OF_THREE: [&str; 5] = [
+    "point p = (k, 0, 0)",
+    "vector v = (0, 0.5, 0) @ (k, -0.25, 0)",
+    "curve c(t) = (k, t, 0), t : [-0.5, 0.5, 9]",
+    "surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3, 5], v : [-0.3, 0.3, 5]",
+    "surface plane(u, v) = (u, v, 0), u : [-2, 2, 9], v : [-1, 1, 9], color : 0;
+    geodesic g(t) : plane = (0, 1) @ (k, -0.5), t : [0, 1, 9]",
+];
+
+/// The channel that is the brightest one at an instance's place.
+fn channel(image: &RgbaImage, request: &PictureRequest, at: [f64; 3]) -> Option<usize> {
+    let camera = Renderer::software().camera(request).expect("a camera");
+    let place = camera.placement.local(WorldPoint(at));
+    let [x, y] = camera.pixel_of(place).expect("in front").0;
+    let [r, g, b, _] = image.get_pixel(x as u32, y as u32).0;
+    let least = r.min(g).min(b);
+    (0..3).find(|&k| [r, g, b][k] > 100 && least < 40)
+}
+
+#[test]
+fn each_instance_has_the_colour_of_its_grid_value() {
+    let gpu = Gpu::shared().expect("a GPU or software Vulkan");
+    for object in OF_THREE {
+        let request = three(object);
+        for mut renderer in [Renderer::software(), Renderer::on_gpu(gpu.clone())] {
+            let drawn = renderer.draw(&request).expect("a picture");
+            assert_eq!(drawn.notes, []);
+            let image = renderer.read(drawn.image).expect("the device is there");
+            for (x, expected) in [-1.0, 0.0, 1.0].into_iter().zip(0..3) {
+                let found = channel(&image, &request, [x, 0.0, 0.0]);
+                assert_eq!(found, Some(expected), "{object} at {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn geodesics_have_the_colours_of_their_instances_from_inside() {
+    let chart = "surface plane(u, v) = (u, v, 0), u : [-2, 2, 9], v : [-1, 1, 9], color : 0;
+        geodesic g(t) : plane = (0, 1) @ (k, -0.5), t : [0, 1, 9]";
+    let solid = "solid plane(x, y, z) = max(abs z - 1, abs x - 2, abs y - 1), color : 0;
+        geodesic g(t) : plane = (0, 1, 0) @ (k, -0.5, 1), t : [0, 1, 9]";
+    let camera = GeodesicCamera::new(ObjectId::new(0)).zoomed(1.0);
+    let on_top = Pose::InSpace {
+        at: Some([0.0, 0.0, 1.0]),
+        angle: 0.0,
+    };
+    let poses = [camera.at([0.0, 0.0]).pose, on_top];
+    for (object, pose) in [chart, solid].into_iter().zip(poses) {
+        let mut request = three(object);
+        request.view = GeodesicOptions::from(GeodesicCamera { pose, ..camera }).into();
+        request.overlays.legend = true;
+        let mut renderer = Renderer::software();
+        let drawn = renderer.draw(&request).expect("a picture");
+        let image = renderer.read(drawn.image).expect("in memory");
+        for expected in 0..3 {
+            let seen = image.pixels().filter(|pixel| {
+                let others = (0..3).filter(|k| *k != expected);
+                pixel.0[expected] > 200 && others.map(|k| pixel.0[k]).all(|part| part < 40)
+            });
+            assert!(seen.count() > 10, "{object}: {expected}");
+        }
+    }
+}
+
+#[test]
+fn strokes_have_the_colours_of_their_instances() {
+    for object in &OF_THREE[2..] {
+        let request = three(object);
+        let layers = render::render_layers(&Views::standard(), &request, &|_| {});
+        let strokes = layers.expect("a picture").strokes;
+        let colours: Vec<[u8; 3]> = strokes.iter().map(|it| it.colour).collect();
+        if object.starts_with("surface s") {
+            assert_eq!(colours, [[0; 3]; 0]);
+            continue;
+        }
+        for colour in [[255, 0, 0], [0, 255, 0], [0, 0, 255]] {
+            assert!(colours.contains(&colour), "{object}: {colours:?}");
+        }
+    }
+}
+
+#[test]
+fn an_instance_is_picked_by_its_number_whatever_its_colour() {
+    for object in OF_THREE {
+        let request = three(object);
+        let mut renderer = Renderer::software();
+        let camera = renderer.camera(&request).expect("a camera");
+        for (x, expected) in [-1.0, 0.0, 1.0].into_iter().zip(0..3) {
+            let place = camera.placement.local(WorldPoint([x, 0.0, 0.0]));
+            let at = camera.pixel_of(place).expect("in front");
+            let hit = renderer.pick(&request, at).expect("picked");
+            assert_eq!(hit.map(|hit| hit.instance), Some(expected), "{object}");
+        }
+    }
+}
+
+#[test]
+fn a_colour_of_the_place_and_a_grid_is_that_of_the_first_instance_and_noted() {
+    let text = "grid k : [-1, 1, 3];
+        surface s(u, v) = (k + u, v, 0), u : [-0.3, 0.3], v : [-0.3, 0.3], color : (0.5 + u, 0, (1 + k)/2);
+        surface other(u, v) = (u, v, 1), u : [0, 1], v : [0, 1], color : (u, 0, 0);";
+    let scene = scenes::scene(text);
+    let eye = SpaceOptions::seen_from([0.0, 0.0, 6.0], [0.0; 3]);
+    let mut params = ParamValues::initial(&scene);
+    let noted = |params: &ParamValues| {
+        let params = Arc::new(params.clone());
+        let request = PictureRequest::new(&scene, params, eye.clone(), [SIDE; 2]);
+        let drawn = Renderer::software().draw(&request).expect("a picture");
+        let notes = drawn.notes.iter().map(|note| note.text().to_owned());
+        notes.collect::<Vec<_>>()
+    };
+    let notes = noted(&params);
+    assert!(notes.len() == 1 && notes[0].contains("`s`"), "{notes:?}");
+    params.set(&scene, "k", &[0.0]).expect("in its interval");
+    assert_eq!(noted(&params), [""; 0]);
 }

@@ -134,6 +134,8 @@ impl GltfDocument {
 
     fn mesh(&mut self, part: &Part) -> Result<Index<JsonMesh>, ExportError> {
         let mut attributes = BTreeMap::new();
+        // Those of the vertices, if the part has several.
+        let mut colours = part.colours.clone();
         let (indices, mode, texture) = match &part.geometry {
             Geometry::Surface(mesh, texture) => {
                 let vertices = &mesh.vertices;
@@ -144,11 +146,10 @@ impl GltfDocument {
                 attributes.insert(Checked::Valid(Semantic::Normals), normals);
                 let coordinates = self.numbers(vertices.iter().flat_map(|v| v.uv), Type::Vec2);
                 attributes.insert(Checked::Valid(Semantic::TexCoords(0)), coordinates);
-                if !mesh.colours.is_empty() {
-                    let colours = vertices.iter().map(|v| mesh.colours[v.place as usize]);
-                    let colours = self.numbers(colours.flat_map(style::linear), Type::Vec3);
-                    attributes.insert(Checked::Valid(Semantic::Colors(0)), colours);
-                }
+                colours = vertices
+                    .iter()
+                    .filter_map(|v| part.colours.get(v.place as usize).copied())
+                    .collect();
                 let indices = self.indices(mesh.triangles.iter().flatten().copied());
                 (Some(indices), Mode::Triangles, Some(texture))
             }
@@ -165,6 +166,11 @@ impl GltfDocument {
                 (None, Mode::Points, None)
             }
         };
+        if !colours.is_empty() {
+            let light = colours.into_iter().flat_map(style::linear);
+            let colours = self.numbers(light, Type::Vec3);
+            attributes.insert(Checked::Valid(Semantic::Colors(0)), colours);
+        }
         let material = self.material(part, texture)?;
         let primitive = Primitive {
             attributes,
@@ -190,9 +196,9 @@ impl GltfDocument {
         texture: Option<&Arc<Texture>>,
     ) -> Result<Index<Material>, ExportError> {
         // It multiplies the colours of vertices.
-        let [r, g, b] = match &part.geometry {
-            Geometry::Surface(mesh, _) if !mesh.colours.is_empty() => [1.0; 3],
-            _ => style::linear(part.colour),
+        let [r, g, b] = match part.colours.is_empty() {
+            true => style::linear(part.colour),
+            false => [1.0; 3],
         };
         let texture = match texture {
             Some(texture) => Some(Info {

@@ -11,9 +11,9 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let (mut places, mut vertices) = (1, 1);
     for part in &model.parts {
         writeln!(out, "o {}", part.name)?;
+        let colours = part.colours_of_places();
         match &part.geometry {
-            Geometry::Surface(mesh, texture) => {
-                let colours = mesh.colours_of_places(texture, part.colour);
+            Geometry::Surface(mesh, _) => {
                 for (place, colour) in mesh.places.iter().zip(colours) {
                     write_place(&mut out, *place, colour)?;
                 }
@@ -38,8 +38,8 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
                 vertices += mesh.vertices.len();
             }
             Geometry::Lines(lines) => {
-                for place in &lines.places {
-                    write_place(&mut out, *place, part.colour)?;
+                for (place, colour) in lines.places.iter().zip(colours) {
+                    write_place(&mut out, *place, colour)?;
                 }
                 for strip in &lines.strips {
                     write!(out, "l")?;
@@ -51,8 +51,8 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
                 places += lines.places.len();
             }
             Geometry::Points(points) => {
-                for place in points {
-                    write_place(&mut out, *place, part.colour)?;
+                for (place, colour) in points.iter().zip(colours) {
+                    write_place(&mut out, *place, colour)?;
                 }
                 for index in 0..points.len() {
                     writeln!(out, "p {}", places + index)?;

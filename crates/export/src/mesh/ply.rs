@@ -45,17 +45,18 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "end_header")?;
 
     for part in parts {
-        let mut plain = |place: &[f64; 3]| record(&mut out, *place, [0.0; 3], part.colour);
+        let colours = part.colours_of_places();
+        let plain =
+            |(place, colour): (&[f64; 3], [u8; 3])| record(&mut out, *place, [0.0; 3], colour);
         match &part.geometry {
-            Geometry::Surface(mesh, texture) => {
-                let colours = mesh.colours_of_places(texture, part.colour);
+            Geometry::Surface(mesh, _) => {
                 let places = mesh.places.iter().zip(normals(mesh));
                 for ((place, normal), colour) in places.zip(colours) {
                     record(&mut out, *place, normal, colour)?;
                 }
             }
-            Geometry::Lines(lines) => lines.places.iter().try_for_each(&mut plain)?,
-            Geometry::Points(points) => points.iter().try_for_each(&mut plain)?,
+            Geometry::Lines(lines) => lines.places.iter().zip(colours).try_for_each(plain)?,
+            Geometry::Points(points) => points.iter().zip(colours).try_for_each(plain)?,
         }
     }
     let mut first = 0;

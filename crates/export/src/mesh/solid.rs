@@ -54,7 +54,7 @@ pub(super) fn meshed(
     object: &Object,
     colour: [u8; 3],
     fineness: &mut Fineness,
-) -> (Option<Mesh>, Vec<String>) {
+) -> (Option<(Mesh, Vec<[u8; 3]>)>, Vec<String>) {
     let unstated = DVec3::from_array(colour.map(f64::from)) / 255.0;
     let options = RaySceneOptions {
         shown: &|_| true,
@@ -104,7 +104,8 @@ pub(super) fn meshed(
         ));
         return (None, notes);
     };
-    let mesh = of_contour(&found, colours(&rays, &found, colour));
+    let mesh = of_contour(&found);
+    let colours = colours(&rays, &found, colour);
     // The attributes have been read: it is known where they are undefined.
     let mut notes = told();
     if let Some(asked) = asked.filter(|asked| *asked > f64::from(MOST_CELLS)) {
@@ -113,13 +114,12 @@ pub(super) fn meshed(
         ));
     }
     notes.extend(thin(name, &bounds, cells, &found));
-    (Some(mesh), notes)
+    (Some((mesh, colours)), notes)
 }
 
-fn of_contour(found: &SolidMesh, colours: Vec<[u8; 3]>) -> Mesh {
+fn of_contour(found: &SolidMesh) -> Mesh {
     let mut mesh = Mesh {
         places: found.positions.iter().map(|at| at.to_array()).collect(),
-        colours,
         ..Mesh::default()
     };
     // Each place has the vertex of its own normal at its index; those of edges follow.

@@ -20,8 +20,6 @@ const FLAT: f64 = 1e-12;
 pub struct Mesh {
     /// Points in space, each at most once for an instance.
     pub places: Vec<[f64; 3]>,
-    /// The colours of the places, sRGB; none where the part's colour is that of all.
-    pub colours: Vec<[u8; 3]>,
     /// The corners of the triangles.
     pub vertices: Vec<Vertex>,
     /// Indices into the vertices. Seen from where the normals point to, triangles run counterclockwise; those of a

@@ -4,7 +4,7 @@
 use crate::error::RenderError;
 use crate::gpu::layout::Glyph;
 use crate::gpu::pipelines::PipelineFactory;
-use crate::gpu::samples::SampleBuffer;
+use crate::gpu::samples::{SampleBuffer, instance_colours};
 use crate::gpu::space::{Draw, Vertices};
 use crate::style::{self, Look};
 
@@ -58,12 +58,14 @@ impl Glyphs {
             0,
         );
         let glyph = factory.gpu.uniform("glyph", &glyph);
+        let colours = instance_colours(factory.gpu, look);
         let group = factory.bind(
             &self.pipeline.get_bind_group_layout(0),
             &[
                 view.as_entire_binding(),
                 glyph.as_entire_binding(),
                 samples.buffer.as_entire_binding(),
+                colours.as_entire_binding(),
             ],
         );
         Draw {

@@ -66,7 +66,6 @@ impl ViewUniform {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Glyph {
-    pub(crate) colour: [f32; 3],
     pub(crate) nominal: f32,
     pub(crate) min_pixels: f32,
     pub(crate) max_pixels: f32,
@@ -92,14 +91,9 @@ impl Glyph {
         total: u32,
         first: u32,
     ) -> Self {
-        let Look {
-            colour,
-            emphasis,
-            line,
-        } = *look;
+        let line = look.line;
         let length = length.times(line.width);
         Self {
-            colour,
             nominal: length.nominal,
             min_pixels: length.min_pixels,
             max_pixels: length.max_pixels,
@@ -112,7 +106,7 @@ impl Glyph {
             count,
             total,
             first,
-            emphasis,
+            emphasis: look.emphasis,
         }
     }
 }
@@ -121,10 +115,9 @@ impl Glyph {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Patch {
-    pub(crate) colour: [f32; 4],
     pub(crate) count: [u32; 2],
     pub(crate) first: u32,
-    pub(crate) padding: u32,
+    pub(crate) emphasis: f32,
 }
 
 /// `SolidExtent` of pass/draw_solids.wgsl.
@@ -364,12 +357,7 @@ mod tests {
                 emphasis,
             ]
         );
-        assert_same_layout!(
-            surfaces,
-            "Patch",
-            super::Patch,
-            [colour, count, first, padding]
-        );
+        assert_same_layout!(surfaces, "Patch", super::Patch, [count, first, emphasis]);
         let solids = painter::solids().expect("valid");
         assert_same_layout!(solids, "SolidExtent", super::SolidExtent, [columns]);
         let curves = painter::curves().expect("valid");
@@ -378,7 +366,6 @@ mod tests {
             "Glyph",
             super::Glyph,
             [
-                colour,
                 nominal,
                 min_pixels,
                 max_pixels,

@@ -65,7 +65,7 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) contents: &'a [Content],
     pub(crate) camera: &'a Camera,
     /// The look and the texture of an object; `None` for one that is hidden.
-    pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<Look>,
+    pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<&'a Look>,
     pub(crate) texture: &'a dyn Fn(ObjectId) -> Arc<Texture>,
     /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
@@ -239,7 +239,7 @@ impl GpuRenderer {
             let buffer = self.buffer(store, scene, id, is_single, &mut notes)?;
             let texture = |()| (scene.texture)(id);
             draws.push(self.with_factory(|painters, factory| {
-                painters.draw(factory, painter, view, &buffer, &look, texture)
+                painters.draw(factory, painter, view, &buffer, look, texture)
             })?);
             progress((id.index() + 1) as f32 / steps);
         }

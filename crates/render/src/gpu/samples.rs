@@ -13,6 +13,7 @@ use crate::placement::Placement;
 use crate::sample::{
     self, HORIZON, NORMAL_NUDGE, PositionSample, Samples, SurfaceSample, VectorSample,
 };
+use crate::style::Look;
 
 /// The samples of one object on the GPU.
 #[derive(Clone, Debug)]
@@ -102,6 +103,13 @@ pub(crate) fn upload_samples(gpu: &Gpu, samples: &Samples) -> Result<SampleBuffe
         total: total as u32,
         undefined: 0,
     })
+}
+
+/// A buffer with the colours of an object's instances.
+pub(crate) fn instance_colours(gpu: &Gpu, look: &Look) -> wgpu::Buffer {
+    let colours = look.colours.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]);
+    let colours: Vec<[f32; 4]> = colours.collect();
+    gpu.storage("colours", bytemuck::cast_slice(&colours))
 }
 
 /// The generated kernel of an object's samples.

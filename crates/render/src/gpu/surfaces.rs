@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::RenderError;
 use crate::gpu::layout::Patch;
 use crate::gpu::pipelines::PipelineFactory;
-use crate::gpu::samples::SampleBuffer;
+use crate::gpu::samples::{SampleBuffer, instance_colours};
 use crate::gpu::space::{Draw, Vertices};
 use crate::style::Look;
 use crate::texture::Texture;
@@ -42,14 +42,13 @@ impl Surfaces {
         look: &Look,
         texture: &Arc<Texture>,
     ) -> Result<Draw, RenderError> {
-        let [r, g, b] = look.colour;
         let patch = Patch {
-            colour: [r, g, b, look.emphasis],
             count: samples.count,
             first: 0,
-            padding: 0,
+            emphasis: look.emphasis,
         };
         let patch = factory.gpu.uniform("patch", &patch);
+        let colours = instance_colours(factory.gpu, look);
         let image = self.image(factory, texture);
         let group = factory.bind(
             &self.pipeline.get_bind_group_layout(0),
@@ -59,6 +58,7 @@ impl Surfaces {
                 samples.buffer.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&image),
                 wgpu::BindingResource::Sampler(&self.sampler),
+                colours.as_entire_binding(),
             ],
         );
         let [u, v] = samples.count;

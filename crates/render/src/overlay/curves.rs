@@ -23,8 +23,12 @@ const MOST_PIECES: u32 = 16_384;
 /// Pieces are at most so many pixels long: then they are straight.
 const STRAIGHT: f64 = 6.0;
 
-/// The lines of one declared geodesic.
+/// The most colours that the lines of a declared geodesic have.
+const MOST_COLOURS: usize = 64;
+
+/// The lines of one colour of a declared geodesic.
 pub(super) struct SurfaceCurve {
+    /// Empty but for the first colour.
     pub(super) name: String,
     /// sRGB.
     pub(super) colour: [u8; 3],
@@ -35,10 +39,47 @@ pub(super) struct SurfaceCurve {
     pieces: Vec<[[f64; 2]; 2]>,
 }
 
+/// The colours of the lines of a declared geodesic, sRGB.
+pub(super) struct LineColours {
+    /// The different ones.
+    pub(super) colours: Vec<[u8; 3]>,
+    /// The number of the colour of each instance; the last one is that of all further instances.
+    numbers: Vec<usize>,
+}
+
+impl LineColours {
+    /// The colours of instances. Where they are very many, some instances have the colour of another that is nearly theirs.
+    pub(super) fn new(instances: &[[u8; 3]]) -> Self {
+        let mut colours: Vec<[u8; 3]> = Vec::new();
+        let off = |a: &[u8; 3], b: &[u8; 3]| -> u32 {
+            (0..3).map(|k| u32::from(a[k].abs_diff(b[k]))).sum()
+        };
+        let number = |colour: &[u8; 3]| {
+            let known = (0..colours.len()).min_by_key(|k| off(&colours[*k], colour));
+            match known {
+                Some(known) if colours.len() == MOST_COLOURS || colours[known] == *colour => known,
+                _ => {
+                    colours.push(*colour);
+                    colours.len() - 1
+                }
+            }
+        };
+        let numbers = instances.iter().map(number).collect();
+        Self { colours, numbers }
+    }
+
+    /// The number of an instance's colour.
+    pub(super) fn number(&self, instance: usize) -> usize {
+        let own = self.numbers.get(instance).or(self.numbers.last());
+        own.copied().unwrap_or(0)
+    }
+}
+
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
 pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<SurfaceCurve> {
     let (scene, params, seen) = (&*request.scene, &*request.params, camera.surface);
     let mut all = Vec::new();
+    let colours = request.instance_colours();
     for (id, object) in scene.geodesics_on(seen) {
         let Some((_, domain)) = object.shape.geodesic() else {
             continue;
@@ -50,13 +91,15 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let lengths = [domain.range.min, domain.range.max];
         let pieces = piece_count(lengths[1] - lengths[0], domain.count, straight);
         let used = camera.uniforms_used(scene, seen);
-        let mut curve = SurfaceCurve {
-            name: object.name.clone(),
-            colour: request.srgb(id),
+        let colours = LineColours::new(&colours[id.index()]);
+        let empty = |colour: &[u8; 3]| SurfaceCurve {
+            name: String::new(),
+            colour: *colour,
             notes: Vec::new(),
             is_outlined: false,
             pieces: Vec::new(),
         };
+        let mut curves: Vec<SurfaceCurve> = colours.colours.iter().map(empty).collect();
         let instances = params
             .instance_count(scene, object)
             .min((MAX_POINTS / u64::from(pieces)).max(1));
@@ -64,6 +107,7 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let mut fault = None;
         let mut is_cut = false;
         let mut lines = Vec::new();
+        let mut numbers = Vec::new();
         for instance in 0..instances {
             let uniforms = params.instance(scene, object, instance);
             if used
@@ -77,6 +121,7 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
                     let whole = lengths.map(|t| t * initial.unit);
                     let lengths = drawn_range(whole, straight);
                     is_cut |= lengths != whole;
+                    numbers.push(colours.number(instance as usize));
                     lines.push(GeodesicSegment {
                         start: initial.start,
                         direction: initial.direction,
@@ -88,22 +133,30 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
                 Err(error) => fault = Some(error),
             }
         }
-        for line in camera.manifold().polylines(&lines) {
-            curve.add(&line.points, camera);
+        for (line, number) in camera.manifold().polylines(&lines).iter().zip(numbers) {
+            curves[number].add(&line.points, camera);
             is_cut |= line.is_cut;
         }
+        let mut notes = Vec::new();
+        let name = &object.name;
         if is_cut {
-            curve.notes.push(cut_note(&curve.name));
+            notes.push(cut_note(name));
         }
         if let Some(fault) = fault {
-            let name = &curve.name;
-            curve.notes.push(format!(
+            notes.push(format!(
                 "`{name}` is not drawn in all its instances: {fault}"
             ));
         }
-        if !curve.pieces.is_empty() || !curve.notes.is_empty() {
-            all.push(curve);
+        // The first one that is drawn has the name.
+        curves.retain(|curve| !curve.pieces.is_empty());
+        if curves.is_empty() && !notes.is_empty() {
+            curves.extend(colours.colours.first().map(empty));
         }
+        if let Some(first) = curves.first_mut() {
+            first.name.clone_from(name);
+            first.notes = notes;
+        }
+        all.extend(curves);
     }
     all
 }

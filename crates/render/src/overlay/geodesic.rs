@@ -17,7 +17,7 @@ use crate::trail::Trail;
 /// The annotations of a geodesic picture: the key and the names of its lines, and what is measured of the ends.
 pub(super) struct Annotations<'a> {
     pub(super) request: &'a PictureRequest,
-    /// The colours and names of the geodesics.
+    /// The colours and names of the geodesics; of further colours of one geodesic, the name is empty.
     pub(super) geodesics: Vec<([u8; 3], String)>,
     pub(super) trails: Vec<&'a Trail>,
     pub(super) notes: Vec<String>,
@@ -121,7 +121,7 @@ impl Annotations<'_> {
         let mut key = legend::Legend::default();
         if !self.geodesics.is_empty() {
             drawn.push("geodesics");
-            for (colour, name) in &self.geodesics {
+            for (colour, name) in self.geodesics.iter().filter(|(_, name)| !name.is_empty()) {
                 key.line(*colour, &format!("geodesic {name}"));
             }
         }
@@ -163,6 +163,7 @@ impl Annotations<'_> {
             let middle = self.request.size.map(|side| 0.5 * f64::from(side));
             all.push(TextLabel::beside(PixelPoint(middle), labels::HERE));
             let names = self.geodesics.iter().zip(geodesics);
+            let names = names.filter(|((_, name), _)| !name.is_empty());
             all.extend(names.filter_map(|((_, name), place)| {
                 Some(TextLabel::beside((*place)?, name.as_str()))
             }));

@@ -17,7 +17,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 use scene::{ObjectId, Range, Sampling};
 
-use super::curves::{NamePlace, NamePlaces, drawn_range, piece_count, straight};
+use super::curves::{LineColours, NamePlace, NamePlaces, drawn_range, piece_count, straight};
 use super::geodesic::Annotations;
 use super::measured::{MeasuredEnds, duals, steps};
 use super::{StrokeColour, StrokeStyle};
@@ -31,12 +31,15 @@ const MOST_CELLS: f64 = 1024.0;
 /// The farthest that a line may be beside the tangent plane of a pixel's end, in pixels: what is farther lies on another sheet.
 const BESIDE: f64 = 1.0;
 
-/// The lines of one declared geodesic.
+/// The lines of one colour of a declared geodesic.
 struct SolidCurve {
+    /// Empty but for the first colour.
     name: String,
     /// sRGB.
     colour: [u8; 3],
     followed: Arc<FollowedGeodesic>,
+    /// The numbers of the lines that have the colour.
+    lines: Vec<usize>,
     /// It is longer than what is drawn.
     is_cut: bool,
 }
@@ -44,6 +47,9 @@ struct SolidCurve {
 impl SolidCurve {
     /// Sentences for the user about what is left out.
     fn notes(&self) -> Vec<String> {
+        if self.name.is_empty() {
+            return Vec::new();
+        }
         let mut notes = self.followed.notes.clone();
         let cut = self.is_cut.then(|| cut_note(&self.name));
         notes.extend(cut.filter(|note| !self.followed.notes.contains(note)));
@@ -93,25 +99,36 @@ fn curves(
     follow: &mut dyn FnMut(ObjectId, &Sampling) -> Arc<FollowedGeodesic>,
 ) -> Vec<SolidCurve> {
     let straight = straight(camera.size(), camera.frame.zoom());
-    let geodesics = request.scene.geodesics_on(camera.object);
-    geodesics
-        .filter_map(|(id, object)| {
-            let (_, domain) = object.shape.space_geodesic()?;
-            let whole = [domain.range.min, domain.range.max];
-            let drawn = drawn_range(whole, straight);
-            let [min, max] = drawn;
-            let sampling = Sampling {
-                range: Range { min, max },
-                count: 1 + piece_count(max - min, domain.count, straight),
-            };
-            Some(SolidCurve {
-                name: object.name.clone(),
-                colour: request.srgb(id),
-                followed: follow(id, &sampling),
+    let colours = request.instance_colours();
+    let mut curves = Vec::new();
+    for (id, object) in request.scene.geodesics_on(camera.object) {
+        let Some((_, domain)) = object.shape.space_geodesic() else {
+            continue;
+        };
+        let whole = [domain.range.min, domain.range.max];
+        let drawn = drawn_range(whole, straight);
+        let [min, max] = drawn;
+        let sampling = Sampling {
+            range: Range { min, max },
+            count: 1 + piece_count(max - min, domain.count, straight),
+        };
+        let followed = follow(id, &sampling);
+        let colours = LineColours::new(&colours[id.index()]);
+        for (number, colour) in colours.colours.iter().enumerate() {
+            let lines = (0..followed.lines.len()).filter(|line| colours.number(*line) == number);
+            curves.push(SolidCurve {
+                name: match number {
+                    0 => object.name.clone(),
+                    _ => String::new(),
+                },
+                colour: *colour,
+                lines: lines.collect(),
+                followed: followed.clone(),
                 is_cut: drawn != whole,
-            })
-        })
-        .collect()
+            });
+        }
+    }
+    curves
 }
 
 /// A piece of a line, as an offset from the camera.
@@ -158,7 +175,7 @@ impl PieceTable {
             cells: HashMap::new(),
         };
         for (number, curve) in (0..).zip(curves) {
-            for line in &curve.followed.lines {
+            for line in curve.lines.iter().map(|line| &curve.followed.lines[*line]) {
                 let places = line
                     .iter()
                     .map(|knot| Some(DVec3::from(knot.as_ref()?.position?)));

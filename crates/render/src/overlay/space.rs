@@ -41,7 +41,7 @@ impl OverlayObject {
     /// Its look in a picture whose lines are `scale` times as wide as usual.
     pub(crate) fn look(&self, scale: f32) -> Look {
         Look {
-            colour: self.colour,
+            colours: Arc::from([self.colour]),
             emphasis: 0.0,
             line: LineStyle {
                 width: scale * self.line.width,

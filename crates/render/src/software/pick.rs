@@ -46,6 +46,9 @@ pub fn pick(camera: &Camera, objects: &[Drawable], PixelPoint(at): PixelPoint) -
         return None;
     }
     let eye = Eye::new(camera);
+    // A job of one colour has one mesh of each kind.
+    let objects: Vec<Drawable> = objects.iter().map(Drawable::of_one_colour).collect();
+    let objects = &*objects;
     let jobs = jobs(objects);
     let window = PixelWindow::around(at, camera.size);
     let seen = window.look(&eye, objects, &jobs);
@@ -279,6 +282,7 @@ fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
         let end = ((instance + 1) * per_instance).min(job.range.end);
         let part = Job {
             object: job.object,
+            material: job.material,
             range: start..end,
             triangles: 0,
         };

@@ -25,6 +25,8 @@ const BATCH: usize = 1 << 20;
 /// A part of an object: instances of points, vectors and curves, quad rows of surfaces.
 pub(super) struct Job {
     pub(super) object: usize,
+    /// The first of the object's materials.
+    pub(super) material: u32,
     pub(super) range: std::ops::Range<usize>,
     pub(super) triangles: usize,
 }
@@ -34,8 +36,8 @@ pub(super) struct Job {
 pub struct Drawable {
     /// Its samples, in the drawing units of the camera.
     pub samples: Arc<Samples>,
-    /// Its colour in linear light.
-    pub colour: [f32; 3],
+    /// The colours of its instances in linear light, at least one; the last one is that of all further instances.
+    pub colours: Arc<[[f32; 3]]>,
     /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
     pub emphasis: f32,
     /// The look of its lines.
@@ -51,7 +53,7 @@ impl Drawable {
     pub(crate) fn new(samples: Arc<Samples>, look: &Look, texture: Option<Arc<Texture>>) -> Self {
         Self {
             samples,
-            colour: look.colour,
+            colours: look.colours.clone(),
             emphasis: look.emphasis,
             line: look.line,
             texture,
@@ -59,11 +61,28 @@ impl Drawable {
         }
     }
 
+    /// The object with one colour for all instances.
+    pub(super) fn of_one_colour(&self) -> Self {
+        let colours = self.colours.iter().take(1).copied().collect();
+        Self {
+            colours,
+            ..self.clone()
+        }
+    }
+
+    /// The number of the parts of an instance that [`Job::range`] counts.
+    fn units_per_instance(&self) -> usize {
+        match self.samples.as_ref() {
+            Samples::Surfaces { count, .. } => surfaces::quads(count[1], self.stride),
+            _ => 1,
+        }
+    }
+
     /// Nothing is drawn.
     pub(crate) fn nothing() -> Self {
         Self {
             samples: Arc::new(Samples::Points(Vec::new())),
-            colour: [0.0; 3],
+            colours: Arc::from([[0.0; 3]]),
             emphasis: 0.0,
             line: LineStyle::default(),
             texture: None,
@@ -143,17 +162,20 @@ pub(crate) fn draw_with_depths(
     (image, DepthMap { size, depths })
 }
 
-/// The materials of objects; the second one of each is that of arrowheads.
+/// The materials of objects, two for each colour; the second one is that of arrowheads.
 fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
     let own = objects.iter().flat_map(|object| {
         let kinds = match &object.texture {
             Some(texture) => [MaterialKind::Surface(texture.sampler()), MaterialKind::Cone],
             None => [MaterialKind::Glyph, MaterialKind::Cone],
         };
-        kinds.map(|kind| Material {
-            kind,
-            colour: object.colour,
-            emphasis: object.emphasis,
+        let colours = object.colours.iter();
+        colours.flat_map(move |colour| {
+            kinds.clone().map(|kind| Material {
+                kind,
+                colour: *colour,
+                emphasis: object.emphasis,
+            })
         })
     });
     own.collect()
@@ -267,6 +289,7 @@ fn fill<'t>(
 /// Cuts the objects into jobs.
 pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
     let mut jobs = Vec::new();
+    let mut material = 0;
     for (index, object) in objects.iter().enumerate() {
         // Units of work and the triangles of each.
         let (units, triangles) = match object.samples.as_ref() {
@@ -288,10 +311,12 @@ pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
             let range = start..(start + step).min(units);
             jobs.push(Job {
                 object: index,
+                material,
                 triangles: range.len() * triangles,
                 range,
             });
         }
+        material += 2 * object.colours.len() as u32;
     }
     jobs
 }
@@ -310,13 +335,33 @@ pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
     batches
 }
 
-/// The triangles of a job.
+/// The triangles of a job. Those of instances that have colours of their own are meshes of their own.
 pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
-    let material = 2 * job.object as u32;
-    let range = job.range.clone();
-    let eye = &eye.with_lines(objects[job.object].line);
-    let stride = objects[job.object].stride;
-    match objects[job.object].samples.as_ref() {
+    let object = &objects[job.object];
+    let last = object.colours.len() - 1;
+    if last == 0 {
+        return part(eye, object, job.material, job.range.clone());
+    }
+    let per_instance = object.units_per_instance();
+    let mut meshes = Vec::new();
+    let mut start = job.range.start;
+    while start < job.range.end {
+        let instance = start / per_instance;
+        let end = match instance < last {
+            true => ((instance + 1) * per_instance).min(job.range.end),
+            false => job.range.end,
+        };
+        let material = job.material + 2 * instance.min(last) as u32;
+        meshes.extend(part(eye, object, material, start..end));
+        start = end;
+    }
+    meshes
+}
+
+/// The triangles of a part of an object, which have one colour.
+fn part(eye: &Eye, object: &Drawable, material: u32, range: std::ops::Range<usize>) -> Vec<Mesh> {
+    let eye = &eye.with_lines(object.line);
+    match object.samples.as_ref() {
         Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
         Samples::Vectors(samples) => {
             vectors::meshes(eye, [material, material + 1], &samples[range]).into()
@@ -326,7 +371,12 @@ pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
         }
         Samples::Surfaces { count, samples } => {
             vec![surfaces::mesh(
-                eye, material, *count, stride, samples, range,
+                eye,
+                material,
+                *count,
+                object.stride,
+                samples,
+                range,
             )]
         }
     }

@@ -121,10 +121,12 @@ fn of_object(
         return Vec::new();
     };
     let eye = eye.with_lines(object.line);
-    let light = style::emphasised(object.colour, object.emphasis);
-    let colour = light.map(style::encode);
+    let colour = |colour: &[f32; 3]| style::emphasised(*colour, object.emphasis).map(style::encode);
+    let own: Vec<[u8; 3]> = object.colours.iter().map(colour).collect();
+    let further = own.last().into_iter().cycle();
     let mut strokes = Vec::new();
-    for instance in samples.chunks(*count as usize) {
+    let instances = samples.chunks(*count as usize);
+    for (instance, &colour) in instances.zip(own.iter().chain(further)) {
         for run in curves::runs(&eye, instance) {
             let run = curves::distinct(&eye, &run);
             let parts = parts(&eye, &run, cover, depth_step, with_hidden);

@@ -31,6 +31,7 @@ use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
 use crate::solids::{SolidPainter, SolidScene, Tint};
+use crate::stated_colours;
 use crate::style::{self, Look};
 use crate::texture::Texture;
 use crate::viewpoint::GeodesicCamera;
@@ -204,6 +205,7 @@ impl ViewRenderer for SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
+        let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
         let options: &SpaceOptions = request.options()?;
         let Stage {
@@ -227,7 +229,7 @@ impl ViewRenderer for SpaceRenderer {
         });
         let (mut pixels, mut notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
-            let shown = |id: ObjectId| options.shows(id).then(|| looks[id.index()]);
+            let shown = |id: ObjectId| options.shows(id).then(|| &looks[id.index()]);
             let texture = |id| texture(request, &framed, id);
             let scene = SpaceScene {
                 request,
@@ -255,6 +257,7 @@ impl ViewRenderer for SpaceRenderer {
             let image = software::draw_beside(&camera, &drawables, solids, background, &drawn);
             (Pixels::Image(image), notes)
         };
+        notes.extend(colour_notes);
         if let Some(painter) = &painter {
             notes.extend(painter.notes(request)?);
         }
@@ -547,12 +550,12 @@ fn drawables(
 
 /// The looks of the scene's objects, in their order.
 fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
-    let colours = request.object_colours().into_iter();
+    let colours = request.instance_colours().into_iter();
     let lines = style::line_styles(&request.scene, request.scale);
     let numbered = (0..).map(ObjectId::new).zip(colours.zip(lines));
     numbered
-        .map(|(id, (colour, line))| Look {
-            colour: style::linear(colour),
+        .map(|(id, (colours, line))| Look {
+            colours: colours.into_iter().map(style::linear).collect(),
             emphasis: options.emphasis(id),
             line,
         })

@@ -12,6 +12,7 @@ use crate::request::part::SpaceOptions;
 use crate::sample::Samples;
 use crate::software::{self, Drawable, LineCover};
 use crate::solids::SolidPainter;
+use crate::stated_colours;
 use crate::view::SharedState;
 
 impl SpaceRenderer {
@@ -22,6 +23,7 @@ impl SpaceRenderer {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Layers, RenderError> {
+        let colour_notes = stated_colours::notes(request);
         let request = &*shared.stated_colours.textured(request);
         let options: &SpaceOptions = request.options()?;
         let stage = self.stage(shared, request, options)?;
@@ -50,6 +52,7 @@ impl SpaceRenderer {
             solids.map(|(solids, tints)| SolidPainter::new(camera, solids, tints, true, &counters));
         let (mut image, depths) =
             software::draw_with_depths(camera, &others, painter.as_ref(), background, progress);
+        notes.extend(colour_notes);
         if let Some(painter) = &painter {
             notes.extend(painter.notes(request)?);
         }

@@ -1,0 +1,181 @@
+//! The colours of objects and of their instances: those that the program states, else those that were chosen, else those of
+//! [`crate::style`].
+
+use expr::tape::{Registers, Tape};
+use expr::{Input, NodeId};
+use geometry::MAX_POINTS;
+use scene::{AttributeValue, Object, ObjectId, ParamValues, Scene};
+
+use super::PictureRequest;
+use crate::style;
+
+impl PictureRequest {
+    /// Returns true if an object states a colour that is the same at all of the places of an instance.
+    pub(super) fn states_colour(&self, object: ObjectId) -> bool {
+        let stated = || StatedColour::of(&self.scene, self.scene.get(object)?);
+        stated().is_some_and(|mut stated| {
+            let mut instances = stated.instances(&self.params);
+            instances.any(|colour| colour.is_some())
+        })
+    }
+
+    /// The colours of all objects, sRGB, in their order; those of the first instances.
+    pub fn object_colours(&self) -> Vec<[u8; 3]> {
+        let base = self.unstated_colours();
+        let objects = self.scene.objects.iter();
+        let colours = objects.zip(base).map(|(object, base)| {
+            let stated = StatedColour::of(&self.scene, object);
+            let first = stated.and_then(|mut stated| stated.instances(&self.params).next());
+            base.or_stated(first.flatten())
+        });
+        colours.collect()
+    }
+
+    /// The colours of the instances of all objects, sRGB, in their order: at least one for each object, of which the last is
+    /// that of all further instances.
+    pub fn instance_colours(&self) -> Vec<Vec<[u8; 3]>> {
+        let base = self.unstated_colours();
+        let objects = self.scene.objects.iter();
+        let colours = objects.zip(base).map(|(object, base)| {
+            let Some(mut stated) = StatedColour::of(&self.scene, object) else {
+                return vec![base.or_stated(None)];
+            };
+            let instances = stated.instances(&self.params);
+            let mut all: Vec<[u8; 3]> = instances.map(|it| base.or_stated(it)).collect();
+            if all.is_empty() {
+                all.push(base.or_stated(None));
+            }
+            if all.iter().all(|colour| *colour == all[0]) {
+                all.truncate(1);
+            }
+            all
+        });
+        colours.collect()
+    }
+
+    /// The colour of an object, sRGB; that of its first instance.
+    pub fn srgb(&self, object: ObjectId) -> [u8; 3] {
+        let colours = self.object_colours();
+        let own = colours.get(object.index());
+        own.copied().unwrap_or(style::SURFACE_COLOUR)
+    }
+
+    /// The colours that objects have unless they state one.
+    fn unstated_colours(&self) -> Vec<UnstatedColour> {
+        let usual = style::colours(&self.scene, self.theme, self.shows_curvature());
+        let both = usual.into_iter().map(|usual| UnstatedColour {
+            usual,
+            chosen: usual,
+        });
+        let mut colours: Vec<UnstatedColour> = both.collect();
+        for (id, colour) in &self.colours {
+            if let Some(place) = colours.get_mut(id.index()) {
+                place.chosen = *colour;
+            }
+        }
+        colours
+    }
+}
+
+/// The colour of an object that states none, sRGB.
+#[derive(Clone, Copy)]
+struct UnstatedColour {
+    usual: [u8; 3],
+    chosen: [u8; 3],
+}
+
+impl UnstatedColour {
+    /// The stated colour, which wins over one that was chosen; what is out of date is dim all the same.
+    fn or_stated(self, stated: Option<[f64; 3]>) -> [u8; 3] {
+        let Some(stated) = stated else {
+            return self.chosen;
+        };
+        let brightest = |colour: [u8; 3]| f64::from(colour.into_iter().fold(1, u8::max));
+        let dim = (brightest(self.chosen) / brightest(self.usual)).min(1.0);
+        stated.map(|part| (255.0 * dim * part).round() as u8)
+    }
+}
+
+/// A stated colour that is the same at all places of an instance.
+struct StatedColour<'a> {
+    scene: &'a Scene,
+    object: &'a Object,
+    tape: Tape,
+    registers: Registers,
+    /// True if it reads nothing that differs between instances.
+    is_one: bool,
+}
+
+impl<'a> StatedColour<'a> {
+    /// The colour that an object states; `None` where it differs from place to place, and for a solid, whose faces have
+    /// colours of their own.
+    fn of(scene: &'a Scene, object: &'a Object) -> Option<Self> {
+        let nodes = color_nodes(object).filter(|_| object.shape.solid().is_none())?;
+        let inputs = scene.graph.inputs(nodes);
+        let varies = |input: &Input| matches!(input, Input::Variable(_));
+        if inputs.iter().any(varies) {
+            return None;
+        }
+        let params = || scene.params.iter();
+        let is_param = |input: &Input| match *input {
+            Input::Uniform(k) => params().any(|param| {
+                let first = param.first_uniform as usize;
+                (first..first + param.ranges.len()).contains(&(k as usize))
+            }),
+            Input::Variable(_) => false,
+        };
+        Some(Self {
+            scene,
+            object,
+            tape: Tape::new(&scene.graph, nodes),
+            registers: Registers::default(),
+            is_one: inputs.iter().all(is_param),
+        })
+    }
+
+    /// The colours of the instances, sRGB from 0 to 1, in their order: one if it is that of all, `None` where it is
+    /// undefined.
+    fn instances(&mut self, params: &ParamValues) -> impl Iterator<Item = Option<[f64; 3]>> {
+        let count = match self.is_one {
+            true => 1,
+            false => params
+                .instance_count(self.scene, self.object)
+                .min(MAX_POINTS),
+        };
+        (0..count).map(move |index| {
+            let uniforms = params.instance(self.scene, self.object, index);
+            self.at(&uniforms)
+        })
+    }
+
+    fn at(&mut self, uniforms: &[f64]) -> Option<[f64; 3]> {
+        let number = |input: &Input| match *input {
+            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+            Input::Variable(_) => f64::NAN,
+        };
+        let inputs: Vec<f64> = self.tape.inputs().iter().map(number).collect();
+        let mut out = vec![f64::NAN; self.tape.root_count()];
+        self.tape.eval(&mut self.registers, &inputs, &mut out);
+        srgb_of(&out)
+    }
+}
+
+/// The colour, sRGB from 0 to 1, of a grey or of red, green and blue; `None` where it is undefined.
+pub(crate) fn srgb_of(numbers: &[f64]) -> Option<[f64; 3]> {
+    let colour = match *numbers {
+        [grey] => [grey; 3],
+        [red, green, blue] => [red, green, blue],
+        _ => return None,
+    };
+    let is_defined = colour.iter().all(|part| part.is_finite());
+    is_defined.then(|| colour.map(|part| part.clamp(0.0, 1.0)))
+}
+
+/// The numbers of the colour that an object states.
+pub(crate) fn color_nodes(object: &Object) -> Option<&[NodeId]> {
+    let stated = object.attributes.iter().find(|it| it.word == "color")?;
+    match &stated.value {
+        AttributeValue::Numbers(nodes) => Some(nodes),
+        AttributeValue::Word(_) => None,
+    }
+}
