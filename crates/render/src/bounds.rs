@@ -75,6 +75,17 @@ pub(crate) struct ObjectCloud {
     pub(crate) is_omitted: bool,
 }
 
+/// The share of the longest side of a box that is no thickness.
+const THIN: f64 = 0.01;
+
+/// The axis along which a box with these sides is flat, if the other two have an extent.
+pub(crate) fn flat_axis(sides: [f64; 3]) -> Option<usize> {
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    let is_thin = |axis: &usize| sides[*axis] < THIN * longest;
+    let mut thin = (0..3).filter(is_thin);
+    thin.next().filter(|_| thin.next().is_none())
+}
+
 impl Bounds {
     /// The bounds of what is defined; a scene where nothing is has the unit ball.
     pub fn of(scene: &Scene, params: &ParamValues) -> Self {

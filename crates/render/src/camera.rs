@@ -7,7 +7,7 @@
 
 use glam::{DMat4, DVec3, Mat4};
 
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, flat_axis};
 use crate::error::RenderError;
 use crate::placement::Placement;
 use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
@@ -292,12 +292,11 @@ impl Camera {
 /// The direction from the scene to the camera's first place: that of [`style::AZIMUTH`], or one of the three at right
 /// angles to it, whichever sees most of the middle of a closed surface's domain.
 fn first_direction(bounds: &Bounds) -> DVec3 {
-    let flat = bounds.half.map(|h| h < 1e-6);
-    match flat {
-        [false, false, true] => DVec3::Z,
-        [false, true, false] => DVec3::NEG_Y,
-        [true, false, false] => DVec3::X,
-        _ => {
+    match flat_axis(bounds.half) {
+        Some(2) => DVec3::Z,
+        Some(1) => DVec3::NEG_Y,
+        Some(_) => DVec3::X,
+        None => {
             let (azimuth_sin, azimuth_cos) = style::AZIMUTH.sin_cos();
             let (elevation_sin, elevation_cos) = style::ELEVATION.sin_cos();
             let mut direction = DVec3::new(

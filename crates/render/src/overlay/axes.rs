@@ -10,6 +10,7 @@ use glam::DVec3;
 use super::labels::{self, TextLabel};
 use super::space::OverlayObject;
 use super::text;
+use crate::bounds::flat_axis;
 use crate::camera::Camera;
 use crate::point::{DrawingPoint, PixelPoint};
 use crate::sample::{Painter, PositionSample, Samples};
@@ -54,7 +55,7 @@ struct AxisName {
 
 impl AxesBox {
     /// The box between two corners in drawing units; `names` are the axes of the text that the scene's are. An axis along which
-    /// it has no extent has no ticks. Words are `scale` times as large as usual.
+    /// it is flat is not drawn. Words are `scale` times as large as usual.
     pub(crate) fn new(
         camera: &Camera,
         [low, high]: [[f64; 3]; 2],
@@ -85,8 +86,9 @@ impl AxesBox {
             DVec3::new(end(0), end(1), end(2))
         };
         let (behind, before) = (pick(true), pick(false));
+        let flat = flat_axis((high - low).to_array());
         for axis in 0..3 {
-            if high[axis] - low[axis] < 1e-6 {
+            if high[axis] - low[axis] < 1e-6 || flat == Some(axis) {
                 continue;
             }
             let [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
@@ -395,10 +397,13 @@ fn ticks([low, high]: [f64; 2], count: u32) -> Vec<Tick> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
     use scene::ParamValues;
 
     use super::super::labels::{overlap, placed};
-    use super::{AxesBox, TICKS, ticks};
+    use super::{AxesBox, NAMES, TICKS, ticks};
+    use crate::bounds::Bounds;
+    use crate::camera::Camera;
     use crate::framing::first_camera;
     use crate::request::{PictureRequest, part::SpaceOptions};
     use crate::view::space;
@@ -498,6 +503,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_figure_that_is_nearly_flat_has_two_axes_and_is_seen_from_above() {
+        let plane = "surface s(u, v) = (u, v, 0), u : [0, 4], v : [0, 3];";
+        let above = "curve c(t) = (t, 1, 0.01), t : [0, 4];";
+        let names = |text: &str| {
+            let words = lettered(text, [400, 300], None).into_iter();
+            let names = words.filter(|(word, _)| NAMES.contains(&&**word));
+            names.map(|(word, _)| word).collect::<Vec<_>>()
+        };
+        assert_eq!(names(&format!("{plane} {above}")), ["x", "y"]);
+        let thick = above.replace("0.01", "0.1");
+        assert_eq!(names(&format!("{plane} {thick}")).len(), 3);
+        let scene = scene::geotrace::compile(&format!("{plane} {above}"))
+            .scene
+            .expect("no errors");
+        let bounds = Bounds::of(&scene, &ParamValues::initial(&scene));
+        let camera = Camera::new(&bounds, &Viewpoint::default(), [400, 300]).expect("a camera");
+        assert_eq!(camera.axes[2], DVec3::Z);
     }
 
     #[test]
