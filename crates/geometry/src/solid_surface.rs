@@ -6,7 +6,7 @@
 use geodesic::implicit::ImplicitSurface;
 use glam::DVec3;
 use scene::{BoundGrid, ObjectId, ParamValues, Range, Sampling, Scene};
-use tracer::{BoundingBox, Ray};
+use tracer::{BoundingBox, Crossing, Ray, SurfaceId};
 
 use crate::manifold::ManifoldError;
 use crate::solids::{MAX_SHAPE_WORK, RayFault, RayScene, RaySceneOptions};
@@ -92,7 +92,8 @@ impl SolidSurface {
     }
 
     /// The place where the ray from the middle of its box along x leaves it, or one along another axis if that does not meet
-    /// it; `None` if none does.
+    /// it; `None` if none does. Where that is on a face much smaller than the largest one, such as a narrow cut, it is a place on
+    /// the largest.
     pub fn first_place(&self) -> Option<[f64; 3]> {
         self.first
     }
@@ -109,6 +110,11 @@ fn only(value: f64) -> Sampling {
     }
 }
 
+/// The rays in a row along each axis that measure the faces of a solid.
+const FACE_RAYS: u32 = 8;
+/// The share of the area of the largest face that a face has at least on which a camera first stands.
+const NARROW: f64 = 0.5;
+
 fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
     let middle = bounds.map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.lower + bounds.upper));
     let mut caster = rays.world().caster();
@@ -120,14 +126,91 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
         -DVec3::Y,
         -DVec3::Z,
     ];
-    axes.into_iter().find_map(|direction| {
+    let leaving = axes.into_iter().filter_map(|direction| {
         let ray = Ray {
             origin: middle,
             direction,
             leaving: None,
         };
         let crossings = caster.cast(&ray);
-        let leaves = crossings.iter().find(|crossing| !crossing.entering)?;
-        Some(leaves.position.to_array())
-    })
+        crossings
+            .iter()
+            .find(|crossing| !crossing.entering)
+            .copied()
+    });
+    let leaving: Vec<Crossing> = leaving.collect();
+    let usual = *leaving.first()?;
+    let is_one = leaving.iter().all(|it| it.surface == usual.surface);
+    let other = bounds.filter(|_| !is_one).and_then(|bounds| {
+        let faces = Face::all(rays, &bounds);
+        let area = |face: &Face| {
+            if face.surface == usual.surface {
+                face.area
+            } else {
+                0.0
+            }
+        };
+        let own: f64 = faces.iter().map(area).sum();
+        let largest = faces.into_iter().max_by(|a, b| a.area.total_cmp(&b.area))?;
+        let ahead = leaving.iter().find(|it| it.surface == largest.surface);
+        (own < NARROW * largest.area).then_some(*ahead.unwrap_or(&largest.nearest))
+    });
+    Some(other.unwrap_or(usual).position.to_array())
+}
+
+/// A face of a solid.
+struct Face {
+    surface: SurfaceId,
+    area: f64,
+    /// Its place that is nearest to the middle of the solid's box.
+    nearest: Crossing,
+}
+
+impl Face {
+    /// The faces of a solid in a box, as rays along the axes meet them.
+    fn all(rays: &RayScene, bounds: &BoundingBox) -> Vec<Self> {
+        let sides = bounds.upper - bounds.lower;
+        let middle = 0.5 * (bounds.lower + bounds.upper);
+        let mut caster = rays.world().caster();
+        let mut faces: Vec<Self> = Vec::new();
+        let share = |k: u32| (f64::from(k) + 0.5) / f64::from(FACE_RAYS);
+        for axis in 0..3 {
+            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+            let cell = sides[b] * sides[c] / f64::from(FACE_RAYS * FACE_RAYS);
+            for (i, j) in (0..FACE_RAYS).flat_map(|i| (0..FACE_RAYS).map(move |j| (i, j))) {
+                let mut origin = bounds.lower;
+                origin[axis] -= sides[axis];
+                origin[b] += share(i) * sides[b];
+                origin[c] += share(j) * sides[c];
+                let ray = Ray {
+                    origin,
+                    direction: DVec3::AXES[axis],
+                    leaving: None,
+                };
+                for crossing in caster.cast(&ray) {
+                    // A part of a face is met by rays along each axis as often as it is turned to it: these shares of all
+                    // three axes are together 1.
+                    let area = cell * crossing.normal[axis].abs();
+                    let known = faces
+                        .iter_mut()
+                        .find(|face| face.surface == crossing.surface);
+                    let Some(face) = known else {
+                        faces.push(Self {
+                            surface: crossing.surface,
+                            area,
+                            nearest: *crossing,
+                        });
+                        continue;
+                    };
+                    face.area += area;
+                    let [new, old] =
+                        [crossing, &face.nearest].map(|it| it.position.distance(middle));
+                    if new < old {
+                        face.nearest = *crossing;
+                    }
+                }
+            }
+        }
+        faces
+    }
 }

@@ -119,6 +119,16 @@ fn a_camera_stands_where_the_ray_along_x_leaves() {
 }
 
 #[test]
+fn a_camera_stands_on_the_largest_face_and_not_on_a_narrow_cut() {
+    let text = "solid shell(x, y, z) = abs(sin z - sinh x sinh y) - 0.05, x : [-2, 2], y : [-2, 2], z : [-6, 6];";
+    let scene = scene::geotrace::compile(text).scene.expect("a scene");
+    let found = solid(&scene, "shell").expect("a solid").first_place();
+    let [x, y, z] = found.expect("a place");
+    let level = (z.sin() - x.sinh() * y.sinh()).abs();
+    assert!((level - 0.05).abs() < 1e-6, "{found:?} is on a cut");
+}
+
+#[test]
 fn a_solid_that_a_param_flattens_has_no_surface() {
     let text = "param c : [0, 1]; solid ball(x, y, z) = x^2 + y^2 + z^2 - 1; solid s = ball | ball @ scale (1, 1, c);";
     let scene = scene::geotrace::compile(text).scene.expect("a scene");

@@ -122,6 +122,9 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     }
 }
 
+/// The share of a picture that is hatched from which on another camera would show more.
+const MOSTLY: f64 = 0.9;
+
 /// Returns notes for a reader of the picture: pixels that show nothing of the surface, of `pixels` in all (`count`
 /// gives the number of each status), the cost of the picture and its estimated error.
 pub fn notes(
@@ -143,6 +146,7 @@ pub fn notes(
             "could not be followed within the limit of work",
         ),
     ];
+    let hatched: usize = UNSEEN.into_iter().map(&count).sum();
     let note = |(status, what): (Status, &str)| {
         let count = count(status);
         let share = 100.0 * count as f64 / pixels as f64;
@@ -150,6 +154,10 @@ pub fn notes(
         (count > 0).then(|| Note::Remark(text()))
     };
     let mut notes: Vec<Note> = kinds.into_iter().filter_map(note).collect();
+    if hatched as f64 > MOSTLY * pixels as f64 {
+        let advice = "`--at` chooses another place for the camera, and `--zoom` a nearer view";
+        notes.push(Note::Remark(advice.to_owned()));
+    }
     if *work != GeodesicWork::default() {
         notes.push(Note::Cost(cost(work, pixels)));
     }
