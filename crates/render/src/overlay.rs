@@ -104,8 +104,8 @@ mod ink {
     pub(super) const WAVE: [u8; 3] = [110, 255, 245];
     /// Conjugate points.
     pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
-    /// The cut locus.
-    pub(super) const CUT: [u8; 3] = [255, 150, 0];
+    /// The cut locus: far from the colours of geodesics.
+    pub(super) const CUT: [u8; 3] = [160, 40, 255];
     // Trails.
     const WALKED: [u8; 3] = [150, 130, 255];
     const MEASURED: [u8; 3] = [200, 255, 60];
@@ -118,6 +118,9 @@ mod ink {
         }
     }
 }
+
+/// The difference from the backdrop up to which a pixel shows nothing else.
+const NEAR_BACKDROP: u8 = 2;
 
 /// Returns true if anything lies over a geodesic picture of a surface.
 pub(crate) fn any_geodesic(request: &PictureRequest, surface: ObjectId) -> bool {
@@ -134,7 +137,7 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
 }
 
 /// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
-/// the trails' lengths; over all of that, labels. Returns the names of what was drawn, and the place of the key.
+/// the trails' lengths, at its place; over all of that, labels. Returns the names of what was drawn.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
@@ -143,26 +146,56 @@ pub(crate) fn over_space(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
     labels: &[TextLabel],
-) -> Result<(Vec<&'static str>, Option<[f32; 4]>), RenderError> {
+    place: Option<[f32; 4]>,
+) -> Result<Vec<&'static str>, RenderError> {
     let (key, legend) = space_key(request, camera)?;
-    let place = key.place(request.size, request.scale);
-    key.draw(image, request.scale);
+    key.draw(image, request.scale, place);
     labels::write(image, labels, request, place);
     let drawn = [("legend", legend), ("labels", request.overlays.labels)];
     let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
-    Ok((drawn.map(|(name, _)| name).collect(), place))
+    Ok(drawn.map(|(name, _)| name).collect())
 }
 
-/// Returns the place of the key over a 3D picture, left, top, right and bottom in pixels, if it has one.
+/// Returns true if a 3D picture has a key.
+///
+/// # Errors
+/// Those of the geodesic camera that is shown.
+pub(crate) fn has_space_key(
+    request: &PictureRequest,
+    camera: Option<&GeodesicCamera>,
+) -> Result<bool, RenderError> {
+    Ok(!space_key(request, camera)?.0.is_empty())
+}
+
+/// Returns the place of the key over a 3D picture, left, top, right and bottom in pixels, if it has one: the corner in which
+/// least is seen.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
 pub(crate) fn space_key_place(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
+    image: &RgbaImage,
+    labels: &[TextLabel],
 ) -> Result<Option<[f32; 4]>, RenderError> {
     let (key, _) = space_key(request, camera)?;
-    Ok(key.place(request.size, request.scale))
+    if key.is_empty() {
+        return Ok(None);
+    }
+    let words = labels::placed(labels, request, None);
+    let boxes: Vec<[f32; 4]> = words.iter().map(PlacedWords::bounds).collect();
+    let backdrop = request.backdrop();
+    let is_covered = |[x, y]: [u32; 2]| {
+        let [r, g, b, alpha] = image.get_pixel(x, y).0;
+        let off = [0, 1, 2].map(|k| [r, g, b][k].abs_diff(backdrop[k]));
+        let is_seen = alpha > 0 && off.into_iter().any(|off| off > NEAR_BACKDROP);
+        let at = [x as f32, y as f32];
+        let is_word = |[left, top, right, bottom]: &[f32; 4]| {
+            (*left..*right).contains(&at[0]) && (*top..*bottom).contains(&at[1])
+        };
+        is_seen || boxes.iter().any(is_word)
+    };
+    Ok(key.place(request.size, request.scale, is_covered))
 }
 
 /// Returns the key to a 3D picture, and whether it has more than trails.
@@ -280,22 +313,24 @@ impl StrokeStyle {
 }
 
 /// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels.
-/// The lines are `scale` times as wide as usual.
+/// The lines are `scale` times as wide as usual. Returns true if any is seen.
 fn stroke(
     image: &mut RgbaImage,
     (colour, scale): ([u8; 3], f32),
     distance: impl Fn(usize) -> Option<f32> + Sync,
-) {
+) -> bool {
     let pen = StrokeStyle::for_size([image.width(), image.height()], scale);
     let ink = StrokeColour::new(colour);
-    image
-        .par_chunks_mut(4)
-        .enumerate()
-        .for_each(|(index, pixel)| {
-            if let Some(distance) = distance(index) {
-                pen.ink(pixel, &ink, distance);
-            }
-        });
+    let ink_pixel = |(index, pixel): (usize, &mut [u8])| {
+        let Some(distance) = distance(index) else {
+            return false;
+        };
+        pen.ink(pixel, &ink, distance);
+        distance < pen.half
+    };
+    let pixels = image.par_chunks_mut(4).enumerate();
+    let any = |a: bool, b: bool| a || b;
+    pixels.map(ink_pixel).reduce(|| false, any)
 }
 
 /// Lays a colour (linear light) over a pixel's bytes.
@@ -328,7 +363,7 @@ fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
 mod tests {
     use scene::{ObjectId, ParamValues};
 
-    use super::{StrokeColour, StrokeStyle, blend, cover, space_key};
+    use super::{StrokeColour, StrokeStyle, blend, cover, ink, space_key, style};
     use crate::request::part::SpaceOptions;
     use crate::request::{PictureRequest, Spacing};
     use crate::viewpoint::GeodesicCamera;
@@ -344,12 +379,28 @@ mod tests {
         let mut height = |wavefronts| {
             request.overlays.wavefronts = wavefronts;
             let (key, _) = space_key(&request, Some(&camera)).expect("a key");
-            let [_, top, _, bottom] = key.place(request.size, 1.0).expect("room");
+            let place = key.place(request.size, 1.0, |_| false);
+            let [_, top, _, bottom] = place.expect("room");
             bottom - top
         };
         let without = height(None);
         assert_eq!(height(Some(Spacing::Every(100.0))), without);
         assert!(height(Some(Spacing::Every(0.5))) > without);
+    }
+
+    #[test]
+    fn the_cut_locus_has_a_colour_that_no_geodesic_has() {
+        let palettes: [&[[u8; 3]]; 4] = [
+            &style::CURVE_COLOURS,
+            &style::CURVE_COLOURS_ON_CURVATURE,
+            &style::CURVE_COLOURS_ON_PAPER,
+            &style::CURVE_COLOURS_ON_CURVATURE_ON_PAPER,
+        ];
+        let lines = [ink::WAVE, ink::CONJUGATE];
+        for colour in palettes.concat().into_iter().chain(lines) {
+            let off = (0..3).map(|k| u32::from(colour[k].abs_diff(ink::CUT[k])));
+            assert!(off.sum::<u32>() > 150, "{colour:?}");
+        }
     }
 
     #[test]

@@ -80,6 +80,19 @@ fn wavefronts_are_circles_at_multiples_of_their_spacing() {
 }
 
 #[test]
+fn a_legend_lists_conjugate_points_only_where_there_are_some() {
+    let with = |conjugate_points| {
+        let overlays = Overlays {
+            conjugate_points,
+            legend: true,
+            ..Overlays::default()
+        };
+        draw(PLANE, [0.0; 2], 1.0, overlays).image
+    };
+    assert!(with(true) == with(false), "a plane has none");
+}
+
+#[test]
 fn a_sphere_s_conjugate_points_are_half_a_turn_away() {
     let overlays = Overlays {
         conjugate_points: true,
@@ -164,7 +177,7 @@ fn the_cut_locus_lies_nowhere_behind_the_first_conjugate_point() {
     let picture = draw(source, [1.0, 0.0], 4.0, overlays);
     let mut ends = 0;
     for (x, y, pixel) in picture.image.enumerate_pixels() {
-        if pixel.0[2] < 60 && (63..65).contains(&y) {
+        if pixel.0[1] < 60 && (63..65).contains(&y) {
             let distance = 4.0 * ((f64::from(x) + 0.5) / 64.0 - 1.0).abs();
             let off = (distance - 0.8 * PI) / (4.0 / 64.0);
             assert!(off.abs() < 3.5, "{off} pixels off");
@@ -185,7 +198,7 @@ fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
     let told = share_beyond(&picture);
     assert!((told - share).abs() < 2.0, "{told} %, not {share} %");
     for (x, _, pixel) in picture.image.enumerate_pixels() {
-        if pixel.0[2] < 60 {
+        if pixel.0[1] < 60 {
             let off = 5.0 * ((f64::from(x) + 0.5) / 64.0 - 1.0).abs() - PI;
             assert!(off.abs() < 4.0 * 5.0 / 64.0, "a line {off} off");
         }

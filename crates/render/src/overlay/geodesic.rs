@@ -141,11 +141,17 @@ impl Annotations<'_> {
                 key.line(ink::trail(&trail.kind), &trail_words(trail));
             }
         }
-        key.draw(image, self.request.scale);
+        let width = self.request.size[0] as usize;
+        let status = measured.map_or(&[][..], |measured| &measured.status);
+        let is_covered = |[x, y]: [u32; 2]| {
+            let status = status.get(y as usize * width + x as usize);
+            status.is_some_and(|status| *status == Status::Complete)
+        };
+        let place = key.place(self.request.size, self.request.scale, is_covered);
+        key.draw(image, self.request.scale, place);
         if self.request.overlays.labels {
             drawn.push("labels");
         }
-        let place = key.place(self.request.size, self.request.scale);
         labels::write(image, &self.labels(places), self.request, place);
         ([self.notes, notes].concat(), drawn)
     }
@@ -219,12 +225,15 @@ impl Annotations<'_> {
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
             ));
-            key.line(ink::CUT, "cut locus");
+            if share > 0.0 {
+                key.line(ink::CUT, "cut locus");
+            }
         }
         if overlays.conjugate_points {
             drawn.push("conjugate points");
-            lines::conjugate_points(image, degeneracy, request.scale);
-            key.line(ink::CONJUGATE, "conjugate points");
+            if lines::conjugate_points(image, degeneracy, request.scale) {
+                key.line(ink::CONJUGATE, "conjugate points");
+            }
         }
         if overlays.legend {
             drawn.push("legend");

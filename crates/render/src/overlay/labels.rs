@@ -176,6 +176,14 @@ pub struct PlacedWords {
     pub(super) height: f32,
 }
 
+impl PlacedWords {
+    /// The part of the picture that they take: left, top, right and bottom.
+    pub(super) fn bounds(&self) -> [f32; 4] {
+        let [left, top] = self.corner;
+        [left, top, left + self.width, top + self.height]
+    }
+}
+
 /// Writes labels over a picture, where possible not under its key, whose place is `key`.
 pub(crate) fn write(
     image: &mut RgbaImage,

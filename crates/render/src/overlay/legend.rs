@@ -1,4 +1,4 @@
-//! The key to a picture: only what the picture has, in its lower left corner, as large as the picture is.
+//! The key to a picture: only what the picture has, in the corner in which least is seen, as large as the picture is.
 
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -11,6 +11,10 @@ use crate::texture::CurvatureScale;
 
 /// The width of a bar of colours, in heights of its words.
 const BAR: f32 = 9.0;
+/// The share of its pixels that may show something where a key is at its usual place.
+const EMPTY: f64 = 0.05;
+/// A corner is another's place if its pixels that show something are at most this share of the other's.
+const MUCH_EMPTIER: f64 = 0.5;
 /// The colour of words, in linear light.
 const INK: [f32; 3] = [0.01; 3];
 
@@ -97,13 +101,37 @@ impl Legend {
     }
 
     /// Returns the place of the key in a picture: left, top, right and bottom in pixels; `None` if it has no entries or the
-    /// picture no room for it.
+    /// picture no room for it. It is the lower left corner, unless another one is much emptier; `is_covered` returns true for
+    /// pixels that show something.
     ///
     /// Lines and words are `scale` times as large as usual.
-    pub(super) fn place(&self, size: [u32; 2], scale: f32) -> Option<[f32; 4]> {
+    pub(super) fn place(
+        &self,
+        size: [u32; 2],
+        scale: f32,
+        is_covered: impl Fn([u32; 2]) -> bool,
+    ) -> Option<[f32; 4]> {
         let [width, height] = self.layout(size, scale)?.size;
-        let [right, bottom] = [width, size[1]].map(|side| side as f32);
-        Some([0.0, bottom - height as f32, right, bottom])
+        let (right, bottom) = (size[0] - width, size[1] - height);
+        let corners = [[0, bottom], [right, bottom], [0, 0], [right, 0]];
+        let covered = |[left, top]: [u32; 2]| {
+            let rows = top..top + height;
+            let pixels = rows.flat_map(|y| (left..left + width).map(move |x| [x, y]));
+            pixels.filter(|pixel| is_covered(*pixel)).count() as f64
+        };
+        let usual = covered(corners[0]);
+        let least = EMPTY * f64::from(width) * f64::from(height);
+        let mut best = ([0, bottom], usual);
+        if usual > least {
+            for corner in &corners[1..] {
+                let here = covered(*corner);
+                if here < best.1.min(MUCH_EMPTIER * usual) {
+                    best = (*corner, here);
+                }
+            }
+        }
+        let [left, top] = best.0;
+        Some([left, top, left + width, top + height].map(|side| side as f32))
     }
 
     fn layout(&self, size: [u32; 2], scale: f32) -> Option<LegendLayout> {
@@ -130,12 +158,12 @@ impl Legend {
         })
     }
 
-    /// Draws the key, if it has entries and the picture room for it.
+    /// Draws the key at its [place](Self::place), if it has one.
     ///
     /// Lines and words are `scale` times as large as usual.
-    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32) {
+    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32, place: Option<[f32; 4]>) {
         let size = [image.width(), image.height()];
-        let Some(layout) = self.layout(size, scale) else {
+        let (Some(layout), Some([left, top, ..])) = (self.layout(size, scale), place) else {
             return;
         };
         let LegendLayout {
@@ -147,27 +175,26 @@ impl Legend {
             widest,
             size: [width, height],
         } = layout;
-        let top = size[1] - height;
-        for y in top..size[1] {
-            for x in 0..width {
+        for y in top as u32..top as u32 + height {
+            for x in left as u32..left as u32 + width {
                 cover(&mut image.get_pixel_mut(x, y).0, [0.92; 3], 0.9);
             }
         }
-        let mut y = top as f32 + pad;
+        let (left, mut y) = (left + pad, top + pad);
         for (mark, words) in &self.entries {
             let tall = 0.75 * line;
             if let Mark::Curvature(scale) = mark {
-                text::write(image, words, [pad, y], text, INK);
+                text::write(image, words, [left, y], text, INK);
                 let bar = [widest - pad, tall];
-                self.swatch(image, *mark, [pad, y + line], bar, unit);
+                self.swatch(image, *mark, [left, y + line], bar, unit);
                 let places = [0.0, 0.5, 1.0];
                 for (share, words) in places.into_iter().zip(bar_numbers(*scale)) {
-                    let x = pad + share * (bar[0] - text::width(&words, text));
+                    let x = left + share * (bar[0] - text::width(&words, text));
                     text::write(image, &words, [x, y + 1.8 * line], text, INK);
                 }
             } else {
-                self.swatch(image, *mark, [pad, y], [swatch, tall], unit);
-                let at = [2.0 * pad + swatch, y + 0.5 * (tall - text)];
+                self.swatch(image, *mark, [left, y], [swatch, tall], unit);
+                let at = [left + pad + swatch, y + 0.5 * (tall - text)];
                 text::write(image, words, at, text, INK);
             }
             y += line * mark.lines();
@@ -248,13 +275,31 @@ pub(super) fn digits(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{bar_numbers, digits, fixed_digits};
+    use super::{Legend, bar_numbers, digits, fixed_digits};
     use crate::texture::CurvatureScale;
 
     #[test]
     fn a_length_that_grows_keeps_its_digits() {
         let shown = [0.0, 0.5, 1.2, 99.96].map(fixed_digits);
         assert_eq!(shown, ["0.00", "0.500", "1.20", "100.0"]);
+    }
+
+    #[test]
+    fn a_key_is_in_an_emptier_corner_if_there_is_one() {
+        let mut key = Legend::default();
+        key.line([255; 3], "a line");
+        let size = [400, 300];
+        let at = |is_covered: &dyn Fn([u32; 2]) -> bool| {
+            let place = key.place(size, 1.0, is_covered).expect("room");
+            [place[0] > 0.0, place[1] > 0.0]
+        };
+        let (lower_left, lower_right, upper_left) = ([false, true], [true, true], [false, false]);
+        assert_eq!(at(&|_| false), lower_left);
+        assert_eq!(at(&|_| true), lower_left);
+        assert_eq!(at(&|[x, y]| x == 0 && y > 295), lower_left);
+        assert_eq!(at(&|[x, _]| x < 200), lower_right);
+        assert_eq!(at(&|[_, y]| y >= 150), upper_left);
+        assert_eq!(at(&|[x, y]| y >= 150 || x < 200), [true, false]);
     }
 
     #[test]

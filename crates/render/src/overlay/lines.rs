@@ -93,10 +93,10 @@ pub(super) fn degeneracy_in_space(map: &Map<3>, normals: &[Option<DVec3>]) -> Ve
 }
 
 /// Draws the conjugate points, where the function of [`degeneracy_in_chart`] changes its sign; it is empty where it is not
-/// known.
-pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], scale: f32) {
+/// known. Returns true if there are any.
+pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], scale: f32) -> bool {
     if signed.is_empty() {
-        return;
+        return false;
     }
     let [width, height] = [image.width(), image.height()].map(|side| side as usize);
     stroke(image, (ink::CONJUGATE, scale), |index| {
@@ -120,7 +120,7 @@ pub(super) fn conjugate_points(image: &mut RgbaImage, signed: &[f32], scale: f32
         let gradient = slope(left, right).hypot(slope(up, down));
         let distance = here.abs() / gradient;
         (distance < 8.0).then_some(distance)
-    });
+    })
 }
 
 /// Tints the picture by its estimated errors, in pixels, of every [`STEP`]-th pixel of every [`STEP`]-th row.

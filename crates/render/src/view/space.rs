@@ -274,8 +274,8 @@ impl ViewRenderer for SpaceRenderer {
         if overlay::any_space(request, shown) {
             // Words are written over pictures in memory.
             let mut image = shared.read(pixels)?;
-            let names;
-            (names, legend) = overlay::over_space(&mut image, request, shown, &labels)?;
+            legend = overlay::space_key_place(request, shown, &image, &labels)?;
+            let names = overlay::over_space(&mut image, request, shown, &labels, legend)?;
             overlays.extend(names);
             pixels = Pixels::Image(image);
         }

@@ -436,7 +436,8 @@ impl ViewRenderer for TracedRenderer {
         if request.overlays.labels && is_straight && space_camera.parallel.is_none() {
             let labels =
                 space::labels(shared, request, &options.space, &framed, &space_camera, &[]);
-            (overlays, legend) = overlay::over_space(&mut image, request, None, &labels)?;
+            legend = overlay::space_key_place(request, None, &image, &labels)?;
+            overlays = overlay::over_space(&mut image, request, None, &labels, legend)?;
             shared.samples.next();
         }
         Ok(RenderedImage {

@@ -57,12 +57,6 @@ impl SpaceRenderer {
             notes.extend(painter.notes(request)?);
         }
         let shown = options.show_camera.as_ref();
-        let key = overlay::space_key_place(request, shown)?;
-        let before = LineCover::new(&depths, key);
-        let hides = request.overlays.hidden_lines;
-        let lines = lines.iter().map(|line| (line, hides));
-        let lines = lines.chain(extras.iter().map(|line| (line, false)));
-        let strokes = software::strokes(camera, &lines.collect::<Vec<_>>(), &before);
         let mut words = stage
             .axes
             .as_ref()
@@ -78,14 +72,26 @@ impl SpaceRenderer {
                 extras,
             ));
         }
+        let key = if overlay::has_space_key(request, shown)? {
+            let all = others.iter().chain(&lines).chain(&extras);
+            let all: Vec<Drawable> = all.cloned().collect();
+            let whole = software::draw_beside(camera, &all, painter.as_ref(), background, &|_| {});
+            overlay::space_key_place(request, shown, &whole, &words)?
+        } else {
+            None
+        };
+        let before = LineCover::new(&depths, key);
+        let hides = request.overlays.hidden_lines;
+        let lines = lines.iter().map(|line| (line, hides));
+        let lines = lines.chain(extras.iter().map(|line| (line, false)));
+        let strokes = software::strokes(camera, &lines.collect::<Vec<_>>(), &before);
         shared.samples.next();
         let mut overlays = overlay::names(stage.overlay.iter());
-        let (names, legend) = overlay::over_space(&mut image, request, shown, &[])?;
-        overlays.extend(names);
+        overlays.extend(overlay::over_space(&mut image, request, shown, &[], key)?);
         let below = RenderedImage {
             notes: notes.into_iter().map(Note::Remark).collect(),
             overlays,
-            legend,
+            legend: key,
             ..RenderedImage::new(Pixels::Image(image.clone()))
         };
         Ok(Layers {
