@@ -142,8 +142,8 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
     let usual = *leaving.first()?;
     let is_one = leaving.iter().all(|it| it.surface == usual.surface);
     let other = bounds.filter(|_| !is_one).and_then(|bounds| {
-        let faces = Face::all(rays, &bounds);
-        let area = |face: &Face| {
+        let faces = MeasuredFace::all(rays, &bounds);
+        let area = |face: &MeasuredFace| {
             if face.surface == usual.surface {
                 face.area
             } else {
@@ -159,14 +159,14 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
 }
 
 /// A face of a solid.
-struct Face {
+struct MeasuredFace {
     surface: SurfaceId,
     area: f64,
     /// Its place that is nearest to the middle of the solid's box.
     nearest: Crossing,
 }
 
-impl Face {
+impl MeasuredFace {
     /// The faces of a solid in a box, as rays along the axes meet them.
     fn all(rays: &RayScene, bounds: &BoundingBox) -> Vec<Self> {
         let sides = bounds.upper - bounds.lower;
