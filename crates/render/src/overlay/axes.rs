@@ -32,6 +32,8 @@ const NAME_STEP: f64 = 0.25;
 const NAME_STEPS: u32 = 24;
 /// Half the width of the lines, of that of curves.
 const WIDTH: f32 = 0.45;
+/// The least cosine of the angle between the line of sight and a flat box's axis from which on it is seen from above.
+const ABOVE: f64 = 0.98;
 /// The samples of each edge.
 const SAMPLES: u32 = 2;
 /// The names of the axes.
@@ -64,10 +66,17 @@ impl AxesBox {
     ) -> Self {
         let (low, high) = (DVec3::from(low), DVec3::from(high));
         let middle = 0.5 * (low + high);
-        let towards = match camera.parallel {
+        let mut towards = match camera.parallel {
             Some(_) => camera.axes[2],
             None => camera.eye - middle,
         };
+        let flat = flat_axis((high - low).to_array());
+        // Seen from above, a flat box has its axes at the same sides as one without any thickness.
+        if let Some(axis) = flat
+            && towards[axis].abs() > ABOVE * towards.length()
+        {
+            towards = DVec3::AXES[axis] * towards[axis];
+        }
         let mut axes = Self {
             lines: Vec::new(),
             numbers: Vec::new(),
@@ -86,7 +95,6 @@ impl AxesBox {
             DVec3::new(end(0), end(1), end(2))
         };
         let (behind, before) = (pick(true), pick(false));
-        let flat = flat_axis((high - low).to_array());
         for axis in 0..3 {
             if high[axis] - low[axis] < 1e-6 || flat == Some(axis) {
                 continue;
