@@ -97,6 +97,9 @@ pub struct Polylines {
     pub strips: Vec<Vec<u32>>,
 }
 
+/// A shape with the colours of its places, sRGB; none where they are all alike.
+type Coloured<T> = (T, Vec<[u8; 3]>);
+
 /// The reason for which a file could not be made.
 #[derive(Debug)]
 pub enum ExportError {
@@ -381,7 +384,7 @@ fn geometry(
     object: &Object,
     placement: &Placement,
     own: &[[u8; 3]],
-) -> (Option<(Geometry, Vec<[u8; 3]>)>, Vec<String>) {
+) -> (Option<Coloured<Geometry>>, Vec<String>) {
     let (scene, params) = (&*request.scene, &*request.params);
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
     let mut colours = Vec::new();

@@ -6,6 +6,7 @@ use scene::{Object, ParamValues, Scene};
 use tracer::shade::{Face, FaceObject};
 use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, encoded};
 
+use super::Coloured;
 use super::weld::{Mesh, Vertex, is_held};
 
 /// The most cells along the longest side of the box of a solid whose intervals state no counts.
@@ -54,7 +55,7 @@ pub(super) fn meshed(
     object: &Object,
     colour: [u8; 3],
     fineness: &mut Fineness,
-) -> (Option<(Mesh, Vec<[u8; 3]>)>, Vec<String>) {
+) -> (Option<Coloured<Mesh>>, Vec<String>) {
     let unstated = DVec3::from_array(colour.map(f64::from)) / 255.0;
     let options = RaySceneOptions {
         shown: &|_| true,
