@@ -32,7 +32,6 @@ use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
 use render::style;
 use render::texture::Texture;
-use render::view::space;
 use scene::{Object, ObjectId};
 use solid::Fineness;
 
@@ -459,7 +458,7 @@ fn geometry(
                 mesh.add(*count, places, samples);
                 paint(instance, mesh.places.len());
             }
-            Geometry::Surface(mesh, space::texture_in_space(request, id))
+            Geometry::Surface(mesh, request.texture_in_space(id))
         }
         _ => return (None, notes),
     };

@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 use scene::{ObjectId, ParamValues, Scene, stated_word};
 
+use crate::bounds::ObjectCloud;
+use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
 use crate::style;
@@ -142,9 +144,26 @@ impl PictureRequest {
         }
     }
 
+    /// The texture of a surface in space. The letters of the built-in one are read from the outside of a closed surface.
+    pub fn texture_in_space(&self, object: ObjectId) -> Arc<Texture> {
+        let cloud = |object| ObjectCloud::new(&self.scene, &self.params, object);
+        let closed = self.scene.get(object).map(cloud);
+        self.texture_of_closed(object, closed.and_then(|cloud| cloud.closed))
+    }
+
+    /// The texture of a surface in space that is closed as this says, if it is.
+    pub(crate) fn texture_of_closed(
+        &self,
+        object: ObjectId,
+        closed: Option<ClosedSurface>,
+    ) -> Arc<Texture> {
+        let points_inwards = closed.is_some_and(|closed| !closed.points_outwards);
+        self.texture_seen(object, points_inwards)
+    }
+
     /// The texture of a surface; `from_behind` if the built-in one is to be read from the side that σu×σv does not point
     /// to.
-    pub(crate) fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {
+    fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {
         let flipped = self.flipped.contains(&object);
         match self.own_texture(object) {
             // Colours of curvature have their place on the surface.

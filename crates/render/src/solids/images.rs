@@ -8,7 +8,6 @@ use scene::{Object, ObjectId};
 
 use crate::request::{PictureRequest, color_nodes};
 use crate::texture::{Level, Texture};
-use crate::view::space::texture_in_space;
 
 /// The images of the objects of a picture.
 #[derive(Debug)]
@@ -33,7 +32,7 @@ impl FaceImages {
             };
             (chosen && shown(id)).then(|| {
                 let texture = match object.shape.is_surface() {
-                    true => texture_in_space(request, id),
+                    true => request.texture_in_space(id),
                     false => request.texture(id),
                 };
                 (id, texture)

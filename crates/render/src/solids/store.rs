@@ -14,7 +14,6 @@ use tracer::{PictureLook, World};
 use crate::content::Content;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
-use crate::request::part::SpaceOptions;
 use crate::shared::Shared;
 use crate::style;
 use crate::texture::Texture;
@@ -208,9 +207,9 @@ pub(crate) fn notes(rays: &RayScene, request: &PictureRequest) -> impl Iterator<
 
 /// True if something tells where the camera is to stand: a place that is stated, or an object that has one.
 fn is_framed(rays: &RayScene, request: &PictureRequest) -> bool {
-    let is_placed = |options: &SpaceOptions| options.camera.eye.is_some();
     let objects = &request.scene.objects;
-    request.view.space().is_none_or(is_placed)
+    let mut space = request.view.space().into_iter();
+    space.all(|space| space.camera.eye.is_some())
         || !rays.cameras().is_empty()
         || rays.bounds().is_some()
         || objects.iter().any(|object| object.shape.solid().is_none())

@@ -11,9 +11,8 @@ use std::sync::Arc;
 use scene::{Object, ObjectId, Range, Sampling, Scene, Shape};
 
 use super::{Hit, Key, SharedState, View, ViewRenderer};
-use crate::bounds::{Bounds, ObjectCloud};
+use crate::bounds::Bounds;
 use crate::camera::Camera;
-use crate::closed::ClosedSurface;
 use crate::content::{self, Content, Structure};
 use crate::error::RenderError;
 use crate::framing::Framed;
@@ -120,7 +119,7 @@ impl View for SpaceView {
                 continue;
             }
             if object.shape.is_surface() {
-                textured.push(texture_in_space(request, id));
+                textured.push(request.texture_in_space(id));
             }
             let planned = object_plan(&request.scene, &request.params, id, object, plan.gpu);
             plan.objects.extend(planned);
@@ -562,25 +561,10 @@ fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
         .collect()
 }
 
-/// The texture of a surface. The letters of the built-in one are read from the outside of a closed surface.
+/// The texture of a surface, as [`PictureRequest::texture_in_space`] has it.
 fn texture(request: &PictureRequest, framed: &Framed, id: ObjectId) -> Arc<Texture> {
     let closed = framed.object(id).and_then(|cloud| cloud.closed);
-    request.texture_seen(id, is_seen_from_behind(closed))
-}
-
-/// The texture of a surface as the 3D view has it, without a picture.
-pub fn texture_in_space(request: &PictureRequest, id: ObjectId) -> Arc<Texture> {
-    let cloud = |object| ObjectCloud::new(&request.scene, &request.params, object);
-    let closed = request
-        .scene
-        .get(id)
-        .and_then(|object| cloud(object).closed);
-    request.texture_seen(id, is_seen_from_behind(closed))
-}
-
-/// Returns true if the outside of a surface is not the side that σu×σv points to.
-fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
-    closed.is_some_and(|closed| !closed.points_outwards)
+    request.texture_of_closed(id, closed)
 }
 
 /// Returns true if there are words at places of a picture, beside those of its axes.

@@ -168,9 +168,9 @@ fn wide(number: f64) -> SemanticError {
         number::text(number)
     );
     let error = SemanticError::new(ATTRIBUTE_RANGE, message);
-    // Up to a full turn it is meant in radians.
+    // Up to a full turn it may be meant in radians.
     if number <= std::f64::consts::TAU {
-        return error;
+        return error.with_hint("angles are in radians: pi is half a turn");
     }
     let degrees = if number < 180.0 { number } else { 75.0 };
     error.with_hint(format!(

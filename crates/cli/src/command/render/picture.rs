@@ -31,10 +31,9 @@ pub(super) fn request(
 ) -> Result<PictureRequest, Failure> {
     let params = program.params(&arguments.set)?;
     let view = view(arguments, views, program, &params)?;
-    let is_traced = view.get::<TracedOptions>().is_some();
     Ok(PictureRequest {
         trails: trails(arguments, program, &params)?,
-        overlays: overlays(arguments, is_traced),
+        overlays: overlays(arguments),
         theme: arguments.theme,
         scale: arguments.scale as f32,
         colours: colours(arguments, program)?,
@@ -138,7 +137,7 @@ fn manifold(
     Ok((id, manifold))
 }
 
-fn overlays(arguments: &Arguments, is_traced: bool) -> Overlays {
+fn overlays(arguments: &Arguments) -> Overlays {
     let wavefronts = arguments.wavefronts;
     Overlays {
         legend: arguments.legend,
@@ -147,8 +146,7 @@ fn overlays(arguments: &Arguments, is_traced: bool) -> Overlays {
         cut_locus: arguments.cut_locus,
         error: arguments.error,
         labels: arguments.labels,
-        // Rays have no axes, and their picture no room for any.
-        axes: arguments.axes && !is_traced,
+        axes: arguments.axes,
         hidden_lines: arguments.hidden_lines,
     }
 }
@@ -210,12 +208,11 @@ fn view(
         let usual = most_traced_operations(arguments.size(program.scene()));
         options.max_operations = Some(arguments.max_operations.unwrap_or(usual));
     }
-    let is_traced = view.get::<TracedOptions>().is_some();
     if let Some(space) = view.space_mut() {
         space.camera = Viewpoint {
             eye: place("--eye", &arguments.eye)?,
             target: place("--target", &arguments.target)?,
-            projection: match arguments.orthographic && !is_traced {
+            projection: match arguments.orthographic {
                 true => Projection::Orthographic,
                 false => Projection::Perspective,
             },
