@@ -331,7 +331,11 @@ fn without_a_gpu_nothing_but_the_summary_is_printed() {
 #[test]
 fn nothing_of_a_figure_lies_over_its_legend() {
     let folder = folder();
-    // The scene is behind the legend too.
+    // The scene is in all corners, and so behind the legend too.
+    let wide = "surface far(u, v) = (u, 3, v), u : [-20, 20], v : [-20, 20];
+curve rising(t) = (t, 2, t), t : [-20, 20]; curve falling(t) = (t, 2, 1 - t), t : [-20, 20];";
+    let program = format!("{PROGRAM}{wide}");
+    std::fs::write(folder.path().join("a & b.gtr"), program).expect("writing");
     let view = "--theme print --eye 3,-9,4 --target 0.8,0,0.8 --size 400x300 --texture wall=curvature --axes --labels";
     let draw = |file: &str, legend: &str| {
         let output = geotrace(folder.path(), &format!("-o {file} {view} {legend}"), None);
