@@ -114,6 +114,8 @@ fn only(value: f64) -> Sampling {
 const FACE_RAYS: u32 = 8;
 /// The share of the area of the largest face that a face has at least on which a camera first stands.
 const NARROW: f64 = 0.5;
+/// Areas and distances of which one is at least this share of the other are alike.
+const ALIKE: f64 = 1.0 - 1e-9;
 
 fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
     let middle = bounds.map_or(DVec3::ZERO, |bounds| 0.5 * (bounds.lower + bounds.upper));
@@ -151,7 +153,10 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
             }
         };
         let own: f64 = faces.iter().map(area).sum();
-        let largest = faces.into_iter().max_by(|a, b| a.area.total_cmp(&b.area))?;
+        let most = faces.iter().map(|face| face.area).fold(0.0, f64::max);
+        // Of faces that are alike the first: rounding, which differs between machines, is not to choose.
+        let alike = faces.into_iter().filter(|face| face.area >= ALIKE * most);
+        let largest = alike.min_by_key(|face| face.surface)?;
         let ahead = leaving.iter().find(|it| it.surface == largest.surface);
         (own < NARROW * largest.area).then_some(*ahead.unwrap_or(&largest.nearest))
     });
@@ -205,7 +210,7 @@ impl MeasuredFace {
                     face.area += area;
                     let [new, old] =
                         [crossing, &face.nearest].map(|it| it.position.distance(middle));
-                    if new < old {
+                    if new < ALIKE * old {
                         face.nearest = *crossing;
                     }
                 }
