@@ -2,9 +2,14 @@
 //!
 //! Input: a camera, a pixel, the number of a sample. Output: a ray. Samples lie on additive sequences whose steps are the
 //! powers of 1/φ with φᵈ⁺¹ = φ + 1 (M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018), as
-//! integers over 2³²: the same on every machine and for any number of threads.
+//! integers over 2³²: the same on every machine and for any number of threads. Rays are computed in vectors, a block of
+//! them at once.
 
+use expr::processor::Processor;
+use expr::vectors::{Instructions, MOST_LANES, Vector, VectorWork};
 use glam::DVec3;
+
+use crate::line::Ray;
 
 /// A camera with a thin lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,53 +215,171 @@ impl LensCamera {
 
 impl CameraFrame {
     /// The ray through a place, as [`LensCamera::ray`] has it.
-    pub(crate) fn ray(&self, [x, y]: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
-        let camera = &self.camera;
-        let [right, up, forward] = self.axes;
-        // From −1 to 1 over the picture's height.
-        let across = (x - self.center[0]) * self.pixel;
-        let upward = (self.center[1] - y) * self.pixel;
-        let (half, tangent) = (0.5 * camera.fov, self.tangent);
-        let across = match camera.projection {
-            LensProjection::Pinhole => tangent * across,
-            _ => (half * across).sin(),
-        };
-        let upward = match camera.projection {
-            LensProjection::Spherical => (half * upward).sin(),
-            _ => tangent * upward,
-        };
-        let direction = forward + across * right + upward * up;
-        if camera.aperture <= 0.0 {
-            return (camera.position, direction.normalize());
+    fn ray(&self, place: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
+        let mut places = PlaceBlock::default();
+        places.set(0, place, lens);
+        let [x, y, z, dx, dy, dz] = Processor::here().run_vectors(RaysThrough {
+            frame: self,
+            places: &places,
+        });
+        (
+            DVec3::new(x[0], y[0], z[0]),
+            DVec3::new(dx[0], dy[0], dz[0]),
+        )
+    }
+
+    /// Adds the rays of samples of pixels, which start on no surface.
+    pub(crate) fn add_rays(
+        &self,
+        processor: Processor,
+        samples: &[([u32; 2], Sample)],
+        rays: &mut Vec<Ray>,
+    ) {
+        let mut places = PlaceBlock::default();
+        for samples in samples.chunks(MOST_LANES) {
+            for (lane, ([i, j], sample)) in samples.iter().enumerate() {
+                let [x, y] = sample.pixel;
+                places.set(lane, [f64::from(*i) + x, f64::from(*j) + y], sample.lens);
+            }
+            let [x, y, z, dx, dy, dz] = processor.run_vectors(RaysThrough {
+                frame: self,
+                places: &places,
+            });
+            rays.extend((0..samples.len()).map(|k| Ray {
+                origin: DVec3::new(x[k], y[k], z[k]),
+                direction: DVec3::new(dx[k], dy[k], dz[k]),
+                leaving: None,
+            }));
         }
-        let [a, b] = camera.bokeh.place(lens);
-        let offset = camera.aperture * (a * right + b * up);
-        let (offset, direction) = match camera.sharp {
-            SharpPlaces::Plane => (offset, direction),
-            SharpPlaces::Ball => (-offset, direction.normalize()),
-        };
-        let sharp = camera.focus * direction;
-        (camera.position + offset, (sharp - offset).normalize())
     }
 }
 
+/// A number for each of as many rays as the widest vectors have lanes.
+type Block = [f64; MOST_LANES];
+
+/// The places of rays in a picture, to the right and down in pixels, and on the lens.
+#[derive(Default)]
+struct PlaceBlock {
+    picture: [Block; 2],
+    lens: [Block; 2],
+}
+
+impl PlaceBlock {
+    fn set(&mut self, lane: usize, picture: [f64; 2], lens: [f64; 2]) {
+        for axis in 0..2 {
+            self.picture[axis][lane] = picture[axis];
+            self.lens[axis][lane] = lens[axis];
+        }
+    }
+}
+
+/// The coordinates of the starts and of the unit directions of the rays through places.
+struct RaysThrough<'a> {
+    frame: &'a CameraFrame,
+    places: &'a PlaceBlock,
+}
+
+impl VectorWork for RaysThrough<'_> {
+    type Output = [Block; 6];
+
+    #[inline(always)]
+    fn run<S: Instructions>(self, s: S) -> Self::Output {
+        let mut rays = [[0.0; MOST_LANES]; 6];
+        for part in 0..Vector::<S>::PARTS {
+            let load =
+                |blocks: &[Block; 2]| [0, 1].map(|axis| Vector::load(s, &blocks[axis], part));
+            let place = load(&self.places.picture);
+            let (origin, direction) = self.frame.rays(s, place, || load(&self.places.lens));
+            for (block, numbers) in rays.iter_mut().zip(origin.into_iter().chain(direction)) {
+                numbers.store(block, part);
+            }
+        }
+        rays
+    }
+}
+
+impl CameraFrame {
+    /// The starts and unit directions of the rays through places in the picture and on the lens.
+    #[inline(always)]
+    fn rays<S: Instructions>(
+        &self,
+        s: S,
+        [x, y]: [Vector<S>; 2],
+        lens: impl FnOnce() -> [Vector<S>; 2],
+    ) -> ([Vector<S>; 3], [Vector<S>; 3]) {
+        let camera = &self.camera;
+        let number = |number: f64| Vector::splat(s, number);
+        let [right, up, forward] = self.axes.map(|axis| axis.to_array().map(number));
+        // From −1 to 1 over the picture's height.
+        let across = (x - number(self.center[0])) * number(self.pixel);
+        let upward = (number(self.center[1]) - y) * number(self.pixel);
+        let angular = |place: Vector<S>| (number(0.5 * camera.fov) * place).sin_cos().0;
+        let across = match camera.projection {
+            LensProjection::Pinhole => number(self.tangent) * across,
+            _ => angular(across),
+        };
+        let upward = match camera.projection {
+            LensProjection::Spherical => angular(upward),
+            _ => number(self.tangent) * upward,
+        };
+        let direction = [0, 1, 2].map(|k| forward[k] + across * right[k] + upward * up[k]);
+        let position = camera.position.to_array().map(number);
+        if camera.aperture <= 0.0 {
+            return (position, normalized(s, direction));
+        }
+        let [a, b] = camera.bokeh.places(s, lens());
+        let radius = number(camera.aperture);
+        let offset = [0, 1, 2].map(|k| radius * (a * right[k] + b * up[k]));
+        let (offset, direction) = match camera.sharp {
+            SharpPlaces::Plane => (offset, direction),
+            SharpPlaces::Ball => (offset.map(|part| -part), normalized(s, direction)),
+        };
+        let focus = number(camera.focus);
+        let towards = [0, 1, 2].map(|k| focus * direction[k] - offset[k]);
+        let origin = [0, 1, 2].map(|k| position[k] + offset[k]);
+        (origin, normalized(s, towards))
+    }
+}
+
+/// Vectors of length 1.
+#[inline(always)]
+fn normalized<S: Instructions>(s: S, [x, y, z]: [Vector<S>; 3]) -> [Vector<S>; 3] {
+    let scale = Vector::splat(s, 1.0) / (x * x + y * y + z * z).sqrt();
+    [x, y, z].map(|part| part * scale)
+}
+
 impl Bokeh {
-    /// The place in the shape, to the right and up, of two numbers that are evenly distributed from 0 to 1.
-    fn place(self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let turn = std::f64::consts::TAU * v;
+    /// The places in the shape, to the right and up, of pairs of numbers that are evenly distributed from 0 to 1.
+    #[inline(always)]
+    fn places<S: Instructions>(self, s: S, [u, v]: [Vector<S>; 2]) -> [Vector<S>; 2] {
+        let number = |number: f64| Vector::splat(s, number);
+        let disc = |radius: Vector<S>| {
+            let (sin, cos) = (number(std::f64::consts::TAU) * v).sin_cos();
+            [radius * cos, radius * sin]
+        };
+        let even = |part: Vector<S>| number(2.0) * part - number(1.0);
+        match self {
+            Self::Circle => disc(u.sqrt()),
+            Self::Line => [even(u), number(0.0)],
+            Self::Box => [even(u), even(v)],
+            Self::Gaussian => disc(u.map(|u| (-2.0 * (1.0 - u).ln()).sqrt())),
+            Self::Polygon(_) | Self::Star => {
+                [0, 1].map(|axis| u.map_with(v, |u, v| self.place_in_polygon([u, v])[axis]))
+            }
+        }
+    }
+
+    /// The place in a polygon or a star.
+    fn place_in_polygon(self, place: [f64; 2]) -> [f64; 2] {
         let corner = |angle: f64, radius: f64| [radius * angle.cos(), radius * angle.sin()];
         match self {
-            Self::Circle => corner(turn, u.sqrt()),
-            Self::Line => [2.0 * u - 1.0, 0.0],
-            Self::Box => [2.0 * u - 1.0, 2.0 * v - 1.0],
-            Self::Gaussian => corner(turn, (-2.0 * (1.0 - u).ln()).sqrt()),
             Self::Polygon(count) => {
                 let step = std::f64::consts::TAU / f64::from(count);
-                fan(count, [u, v], |k| corner(f64::from(k) * step, 1.0))
+                fan(count, place, |k| corner(f64::from(k) * step, 1.0))
             }
-            Self::Star => {
+            _ => {
                 let step = std::f64::consts::PI / 5.0;
-                fan(STAR_CORNERS, [u, v], |k| {
+                fan(STAR_CORNERS, place, |k| {
                     let radius = if k % 2 == 0 { 1.0 } else { STAR_INNER };
                     corner(std::f64::consts::FRAC_PI_2 + f64::from(k) * step, radius)
                 })

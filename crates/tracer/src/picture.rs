@@ -8,8 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::DVec3;
 
-use crate::camera::{CameraFrame, LensCamera, Sample, SampleAxes};
-use crate::line::Ray;
+use crate::camera::{CameraFrame, LensCamera, SampleAxes};
 use crate::shade::{LightTracer, Scenery};
 
 /// The side of a tile in pixels; its rays of one sample are read together.
@@ -184,18 +183,19 @@ impl LightSums {
         count: u32,
     ) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
-        let (mut rays, mut light_samples) = (Vec::new(), Vec::new());
+        let (mut samples, mut rays, mut light_samples) = (Vec::new(), Vec::new(), Vec::new());
         let end = self.samples + count;
         for first in (self.samples..end).step_by(SAMPLES_AT_ONCE as usize) {
+            samples.clear();
             rays.clear();
             light_samples.clear();
             for sample in first..end.min(first.saturating_add(SAMPLES_AT_ONCE)) {
-                for pixel in pixels(self.size, corner) {
-                    let sample = axes.sample(pixel, sample);
-                    rays.push(ray(camera, pixel, &sample));
-                    light_samples.push(sample.light);
-                }
+                samples.extend(
+                    pixels(self.size, corner).map(|pixel| (pixel, axes.sample(pixel, sample))),
+                );
             }
+            camera.add_rays(tracer.processor(), &samples, &mut rays);
+            light_samples.extend(samples.iter().map(|(_, sample)| sample.light));
             tracer.begin_tile(rays.len());
             let lights = tracer.lights(&rays, &light_samples);
             for lights in lights.chunks(sums.len().max(1)) {
@@ -225,13 +225,18 @@ pub fn sample_light(
         for (samples, light) in samples.chunks(share).zip(light.chunks_mut(share)) {
             scope.spawn(move || {
                 let mut tracer = LightTracer::new(scenery);
-                let rays = (TILE * TILE) as usize;
-                for (samples, light) in samples.chunks(rays).zip(light.chunks_mut(rays)) {
+                let at_once = (TILE * TILE) as usize;
+                let mut rays = Vec::new();
+                for (samples, light) in samples.chunks(at_once).zip(light.chunks_mut(at_once)) {
                     tracer.begin_tile(samples.len());
-                    for (&(pixel, sample), light) in samples.iter().zip(light) {
-                        let sample = axes.sample(pixel, sample);
-                        let ray = ray(&frame, pixel, &sample);
-                        *light = tracer.light(&ray, sample.light);
+                    let samples = samples.iter();
+                    let samples: Vec<_> = samples
+                        .map(|&(pixel, sample)| (pixel, axes.sample(pixel, sample)))
+                        .collect();
+                    rays.clear();
+                    frame.add_rays(tracer.processor(), &samples, &mut rays);
+                    for (((_, sample), ray), light) in samples.iter().zip(&rays).zip(light) {
+                        *light = tracer.light(ray, sample.light);
                     }
                 }
             });
@@ -248,17 +253,6 @@ impl SampleAxes {
             lights: scenery.lights.iter().any(|light| light.size > 0.0),
             grid,
         }
-    }
-}
-
-/// The ray of a sample of a pixel.
-fn ray(camera: &CameraFrame, pixel: [u32; 2], sample: &Sample) -> Ray {
-    let ([i, j], [x, y]) = (pixel, sample.pixel);
-    let (origin, direction) = camera.ray([f64::from(i) + x, f64::from(j) + y], sample.lens);
-    Ray {
-        origin,
-        direction,
-        leaving: None,
     }
 }
 

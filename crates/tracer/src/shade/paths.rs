@@ -94,6 +94,11 @@ impl<'a> LightTracer<'a> {
         }
     }
 
+    /// The processor that this runs on.
+    pub(crate) fn processor(&self) -> Processor {
+        self.processor
+    }
+
     /// Begins a tile of a picture, as [`Caster::begin_tile`] does.
     pub fn begin_tile(&mut self, rays: usize) {
         self.caster.begin_tile(rays);
