@@ -525,6 +525,10 @@ impl Arithmetic for Rules {
         self.name(Interval::binary(Binary::Div, a.interval, b.interval))
     }
 
+    fn at_most(&mut self, a: Named, b: Named) -> Named {
+        self.name(Interval::binary(Binary::AtMost, a.interval, b.interval))
+    }
+
     fn unary(&mut self, op: Unary, a: Named) -> Named {
         self.name(Interval::unary(op, a.interval))
     }

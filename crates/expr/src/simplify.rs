@@ -171,8 +171,11 @@ impl Graph {
     /// The product that a zero first factor annihilates, see [`ops::zmul`].
     pub fn zmul(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match (self.value(a), self.value(b)) {
-            (Some(_), _) | (_, Some(_)) => self.mul(a, b),
-            _ if a == b => self.mul(a, b),
+            (Some(x), Some(y)) => self.constant(ops::zmul(x, y)),
+            // A constant zero annihilates in a product, too, and a zero times a finite number is zero.
+            (Some(_), None) => self.mul(a, b),
+            (None, Some(y)) if y.is_finite() => self.mul(a, b),
+            (None, None) if a == b => self.mul(a, b),
             _ => self.intern(Node::Binary(Binary::Zmul, a, b)),
         }
     }
@@ -253,6 +256,10 @@ impl Arithmetic for Graph {
 
     fn div(&mut self, a: NodeId, b: NodeId) -> NodeId {
         Self::div(self, a, b)
+    }
+
+    fn at_most(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        self.compared(Binary::AtMost, a, b)
     }
 
     fn unary(&mut self, op: Unary, a: NodeId) -> NodeId {

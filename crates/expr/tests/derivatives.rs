@@ -221,6 +221,86 @@ fn min_and_max_have_the_derivative_of_the_first_to_attain_them() {
 }
 
 #[test]
+fn a_logarithm_has_a_derivative_only_where_it_is_defined() {
+    let mut graph = Graph::default();
+    let x = graph.input(X);
+    let y = graph.unary(Unary::Log, x);
+    let first = derivative(&mut graph, y);
+    let second = derivative(&mut graph, first);
+    for x in [1e-300, 0.3, 2.0, 1e300] {
+        assert_eq!(eval(&graph, first, |_| x), 1.0 / x);
+    }
+    assert_close(eval(&graph, second, |_| 0.3), -1.0 / 0.09);
+    for x in [-1e-300, -2.0] {
+        assert!(eval(&graph, first, |_| x).is_nan(), "{x}");
+        assert!(eval(&graph, second, |_| x).is_nan(), "{x}");
+    }
+    assert_eq!(eval(&graph, first, |_| 0.0), f64::INFINITY);
+}
+
+#[test]
+fn the_derivative_of_tanh_keeps_its_digits() {
+    let mut graph = Graph::default();
+    let x = graph.input(X);
+    let y = graph.unary(Unary::Tanh, x);
+    let first = derivative(&mut graph, y);
+    // 4/(e^x + e^−x)², computed with 50 digits.
+    for (x, expected) in [
+        (10.0, 8.244_614_455_767_397e-9),
+        (18.0, 9.278_091_320_974_273e-16),
+        (20.0, 1.699_341_702_116_632_6e-17),
+    ] {
+        let found = eval(&graph, first, |_| x);
+        assert!((found / expected - 1.0).abs() < 1e-14, "{x}: {found:e}");
+    }
+    assert_eq!(eval(&graph, first, |_| 1000.0), 0.0);
+}
+
+#[test]
+fn a_zero_annihilates_what_is_undefined_in_constants_too() {
+    let numbers = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        2.5,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+    ];
+    let is_same = |x: f64, y: f64| x == y || x.is_nan() && y.is_nan();
+    for a in numbers {
+        for b in numbers {
+            let product = expr::ops::zmul(a, b);
+            let mut graph = Graph::default();
+            let given = [graph.constant(a), graph.constant(b)];
+            let read = [0, 1].map(|k| graph.input(Input::Variable(k)));
+            for choice in 0..4 {
+                let [left, right] = [0, 1].map(|k| {
+                    if choice >> k & 1 == 0 {
+                        given[k]
+                    } else {
+                        read[k]
+                    }
+                });
+                let root = graph.zmul(left, right);
+                let found = eval(&graph, root, |input| match input {
+                    Input::Variable(0) => a,
+                    _ => b,
+                });
+                // A constant zero is one in any product.
+                let expected = if choice == 1 && b == 0.0 {
+                    0.0
+                } else {
+                    product
+                };
+                assert!(is_same(found, expected), "{a} {b} {choice}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
 fn what_does_not_depend_on_an_input_has_derivative_zero_at_no_cost() {
     let mut graph = Graph::default();
     let mut y = graph.input(Input::Uniform(3));

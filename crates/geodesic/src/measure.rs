@@ -122,7 +122,7 @@ impl fmt::Display for MeasureError {
             }
             Self::Degenerate { at: [u, v] } => write!(
                 f,
-                "the surface has no tangent plane at the place ({u}, {v}): σu and σv are parallel"
+                "the surface has no tangent plane at the place ({u}, {v}): σu and σv are parallel or undefined"
             ),
             Self::Crease { at: [u, v] } => write!(
                 f,

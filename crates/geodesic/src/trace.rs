@@ -171,7 +171,7 @@ impl fmt::Display for TraceError {
             }
             Self::DegenerateStart { at: [u, v] } => write!(
                 f,
-                "the surface has no tangent plane at the start ({u}, {v}): σu and σv are parallel"
+                "the surface has no tangent plane at the start ({u}, {v}): σu and σv are parallel or undefined"
             ),
         }
     }
@@ -406,10 +406,7 @@ pub(crate) fn unit_start(
         })
     });
     let usable = at_apex || sine > PARALLEL;
-    if speed.is_nan() || speed.is_infinite() {
-        return Err(TraceError::UndefinedStart { at: start });
-    }
-    if speed <= 0.0 || !usable {
+    if !(speed > 0.0 && speed.is_finite()) || !usable {
         return Err(TraceError::DegenerateStart { at: start });
     }
     let moved = if at == given {

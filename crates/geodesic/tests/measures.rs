@@ -869,6 +869,69 @@ fn a_crease_has_no_tangent_plane() {
     assert_eq!(found, Err(MeasureError::Crease { at: [0.0, 0.3] }));
     let beside = measure::place(&s, [1e-3, 0.3]).expect("a place");
     assert_eq!(beside.form, [2.0, 0.0, 1.0]);
+    // Beside the tip of a cone, and where a hyperboloid bends within a billionth of its domain, there is none.
+    for (half, height, at) in [(2.0, 0.0, 1e-9), (1e6, 1e-8, 0.0)] {
+        let mut m = Maker::new();
+        let (u, v) = (m.u, m.v);
+        let (uu, vv) = (m.mul(u, u), m.mul(v, v));
+        let sum = m.add(uu, vv);
+        let sum = m.plus(height, sum);
+        let z = m.f(expr::ops::Unary::Sqrt, sum);
+        let hyperboloid = m.done([u, v, z], [[-half, half]; 2]);
+        assert!(measure::place(&hyperboloid, [at, 0.0]).is_ok(), "{half}");
+    }
+    // At a cone's tip σu and σv are undefined, but the place is defined.
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let (uu, vv) = (m.mul(u, u), m.mul(v, v));
+    let sum = m.add(uu, vv);
+    let z = m.f(expr::ops::Unary::Sqrt, sum);
+    let cone = m.done([u, v, z], [[-2.0, 2.0]; 2]);
+    let found = measure::place(&cone, [0.0, 0.0]);
+    assert_eq!(found, Err(MeasureError::Degenerate { at: [0.0, 0.0] }));
+}
+
+#[test]
+fn where_the_curvature_jumps_there_is_none() {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let abs = m.f(expr::ops::Unary::Abs, u);
+    let z = m.mul(u, abs);
+    let surface = m.done([u, v, z], [[-2.0, 2.0]; 2]);
+    let found = measure::place(&surface, [0.0, 0.5]).expect("a tangent plane");
+    assert_eq!(
+        (found.gaussian, found.mean, found.principal),
+        (None, None, None)
+    );
+    let beside = measure::place(&surface, [0.25, 0.5]).expect("a place");
+    let expected = 1.0 / 1.25_f64.powf(1.5);
+    near("H", beside.mean.expect("H"), expected, 1e-12);
+    // A plane has no jump, however its rounding goes.
+    let plane = measure::place(&roof(0.3), [1.7, -0.2]).expect("a place");
+    assert_eq!((plane.gaussian, plane.mean), (Some(0.0), Some(0.0)));
+}
+
+#[test]
+fn the_smaller_principal_curvature_keeps_its_digits() {
+    // The pseudosphere: 1/sinh v and −sinh v.
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let cosh = m.f(expr::ops::Unary::Cosh, v);
+    let one = m.c(1.0);
+    let radius = m.g.div(one, cosh);
+    let tanh = m.f(expr::ops::Unary::Tanh, v);
+    let z = m.g.sub(v, tanh);
+    let position = m.around(radius, u, z);
+    let surface = m.done(position, [[0.0, TAU], [0.0, 20.0]]);
+    for v in [3.0, 15.0, 18.0_f64] {
+        let found = measure::place(&surface, [1.0, v]).expect("a place");
+        let mut curvatures = found.principal.expect("no umbilic").map(|it| it.curvature);
+        curvatures.sort_by(f64::total_cmp);
+        let expected = [-v.sinh(), 1.0 / v.sinh()];
+        for (found, expected) in curvatures.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{v}: {found}");
+        }
+    }
 }
 
 #[test]

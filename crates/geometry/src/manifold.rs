@@ -93,14 +93,6 @@ impl Manifold {
         }
     }
 
-    /// The surface in space; `None` for a metric.
-    pub fn parametric(&self) -> Option<&ParametricSurface> {
-        match &self.kind {
-            ManifoldKind::Surface(surface) => Some(surface),
-            ManifoldKind::Metric(_) => None,
-        }
-    }
-
     /// Follows geodesics to points of the chart, on all cores; those that were followed before come from a cache.
     pub fn polylines(&self, segments: &[GeodesicSegment]) -> Vec<ChartPolyline> {
         self.polylines.follow(self.surface(), segments)

@@ -184,6 +184,25 @@ fn hover_tells_values_signatures_and_geometry() {
         "{told}"
     );
     assert!(told.contains("smooth pole"), "{told}");
+    // The curvature of a large sphere is no rounding, as it would be beside E.
+    let large = "surface s|(u,v) = 2000(cosu cosv, sinu cosv, sinv), u : [0,1], v : [0,1];";
+    let told = tell(large).expect("a hover");
+    assert!(told.contains("Gaussian curvature K = 2.5000e-7"), "{told}");
+    // A metric has a form and a curvature, too; a crease in the middle has neither.
+    let half_plane = "metric h|(x,y) = (1, 0, 1)/y^2, x : [-1,1], y : [1,3];";
+    let told = tell(half_plane).expect("a hover");
+    assert!(
+        told.contains("E = 0.25, F = 0, G = 0.25; Gaussian curvature K = -1"),
+        "{told}"
+    );
+    let roof = "surface r|(u,v) = (u, v, abs u), u : [-1,1], v : [-1,1];";
+    let told = tell(roof).expect("a hover");
+    assert!(
+        told.contains("at u = 0.1, v = 0.2: E = 2, F = 0, G = 1"),
+        "{told}"
+    );
+    let told = tell("surface l|(u,v) = (u, u, u), u : [0,1], v : [0,1];").expect("a hover");
+    assert!(told.contains("EG − F² vanishes everywhere"), "{told}");
     let told = tell("function f(x) = |x;").expect("a hover");
     assert!(
         told.contains("a parameter of the function `f(x)`"),
@@ -498,6 +517,14 @@ fn an_undefined_curvature_is_said_to_be_undefined() {
     assert_eq!(
         description.text[1],
         "there K = undefined, E = 1, F = 0, G = 0, from exact derivatives"
+    );
+    let (analysis, offset) =
+        marked("surface s(u,v) = (u,v,abs u), u : [-1,1], v : [-1,1]; point p = s|(0,0.5);");
+    let (_, description) = hover::hover(&analysis, offset).expect("a name");
+    assert!(
+        description.text[1].contains("(0, 0.5) lies on a crease"),
+        "{:?}",
+        description.text
     );
 }
 

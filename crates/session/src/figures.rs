@@ -46,9 +46,12 @@ fn place_rows(surface: &dyn Surface, chart: String, found: &PlaceMeasures) -> Me
     if surface.is_embedded() {
         rows.push(Quantity::new("H", value(found.mean)));
         if let (Some(k), Some(h)) = (found.gaussian, found.mean) {
-            // Rounding may leave less than 0 at an umbilic.
+            // At an umbilic and at a pole, where there are no directions; rounding may leave less than 0.
             let half = (h * h - k).max(0.0).sqrt();
-            rows.push(Quantity::new("principal", place([h + half, h - half])));
+            let curvatures = found.principal.map_or([h + half, h - half], |all| {
+                all.map(|principal| principal.curvature)
+            });
+            rows.push(Quantity::new("principal", place(curvatures)));
         }
         if let Some(all) = found.principal {
             let directions = all.map(|it| place(it.direction)).join(", ");

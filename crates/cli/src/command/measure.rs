@@ -155,6 +155,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let manifold = program.manifold(id, &params)?;
     let measuring = Measuring {
         surface: manifold.surface(),
+        parameters: object.shape.parameters(),
         chart: object.shape.chart_label(),
         program: &program,
         params: &params,
@@ -177,6 +178,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 struct Measuring<'a> {
     surface: &'a dyn Surface,
     /// The names of its parameters.
+    parameters: &'a [String],
+    /// These names as a place is written.
     chart: String,
     program: &'a LoadedProgram,
     params: &'a ParamValues,
@@ -243,7 +246,7 @@ impl Measuring<'_> {
         };
         self.print(
             &document,
-            &text::place(&found, self.surface.is_embedded(), &self.chart),
+            &text::place(&found, self.surface.is_embedded(), self.parameters),
         )
     }
 

@@ -7,7 +7,7 @@
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
-use crate::ops::{Arithmetic, Binary, Unary};
+use crate::ops::{self, Arithmetic, Binary, Unary};
 
 /// A coefficient times a factor, or the negative of that.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -169,6 +169,10 @@ impl Arithmetic for TermBuilder {
             self.scaled(quotient, a.id)
         };
         self.mul(quotient, reciprocal).signed(negative)
+    }
+
+    fn at_most(&mut self, a: Term, b: Term) -> Term {
+        self.compared(Binary::AtMost, a, b)
     }
 
     fn unary(&mut self, op: Unary, a: Term) -> Term {
@@ -346,9 +350,13 @@ impl TermBuilder {
     }
 
     pub(super) fn annihilating(&mut self, a: Term, b: Term) -> Term {
-        // As the graph does: a constant multiplies.
-        if self.value(a).is_some() || self.value(b).is_some() || a.id == b.id {
-            return self.mul(a, b);
+        // As the graph does.
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => return self.constant(ops::zmul(x, y)),
+            (Some(_), None) => return self.mul(a, b),
+            (None, Some(y)) if y.is_finite() => return self.mul(a, b),
+            (None, None) if a.id == b.id => return self.mul(a, b),
+            _ => {}
         }
         let (a, b) = (self.whole(a), self.whole(b));
         self.positive(Micro::Binary(Binary::Zmul, a.id, b.id))

@@ -145,7 +145,7 @@ binary_operations! {
     Min = "min", wgsl: Wgsl::Library("least"),
     eval: |a, b| least(a, b),
     derivative: "that of the first operand to attain it", |g, [a, b], _y, d| {
-        let first = g.binary(Binary::AtMost, a, b);
+        let first = g.at_most(a, b);
         chosen(g, first, d)
     };
 
@@ -153,7 +153,7 @@ binary_operations! {
     Max = "max", wgsl: Wgsl::Library("greatest"),
     eval: |a, b| greatest(a, b),
     derivative: "that of the first operand to attain it", |g, [a, b], _y, d| {
-        let first = g.binary(Binary::AtMost, b, a);
+        let first = g.at_most(b, a);
         chosen(g, first, d)
     };
 

@@ -1,5 +1,6 @@
 //! Arithmetics that the rules of derivatives are written for: numbers, code for them, and expressions.
 
+use crate::arithmetic::at_most;
 use crate::ops::{Binary, Unary};
 
 /// The arithmetic that a rule is written in.
@@ -18,6 +19,8 @@ pub trait Arithmetic {
     fn mul(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// a/b.
     fn div(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// 1 where a is at most b, else 0; NaN where they do not compare.
+    fn at_most(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// Any operation on one number.
     fn unary(&mut self, op: Unary, a: Self::Number) -> Self::Number;
 }
@@ -66,6 +69,10 @@ impl Arithmetic for Numbers {
 
     fn div(&mut self, a: f64, b: f64) -> f64 {
         a / b
+    }
+
+    fn at_most(&mut self, a: f64, b: f64) -> f64 {
+        at_most(a, b)
     }
 
     fn unary(&mut self, op: Unary, a: f64) -> f64 {

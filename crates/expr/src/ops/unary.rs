@@ -5,8 +5,7 @@
 use crate::arithmetic::sign;
 use crate::ops::lanes::each;
 use crate::ops::slopes::{
-    Arithmetic, one_minus_square as complement, reciprocal_of_complement,
-    reciprocal_of_one_plus_square,
+    Arithmetic, one_minus_square, reciprocal_of_complement, reciprocal_of_one_plus_square,
 };
 use crate::ops::{ExpressionBuilder, Row, Wgsl};
 
@@ -159,10 +158,15 @@ unary_operations! {
     /// Natural logarithm; undefined below zero, minus infinity at zero.
     Log = "log", builtin: Some("log"), wgsl: Wgsl::Builtin("log"),
     eval: |x| x.ln(),
-    derivative: "x'/x", |g, x, _y, dx| g.div(dx, x),
+    derivative: "x'/x", |g, x, _y, dx| {
+        let defined = at_least_zero(g, x);
+        let (dx, x) = (g.mul(defined, dx), g.mul(defined, x));
+        g.div(dx, x)
+    },
     slopes: |n, x, _y| {
-        let one = n.constant(1.0);
-        let first = n.div(one, x);
+        let defined = at_least_zero(n, x);
+        let x = n.mul(defined, x);
+        let first = n.div(defined, x);
         let square = n.mul(first, first);
         [first, n.neg(square)]
     };
@@ -229,13 +233,17 @@ unary_operations! {
     /// Hyperbolic tangent.
     Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
     eval: |x| x.tanh(),
-    derivative: "x'/cosh^2 x", |g, _x, y, dx| {
-        let product = one_minus_square(g, y);
-        g.mul(product, dx)
+    // 1 − tanh² x would lose its digits with growing x.
+    derivative: "x'/cosh^2 x", |g, x, _y, dx| {
+        let cosh = g.unary(Unary::Cosh, x);
+        let square = g.mul(cosh, cosh);
+        g.div(dx, square)
     },
-    slopes: |n, _x, y| {
-        let minus_two = n.constant(-2.0);
-        let first = complement(n, y);
+    slopes: |n, x, y| {
+        let (one, minus_two) = (n.constant(1.0), n.constant(-2.0));
+        let cosh = n.unary(Unary::Cosh, x);
+        let square = n.mul(cosh, cosh);
+        let first = n.div(one, square);
         let twice = n.mul(minus_two, y);
         [first, n.mul(twice, first)]
     };
@@ -253,12 +261,10 @@ unary_operations! {
     slopes: |n, _x, _y| [n.constant(0.0), n.constant(0.0)];
 }
 
-/// (1 − x)(1 + x): 1 − x² without its cancellation near ±1.
-fn one_minus_square<B: ExpressionBuilder>(graph: &mut B, x: B::Number) -> B::Number {
-    let one = graph.constant(1.0);
-    let less = graph.sub(one, x);
-    let more = graph.add(one, x);
-    graph.mul(less, more)
+/// 1 where x is at least 0, else 0: a quotient of two products with it is undefined below 0, as a logarithm is.
+fn at_least_zero<A: Arithmetic>(n: &mut A, x: A::Number) -> A::Number {
+    let zero = n.constant(0.0);
+    n.at_most(zero, x)
 }
 
 /// √(1 − x²).

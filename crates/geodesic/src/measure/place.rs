@@ -18,13 +18,14 @@ pub struct PlaceMeasures {
     pub uv: Uv,
     /// E, F, G: the coefficients of the first fundamental form.
     pub form: [f64; 3],
-    /// The Gaussian curvature K; `None` where the surface has no tangent plane, as at the tip of a cone.
+    /// The Gaussian curvature K; `None` where the surface has no tangent plane, as at the tip of a cone, and where K or H
+    /// differs on both sides.
     pub gaussian: Option<f64>,
     /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
-    /// space, and where the surface has no tangent plane.
+    /// space, and where there is no K.
     pub mean: Option<f64>,
     /// The directions of the largest and of the smallest normal curvature, for the same normal; `None` on a metric, at
-    /// an umbilic, where all directions are alike, and where (u, v) have no directions.
+    /// an umbilic, where all directions are alike, where (u, v) have no directions, and where there is no K.
     pub principal: Option<[Principal; 2]>,
 }
 
@@ -69,6 +70,9 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     let uv = Uv([at[0].clamp(u0, u1), at[1].clamp(v0, v1)]);
     let jet = surface.jet(uv);
     let [mut e, mut g] = [dot(jet.du, jet.du), dot(jet.dv, jet.dv)];
+    if !jet.du.iter().chain(&jet.dv).all(|x| x.is_finite()) {
+        return Err(MeasureError::Degenerate { at: uv.0 });
+    }
     let apex = apex_at(surface, uv);
     if apex.is_none() && is_on_crease(surface, uv) {
         return Err(MeasureError::Crease { at: uv.0 });
@@ -80,8 +84,10 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         None => {}
     }
     let form = [e, rounded(dot(jet.du, jet.dv), (e * g).sqrt()), g];
+    let jumps = apex.is_none() && curvature_jumps(surface, uv);
     let [gaussian, mean] = match apex {
         Some((_, Apex { smooth: false, .. })) => [f64::NAN; 2],
+        _ if jumps => [f64::NAN; 2],
         _ => curvatures_near(surface, uv),
     };
     let finite = |x: f64| x.is_finite().then_some(x);
@@ -90,7 +96,7 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
         form,
         gaussian: finite(gaussian),
         mean: finite(mean).filter(|_| surface.is_embedded()),
-        principal: principal(&jet).filter(|_| surface.is_embedded() && apex.is_none()),
+        principal: principal(&jet).filter(|_| surface.is_embedded() && apex.is_none() && !jumps),
     })
 }
 
@@ -103,32 +109,66 @@ fn apex_at(surface: &dyn Surface, uv: Uv) -> Option<(usize, Apex)> {
         .find_map(|[axis, end]| Some((axis, surface.apex(axis, end)?)))
 }
 
-/// Returns whether the tangent planes on both sides of a place make an angle, however near to it they are.
-fn is_on_crease(surface: &dyn Surface, uv: Uv) -> bool {
-    const OFF: [f64; 2] = [1e-9, 1e-10];
-    const BENT: f64 = 1e-4;
+/// The place beside another one, by a share of the domain along an axis, and by a few units in the last place at least; `None`
+/// outside the domain.
+fn beside(surface: &dyn Surface, uv: Uv, axis: usize, share: f64) -> Option<Uv> {
     let domain = surface.domain();
+    let [low, high] = domain[axis];
+    let mut at = uv.0;
+    let least = 4.0 * f64::EPSILON * at[axis].abs();
+    at[axis] += (share.abs() * (high - low)).max(least).copysign(share);
+    surface.sides().bring_back(domain, &mut at);
+    (at[axis] >= low && at[axis] <= high).then_some(Uv(at))
+}
+
+/// Returns whether the tangent planes on both sides of a place make an angle, however near to it they are: also at the smallest
+/// of the offsets, so that a surface which bends within the others has no crease.
+fn is_on_crease(surface: &dyn Surface, uv: Uv) -> bool {
+    const OFF: [f64; 3] = [1e-9, 1e-10, 1e-14];
+    const BENT: f64 = 1e-4;
     let normal = |axis: usize, off: f64| {
-        let mut at = uv.0;
-        at[axis] += off * (domain[axis][1] - domain[axis][0]);
-        surface.sides().bring_back(domain, &mut at);
-        let [low, high] = domain[axis];
-        let inside = at[axis] >= low && at[axis] <= high;
-        let jet = surface.jet(Uv(at));
+        let jet = surface.jet(beside(surface, uv, axis, off)?);
         let normal = cross(jet.du, jet.dv);
         let length = norm(normal);
-        if inside {
-            normal.map(|x| x / length)
-        } else {
-            [f64::NAN; 3]
-        }
+        Some(normal.map(|x| x / length))
     };
-    let angle = |axis: usize, off: f64| norm(cross(normal(axis, off), normal(axis, -off)));
+    let angle = |axis: usize, off: f64| {
+        let sides = normal(axis, off).zip(normal(axis, -off));
+        sides.map_or(f64::NAN, |(a, b)| norm(cross(a, b)))
+    };
     surface.is_embedded()
         && (0..2).any(|axis| {
-            let [far, near] = OFF.map(|off| angle(axis, off));
-            near > BENT && near > 0.5 * far
+            let [far, near, nearest] = OFF.map(|off| angle(axis, off));
+            near > BENT && near > 0.5 * far && nearest > 0.5 * near
         })
+}
+
+/// Returns whether K or H differ on both sides of a place, however near to it they are, as where a circle's arc goes on as a line.
+fn curvature_jumps(surface: &dyn Surface, uv: Uv) -> bool {
+    const OFF: [f64; 2] = [1e-7, 1e-9];
+    /// Relative to the values on both sides.
+    const JUMP: f64 = 1e-3;
+    /// Relative to 1 over the length, or its square, of a coordinate line: below it, values are rounding.
+    const ROUNDING: f64 = 1e-6;
+    let jet = surface.jet(uv);
+    let domain = surface.domain();
+    (0..2).any(|axis| {
+        let tangent = [jet.du, jet.dv][axis];
+        let length = norm(tangent) * (domain[axis][1] - domain[axis][0]);
+        let units = [length * length, length];
+        let [far, near] = OFF.map(|off| {
+            let at = |off| Some(curvatures(&surface.jet(beside(surface, uv, axis, off)?)));
+            at(off).zip(at(-off))
+        });
+        let Some((far, near)) = far.zip(near) else {
+            return false;
+        };
+        (0..2).any(|k| {
+            let difference = |(a, b): ([f64; 2], [f64; 2])| (a[k] - b[k]).abs();
+            let least = JUMP * (near.0[k].abs() + near.1[k].abs()) + ROUNDING / units[k];
+            difference(near) > least && difference(near) > 0.5 * difference(far)
+        })
+    })
 }
 
 /// The principal curvatures and directions: those in which the second form, with respect to an orthonormal basis of the
@@ -166,7 +206,15 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
             ],
         }
     };
-    Some([at(mean + half, [cos, sin]), at(mean - half, [-sin, cos])])
+    // The smaller one would be the difference of two nearly equal numbers: it follows from their product.
+    let larger = mean + half.copysign(mean);
+    let smaller = gaussian_curvature(jet) / larger;
+    let [first, second] = if mean.is_sign_negative() {
+        [smaller, larger]
+    } else {
+        [larger, smaller]
+    };
+    Some([at(first, [cos, sin]), at(second, [-sin, cos])])
 }
 
 /// K and H, in the chart about a pole where (u,v) has lost too many digits.

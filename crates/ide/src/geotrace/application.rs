@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use geodesic::metric::{Metric, gaussian_curvature};
+use geodesic::measure;
 use geometry::{Manifold, SolidSurface};
 use scene::geotrace::Compilation;
 use scene::{Outcome, ParamValues, Value};
@@ -140,9 +140,12 @@ impl Application {
         object.shape.manifold()?;
         let uniforms = needed.params.first_instance(scene, object);
         let manifold = Manifold::new(scene, id, &uniforms).ok()?;
-        let jet = manifold.surface().jet([u, v].into());
-        let Metric { e, f, g, .. } = Metric::of(&jet);
-        let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(defined);
+        let found = match measure::place(manifold.surface(), [u, v]) {
+            Ok(found) => found,
+            Err(error) => return Some(error.to_string()),
+        };
+        let k = super::geometry::curvature(&found).map_or_else(|| "undefined".to_owned(), short);
+        let [e, f, g] = found.form.map(short);
         Some(format!(
             "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
         ))
@@ -165,14 +168,6 @@ impl Application {
         let solid = SolidSurface::new(scene, &needed.params, id).ok()?;
         let k = solid.surface().curvature([x, y, z])?;
         Some(format!("the level surface through it has K = {}", short(k)))
-    }
-}
-
-/// A number, or the word for none.
-fn defined(x: f64) -> String {
-    match x.is_finite() {
-        true => short(x),
-        false => "undefined".to_owned(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The geometry of a surface, for a reader: its first fundamental form, its curvature, where it is not regular.
 
-use geodesic::metric::{Metric, gaussian_curvature};
+use geodesic::measure::{self, PlaceMeasures};
+use geodesic::metric::Metric;
 use geodesic::surface::{Side, Surface};
 use geometry::Manifold;
 use scene::ObjectId;
@@ -26,7 +27,7 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
         // At the params' start and the first instance.
         let uniforms = ParamValues::initial(scene).first_instance(scene, object);
         let manifold = Manifold::new(scene, id, &uniforms).ok()?;
-        let surface = manifold.parametric()?;
+        let surface = manifold.surface();
         let names = item.parameters().map(|(name, _)| name);
         let [u, v]: [&str; 2] = names.collect::<Vec<_>>().try_into().ok()?;
         let mut sentences = Vec::new();
@@ -40,26 +41,30 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     sentences().unwrap_or_default()
 }
 
-/// E, F, G and K in the middle of the domain.
+/// E, F, G and K in the middle of the domain, or beside it where the surface has no tangent plane there.
 fn first_form(surface: &dyn Surface, [u, v]: [&str; 2]) -> Option<String> {
-    let middle = surface.domain().map(|[low, high]| 0.5 * (low + high));
-    let jet = surface.jet(middle.into());
-    let metric = Metric::of(&jet);
-    let numbers = [metric.e, metric.f, metric.g, gaussian_curvature(&jet)];
-    // What rounding left of a zero is shown as one.
-    let scale = metric.e.abs().max(metric.g.abs());
-    let [e, f, g, k] = numbers.map(|x| if x.abs() < 1e-12 * scale { 0.0 } else { x });
-    numbers.iter().all(|x| x.is_finite()).then(|| {
-        format!(
-            "first fundamental form at {u} = {}, {v} = {}: E = {}, F = {}, G = {}; Gaussian curvature K = {}",
-            short(middle[0]),
-            short(middle[1]),
-            short(e),
-            short(f),
-            short(g),
-            short(k)
-        )
-    })
+    let at = |share: [f64; 2]| {
+        let domain = surface.domain();
+        [0, 1].map(|axis| {
+            let [low, high] = domain[axis];
+            low + share[axis] * (high - low)
+        })
+    };
+    let places = [[0.5, 0.5], [0.55, 0.6]].map(at).into_iter();
+    let mut found = places.filter_map(|uv| measure::place(surface, uv).ok());
+    let found = found.find(|found| found.gaussian.is_some())?;
+    let ([x, y], [e, f, g]) = (found.uv.0.map(short), found.form.map(short));
+    let k = short(curvature(&found)?);
+    Some(format!(
+        "first fundamental form at {u} = {x}, {v} = {y}: E = {e}, F = {f}, G = {g}; Gaussian curvature K = {k}"
+    ))
+}
+
+/// The Gaussian curvature, with 0 for what rounding leaves of a zero beside the square of the mean curvature.
+pub(super) fn curvature(found: &PlaceMeasures) -> Option<f64> {
+    let k = found.gaussian?;
+    let size = found.mean.map_or(0.0, |h| h * h);
+    Some(if k.abs() < 1e-12 * size { 0.0 } else { k })
 }
 
 /// Returns the places where EG − F² vanishes, as far as a lattice of points shows.
@@ -86,7 +91,7 @@ fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
             areas[index] = metric.r;
             if metric.r.is_finite() {
                 vanishes[index] = metric.r <= VANISHED * (metric.e * metric.g).sqrt();
-            } else {
+            } else if !jet.position.iter().all(|x| x.is_finite()) {
                 undefined += 1;
             }
         }
@@ -98,6 +103,9 @@ fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
         .fold(0.0, f64::max);
     for (vanishes, area) in vanishes.iter_mut().zip(&areas) {
         *vanishes |= *area <= VANISHED * largest;
+    }
+    if vanishes.iter().all(|vanishes| *vanishes) {
+        return Some("EG − F² vanishes everywhere".to_owned());
     }
     let mut places = Vec::new();
     for (axis, name) in names.into_iter().enumerate() {

@@ -7,17 +7,20 @@ use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
 use super::pair_text;
 use crate::number::{count, is_vague, show_all, show_estimated, show_measured};
 
-/// What is measured at a place; `chart` names the parameters.
-pub(super) fn place(found: &PlaceMeasures, embedded: bool, chart: &str) -> String {
+/// The measures at a place of a surface with these parameters.
+pub(super) fn place(found: &PlaceMeasures, embedded: bool, parameters: &[String]) -> String {
+    let chart = parameters.join(", ");
+    let normal: Vec<String> = parameters.iter().map(|name| format!("σ{name}")).collect();
+    let normal = normal.join(" × ");
     let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show_measured);
     let mean = match (found.mean, embedded) {
         (None, false) => "none: a metric bends in no space".into(),
-        (mean, _) => format!("{}  for the normal σu × σv", curvature(mean)),
+        (mean, _) => format!("{}  for the normal {normal}", curvature(mean)),
     };
     let [e, f, g] = found.form.map(show_measured);
     let mut text = format!(
         "\
-at {chart} = {}
+at ({chart}) = {}
   Gaussian curvature  K = {}
   mean curvature      H = {mean}
   first form          E = {e}, F = {f}, G = {g}
