@@ -1,7 +1,8 @@
-//! Coordinates in which a geodesic is integrated: (u,v) themselves, or the polar coordinates of an apex undone.
+//! The coordinates in which a geodesic is integrated: (u,v) themselves, or Cartesian coordinates about an apex.
 //!
-//! In: a point and a velocity in chart coordinates. Out: the acceleration there, with what error control needs. Points
-//! beyond a side that wraps are brought back into the domain, so that nothing relies on the formula going on there.
+//! In: a point and a velocity in chart coordinates. Out: the acceleration there, and the local data that error control
+//! needs. Points beyond a side that wraps are brought back into the domain, so the surface's formula is never evaluated
+//! outside it.
 
 mod apex;
 mod layout;
@@ -19,9 +20,10 @@ use crate::point::Uv;
 use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
 
-/// Nearer than this share of its radius to an apex, directions are those at this distance.
+/// Within this fraction of its radius from an apex, directions are those at this distance.
 const TINY: f64 = 1e-14;
-/// A tangent vector shorter than usual by this factor, or an angle of this sine between both, is the reason why a ray stalls.
+/// The surface is degenerate where a tangent vector is shorter than its typical length by this factor, or the sine of
+/// the angle between the two is below it.
 const THIN: f64 = 1e-3;
 
 /// The coordinates in use.
@@ -49,8 +51,8 @@ pub(crate) struct Local {
     pub(crate) curvature: f64,
     /// The coordinates' tangent vectors.
     pub(crate) tangents: [[f64; 3]; 2],
-    /// By how much, relative to their lengths, the rounding of the coordinates turns or stretches the tangents:
-    /// nearer to a singular point than this says, no direction has a meaning.
+    /// The relative amount by which the rounding of the coordinates turns or stretches the tangents. Nearer to a
+    /// singular point than this, directions are meaningless.
     pub(crate) noise: f64,
 }
 
@@ -78,7 +80,7 @@ impl<'s> Atlas<'s> {
         self.evaluations.get()
     }
 
-    /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
+    /// Returns the jet at a point that may be beyond sides that wrap, in the coordinates continued there.
     pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
         self.evaluations.set(self.evaluations.get() + 1);
         let crossing = self.layout.bring_back(&mut at);
@@ -87,8 +89,8 @@ impl<'s> Atlas<'s> {
         jet
     }
 
-    /// The distance of two points in (u,v): in space, or, where there is none, by the metric at the first one, with
-    /// the second brought as near as its repetitions are.
+    /// Returns the distance between two points in (u,v): in space, or, without an embedding, by the metric at the first
+    /// one. The second point is first replaced by its nearest periodic copy.
     pub(crate) fn gap(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
         let jet = self.jet(a);
         if self.embedded {
@@ -106,7 +108,7 @@ impl<'s> Atlas<'s> {
         crate::metric::speed(&jet, difference)
     }
 
-    /// Returns the reason why a ray cannot go on at a point of the domain.
+    /// Returns the reason why a ray cannot continue at a point of the domain.
     pub(crate) fn rank_at(&self, at: [f64; 2]) -> Status {
         let jet = self.jet(at);
         let vectors = [jet.position, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
@@ -118,12 +120,12 @@ impl<'s> Atlas<'s> {
         if short || sine < THIN || infinite {
             Status::Degenerate
         } else {
-            // Undefined here, or all is well here and undefined at every distance beyond.
+            // Undefined here, or defined here and undefined at every distance beyond.
             Status::Undefined
         }
     }
 
-    /// The acceleration of a geodesic, with what else is local; `None` where anything is undefined.
+    /// Returns the acceleration of a geodesic and the other local data; `None` where any of it is undefined.
     pub(crate) fn local(&self, chart: &Chart, state: State) -> Option<Local> {
         match chart {
             Chart::Plain => {
@@ -146,8 +148,8 @@ impl<'s> Atlas<'s> {
         }
     }
 
-    /// By how much a change of u or v by itself would turn or stretch the tangents, relative to their lengths. Without
-    /// an embedding only their stretching is known: second derivatives turn with the frame that they are given in.
+    /// Returns the relative amount by which a unit change of u or v turns or stretches the tangents. Without an
+    /// embedding only the stretching is known: second derivatives depend on the choice of frame.
     fn turning(&self, jet: &Jet, at: [f64; 2]) -> f64 {
         let change = |tangent: [f64; 3], second: [f64; 3]| {
             if self.embedded {
@@ -159,7 +161,8 @@ impl<'s> Atlas<'s> {
         (at[0].abs() * change(jet.du, jet.duu)).max(at[1].abs() * change(jet.dv, jet.dvv))
     }
 
-    /// Near a smooth pole: the acceleration from six points along a line, to sixth order in their distance.
+    /// Near a smooth pole: interpolates the acceleration from six points along a line, to sixth order in their
+    /// distance.
     fn inner(&self, chart: &ApexChart, state: State, r: f64, inner: f64) -> Option<Local> {
         let along = if r > 0.0 {
             state.at.map(|x| x / r)
@@ -196,8 +199,8 @@ impl<'s> Atlas<'s> {
         })
     }
 
-    /// By the chain rule from the jet in (u,v): along the velocity alone, which loses fewer digits than the whole jet that
-    /// several rays side by side have ([`ApexChart::radial_jet`]).
+    /// Applies the chain rule to the jet in (u,v), along the velocity alone. This loses fewer digits than transforming the
+    /// whole jet, which rays integrated side by side need ([`ApexChart::radial_jet`]).
     fn about_apex(&self, chart: &ApexChart, state: State) -> Option<Local> {
         let [a, b] = state.at;
         let tiny = TINY * chart.radius;
@@ -207,7 +210,7 @@ impl<'s> Atlas<'s> {
         };
         let jet = self.jet(chart.plain_point([r * cos, r * sin]));
         let (power, rate) = (chart.apex.power, chart.apex.rate);
-        // The radial parameter is base + sign r^power: its derivatives by r.
+        // The radial parameter is base + sign r^power; these are its derivatives by r.
         let first = chart.slope(r);
         let second = first * (power - 1.0) / r;
         let (dw, dww, dt, dtt) = if chart.axis == 0 {
@@ -244,7 +247,7 @@ impl<'s> Atlas<'s> {
         })
     }
 
-    /// The chart that suits a point in (u,v): that of an apex near by, with the point on its a-axis, else the plain one.
+    /// Returns the chart for a point in (u,v): that of a nearby apex, with the point on its a-axis, else the plain one.
     pub(crate) fn chart_for(&self, at: [f64; 2]) -> Chart {
         let chart = self.layout.chart_near(at);
         chart.map_or(Chart::Plain, |chart| {
@@ -252,8 +255,8 @@ impl<'s> Atlas<'s> {
         })
     }
 
-    /// From (u,v) into an apex's chart. Near a smooth pole the velocity keeps its direction in space: there the
-    /// rounding of the parameter at the pole makes (u,v) and the chart disagree about angles.
+    /// Converts a state from (u,v) into an apex's chart. Near a smooth pole the velocity keeps its direction in space:
+    /// there the parameter's rounding at the pole makes (u,v) and the chart disagree about angles.
     pub(crate) fn enter(&self, chart: &ApexChart, state: State) -> Option<(State, Local)> {
         let mut entered = chart.enter(state);
         let at = Chart::Apex(*chart);
@@ -266,7 +269,7 @@ impl<'s> Atlas<'s> {
                     entered.velocity = components(local.tangents, velocity);
                 }
             } else {
-                // Without a direction in space, the unit speed at least.
+                // Without a direction in space, preserve at least the unit speed.
                 let [x, y] = entered.velocity;
                 let speed = norm(combine(x, local.tangents[0], y, local.tangents[1]));
                 if speed > 0.0 && speed.is_finite() {
@@ -278,8 +281,8 @@ impl<'s> Atlas<'s> {
         Some((entered, local))
     }
 
-    /// From an apex's chart, where it has these tangents, back to (u,v), perhaps beyond sides that wrap; again with
-    /// its direction in space.
+    /// Converts a state from an apex's chart, which has these tangents there, back to (u,v), possibly beyond sides that
+    /// wrap. The velocity again keeps its direction in space.
     pub(crate) fn leave(&self, chart: &ApexChart, state: State, tangents: [[f64; 3]; 2]) -> State {
         let mut left = chart.leave(state);
         if self.embedded && chart.is_inner(state.at) {
@@ -294,8 +297,8 @@ impl<'s> Atlas<'s> {
     }
 }
 
-/// Two tangent vectors in the frame whose first vector lies along the first of them: without an embedding, the one
-/// frame at each point that changes smoothly from point to point.
+/// Expresses two tangent vectors in the frame whose first axis is along the first of them. Without an embedding, this
+/// frame varies smoothly from point to point.
 fn upright([t, w]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     let length = norm(t);
     [
@@ -304,17 +307,17 @@ fn upright([t, w]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     ]
 }
 
-/// The components of a tangent vector.
+/// Returns the components of a tangent vector.
 fn components(tangents: [[f64; 3]; 2], vector: [f64; 3]) -> [f64; 2] {
     minus_components(tangents[0], tangents[1], vector).map(|x| -x)
 }
 
-/// `None` unless all numbers are finite.
+/// Returns `None` unless all numbers are finite.
 fn checked(local: Local) -> Option<Local> {
     let finite = local.acceleration.iter().all(|x| x.is_finite())
         && local.tangents.iter().flatten().all(|x| x.is_finite());
     finite.then_some(Local {
-        // It serves the error estimate only.
+        // The curvature serves the error estimate only.
         curvature: if local.curvature.is_finite() {
             local.curvature
         } else {

@@ -1,10 +1,11 @@
-//! Functions of one variable as Chebyshev series: a function on an interval in; its integral, values and derivatives out.
+//! Functions of one variable as Chebyshev series. In: a function on an interval. Out: its integral, values and
+//! derivatives.
 //!
-//! The sums over the zeros of T_n, integrals, derivatives and Clenshaw's recurrence are those of Press, Teukolsky, Vetterling,
-//! Flannery, *Numerical Recipes*, 3rd edition, section 5.8 and 5.9. A picture's patches have a fixed degree in two variables,
-//! and tables for it: `piecewise/fit.rs`.
+//! The sums over the zeros of T_n, integrals, derivatives and Clenshaw's recurrence follow Press, Teukolsky, Vetterling,
+//! Flannery, *Numerical Recipes*, 3rd edition, sections 5.8 and 5.9. A picture's patches have a fixed degree in two variables
+//! and use tables instead: `piecewise/fit.rs`.
 
-#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+#![allow(clippy::needless_range_loop)] // Several arrays are traversed together, lane by lane.
 
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -13,18 +14,18 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug)]
 pub(crate) struct ChebyshevSeries {
     interval: [f64; 2],
-    /// From the lowest degree; at least one.
+    /// The coefficients from degree 0 up; at least one.
     coefficients: Vec<f64>,
 }
 
-/// Numbers of terms that are tried, each a multiple of [`LAST`].
+/// The numbers of terms that are tried, each a multiple of [`LAST`].
 const TERMS: [usize; 4] = [16, 32, 64, 128];
-/// The share of a series' terms, the highest ones, that tell its error.
+/// The last 1/`LAST` of a series' terms, the highest degrees, estimate its error.
 const LAST: usize = 4;
 
 impl ChebyshevSeries {
-    /// The series of a function with at most `most` terms whose last quarter is less than `tail` times its largest term;
-    /// `None` where there is none, or a value is no finite number.
+    /// Fits a series of at most `most` terms whose last quarter is below `tail` times its largest term. Returns `None`
+    /// if there is no such series, or a value is not finite.
     pub(crate) fn fit(
         interval: [f64; 2],
         most: usize,
@@ -52,7 +53,7 @@ impl ChebyshevSeries {
             if largest > 0.0
                 && self::largest(&coefficients[terms - terms / LAST..]) < tail * largest
             {
-                // What is less is rounding, and would only be amplified by the derivatives.
+                // Smaller terms are rounding, which the derivatives would amplify.
                 let least = 0.5 * f64::EPSILON * largest;
                 while coefficients.last().is_some_and(|c| c.abs() <= least) {
                     coefficients.pop();
@@ -66,7 +67,7 @@ impl ChebyshevSeries {
         None
     }
 
-    /// The integral from the interval's minimum on.
+    /// Returns the integral from the interval's minimum.
     pub(crate) fn integral(&self) -> Self {
         let [_, half] = middle_and_half(self.interval);
         let count = self.coefficients.len();
@@ -102,7 +103,7 @@ impl ChebyshevSeries {
         }
     }
 
-    /// `scale` times the series, plus `offset`.
+    /// Returns `scale` times the series, plus `offset`.
     pub(crate) fn scaled(mut self, scale: f64, offset: f64) -> Self {
         for c in &mut self.coefficients {
             *c *= scale;
@@ -124,13 +125,13 @@ impl ChebyshevSeries {
     }
 }
 
-/// Several series over one interval, which are evaluated together.
+/// Several series over one interval, evaluated together.
 #[derive(Clone, Debug)]
 pub(crate) struct SeriesGroup<const K: usize> {
     middle: f64,
-    /// One over half the interval's width.
+    /// The reciprocal of half the interval's width.
     share: f64,
-    /// The terms of all, from the lowest degree; at least one.
+    /// The coefficients of all series from degree 0 up; at least one.
     terms: Vec<[f64; K]>,
 }
 
@@ -146,7 +147,7 @@ impl<const K: usize> SeriesGroup<K> {
         }
     }
 
-    /// The values of each series at several places side by side.
+    /// Evaluates each series at several points side by side.
     #[inline(always)]
     pub(crate) fn values<const N: usize>(&self, at: &[f64; N]) -> [[f64; N]; K] {
         let x = at.map(|x| (x - self.middle) * self.share);

@@ -1,23 +1,23 @@
-//! The ends of geodesics as a function of the pixel: every method gives them, and every picture is made of them.
+//! The ends of geodesics as a function of the pixel: every method computes them, and every picture is made from them.
 //!
-//! An end has two coordinates in a chart, or three where geodesics run on a surface in space that has no chart: all that
-//! interpolates ends is generic over their number.
+//! An end has two coordinates in a chart, or three where geodesics run on a surface in space that has no chart:
+//! everything that interpolates ends is generic over their number.
 
 use std::array::from_fn;
 
 use crate::point::PicturePoint;
 use crate::status::Status;
 
-/// The coordinates that an [`Ends`] speaks in.
+/// The coordinates of an [`End`].
 #[derive(Clone, Copy, Debug, Default, Eq, Ord, PartialEq, PartialOrd)]
 pub enum Coordinates {
-    /// (u, v), going on beyond sides that wrap: a neighbouring pixel's are near by, whatever lies between. A picture
-    /// brings them back into the domain.
+    /// (u, v), continued beyond sides that wrap: neighbouring pixels have nearby coordinates, whatever side is between
+    /// them. A picture brings them back into the domain.
     #[default]
     Plain,
-    /// (a, b) = r (cos kt, sin kt) about the apex at an end of `axis` (0 u, 1 v; `end` 0 its minimum, 1 its maximum),
-    /// where r is the distance in the parameter (to the power 1/[`power`](crate::topology::Apex::power)) and t the
-    /// other parameter less its minimum, k the apex's [`rate`](crate::topology::Apex::rate).
+    /// (a, b) = r (cos kt, sin kt) about the apex at one end of `axis`, where r is the distance in the parameter (to
+    /// the power 1/[`power`](crate::topology::Apex::power)), t the other parameter less its minimum, and k the apex's
+    /// [`rate`](crate::topology::Apex::rate).
     Apex {
         /// 0 for u, 1 for v.
         axis: u8,
@@ -26,29 +26,29 @@ pub enum Coordinates {
     },
 }
 
-/// The end of the geodesic of one place in the picture: a place with `N` coordinates.
+/// The end of the geodesic of one point of the picture, with `N` coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End<const N: usize = 2> {
     /// The coordinates of `at`.
     pub coordinates: Coordinates,
-    /// Its end.
+    /// The geodesic's end point.
     pub at: [f64; N],
     /// The ray's unit tangent there, in these coordinates.
     pub along: [f64; N],
-    /// The unit normal to it, towards the side on which the frame's Y lies of X at the start.
+    /// The unit normal to it, on the side where the frame's Y is relative to X at the start.
     pub across: [f64; N],
-    /// m/s, the Jacobi field over the arc length (1 at the centre): along the ray the surface is seen at its own
-    /// scale, across it at this one, negative behind a conjugate point. NaN where it is not known.
+    /// m/s, the Jacobi field over the arc length (1 at the centre): the surface is seen at its own scale along the ray, and
+    /// at this scale across it; negative behind a conjugate point. NaN where unknown.
     pub stretch: f64,
-    /// The reason of its end. The fields above have a meaning for [`Status::Complete`], and where it is finite for
-    /// [`Status::LeftDomain`]: where the geodesic would be had the surface gone on.
+    /// The reason why the geodesic ended. The fields above are meaningful for [`Status::Complete`], and, where `at` is
+    /// finite, for [`Status::LeftDomain`]: then they describe the geodesic as if the surface continued.
     pub status: Status,
     /// The estimated error in pixels.
     pub error: f64,
 }
 
 impl<const N: usize> End<N> {
-    /// ∂at/∂x and ∂at/∂y at a place of the picture, whose unit is `zoom` long on the surface.
+    /// Returns ∂at/∂x and ∂at/∂y at a point of the picture whose unit has length `zoom` on the surface.
     pub fn by_place(&self, place: impl Into<PicturePoint>, zoom: f64) -> [[f64; N]; 2] {
         let PicturePoint(place) = place.into();
         let radius = (place[0] * place[0] + place[1] * place[1]).sqrt();
@@ -65,8 +65,8 @@ impl<const N: usize> End<N> {
         ]
     }
 
-    /// The length on the surface of a small difference in the coordinates: in a chart by its components along the unit
-    /// tangent and normal, in space as it is.
+    /// Returns the length on the surface of a small difference in the coordinates: in a chart by its components along
+    /// the unit tangent and normal, in space its Euclidean length.
     pub fn length(&self, difference: [f64; N]) -> f64 {
         match (&self.along[..], &self.across[..], &difference[..]) {
             (&[a, b], &[c, d], &[x, y]) => {
@@ -78,15 +78,15 @@ impl<const N: usize> End<N> {
     }
 }
 
-/// The change of the coordinates about an apex, (a, b) = r (cos kt, sin kt), into (u,v): the parameter along the axis is
+/// The change of the coordinates about an apex, (a, b) = r (cos kt, sin kt), to (u,v): the parameter along the axis is
 /// `base` + `sign` r^`power`, the other one `low` + t, where t = angle/`rate`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polar {
     /// The parameter at the apex.
     pub base: f64,
-    /// +1 where the domain lies above `base`, −1 where below.
+    /// +1 where the domain is above `base`, −1 where below.
     pub sign: f64,
-    /// The other parameter where the a-axis points.
+    /// The value of the other parameter along the a-axis.
     pub low: f64,
     /// k.
     pub rate: f64,
@@ -96,48 +96,49 @@ pub struct Polar {
 
 /// The exponential map of a camera, by any method.
 pub trait Ends<const N: usize = 2>: Sync {
-    /// Returns the end of the geodesic of a place (x, y) of the picture; the coordinates are the method's choice.
+    /// Returns the end of the geodesic of a point (x, y) of the picture, in coordinates of the method's choice.
     fn end(&self, place: PicturePoint) -> End<N>;
-    /// Appends the ends of several places: the same as [`Ends::end`] of each, for less.
+    /// Appends the ends of several points: equal to [`Ends::end`] of each, at lower cost.
     fn ends(&self, places: &[PicturePoint], out: &mut Vec<End<N>>) {
         out.extend(places.iter().map(|place| self.end(*place)));
     }
     /// The camera's zoom: the length on the surface of the picture's unit.
     fn zoom(&self) -> f64;
-    /// The camera's place, in the plain coordinates.
+    /// The camera's position, in the plain coordinates.
     fn origin(&self) -> [f64; N];
-    /// An end in other coordinates, for a common polynomial with its neighbours; `None` where those are of no use.
+    /// Converts an end to other coordinates, for a common polynomial with its neighbours; `None` where those are
+    /// unsuitable.
     fn in_coordinates(&self, end: &End<N>, coordinates: Coordinates) -> Option<End<N>> {
         (end.coordinates == coordinates).then_some(*end)
     }
-    /// The coordinate periods that an end may be off its neighbour by, behind a pole: 0 where the axis has none.
+    /// The periods by which an end may differ from its neighbour, behind a pole: 0 for an axis without one.
     fn periods(&self) -> [f64; N] {
         [0.0; N]
     }
-    /// The least and the largest of each coordinate, such as `[[u min, u max], [v min, v max]]`: a geodesic whose end would
-    /// lie beyond has left the domain. Infinite where no edge is.
+    /// The minimum and maximum of each coordinate, such as `[[u min, u max], [v min, v max]]`: a geodesic whose end would
+    /// be beyond them has left the domain. Infinite where there is no edge.
     fn bounds(&self) -> [[f64; 2]; N] {
         [[f64::NEG_INFINITY, f64::INFINITY]; N]
     }
-    /// The coordinates about the apex at an end of an axis, if any end may be in them.
+    /// The coordinates about the apex at an end of an axis, if any end may use them.
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
         let _ = (axis, end);
         None
     }
 }
 
-/// The work that a picture took.
+/// The work spent on a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct GeodesicWork {
     /// Rays of a fan.
     pub rays: u64,
-    /// Steps taken, of all rays.
+    /// Accepted steps of all rays.
     pub steps: u64,
-    /// Steps tried and not taken.
+    /// Rejected steps.
     pub rejected: u64,
-    /// Evaluations of the surface and its derivatives, each point of a block counted, whatever they were for.
+    /// Evaluations of the surface and its derivatives for any purpose; each point of a block counts.
     pub evaluations: u64,
-    /// Pixels whose geodesics were followed one by one.
+    /// Pixels whose geodesics were integrated one by one.
     pub followed: u64,
 }
 
@@ -146,13 +147,13 @@ pub struct GeodesicWork {
 pub struct Estimate {
     /// The largest error.
     pub max: f64,
-    /// The error that 99 % of the pixels stay below.
+    /// The error that 99 % of the pixels do not exceed.
     pub p99: f64,
 }
 
 impl Estimate {
-    /// The estimate for the sum of these errors and others that know nothing of them: neither lie their maxima at one
-    /// place, nor do they point in one direction.
+    /// Combines this estimate with one of independent errors: neither do their maxima coincide, nor do they point in
+    /// the same direction.
     pub fn with(self, other: Self) -> Self {
         Self {
             max: self.max.hypot(other.max),
@@ -160,7 +161,7 @@ impl Estimate {
         }
     }
 
-    /// The estimate for pixels with these errors; `None` where there are none. A NaN is passed over.
+    /// Returns the estimate for pixels with these errors; `None` where there are none. Ignores NaN.
     pub fn of(errors: &mut Vec<f32>) -> Option<Self> {
         errors.retain(|error| !error.is_nan());
         let last = errors.len().checked_sub(1)?;

@@ -1,6 +1,6 @@
-//! The fan: all pixels on one line through the centre lie on one geodesic, and neighbouring lines share the rest.
+//! The fan: all pixels on one line through the centre are on one geodesic, and neighbouring lines are interpolated.
 //!
-//! In: a surface, a frame, a picture's size, a tolerance. Out: [`Ends`] for every place in the picture, interpolated
+//! In: a surface, a frame, a picture's size, a tolerance. Out: [`Ends`] for every point of the picture, interpolated
 //! between a few rays.
 //!
 //! ```text
@@ -51,10 +51,10 @@ use start::FanStart;
 /// The interpolation of ends between two rays.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Interpolation {
-    /// By both rays' ends and their Jacobi fields.
+    /// From the ends and Jacobi fields of both rays.
     #[default]
     Hermite,
-    /// By both rays' ends alone, for comparison.
+    /// From the ends of both rays alone, for comparison.
     Linear,
 }
 
@@ -63,11 +63,11 @@ pub enum Interpolation {
 pub struct FanOptions {
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
-    /// Between rays.
+    /// The interpolation between rays.
     pub interpolation: Interpolation,
-    /// The most evaluations of all rays together, with room kept for the pixels that have to be followed by themselves;
-    /// fewer of a surface whose evaluation is dear ([`affordable_evaluations`]).
-    /// Where they do not suffice, what is unknown says so: [`Status::WorkLimit`].
+    /// The maximum number of evaluations of all rays together, with a reserve for the pixels that must be integrated
+    /// one by one; lower for a surface that is expensive to evaluate ([`affordable_evaluations`]). Where it does not
+    /// suffice, unknown ends have [`Status::WorkLimit`].
     pub max_evaluations: u64,
 }
 
@@ -81,7 +81,7 @@ impl Default for FanOptions {
     }
 }
 
-/// Rays with what lies between them.
+/// A fan of rays and the sectors between them.
 pub struct Fan<'s> {
     surface: &'s dyn Surface,
     layout: ChartLayout,
@@ -91,16 +91,16 @@ pub struct Fan<'s> {
     /// `None` where no ray can start.
     start: Option<FanStart>,
     sectors: Sectors,
-    /// The error allowed to a pixel followed by itself, per length.
+    /// The error allowed to a pixel integrated on its own, per length.
     tolerance: f64,
-    /// Pixels followed, and their evaluations.
+    /// Pixels integrated one by one, and their evaluations.
     followed: AtomicU64,
     evaluations: AtomicU64,
 }
 
 impl<'s> Fan<'s> {
-    /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not
-    /// depend on their number.
+    /// Integrates as many rays as the tolerance requires, on all threads of the current rayon pool. The result does not
+    /// depend on the number of threads.
     pub fn build(
         surface: &'s dyn Surface,
         frame: &Frame,
@@ -133,7 +133,7 @@ impl<'s> Fan<'s> {
         }
     }
 
-    /// Returns the work so far, with the pixels that have been followed one by one until now.
+    /// Returns the work so far, including the pixels that have been integrated one by one until now.
     pub fn work(&self) -> GeodesicWork {
         let mut work = self.sectors.work;
         work.followed = self.followed.load(Ordering::Relaxed);
@@ -141,12 +141,12 @@ impl<'s> Fan<'s> {
         work
     }
 
-    /// Returns its estimated errors, measured by rays that took no part in it.
+    /// Returns the estimated errors, measured by rays that are not part of the fan.
     pub fn estimate(&self) -> Estimate {
         self.sectors.estimate
     }
 
-    /// The end at a place, which lies at this angle and distance in the picture.
+    /// Returns the end at a point that is at this angle and distance in the picture.
     #[inline(always)]
     fn look(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {
         let s = start.zoom * distance;
@@ -170,7 +170,7 @@ impl<'s> Fan<'s> {
         self.look_closer(start, place, s, sector, t)
     }
 
-    /// The end at a place between two rays, at the arc length `s`.
+    /// Returns the end at a point between two rays, at the arc length `s`.
     #[inline(always)]
     fn look_closer(
         &self,
@@ -182,7 +182,7 @@ impl<'s> Fan<'s> {
     ) -> End {
         let rays = self.sectors.rays(sector);
         if s >= sector.unknown_from {
-            // Where both end before, that much is known.
+            // Both rays end before `s`: the status is known.
             if let Some(status) = border::both_ended(rays, t, s) {
                 return self.ended(status);
             }
@@ -218,7 +218,7 @@ impl<'s> Fan<'s> {
         }
     }
 
-    /// One geodesic by itself, where the rays do not say.
+    /// Integrates one geodesic on its own, where the rays do not determine it.
     #[cold]
     #[inline(never)]
     fn follow(&self, start: &FanStart, place: PicturePoint, s: f64) -> End {
@@ -241,7 +241,7 @@ impl<'s> Fan<'s> {
         let mut end = integrate::integrate(&atlas, from, s, plan);
         let allowed = 0.5 * self.options.tolerance * start.pixel;
         if end.error > allowed && end.status == Status::Complete {
-            // Errors have grown on the way, as they do in chaos: once more, so much more exactly.
+            // Errors have grown along the way, as they do in chaos: repeat with a correspondingly smaller tolerance.
             plan.tableau = &DOP853;
             plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
             plan.limit = atlas.evaluations() + self.sectors.pixel_limit;
@@ -268,7 +268,7 @@ impl<'s> Fan<'s> {
     }
 }
 
-/// The ends of several places, compiled for the processor's vectors.
+/// The ends of several points, compiled for the processor's vector instructions.
 struct Several<'a, 's> {
     fan: &'a Fan<'s>,
     start: &'a FanStart,

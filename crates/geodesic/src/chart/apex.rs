@@ -1,4 +1,4 @@
-//! The coordinates about an apex: polar coordinates undone, or a cone unrolled.
+//! The coordinates about an apex: polar coordinates made Cartesian, or a cone unrolled.
 
 use super::State;
 use crate::ends::Coordinates;
@@ -6,54 +6,54 @@ use crate::jet::Jet;
 use crate::metric::combine;
 use crate::topology::Apex;
 
-/// A ray enters the chart of an apex within this share of the chart's reach.
+/// A ray enters an apex's chart within this fraction of the chart's reach.
 const ENTER: f64 = 0.25;
-/// A ray leaves the chart of an apex beyond this share of its reach. It exceeds [`ENTER`], so that a ray does not go back and
-/// forth.
+/// A ray leaves an apex's chart beyond this fraction of its reach. It exceeds [`ENTER`] so that a ray does not alternate
+/// between charts.
 const LEAVE: f64 = 0.3;
-/// The factor to [`ENTER`] and [`LEAVE`] for a single ray where the surface does not bend within the reach.
+/// The factor on [`ENTER`] and [`LEAVE`] for a single ray where the surface does not bend within the reach.
 const ROUND: f64 = 1.4;
-/// The chart of an apex is never used beyond this share of its reach.
+/// An apex's chart is never used beyond this fraction of its reach.
 const REACH: f64 = 0.5;
-/// The plain chart is not used nearer than this to an apex that has its own chart.
+/// The plain chart is not used within this fraction of the reach of an apex that has its own chart.
 const KEEP_OFF: f64 = 0.1;
 
-/// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
-/// acceleration is interpolated: it is a smooth function there.
+/// At a smooth pole, within this fraction of the chart's radius, the chain rule loses digits and the acceleration is
+/// interpolated: it is a smooth function there.
 const INNER: f64 = 1e-3;
-/// The same as a share of the radius of curvature: the function's series must converge well there.
+/// The same as a fraction of the radius of curvature: the function's series must converge well there.
 const INNER_BEND: f64 = 5e-3;
-/// About what a stage of a step weighs.
+/// The approximate weight of one stage of a step.
 const STAGE: f64 = 0.3;
-/// A point this near a pole, as a share of the domain's width, is at it.
+/// A point within this fraction of the domain's width from a pole is at the pole.
 const AT_POLE: f64 = 1e-15;
-/// A tip of a cone is hit by what passes it within this share of its chart's radius.
+/// A ray that passes the tip of a cone within this fraction of its chart's radius hits it.
 const HIT: f64 = 1e-12;
 
 /// The coordinates (a, b) = r (cos k(t−t₀), sin k(t−t₀)) about an apex; see [`Apex`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ApexChart {
-    /// The axis along which the apex lies at an end of the domain.
+    /// The axis at one end of which the apex is.
     pub(crate) axis: usize,
     /// The parameter at the apex.
     pub(crate) base: f64,
-    /// +1 where the domain lies above `base`, −1 where below.
+    /// +1 where the domain is above `base`, −1 where below.
     pub(crate) sign: f64,
-    /// t₀: the other parameter along the a-axis.
+    /// t₀: the value of the other parameter along the a-axis.
     pub(crate) reference: f64,
     /// The domain's width along `axis`.
     width: f64,
-    /// The distance in the domain's parameter within which the chart is of use.
+    /// The distance in the domain's parameter within which the chart is usable.
     reach: f64,
-    /// The chart's radius where its reach ends, which is the far end of the domain unless the chart winds.
+    /// The chart's radius at its reach, which is the far end of the domain unless the chart winds.
     pub(crate) radius: f64,
-    /// The factor to the distances at which it is entered and left.
+    /// The factor on the distances at which the chart is entered and left.
     stay: f64,
     pub(crate) apex: Apex,
 }
 
 impl ApexChart {
-    /// The chart about the apex at an end of an axis, whose a-axis lies along the minimum of the other parameter.
+    /// Creates the chart about the apex at an end of an axis, with its a-axis at the minimum of the other parameter.
     pub(super) fn new(domain: [[f64; 2]; 2], axis: usize, end: usize, apex: Apex) -> Self {
         let width = domain[axis][1] - domain[axis][0];
         let mut chart = Self {
@@ -71,13 +71,13 @@ impl ApexChart {
         chart
     }
 
-    /// The chart about the same apex with its a-axis along another value of the other parameter.
+    /// Returns the chart about the same apex with its a-axis at another value of the other parameter.
     #[inline(always)]
     pub(crate) fn with_reference(self, reference: f64) -> Self {
         Self { reference, ..self }
     }
 
-    /// The name of these coordinates.
+    /// Returns the name of these coordinates.
     pub(crate) fn coordinates(&self) -> Coordinates {
         Coordinates::Apex {
             axis: self.axis as u8,
@@ -85,7 +85,7 @@ impl ApexChart {
         }
     }
 
-    /// r^power, how far a point so far off the apex is from it in the domain's parameter.
+    /// Returns r^power: the distance in the domain's parameter of a point at radius r.
     #[inline(always)]
     fn power(&self, r: f64) -> f64 {
         match self.apex.power {
@@ -95,7 +95,7 @@ impl ApexChart {
         }
     }
 
-    /// The inverse.
+    /// The inverse of [`ApexChart::power`].
     fn root(&self, rho: f64) -> f64 {
         match self.apex.power {
             1.0 => rho,
@@ -104,7 +104,7 @@ impl ApexChart {
         }
     }
 
-    /// The radial parameter's derivative by r.
+    /// Returns the radial parameter's derivative by r.
     #[inline(always)]
     pub(super) fn slope(&self, r: f64) -> f64 {
         match self.apex.power {
@@ -114,23 +114,23 @@ impl ApexChart {
         }
     }
 
-    /// The distance of a point in (u,v) from the apex, in the domain's parameter; negative beyond it.
+    /// Returns the distance of a point in (u,v) from the apex, in the domain's parameter; negative beyond it.
     fn distance(&self, at: [f64; 2]) -> f64 {
         self.sign * (at[self.axis] - self.base)
     }
 
-    /// The radius of the neighbourhood in which the acceleration is interpolated, where it is smooth at the tip.
+    /// Returns the radius within which the acceleration is interpolated, if it is smooth at the tip.
     pub(crate) fn inner(&self) -> f64 {
         (INNER * self.radius).min(INNER_BEND * self.apex.bend)
     }
 
-    /// Returns whether the acceleration is interpolated about the tip.
+    /// Returns whether the acceleration is interpolated near the tip.
     pub(crate) fn is_interpolated(&self) -> bool {
         self.apex.smooth && self.apex.odd
     }
 
-    /// The longest stretch, in arc length, that a step may go near a tip that is not smooth: towards it so that
-    /// the tip stays ahead, away from it twice the distance. There the chain rule's rounding grows like 1/r.
+    /// Returns the maximum arc length of a step near a tip that is not smooth: a step towards the tip must stop short
+    /// of it, a step away from it is limited to twice the distance. The chain rule's rounding grows like 1/r there.
     pub(crate) fn longest(&self, state: State) -> f64 {
         if self.apex.smooth {
             return f64::INFINITY;
@@ -141,23 +141,23 @@ impl ApexChart {
         stretch * r / x.hypot(y)
     }
 
-    /// Returns whether a point is as near the tip of a cone as counts for a hit.
+    /// Returns whether a point is near enough to the tip of a cone to count as a hit.
     pub(crate) fn is_hit_at(&self, at: [f64; 2]) -> bool {
         at[0].hypot(at[1]) <= HIT * self.radius
     }
 
-    /// Returns whether the straight line from one point to another passes through the tip.
+    /// Returns whether the line segment between two points passes through the tip.
     pub(crate) fn is_hit_between(&self, from: [f64; 2], to: [f64; 2]) -> bool {
         self.is_hit_at(nearest_between(from, to))
     }
 
-    /// A point's distance from the apex, as a share of the chart's reach.
+    /// Returns a point's distance from the apex as a fraction of the chart's reach.
     fn share(&self, at: [f64; 2]) -> f64 {
         self.power(at[0].hypot(at[1])) / self.reach
     }
 
-    /// The error that the rounding of the radial parameter causes in a direction that passes from one point to another in a
-    /// straight line: nothing where the apex is at 0, much where ρ is a difference of large numbers.
+    /// Returns the error in direction that the rounding of the radial parameter causes along the line segment between two
+    /// points: zero where the apex is at 0, large where ρ is a difference of large numbers.
     pub(crate) fn noise(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
         let way = (to[0] - from[0]).hypot(to[1] - from[1]);
         let nearest = nearest_between(from, to);
@@ -169,7 +169,7 @@ impl ApexChart {
             .hypot(nearest[1])
             .max(floor)
             .max(HIT * self.radius);
-        // Beside the direction itself, the acceleration at a stage that falls near the apex, with its weight.
+        // Besides the direction itself: the acceleration at a stage that falls near the apex, with its weight.
         let stage = if self.apex.smooth {
             (STAGE * way / r).max(1.0)
         } else {
@@ -178,7 +178,7 @@ impl ApexChart {
         stage * f64::EPSILON * self.base.abs() / self.power(r)
     }
 
-    /// Returns whether a point is far enough off to leave the chart.
+    /// Returns whether a point is far enough away to leave the chart.
     pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
         self.share(at) > LEAVE * self.stay
     }
@@ -188,23 +188,23 @@ impl ApexChart {
         (0.0..=ENTER * self.stay * self.reach).contains(&self.distance(at))
     }
 
-    /// Returns whether a point in (u,v) is too near for the plain chart, or beyond the apex.
+    /// Returns whether a point in (u,v) is too near the apex for the plain chart, or beyond it.
     pub(super) fn is_needed_at(&self, at: [f64; 2]) -> bool {
         self.distance(at) < KEEP_OFF * self.reach
     }
 
-    /// Returns whether a point is farther off than the chart is good for.
+    /// Returns whether a point is farther away than the chart is valid.
     pub(crate) fn oversteps(&self, at: [f64; 2]) -> bool {
         self.share(at) > REACH
     }
 
-    /// Returns whether the chart is good for a point in (u,v).
+    /// Returns whether the chart is valid at a point in (u,v).
     pub(crate) fn holds(&self, at: [f64; 2]) -> bool {
         (0.0..=REACH * self.reach).contains(&self.distance(at))
     }
 
-    /// The chart as a single ray uses it: one about a pole as a sphere's, or a flatter one, farther out. Rays side by side
-    /// part where one of them changes charts, so that they change as late as they can.
+    /// Returns the chart as a single ray uses it: about a pole as round as a sphere's, or flatter, it reaches farther out.
+    /// Rays integrated side by side separate when one of them changes charts, so they change as late as possible.
     pub(super) fn for_one_ray(self) -> Self {
         let round = self.apex.smooth && self.apex.bend > 0.25 * self.radius;
         Self {
@@ -213,19 +213,19 @@ impl ApexChart {
         }
     }
 
-    /// The point in (u,v), perhaps beyond sides that wrap.
+    /// Returns the point in (u,v), possibly beyond sides that wrap.
     pub(crate) fn plain_point(&self, [a, b]: [f64; 2]) -> [f64; 2] {
         self.plain_polar(a.hypot(b), b.atan2(a))
     }
 
-    /// The point in (u,v) for a radius and an angle.
+    /// Returns the point in (u,v) for a radius and an angle.
     #[inline(always)]
     pub(crate) fn plain_polar(&self, r: f64, angle: f64) -> [f64; 2] {
         let along = self.base + self.sign * self.power(r);
         self.pair(along, self.reference + angle / self.apex.rate)
     }
 
-    /// (u,v) from what belongs to the parameter along the axis and to the other one.
+    /// Returns (u,v) from the components for the parameter along the axis and for the other parameter.
     #[inline(always)]
     fn pair(&self, along: f64, across: f64) -> [f64; 2] {
         if self.axis == 0 {
@@ -235,19 +235,19 @@ impl ApexChart {
         }
     }
 
-    /// (a, b) of a point in (u,v).
+    /// Returns (a, b) of a point in (u,v).
     pub(crate) fn point(&self, at: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.angle(at).sin_cos();
         let r = self.radius_at(at);
         [r * cos, r * sin]
     }
 
-    /// r of a point in (u,v); 0 beyond the apex.
+    /// Returns r of a point in (u,v); 0 beyond the apex.
     fn radius_at(&self, at: [f64; 2]) -> f64 {
         self.root(self.distance(at).max(0.0))
     }
 
-    /// A vector at a point in (u,v), in this chart.
+    /// Converts a vector at a point in (u,v) into this chart.
     pub(crate) fn vector(&self, at: [f64; 2], v: [f64; 2]) -> [f64; 2] {
         let rho = self.distance(at).max(0.0);
         let mut radial = self.sign * v[self.axis];
@@ -260,7 +260,7 @@ impl ApexChart {
         [radial * cos - turning * sin, radial * sin + turning * cos]
     }
 
-    /// A vector at (a, b), in (u,v).
+    /// Converts a vector at (a, b) into (u,v).
     pub(crate) fn plain_vector(&self, [a, b]: [f64; 2], vector: [f64; 2]) -> [f64; 2] {
         let r = a.hypot(b);
         if r == 0.0 {
@@ -270,7 +270,7 @@ impl ApexChart {
         self.pair(self.slope(r) * radial, turning / r / self.apex.rate)
     }
 
-    /// A point's radius, `nearest` at least, with its direction from the apex as (cos, sin).
+    /// Returns a point's radius, at least `nearest`, and its direction from the apex as (cos, sin).
     #[inline(always)]
     pub(crate) fn polar(&self, [a, b]: [f64; 2], nearest: f64) -> (f64, [f64; 2]) {
         let r = (a * a + b * b).sqrt();
@@ -278,9 +278,9 @@ impl ApexChart {
         (r.max(nearest), direction)
     }
 
-    /// The jet at radius `r` by the chain rule from that in (u,v), its derivatives along the radius and across it, where
-    /// the coordinates are straight lines with these directions. Those of (a, b) are the same ones turned by the angle;
-    /// vectors are turned instead, for they are fewer.
+    /// Transforms the jet in (u,v) to radius `r` by the chain rule. The derivatives are along the radius and across it,
+    /// in Cartesian coordinates with these directions. Those of (a, b) are the same rotated by the angle; callers rotate
+    /// vectors instead, since there are fewer of them.
     #[inline(always)]
     pub(crate) fn radial_jet(&self, r: f64, jet: &Jet) -> Jet {
         let (dw, dww, dt, dtt) = if self.axis == 0 {
@@ -288,11 +288,11 @@ impl ApexChart {
         } else {
             (jet.dv, jet.dvv, jet.du, jet.duu)
         };
-        // The radial parameter is base + sign r^power: its derivatives by r.
+        // The radial parameter is base + sign r^power; these are its derivatives by r.
         let first = self.slope(r);
         let inverse = 1.0 / r;
         let second = first * (self.apex.power - 1.0) * inverse;
-        // Derivatives by the angle are over r, so that all are of one size.
+        // Derivatives by the angle are divided by r, so that all have the same magnitude.
         let turn = inverse / self.apex.rate;
         let (du, dv) = (dw.map(|x| first * x), dt.map(|x| turn * x));
         Jet {
@@ -305,18 +305,18 @@ impl ApexChart {
         }
     }
 
-    /// The angle of a point in (u,v) from the a-axis.
+    /// Returns the angle of a point in (u,v) from the a-axis.
     pub(crate) fn angle(&self, at: [f64; 2]) -> f64 {
         self.apex.rate * (at[1 - self.axis] - self.reference)
     }
 
-    /// A vector of `other`, the chart about the same apex with another reference, in this one.
+    /// Converts a vector of `other`, the chart about the same apex with another reference, into this chart.
     pub(crate) fn vector_of(&self, other: &Self, vector: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = (self.apex.rate * (self.reference - other.reference)).sin_cos();
         rotated([cos, sin], vector)
     }
 
-    /// Returns whether a point in (u,v) is at the apex, as far as its parameter can tell.
+    /// Returns whether a point in (u,v) is at the apex, to within its parameter's rounding.
     pub(crate) fn is_at(&self, at: [f64; 2]) -> bool {
         self.radius_at(at) <= (1.0 + 1e-3) * self.nearest()
     }
@@ -328,7 +328,7 @@ impl ApexChart {
         self.sign * self.apex.rate.signum() * order
     }
 
-    /// From (u,v) into this chart.
+    /// Converts a state from (u,v) into this chart.
     pub(crate) fn enter(&self, state: State) -> State {
         State {
             at: self.point(state.at),
@@ -336,24 +336,25 @@ impl ApexChart {
         }
     }
 
-    /// The least distance from the apex, in units of r, at which the parameters still distinguish a point from it.
+    /// Returns the minimum distance from the apex, in units of r, at which the parameters still distinguish a point
+    /// from it.
     pub(crate) fn nearest(&self) -> f64 {
         let rho = (AT_POLE * self.width).max(4.0 * f64::EPSILON * self.base.abs());
         self.root(rho)
     }
 
-    /// Returns whether a point lies where the chain rule from (u,v) has lost digits.
+    /// Returns whether a point is where the chain rule from (u,v) loses digits.
     pub(crate) fn is_inner(&self, at: [f64; 2]) -> bool {
         self.apex.smooth && at[0].hypot(at[1]) < self.inner()
     }
 
-    /// Back to (u,v), perhaps beyond sides that wrap.
+    /// Converts a state back to (u,v), possibly beyond sides that wrap.
     pub(crate) fn leave(&self, mut state: State) -> State {
         let [x, y] = state.velocity;
         let nearest = self.nearest();
         let r = state.at[0].hypot(state.at[1]);
         if self.apex.smooth && r < nearest && x.hypot(y) > 0.0 {
-            // The angle of a point at the pole is free: the one in which the ray goes on.
+            // A point at the pole has no angle of its own: use the angle at which the ray continues.
             state.at = [x, y].map(|c| nearest * c / x.hypot(y));
         }
         State {
@@ -362,8 +363,8 @@ impl ApexChart {
         }
     }
 
-    /// Turns the chart so that the point lies on the a-axis: along a ray the angle may go on growing. Gives the
-    /// rotation as (cos, sin), for what else is expressed in the chart.
+    /// Turns the chart so that the point is on the a-axis: the angle may grow without bound along a ray. Returns the
+    /// rotation as (cos, sin), to be applied to whatever else is expressed in the chart.
     pub(crate) fn turn_to(&mut self, state: &mut State) -> [f64; 2] {
         let [a, b] = state.at;
         let r = a.hypot(b);
@@ -378,7 +379,7 @@ impl ApexChart {
     }
 }
 
-/// The point of the straight line from one point to another that is nearest to the apex.
+/// Returns the point of a line segment that is nearest to the apex.
 fn nearest_between(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let way = [0, 1].map(|k| to[k] - from[k]);
     let square = way[0] * way[0] + way[1] * way[1];
@@ -390,13 +391,13 @@ fn nearest_between(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| from[k] + along * way[k])
 }
 
-/// A vector turned back by the rotation (cos, sin).
+/// Returns a vector turned back by the rotation (cos, sin).
 #[inline(always)]
 pub(crate) fn rotated([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     [cos * x + sin * y, cos * y - sin * x]
 }
 
-/// A vector turned by the rotation (cos, sin).
+/// Returns a vector turned by the rotation (cos, sin).
 #[inline(always)]
 pub(crate) fn turned([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]

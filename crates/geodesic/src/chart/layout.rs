@@ -1,4 +1,4 @@
-//! A chart as a whole: the domain with its sides and what lies beyond them, and the charts about its apexes.
+//! A chart as a whole: the domain, its sides and the continuation beyond them, and the charts about its apexes.
 
 use super::{ApexChart, State};
 use crate::ends::Coordinates;
@@ -7,9 +7,9 @@ use crate::sides::{Crossing, Side, Sides};
 use crate::surface::Surface;
 use crate::topology::Apex;
 
-/// The distance beyond an edge, as a share of the domain's width, within which a point is still on it.
+/// A point beyond an edge by at most this fraction of the domain's width is still on the edge.
 const EDGE_SLACK: f64 = 1e-12;
-/// The shares of a step at which it is looked for an edge.
+/// The fractions of a step at which edges are checked.
 const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
 /// The domain of a surface with its sides, and the charts about its apexes.
@@ -17,10 +17,10 @@ const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 pub(crate) struct ChartLayout {
     pub(crate) domain: [[f64; 2]; 2],
     pub(crate) sides: Sides,
-    /// `[axis][end]`: the sides that are one point.
+    /// `[axis][end]`: the sides that collapse to one point.
     pub(crate) apexes: [[Option<Apex>; 2]; 2],
-    /// `[axis][end]`: the charts about those where one is of use, with their a-axes along the minimum of the other
-    /// parameter, as [`Coordinates`] has them.
+    /// `[axis][end]`: the charts about the apexes where one is useful, with their a-axes at the minimum of the other
+    /// parameter, as in [`Coordinates`].
     charts: [[Option<ApexChart>; 2]; 2],
     pub(crate) scale: Scale,
     any_chart: bool,
@@ -33,7 +33,8 @@ impl ChartLayout {
         let apexes = [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end)));
         for (sides, apexes) in [&mut sides.u, &mut sides.v].into_iter().zip(&apexes) {
             for (side, apex) in sides.iter_mut().zip(apexes) {
-                // A ray through a pole goes on along the meridian half a period away only where directions are even.
+                // A ray through a pole continues on the meridian half a period away only where directions are evenly
+                // spaced.
                 if apex.is_some_and(|apex| apex.smooth && !apex.regular) {
                     *side = Side::Edge;
                 }
@@ -56,7 +57,7 @@ impl ChartLayout {
         }
     }
 
-    /// The same with charts as a single ray uses them.
+    /// Returns the layout with the charts as a single ray uses them.
     pub(super) fn for_one_ray(mut self) -> Self {
         self.charts = (self.charts).map(|ends| ends.map(|chart| Some(chart?.for_one_ray())));
         self
@@ -66,7 +67,7 @@ impl ChartLayout {
         self.domain[axis][1] - self.domain[axis][0]
     }
 
-    /// The chart that these coordinates are; `None` for (u,v), and where there is none.
+    /// Returns the apex's chart of these coordinates; `None` for (u,v), and where there is no such chart.
     #[inline(always)]
     pub(crate) fn apex_chart(&self, coordinates: Coordinates) -> Option<&ApexChart> {
         match coordinates {
@@ -79,7 +80,7 @@ impl ChartLayout {
         }
     }
 
-    /// The same where it is about a smooth pole.
+    /// Returns the chart of these coordinates if it is about a smooth pole.
     pub(crate) fn pole_chart(&self, coordinates: Coordinates) -> Option<&ApexChart> {
         self.apex_chart(coordinates)
             .filter(|chart| chart.apex.smooth)
@@ -89,8 +90,8 @@ impl ChartLayout {
         self.charts.iter().flatten().flatten()
     }
 
-    /// The chart to enter at a point in (u,v), if one is near: about a smooth pole as it is, about the tip of a cone with
-    /// the point on its a-axis.
+    /// Returns the chart to enter at a point in (u,v), if one is near: unchanged about a smooth pole; with the point on
+    /// its a-axis about the tip of a cone.
     pub(crate) fn chart_near(&self, at: [f64; 2]) -> Option<ApexChart> {
         if !self.any_chart {
             return None;
@@ -111,14 +112,14 @@ impl ChartLayout {
         self.any_chart && self.apex_charts().any(|chart| chart.is_needed_at(at))
     }
 
-    /// The smooth pole so near to a point in (u,v) that directions have a meaning only in its chart.
+    /// Returns the smooth pole so near to a point in (u,v) that directions are meaningful only in the pole's chart.
     pub(crate) fn pole_near(&self, at: [f64; 2]) -> Option<&ApexChart> {
         self.apex_charts()
             .find(|chart| chart.is_inner(chart.point(at)))
     }
 
-    /// A point at a pole is moved off it by as little as tells the meridians apart, so that its σu and σv span the
-    /// tangent plane there. Gives the point otherwise as it is.
+    /// Moves a point at a pole off it by the smallest distance that distinguishes the meridians, so that its σu and σv
+    /// span the tangent plane there. Returns any other point unchanged.
     pub(crate) fn off_pole(&self, mut at: [f64; 2]) -> [f64; 2] {
         if let Some(chart) = self.chart_near(at)
             && chart.apex.smooth
@@ -131,7 +132,7 @@ impl ChartLayout {
         at
     }
 
-    /// The periods by which neighbours behind a smooth pole may differ.
+    /// Returns the periods by which neighbouring ends may differ behind a smooth pole.
     pub(crate) fn periods(&self) -> [f64; 2] {
         [0, 1].map(|axis| {
             let mut charts = self.charts[1 - axis].iter().flatten();
@@ -143,27 +144,27 @@ impl ChartLayout {
         })
     }
 
-    /// Brings a point back through the sides that wrap, and through poles.
+    /// Brings a point back into the domain through the sides that wrap, and through poles.
     #[inline(always)]
     pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> Crossing {
         self.sides.bring_back(self.domain, at)
     }
 
-    /// The same for a point with its velocity.
+    /// Brings a point with its velocity back into the domain.
     pub(crate) fn bring_state_back(&self, state: &mut State) -> Crossing {
         let crossing = self.bring_back(&mut state.at);
         state.velocity = [0, 1].map(|k| crossing.signs[k] * state.velocity[k]);
         crossing
     }
 
-    /// Returns whether a point lies within the domain itself.
+    /// Returns whether a point is in the domain itself.
     #[inline(always)]
     pub(crate) fn contains(&self, [u, v]: [f64; 2]) -> bool {
         let [[a, b], [c, d]] = self.domain;
         (u >= a) & (u <= b) & (v >= c) & (v <= d)
     }
 
-    /// The edge that a point in (u,v) lies beyond, if any: its axis and end.
+    /// Returns the edge that a point in (u,v) is beyond, if any: its axis and end.
     #[inline(always)]
     pub(crate) fn beyond_edge(&self, at: [f64; 2]) -> Option<(usize, usize)> {
         if !self.any_edge || self.contains(at) {
@@ -183,8 +184,8 @@ impl ChartLayout {
         })
     }
 
-    /// The edge that a step to `end` leaves through, and a share of the step by which it has: the earliest of a few
-    /// looks at it that are later than `after`.
+    /// Returns the edge through which a step to `end` leaves, and a fraction of the step after which it is outside: the
+    /// earliest of a few samples later than `after`.
     pub(crate) fn edge_on_way(
         &self,
         end: [f64; 2],
@@ -201,18 +202,18 @@ impl ChartLayout {
         })
     }
 
-    /// Returns whether a point in (u,v) lies on a side, but for rounding.
+    /// Returns whether a point in (u,v) is on a side, up to rounding.
     pub(crate) fn is_on(&self, at: [f64; 2], side: (usize, usize)) -> bool {
         self.beyond(at, side).abs() <= EDGE_SLACK * self.width(side.0)
     }
 
-    /// The distance in its parameter by which a point in (u,v) lies beyond a side; negative inside.
+    /// Returns the distance in its parameter by which a point in (u,v) is beyond a side; negative inside.
     pub(crate) fn beyond(&self, at: [f64; 2], (axis, end): (usize, usize)) -> f64 {
         let outward = if end == 0 { -1.0 } else { 1.0 };
         outward * (at[axis] - self.domain[axis][end])
     }
 
-    /// The bounds within which no edge is crossed: infinite where there is none.
+    /// Returns the bounds within which no edge is crossed: infinite where there is no edge.
     pub(crate) fn bounds(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis| {
             let sides = self.sides.of(axis);

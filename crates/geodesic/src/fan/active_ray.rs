@@ -1,4 +1,4 @@
-//! A ray on its way from step to step, and what remains of it in the end.
+//! A ray during integration, step by step, and the finished ray that it becomes.
 
 use super::coordinates::FanChart;
 use super::ray::{Knot, Ray, Segment, Stop};
@@ -7,25 +7,25 @@ use crate::chart::{ChartLayout, State};
 use crate::status::Status;
 use crate::step_control::{ErrorSum, StepControl};
 
-/// A ray on its way.
+/// A ray during integration.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveRay {
-    /// Its place in the request.
+    /// Its index in the request.
     pub(super) id: usize,
     pub(super) angle: f64,
     pub(super) length: f64,
-    /// The share of the group's allowed error that it is allowed itself.
+    /// The fraction of the group's allowed error that this ray is allowed.
     pub(super) tolerance_share: f64,
     pub(super) chart: FanChart,
     pub(super) at: [f64; 2],
     pub(super) velocity: [f64; 2],
-    /// +1 where the frame's Y lies to the left of X in the plain coordinates, −1 where to the right.
+    /// +1 where the frame's Y is to the left of X in the plain coordinates, −1 where to the right.
     pub(super) side: f64,
     pub(super) m: [f64; 2],
     pub(super) s: f64,
     pub(super) h: f64,
     pub(super) control: StepControl,
-    /// The angle about an apex, going on over more than a turn.
+    /// The angle about an apex, continuous over more than a turn.
     pub(super) turned: f64,
     pub(super) steps: u64,
     pub(super) rejected: u64,
@@ -33,11 +33,11 @@ pub(super) struct ActiveRay {
     pub(super) segments: Vec<Segment>,
     pub(super) stop: Option<Stop>,
     pub(super) done: bool,
-    /// Steps beyond an edge.
+    /// The number of steps beyond an edge.
     pub(super) beyond: u32,
-    /// The steps' errors so far.
+    /// The sum of the steps' errors so far.
     pub(super) errors: ErrorSum,
-    /// The largest standard deviation of the position on the way, in each range of radius.
+    /// The largest standard deviation of the position so far, in each range of radius.
     pub(super) off: Profile,
 }
 
@@ -77,7 +77,7 @@ impl ActiveRay {
         }
     }
 
-    /// The arc length for which it is still to be followed: to its length, or so far `beyond` the edge through which it has left.
+    /// The arc length to integrate in total: the ray's length, or `beyond` past the edge through which it has left.
     pub(super) fn way(&self, beyond: f64) -> f64 {
         let end = match &self.stop {
             None => self.length,
@@ -86,7 +86,7 @@ impl ActiveRay {
         end - self.s
     }
 
-    /// Takes a step of the length `h` to a knot; `fields` is what (1, 0) and (0, 1) have become, [(n, m), (n', m')].
+    /// Takes a step of length `h` to a knot; `fields` is the image of (1, 0) and (0, 1), [(n, m), (n', m')].
     pub(super) fn step(&mut self, h: f64, fields: [[f64; 2]; 2], mut knot: Knot) {
         let [value, rate] = self.m;
         self.m = fields.map(|[n, m]| n * value + m * rate);
@@ -101,7 +101,7 @@ impl ActiveRay {
         }
     }
 
-    /// Takes note of the error between two arc lengths, the ranges of radius being those within `reach`.
+    /// Records the error between two arc lengths, in the ranges of radius within `reach`.
     pub(super) fn note_error(&mut self, from: f64, to: f64, reach: f64) {
         let error = self.errors.deviation() as f32;
         for off in &mut self.off[bin(from, reach)..=bin(to, reach)] {
@@ -109,7 +109,7 @@ impl ActiveRay {
         }
     }
 
-    /// The ray, once it is done.
+    /// Returns the finished ray.
     pub(super) fn finish(self) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
         ray.off = self.off;
@@ -128,7 +128,7 @@ impl ActiveRay {
         });
     }
 
-    /// Notes the edge that it has left through, and the change of its place with the angle.
+    /// Records the edge through which the ray has left, and the derivative of the exit point by the angle.
     pub(super) fn aim(&mut self, axis: usize, end: usize) {
         let knots = self
             .segments
@@ -138,7 +138,7 @@ impl ActiveRay {
             return;
         };
         stop.edge = Some((axis, end));
-        // Between the knots the field and the velocity change little enough for a slope.
+        // Between the knots the field and the velocity vary slowly enough to determine a slope.
         let share = ((stop.s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
         let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
         let mix = |x: f64, y: f64| x + share * (y - x);
@@ -146,7 +146,7 @@ impl ActiveRay {
         stop.told = stop.slope.is_finite();
     }
 
-    /// Its point and velocity.
+    /// Returns the point and velocity.
     pub(super) fn state(&self) -> State {
         State {
             at: self.at,
@@ -154,7 +154,7 @@ impl ActiveRay {
         }
     }
 
-    /// Its point and velocity in the plain coordinates.
+    /// Returns the point and velocity in the plain coordinates.
     pub(super) fn plain(&self, layout: &ChartLayout) -> State {
         let (at, velocity) = (self.at, self.velocity);
         match self.chart.apex_chart(layout) {
@@ -167,7 +167,7 @@ impl ActiveRay {
         }
     }
 
-    /// Goes over to other coordinates.
+    /// Changes to other coordinates.
     pub(super) fn enter(&mut self, layout: &ChartLayout, chart: FanChart) {
         let mut state = self.plain(layout);
         if let Some(chart) = chart.apex_chart(layout) {

@@ -1,14 +1,15 @@
-//! The ends of two rays and the places between them: edges, their slopes, the arc lengths up to which they are known.
+//! The ends of two rays and of the points between them: edges, their slopes, and the arc lengths up to which they are
+//! known.
 //!
-//! What flows in: a pair of rays, their angle apart, a share of the way between them. What flows out: arc lengths and
+//! In: a pair of rays, the angle between them, a fraction of the way from one to the other. Out: arc lengths and
 //! statuses.
 
 use super::ray::{Ray, Stop};
 use crate::interpolate::cubic;
 use crate::status::Status;
 
-/// Places at equal shares of the way to an edge that lies aslant, instead of equal arc lengths: where only one of two
-/// rays still is, the other says nothing.
+/// Interpolation at equal fractions of the way to an oblique edge, instead of equal arc lengths: where only one of two
+/// rays continues, the other gives no information.
 pub(super) struct Stretch {
     pub(super) ends: [f64; 2],
     pub(super) slopes: [f64; 2],
@@ -38,7 +39,7 @@ impl Stretch {
     }
 }
 
-/// Returns whether the way to the edge has to be stretched, and can be.
+/// Returns whether points must and can be interpolated at equal fractions of the way to the edge.
 #[inline(always)]
 fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let [a, b] = stops;
@@ -48,7 +49,7 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     like && !known && a.s.min(b.s) > 0.5 * far
 }
 
-/// The arc length up to which both rays go on: 0 where they end at an edge that may lie aslant.
+/// Returns the arc length up to which both rays continue: 0 where they end at an edge that may be oblique.
 pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
     if is_stretched(rays) {
         return 0.0;
@@ -56,7 +57,8 @@ pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
     rays[0].limit().min(rays[1].limit())
 }
 
-/// Returns whether places between two rays are given by their shares of the way to the edge, once its slope is known.
+/// Returns whether points between two rays are given by their fractions of the way to the edge, once its slope is
+/// known.
 #[inline(always)]
 pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     match (&rays[0].stop, &rays[1].stop) {
@@ -65,7 +67,7 @@ pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     }
 }
 
-/// Returns the arc length of the edge at the share `t` between two rays that leave through it.
+/// Returns the arc length of the edge at the fraction `t` between two rays that leave through it.
 #[inline(always)]
 pub(super) fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
@@ -80,8 +82,8 @@ pub(super) fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)>
     Some((s, status))
 }
 
-/// The arc length up to which anything between two rays is on the surface: an edge may bulge out between the places where
-/// they leave.
+/// Returns the arc length up to which any point between two rays is on the surface: an edge may bulge outwards between
+/// the points where they leave.
 pub(super) fn farthest(rays: [&Ray; 2], width: f64) -> f64 {
     let far = rays[0].limit().max(rays[1].limit());
     let (Some(a), Some(b)) = (rays[0].stop, rays[1].stop) else {
@@ -106,7 +108,8 @@ pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
     (known && s > a.s && s > b.s).then_some(if t < 0.5 { a.status } else { b.status })
 }
 
-/// By how much two rays mistake the place where a third one ends, as a length; infinite where they do not agree.
+/// Returns the error of the exit point of a third ray as predicted by two rays, as a length; infinite where they do not
+/// agree.
 pub(super) fn exit_discrepancy(rays: [&Ray; 2], width: f64, middle: &Ray) -> f64 {
     match (rays[0].stop, rays[1].stop, middle.stop) {
         (None, None, None) => 0.0,
@@ -117,7 +120,7 @@ pub(super) fn exit_discrepancy(rays: [&Ray; 2], width: f64, middle: &Ray) -> f64
     }
 }
 
-/// Returns whether two rays end alike, so that what lies between them follows from both.
+/// Returns whether two rays end alike, so that everything between them follows from both.
 pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
     let known = |ray: &Ray, s: f64| s <= ray.end + ray.slack;
     match (rays[0].stop, rays[1].stop) {
@@ -128,7 +131,7 @@ pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
             let near = (a.s - b.s).abs() <= pixel
                 || (a.edge.is_some() && known(rays[0], far) && known(rays[1], far))
                 || (aslant(rays, [&a, &b]) && (a.slope + b.slope).is_finite());
-            // Beyond the picture nothing matters.
+            // Beyond the picture, nothing matters.
             (like && near) || a.s.min(b.s) >= reach
         }
         (Some(stop), None) | (None, Some(stop)) => {

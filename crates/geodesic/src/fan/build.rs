@@ -1,7 +1,7 @@
-//! A fan is built: a start and a tolerance in, rays and the sectors between them out.
+//! Building a fan. In: a start and a tolerance. Out: rays and the sectors between them.
 //!
-//! The first rays show how exact steps have to be; `refine.rs` chooses the rays between them, and how far
-//! off the whole is by `verify.rs`.
+//! The first rays determine the accuracy that steps need; `refine.rs` chooses the rays between them, and `verify.rs`
+//! estimates the error of the whole.
 
 use std::f64::consts::TAU;
 
@@ -17,37 +17,39 @@ use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 use crate::surface::Surface;
 
-/// Rays to begin with.
+/// The initial number of rays.
 pub(crate) const BASE: usize = 16;
-/// The share of the tolerance that interpolation between rays may use.
+/// The fraction of the tolerance that interpolation between rays may use.
 pub(crate) const ACROSS: f64 = 0.7;
-/// The share of the tolerance that the rays' own errors may use.
+/// The fraction of the tolerance that the rays' own errors may use.
 const ALONG: f64 = 0.3;
-/// The factor to the tolerance when the first rays are integrated once more, to measure their errors.
+/// The factor on the tolerance when the first rays are integrated again to measure their errors.
 const EXACT: f64 = 0.04;
-/// By how much more the others may err where the first ones are found too exact. More would leave knots so far apart
-/// that what lies between them has kinks that cost more squares of a picture than it saves steps.
+/// The maximum factor by which the other rays' errors may be increased where the first ones prove too accurate. A
+/// larger factor would space knots so far apart that the interpolation has kinks, which cost more patches of the
+/// picture than they save steps.
 const LOOSEST: f64 = 4.0;
-/// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
+/// The minimum fraction of the usual error that a ray is allowed: where even that leads to too large errors, rays are
+/// useless.
 const LEAST_TOLERANCE_SHARE: f64 = 2e-2;
-/// The most evaluations for one ray, and in space for a pixel that is followed by itself.
+/// The maximum number of evaluations for one ray, and in space for a pixel that is integrated on its own.
 pub(crate) const ONE_RAY: u64 = 20_000;
-/// The least evaluations that a ray is begun with.
+/// The minimum number of evaluations with which a ray is begun.
 const LEAST: u64 = 50;
-/// The most evaluations of the surface for all rays of a fan, whatever its options allow: each step of each ray is kept, in about
-/// 300 bytes.
+/// The maximum number of evaluations of the surface for all rays of a fan, whatever its options allow: each step of each ray is
+/// stored, in about 300 bytes.
 pub const MOST_FOR_RAYS: u64 = 20_000_000;
 
-/// The number of pixels that rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
+/// The number of pixels by which rays are continued beyond an edge, so that a square of pixels crossed by an edge can be one
 /// polynomial.
 const BEYOND: f64 = 48.0;
 
-/// A ray to be integrated: as long as the picture is within a distance in angle of it.
+/// A ray to be integrated, as long as the picture extends within an angle of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     angle: f64,
     around: f64,
-    /// The share of the usual error that it is allowed.
+    /// The fraction of the usual error that it is allowed.
     tolerance_share: f64,
 }
 
@@ -66,7 +68,7 @@ impl Wanted {
         Self::new(sector.angle + half, half)
     }
 
-    /// The same, allowed a share of the usual error.
+    /// Returns the ray with a fraction of the usual error allowed.
     pub(super) fn with_tolerance_share(self, tolerance_share: f64) -> Self {
         Self {
             tolerance_share,
@@ -84,11 +86,11 @@ pub(super) struct Builder<'a> {
     pub(super) rays: Vec<Ray>,
     pub(super) work: GeodesicWork,
     pub(super) exhausted: bool,
-    /// Pixels by which a ray is off for each unit of its estimated error.
+    /// A ray's error in pixels per unit of its estimated error.
     pub(super) factor: f64,
 }
 
-/// Makes a fan.
+/// Builds a fan.
 pub(super) fn build(
     surface: &dyn Surface,
     layout: &ChartLayout,
@@ -146,11 +148,11 @@ pub(super) fn build(
 }
 
 impl Builder<'_> {
-    /// Integrates rays. `None` where the evaluations do not suffice for all.
+    /// Integrates rays. Returns `None` if the evaluations do not suffice for all.
     pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let most = self.options.max_evaluations.min(MOST_FOR_RAYS);
         let left = most.saturating_sub(self.work.evaluations);
-        // What each may take for sure; no more than a few do more than twice the average.
+        // The number that each ray may certainly use; only a few use more than twice the average.
         let each = left / wanted.len().max(1) as u64;
         let average = self.work.evaluations / self.work.rays.max(1);
         if each < (2 * average).max(LEAST) {
@@ -173,7 +175,7 @@ impl Builder<'_> {
             .collect();
         let done = driver::drive_all(self.surface, self.layout, plan, rays);
         for ray in &done {
-            // Less than what a ray may take had there been no other.
+            // The limit was lower than a ray could have used on its own.
             self.exhausted |= plan.limit < ONE_RAY && ray.evaluations + LEAST > plan.limit;
             self.work.rays += 1;
             self.work.steps += ray.steps;
@@ -183,8 +185,8 @@ impl Builder<'_> {
         Some(done.into_iter().map(ActiveRay::finish).collect())
     }
 
-    /// Rays that take part. Where one's own error grows on the way more than that of the others, it is integrated once
-    /// more, so much more exactly.
+    /// Integrates rays that become part of the fan. A ray whose own error grows more than that of the others is
+    /// integrated again with a correspondingly smaller tolerance.
     pub(super) fn follow(&mut self, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let plan = self.plan;
         let mut rays = self.integrate(&plan, wanted)?;
@@ -192,7 +194,8 @@ impl Builder<'_> {
         Some(rays)
     }
 
-    /// The share of the usual error for the ray in the middle of a sector: what those beside it would have needed.
+    /// Returns the fraction of the usual error for the ray in the middle of a sector: the one that its neighbours would
+    /// have needed.
     pub(super) fn tolerance_share(&self, sector: &Sector) -> f64 {
         let [a, b] = self
             .pair(sector)
@@ -200,7 +203,7 @@ impl Builder<'_> {
         self.tolerance_share_for(self.factor * (a * b).sqrt())
     }
 
-    /// The share of the usual error for a ray that would be off by so many pixels.
+    /// Returns the fraction of the usual error for a ray that would have an error of `off` pixels.
     fn tolerance_share_for(&self, off: f64) -> f64 {
         let allowed = ALONG * self.options.tolerance;
         if off > 1.5 * allowed {
@@ -235,7 +238,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The first rays, exact enough, and the sectors between them.
+    /// Integrates the first rays, accurately enough, and returns the sectors between them.
     fn base(&mut self) -> Vec<Sector> {
         let step = TAU / BASE as f64;
         let wanted: Vec<Wanted> = (0..BASE)
@@ -248,7 +251,7 @@ impl Builder<'_> {
                 return Vec::new();
             };
             self.rays = rays;
-            // Every other one again, more exactly: how far off are they?
+            // Integrate every other ray again, more accurately, to measure its error.
             let exact = RayPlan {
                 rate: EXACT * plan.rate,
                 ..plan
@@ -286,7 +289,7 @@ impl Builder<'_> {
         let mut rays = std::mem::take(&mut self.rays);
         self.improve(&mut rays, &wanted);
         self.rays = rays;
-        // What the first rays were too exact, the others need not be.
+        // The other rays need not be as accurate as the first ones proved to be.
         self.plan.rate *= loose;
         for ray in &mut self.rays {
             ray.tolerance_share /= loose;
@@ -294,7 +297,7 @@ impl Builder<'_> {
         let order = self.order();
         let stretched =
             |a: usize, b: usize| border::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
-        // Each ray is the middle of a sector twice as wide.
+        // Each ray is the middle of a sector of twice the width.
         let wide: Vec<(Profile, f64)> = (0..BASE)
             .map(|middle| {
                 let beside = [middle + BASE - 1, middle + 1].map(|ray| &self.rays[ray % BASE]);
@@ -317,7 +320,7 @@ impl Builder<'_> {
                     errors.map(|x| x / order),
                     edge / f64::from(order),
                 );
-                // (Where rays end at no edge, its slope is not known yet.)
+                // Where rays do not end at an edge, its slope is not known yet.
                 let told = [a, b]
                     .iter()
                     .all(|&ray| self.rays[ray].stop.is_none_or(|stop| stop.told));

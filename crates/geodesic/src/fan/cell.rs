@@ -1,4 +1,4 @@
-//! Between two rays: two rays and a place between them in, the end of the geodesic there out.
+//! Interpolation between two rays. In: two rays and a point between them. Out: the end of the geodesic there.
 
 use std::f64::consts::PI;
 
@@ -10,16 +10,16 @@ use crate::ends::{Coordinates, End};
 use crate::fan::Interpolation;
 use crate::status::Status;
 
-/// The result of a place between two rays.
+/// The result for a point between two rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Found {
     /// The geodesic's end.
     Point(Point),
-    /// It ended before.
+    /// The geodesic ended earlier.
     Ended(Status),
-    /// It left through an edge, and would have gone on to here.
+    /// The geodesic left through an edge; its continuation would end here.
     Beyond(Point),
-    /// The rays do not say.
+    /// The rays do not determine it.
     Unknown,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Point<const D: usize = 2> {
     pub(crate) along: [f64; D],
     /// The derivative by the angle.
     pub(crate) turning: [f64; D],
-    /// The unit normal, roughly.
+    /// The unit normal, approximately.
     pub(crate) normal: [f64; D],
 }
 
@@ -48,12 +48,12 @@ impl Point {
         (self.at[0] + self.at[1] + self.along[0] + self.turning[0]).is_finite()
     }
 
-    /// Returns whether it is a point in the plain coordinates.
+    /// Returns whether the point is in the plain coordinates.
     fn is_plain(&self) -> bool {
         self.chart.is_plain() && self.is_finite()
     }
 
-    /// As an [`End`] at the arc length `s` > 0.
+    /// Converts to an [`End`] at the arc length `s` > 0.
     #[inline(always)]
     pub(super) fn end(&self, layout: &ChartLayout, s: f64, error: f64) -> End {
         let m = self.m();
@@ -95,7 +95,7 @@ pub(super) fn determinant(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// A sample in other coordinates.
+/// Converts a sample to other coordinates.
 fn convert(layout: &ChartLayout, sample: &Sample, chart: FanChart) -> Sample {
     if sample.chart.is_same(&chart) {
         return *sample;
@@ -103,7 +103,7 @@ fn convert(layout: &ChartLayout, sample: &Sample, chart: FanChart) -> Sample {
     let (from, to) = (sample.chart.apex_chart(layout), chart.apex_chart(layout));
     if let (true, Some(apex)) = (sample.chart.kind == chart.kind, &to) {
         // A cone unrolled along another line.
-        // (`together` has seen to it that the tip does not lie between.)
+        // `together` has checked that the tip is not between them.
         let (sin, cos) = (apex.apex.rate * (sample.chart.reference - chart.reference)).sin_cos();
         let turn = |vector| turned([cos, sin], vector);
         return Sample {
@@ -136,14 +136,14 @@ fn convert(layout: &ChartLayout, sample: &Sample, chart: FanChart) -> Sample {
     })
 }
 
-/// Both samples in common coordinates, those of an apex where both are near it.
+/// Converts both samples to common coordinates: those of an apex where both are near it.
 #[inline(never)]
 fn together(layout: &ChartLayout, a: Sample, mut b: Sample) -> (Sample, Sample) {
     let charts = [a, b].map(|sample| layout.apex_chart(sample.chart.kind));
     if let (true, Some(apex)) = (a.chart.kind == b.chart.kind, charts[0])
         && !apex.apex.smooth
     {
-        // The tip of a cone between both: no surface lies there, only the cut along which it was unrolled.
+        // The tip of a cone is between both: there is no surface there, only the cut along which it was unrolled.
         let angle = |sample: &Sample| {
             sample.at[1].atan2(sample.at[0]) + apex.apex.rate * sample.chart.reference
         };
@@ -163,7 +163,7 @@ fn together(layout: &ChartLayout, a: Sample, mut b: Sample) -> (Sample, Sample) 
     (convert(layout, &a, chart), convert(layout, &b, chart))
 }
 
-/// Both rays at an arc length, in common coordinates; `None` where they are not known there.
+/// Returns both rays at an arc length, in common coordinates; `None` where they are not known there.
 pub(super) fn pair(
     layout: &ChartLayout,
     [a, b]: [&Ray; 2],
@@ -180,7 +180,7 @@ pub(super) fn pair(
     Some((a, b))
 }
 
-/// Interpolates between rays that are `width` apart in angle, at the share `t` of the way, at the arc length `s`.
+/// Interpolates at the arc length `s` and the fraction `t` of the way between rays that are `width` apart in angle.
 #[inline(always)]
 pub(super) fn between(
     layout: &ChartLayout,
@@ -225,7 +225,7 @@ pub(super) fn between(
         },
     };
     if let Some(stretch) = &stretched {
-        // From constant shares of the way to the edge back to constant arc length.
+        // Convert from constant fractions of the way to the edge back to constant arc length.
         let slope = stretch.slope * s / stretch.s;
         for (turning, along) in point.turning.iter_mut().zip(point.along) {
             *turning -= slope * along;
@@ -240,7 +240,7 @@ fn mix<const D: usize>(x: [f64; D], y: [f64; D], t: f64) -> [f64; D] {
     std::array::from_fn(|k| rest * x[k] + t * y[k])
 }
 
-/// Between two samples in common coordinates, by their positions and Jacobi fields.
+/// Interpolates between two samples in common coordinates, by their positions and Jacobi fields.
 #[inline(always)]
 pub(crate) fn hermite<const D: usize>(
     a: &Sample<D>,
@@ -272,9 +272,9 @@ pub(crate) fn hermite<const D: usize>(
     }
 }
 
-/// The point between two rays that are both known to go on at the arc length `s`, and to end at no edge aslant; `None`
-/// where they are not in the plain coordinates, or where anything else needs a closer look: the same as [`look`]
-/// finds, for less.
+/// Returns the point between two rays that are both known to continue at the arc length `s` and do not end at an
+/// oblique edge: the same as [`look`] returns, at lower cost. `None` where they are not in the plain coordinates, or
+/// where the general case applies.
 #[inline(always)]
 pub(super) fn look_free(
     layout: &ChartLayout,
@@ -293,8 +293,8 @@ pub(super) fn look_free(
     (point.is_finite() && layout.beyond_edge(point.at).is_none()).then_some(point)
 }
 
-/// Brings the second sample near the first one: behind a pole the lifts may be periods apart, and the field says where
-/// the neighbour is to be expected.
+/// Brings the second sample near the first one: behind a pole their lifts may be periods apart, and the field predicts
+/// where the neighbour is.
 #[inline(always)]
 fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
     for (k, period) in periods.into_iter().enumerate() {
@@ -325,7 +325,7 @@ pub(super) fn look(
     }
     let first = rays[0].limit().min(rays[1].limit());
     let stretched = is_stretched(rays);
-    // A ray that has left through an edge goes on a little way beyond it: there the end itself says where it lies.
+    // A ray that has left through an edge continues slightly beyond it: there the end itself determines where it is.
     let leaves = |ray: &Ray| {
         ray.stop
             .is_none_or(|stop| stop.status == Status::LeftDomain)
@@ -366,8 +366,8 @@ pub(super) fn look(
     }
 }
 
-/// The length on the surface between what two rays say about a third one, at an arc length: what is seen of it, and
-/// the position of the largest error that an odd one would have. `None` where there is nothing to compare.
+/// Returns the length on the surface between a third ray and the prediction of it from two rays, at an arc length, and
+/// an estimate of the largest odd error, which does not appear in the middle. `None` where there is nothing to compare.
 pub(super) fn discrepancy(
     layout: &ChartLayout,
     interpolation: Interpolation,
@@ -402,7 +402,7 @@ pub(super) fn discrepancy(
         (x * x + y * y).sqrt() / area.abs()
     };
     let bend = match interpolation {
-        // An error odd about the middle does not show there but in its slope.
+        // An error odd about the middle appears only in its slope there.
         Interpolation::Hermite if t == 0.5 => {
             0.143 * width * length([0, 1].map(|k| guess.jacobi[0][k] - truth.jacobi[0][k]))
         }

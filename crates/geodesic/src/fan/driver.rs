@@ -1,8 +1,8 @@
-//! Rays on their way, eight at a time: rays in, rays out that have ended or that go on in another group.
+//! The integration of rays, eight at a time. In: rays. Out: rays that have ended, or that continue in another group.
 //!
-//! A group shares its coordinates and its steps' lengths; the error of a step is that of its worst lane. A lane that
-//! asks for much shorter steps than the others, or that comes to other coordinates, leaves the group, so that it does
-//! not hold it up.
+//! A group shares its coordinates and step lengths; the error of a step is that of its worst lane. A lane that needs
+//! much shorter steps than the others, or that reaches other coordinates, leaves the group, so that it does not slow it
+//! down.
 
 use super::active_ray::ActiveRay;
 use super::group::Group;
@@ -11,31 +11,31 @@ use crate::chart::ChartLayout;
 use crate::step_control::{step_after, step_to_try};
 use crate::surface::{LANES, Surface};
 
-/// The plan by which the rays of a fan are integrated.
+/// The parameters for integrating the rays of a fan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayPlan {
     /// The error allowed per arc length.
     pub(super) rate: f64,
-    /// A step shorter than this is allowed the error of one of this length: few are.
+    /// A shorter step is allowed the error of a step of this length: there are few.
     pub(super) least: f64,
     /// The factor from an error of direction to one of position.
     pub(super) length_scale: f64,
     /// The weight of a relative error of the Jacobi field.
     pub(super) field: f64,
-    /// Steps below this length lead nowhere.
+    /// Steps below this length make no progress.
     pub(super) shortest: f64,
     /// The first step.
     pub(super) first: f64,
-    /// The most evaluations for one ray.
+    /// The maximum number of evaluations for one ray.
     pub(super) limit: u64,
-    /// The arc length that the ranges of radius divide.
+    /// The arc length that is divided into the ranges of radius.
     pub(super) reach: f64,
-    /// The arc length for which a ray is followed beyond an edge, where the surface goes on there: so that the places on both
-    /// sides of the edge are one smooth function, and the edge is where that leaves the domain.
+    /// The arc length for which a ray is continued beyond an edge, where the surface continues there. The points on both
+    /// sides of the edge are then one smooth function, and the edge is where that leaves the domain.
     pub(super) beyond: f64,
 }
 
-/// Follows all rays to their ends, on the threads of the current pool; they come back in the order of their ids.
+/// Integrates all rays to their ends, on the threads of the current pool. Returns them in the order of their ids.
 pub(super) fn drive_all(
     surface: &dyn Surface,
     layout: &ChartLayout,
@@ -46,7 +46,7 @@ pub(super) fn drive_all(
     let mut done = Vec::with_capacity(rays.len());
     let mut pending = rays;
     while !pending.is_empty() {
-        // Rays in the same coordinates, with steps of like lengths, go together.
+        // Rays in the same coordinates with similar step lengths are grouped.
         pending
             .sort_by(|a, b| (a.chart.kind.cmp(&b.chart.kind)).then(octave(a.h).cmp(&octave(b.h))));
         let mut groups: Vec<Vec<ActiveRay>> = Vec::new();
@@ -77,11 +77,11 @@ pub(super) fn drive_all(
 }
 
 fn octave(h: f64) -> i32 {
-    // A NaN or an infinity has some octave, too.
+    // A NaN or an infinity gets some octave, too.
     h.log2().floor() as i32
 }
 
-/// Takes a group as far as it goes together.
+/// Integrates a group as long as it stays together.
 fn drive(surface: &dyn Surface, layout: &ChartLayout, plan: &RayPlan, rays: &mut [ActiveRay]) {
     let count = rays.len().min(LANES);
     let rays = &mut rays[..count];

@@ -1,25 +1,24 @@
-//! Indicators of the errors between the rays of a fan, from the rays themselves: neighbouring sectors in, errors out.
+//! Error indicators between the rays of a fan, from the rays themselves. In: neighbouring sectors. Out: errors.
 //!
-//! Between two rays the end is a cubic in the angle. With the rays beyond them the polynomial is of a degree up to seven,
-//! and what it adds to the cubic between the two is the cubic's error, as far as the rays can tell: Newton's form with
-//! double nodes, from the fourth divided difference on (Stoer, Bulirsch, *Introduction to Numerical Analysis*,
-//! sections 2.1.3 and 2.1.5).
+//! Between two rays the end is a cubic in the angle. With the rays beyond them the polynomial has a degree of up to
+//! seven, and the terms it adds to the cubic estimate the cubic's error: Newton's form with double nodes, from the fourth
+//! divided difference on (Stoer, Bulirsch, *Introduction to Numerical Analysis*, sections 2.1.3 and 2.1.5).
 
 use super::cell;
 use super::ray::{Ray, Sample};
 use super::sectors::{BINS, Sector};
 use crate::chart::ChartLayout;
 
-/// A neighbour takes part whose width differs by no more than this factor: beside a much narrower sector lies what made
-/// that one narrow.
+/// A neighbour is used if its width differs by at most this factor: a much narrower sector is next to the feature that
+/// made it narrow.
 const ALIKE: f64 = 2.5;
-/// In how many ranges of radius each.
+/// Errors are evaluated in every `STRIDE`-th range of radius.
 const STRIDE: usize = 2;
-/// Shares of the way between the two rays: of the largest even error, and of the largest odd ones.
+/// Fractions of the way between the two rays: of the largest even error, and of the largest odd ones.
 const SHARES: [f64; 3] = [0.276, 0.5, 0.724];
 
 /// A ray at an arc length, relative to a sector's first ray: its angle in widths of the sector, its end and the end's
-/// derivative by that.
+/// derivative by that angle.
 #[derive(Clone, Copy, Debug)]
 struct SupportPoint {
     x: f64,
@@ -27,8 +26,8 @@ struct SupportPoint {
     slope: [f64; 2],
 }
 
-/// The largest errors that the picture shows of each sector, in pixels; 0 where nothing is known. The sectors are
-/// given in the order of their angles, all around.
+/// Returns the largest visible errors of each sector, in pixels; 0 where nothing is known. The sectors are in the order
+/// of their angles, all around.
 pub(super) fn between(
     layout: &ChartLayout,
     rays: &[Ray],
@@ -59,7 +58,7 @@ pub(super) fn between(
                     cell::determinant(b.along, off),
                 );
                 let length = (x * x + y * y).sqrt() / area.abs();
-                // (A NaN is no larger.)
+                // (NaN is ignored by `max`.)
                 errors[n] = errors[n].max(share * length / pixel);
             }
         }
@@ -98,7 +97,8 @@ fn support(
     Some(points)
 }
 
-/// Returns what the points after the first two add to the cubic through these, at [`SHARES`] of the way between them.
+/// Returns the terms that the points after the first two add to the cubic through these, at [`SHARES`] of the way
+/// between them.
 fn added(points: &[SupportPoint]) -> [[f64; 2]; 3] {
     let count = 2 * points.len();
     let mut table = [[0.0; 2]; 8];

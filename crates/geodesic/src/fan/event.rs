@@ -4,8 +4,8 @@ use super::ray::Knot;
 use crate::chart::{ChartLayout, State};
 use crate::interpolate::{quintic, value};
 
-/// Returns the share of a step in the plain coordinates after which it leaves through an edge, and which: the axis and its
-/// end. `before` is the acceleration at the start.
+/// Returns the edge through which a step in the plain coordinates leaves, as its axis and end, and the fraction of the
+/// step after which it does. `before` is the acceleration at the start.
 pub(super) fn leaves(
     layout: &ChartLayout,
     from: &State,
@@ -33,7 +33,7 @@ pub(super) fn leaves(
     };
     let share = crossing(edge, first);
     Some(match layout.beyond_edge(point(share)) {
-        // Beside a corner both are crossed between two looks.
+        // Near a corner both edges are crossed between two samples.
         Some(earlier) if earlier != edge => (crossing(earlier, share), earlier),
         _ => (share, edge),
     })

@@ -1,7 +1,7 @@
-//! Eight rays side by side: one step of all tried, each lane's taken or refused, and what it meets.
+//! Eight rays side by side: one step of all is tried, then accepted or rejected for each lane, and events are handled.
 //!
-//! What flows in: rays in the same coordinates, a step's length. What flows out: the rays a step farther on, which
-//! of them are still in the group, the next step's length.
+//! In: rays in the same coordinates and a step's length. Out: the rays after the step, the lanes that are still in the
+//! group, and the next step's length.
 
 use super::active_ray::ActiveRay;
 use super::coordinates::FanChart;
@@ -17,15 +17,15 @@ use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
 use crate::surface::{LANES, Lanes, Surface};
 
-/// The most evaluations that are spent on finding why a ray makes no progress.
+/// The maximum number of evaluations spent on finding the reason why a ray makes no progress.
 const CAREFUL: u64 = 4000;
 /// A step shorter than this multiple of [`RayPlan::least`] means that a singularity is near.
 const SHORT: f64 = 3.0;
-/// The most steps beyond an edge.
+/// The maximum number of steps beyond an edge.
 const STEPS_BEYOND: u32 = 3;
-/// A cone is unrolled anew when a ray has turned about its tip by this angle, in radians.
+/// A cone is unrolled again when a ray has turned about its tip by this angle, in radians.
 const TURN: f64 = 2.0;
-/// The whole group repeats a refused step where no lane asks for less than this share of it.
+/// The whole group repeats a rejected step if no lane needs less than this fraction of it.
 const SHARED_RETRY: f64 = 0.5;
 /// A lane is slow if its next step is shorter than this multiple of the shortest one.
 const SLOW_RATIO: f64 = 1.5;
@@ -33,9 +33,9 @@ const SLOW_RATIO: f64 = 1.5;
 const SPLIT_RATIO: f64 = 2.5;
 /// The excess of a step that ends outside its coordinates: about half of it is tried next.
 const OUTSIDE_EXCESS: f64 = 20.0;
-/// The excess of the longest step near the tip of a cone: below 1, so that rounding does not refuse it.
+/// The excess of the longest step near the tip of a cone: below 1, so that rounding does not reject it.
 const LONGEST_EXCESS: f64 = 0.999;
-/// A ray has ended where less than this share of its length is left.
+/// A ray has ended where less than this fraction of its length is left.
 const END_SHARE: f64 = 1e-14;
 
 /// A group of lanes.
@@ -45,12 +45,12 @@ pub(super) struct Group<'a> {
     state: States<LANES>,
     local: LaneLocals,
     sides: Lanes,
-    /// Those that are still on their way in it.
+    /// The lanes that are still integrated in the group.
     pub(super) active: [bool; LANES],
     processor: Processor,
 }
 
-/// A step of all lanes, compiled for the processor's vectors.
+/// A step of all lanes, compiled for the processor's vector instructions.
 struct StepWork<'a, 'f> {
     field: &'a Field<'f>,
     state: &'a States<LANES>,
@@ -67,7 +67,7 @@ impl Work for StepWork<'_, '_> {
 }
 
 impl<'a> Group<'a> {
-    /// Up to eight rays in the same coordinates; `None` where there are none.
+    /// Creates a group of up to eight rays in the same coordinates; `None` without any.
     pub(super) fn of(
         surface: &'a dyn Surface,
         layout: &'a ChartLayout,
@@ -107,7 +107,7 @@ impl<'a> Group<'a> {
         })
     }
 
-    /// Evaluates at the start, and puts the first knots.
+    /// Evaluates at the start, and stores the first knots.
     pub(super) fn begin(&mut self, rays: &mut [ActiveRay]) {
         self.field.local(&self.state, &mut self.local);
         let knots = self.knots(&self.state, &self.local);
@@ -138,7 +138,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The lanes' knots, their arc lengths and Jacobi fields apart.
+    /// Returns the lanes' knots, without their arc lengths and Jacobi fields.
     #[inline(always)]
     fn knots(&self, state: &States<LANES>, local: &LaneLocals) -> [Knot; LANES] {
         let velocity = [state[2], state[3]];
@@ -155,10 +155,10 @@ impl<'a> Group<'a> {
 
     /// Tries a step; returns the length of the next one.
     ///
-    /// All lanes share the step's length, so the group takes the step if most lanes accept it and no other would shrink much:
-    /// lanes that refuse it, or whose next step would be much shorter than that of the others, leave the group and go on in
-    /// another one. So neither does one hard ray make seven easy ones slow, nor are evaluations thrown away when nearly all
-    /// lanes were content.
+    /// All lanes share the step's length, so the group takes the step if most lanes accept it and no other lane would shrink
+    /// it much. Lanes that reject it, or whose next step would be much shorter than that of the others, leave the group and
+    /// continue in another one. So one difficult ray does not slow down seven easy ones, and evaluations are not wasted when
+    /// nearly all lanes accept.
     pub(super) fn attempt(&mut self, rays: &mut [ActiveRay], h: f64) -> f64 {
         let trial = self.processor.run(StepWork {
             field: &self.field,
@@ -176,7 +176,7 @@ impl<'a> Group<'a> {
             ray.evaluations += STAGES;
             let excess = self.excess(ray, &trial, lane, h);
             if ray.stop.is_some() {
-                // Beyond an edge nothing needs to be found, and the group does not wait.
+                // Beyond an edge no accuracy is needed, and the group does not wait.
                 self.active[lane] = excess <= 1.0;
                 continue;
             }
@@ -210,7 +210,7 @@ impl<'a> Group<'a> {
             }
             return h * least;
         }
-        // The step is taken; the few that failed go on in another group.
+        // The step is accepted; the few lanes that failed continue in another group.
         let knots = self.knots(&trial.end, &trial.local);
         let mut next = f64::INFINITY;
         for (lane, ray) in rays.iter_mut().enumerate() {
@@ -235,7 +235,7 @@ impl<'a> Group<'a> {
                 next = next.min(ray.h);
             }
         }
-        // So do those that would hold up the others.
+        // Lanes that would slow down the others leave as well.
         let goes = |lane: usize| self.active[lane] && rays[lane].stop.is_none();
         let going = (0..rays.len()).filter(|&lane| goes(lane)).count();
         let slow = |ray: &ActiveRay| ray.h < SLOW_RATIO * next;
@@ -265,7 +265,7 @@ impl<'a> Group<'a> {
         if next.is_finite() { next } else { h }
     }
 
-    /// A lane's error over what is allowed; NaN where anything is undefined.
+    /// Returns a lane's error over the allowed error; NaN where anything is undefined.
     fn excess(&self, ray: &ActiveRay, trial: &LaneStep, lane: usize, h: f64) -> f64 {
         let [.., m, _, n, _] = trial.error.map(|errors| errors[lane]);
         let field = (n * ray.m[0] + m * ray.m[1]).abs();
@@ -361,7 +361,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// Follows a ray beyond an edge; says whether it goes on.
+    /// Continues a ray beyond an edge; returns whether it goes on.
     fn go_beyond(
         &self,
         ray: &mut ActiveRay,
@@ -381,7 +381,7 @@ impl<'a> Group<'a> {
             && ray.evaluations + STAGES <= self.plan.limit
     }
 
-    /// Ends a ray at an edge; says whether it is worth following beyond.
+    /// Ends a ray at an edge; returns whether it is worth continuing beyond.
     fn leave(&self, ray: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
         let collapsed = self.field.layout.apexes[axis][end].is_some();
         ray.stop(
@@ -396,7 +396,7 @@ impl<'a> Group<'a> {
         !collapsed && self.goes_beyond(ray)
     }
 
-    /// Ends a ray whose steps lead nowhere: one careful integration finds the reason, and the place.
+    /// Ends a ray whose steps make no progress: one careful integration finds the reason and the position.
     fn stall(&self, ray: &mut ActiveRay) {
         let layout = self.field.layout;
         let mut state = ray.plain(layout);
@@ -415,7 +415,7 @@ impl<'a> Group<'a> {
         let end = integrate::integrate(&atlas, state, way, plan);
         ray.evaluations += atlas.evaluations() as u64;
         let status = match end.status {
-            // It passes what stopped the group: not known from here on.
+            // It passes what stopped the group: unknown from here on.
             Status::Complete => Status::WorkLimit,
             status => status,
         };
@@ -439,7 +439,7 @@ impl<'a> Group<'a> {
     }
 }
 
-/// A lane's fundamental fields at the end of a step, with their derivatives: (n, m), (n', m').
+/// Returns a lane's fundamental fields at the end of a step, with their derivatives: (n, m), (n', m').
 fn fields(trial: &LaneStep, lane: usize) -> [[f64; 2]; 2] {
     [
         [trial.end[6][lane], trial.end[4][lane]],

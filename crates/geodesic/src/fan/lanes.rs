@@ -1,8 +1,8 @@
-//! The geodesic equation of eight rays at once: points and velocities in, what is local there out.
+//! The geodesic equation of eight rays at once. In: points and velocities. Out: the local data there.
 //!
-//! All loops run over lanes innermost, so that the compiler turns them into vector instructions.
+//! The innermost loops run over lanes, so that the compiler vectorises them.
 
-#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+#![allow(clippy::needless_range_loop)] // Several arrays are traversed together, lane by lane.
 
 use std::convert::Infallible;
 
@@ -13,8 +13,8 @@ use crate::runge_kutta::{
 };
 use crate::surface::{Jet, JetBlock, LANES, Lanes, Surface};
 
-/// Nearer than this share of its radius to an apex, what is local there stands for the place: the chain rule loses
-/// digits like 1/r, and nothing changes over so short a way.
+/// Within this fraction of its radius from an apex, the local data at this distance is used: the chain rule loses
+/// digits like 1/r, and nothing changes over so short a distance.
 const NEAREST: f64 = 1e-6;
 
 /// The geodesic equation of a group of rays in common coordinates.
@@ -30,7 +30,7 @@ pub(super) struct Field<'a> {
 /// The local data at the lanes' points.
 #[derive(Clone, Debug)]
 pub(super) struct LaneLocals {
-    /// In the group's coordinates, turned about an apex by these angles (their cosines and sines), so that their first
+    /// In the group's coordinates, about an apex turned by these angles (their cosines and sines), so that the first
     /// one is the radius.
     jets: JetBlock,
     turn: [Lanes; 2],
@@ -52,7 +52,7 @@ impl Default for LaneLocals {
 /// A step of a group.
 pub(super) type LaneStep = Step<LANES, LaneLocals>;
 
-/// Evaluations of a lane in a step: the first stage is the last one of the step before.
+/// Evaluations of a lane in a step: the first stage is the last one of the previous step.
 pub(super) const STAGES: u64 = 6;
 
 impl GeodesicEquation<LANES> for Field<'_> {
@@ -84,7 +84,7 @@ impl RatesOfChange<LANES> for LaneLocals {
 }
 
 impl Field<'_> {
-    /// One step of the length `h` from `start`, where `local` holds.
+    /// Takes one step of length `h` from `start`, where `local` holds.
     #[inline(always)]
     pub(super) fn step(&self, start: &States<LANES>, local: &LaneLocals, h: f64) -> LaneStep {
         let Ok(mut step) = runge_kutta::step::<LANES, 8, { STAGES as usize + 1 }, _>(
@@ -95,8 +95,8 @@ impl Field<'_> {
             h,
             StepParameter::Length,
         );
-        // Geodesics keep their speed, and their Jacobi fields the Wronskian n m' − n' m = 1; the method does not. What it
-        // has lost of both shows errors that the pair's difference misses where a step is too long for it.
+        // Geodesics preserve their speed, and their Jacobi fields the Wronskian n m' − n' m = 1; the method does not. The
+        // loss of either reveals errors that the embedded pair's difference misses where a step is too long for it.
         let before = local.speed(start);
         let after = step.local.speed(&step.end);
         let [.., m, m1, n, n1] = &step.end;
@@ -129,7 +129,7 @@ impl Field<'_> {
         }
     }
 
-    /// Jets in the plain coordinates, that go on beyond sides that wrap.
+    /// Evaluates jets in the plain coordinates, which continue beyond sides that wrap.
     #[inline(always)]
     fn plain(&self, at: &[Lanes; 2], jets: &mut JetBlock) {
         let mut inside = true;
@@ -147,7 +147,7 @@ impl Field<'_> {
         jets.reflect(&signs);
     }
 
-    /// About an apex, by the chain rule.
+    /// Evaluates jets about an apex, by the chain rule.
     #[inline(always)]
     fn about_apex(&self, chart: &ApexChart, states: &States<LANES>, out: &mut LaneLocals) {
         let [a, b, x, y, ..] = states;
@@ -183,7 +183,7 @@ impl Field<'_> {
 }
 
 impl LaneLocals {
-    /// The lengths of the lanes' tangent vectors.
+    /// Returns the lengths of the lanes' tangent vectors.
     #[inline(always)]
     fn length(&self, vectors: &[Lanes; 2]) -> Lanes {
         let mut out = [0.0; LANES];
@@ -195,14 +195,14 @@ impl LaneLocals {
         out
     }
 
-    /// A lane's vector in the coordinates of its jet.
+    /// Returns a lane's vector in the coordinates of its jet.
     #[inline(always)]
     fn turned(&self, lane: usize, [x, y]: &[Lanes; 2]) -> [f64; 2] {
         rotated([self.turn[0][lane], self.turn[1][lane]], [x[lane], y[lane]])
     }
 
-    /// The unit normals that lie to the left of the velocities where `side` is 1, to the right where it is −1, and their
-    /// derivatives along the geodesics: they are parallel.
+    /// Returns the unit normals, to the left of the velocities where `side` is 1, to the right where it is −1, and their
+    /// derivatives along the geodesics, along which they are parallel.
     #[inline(always)]
     pub(super) fn normals(&self, velocity: &[Lanes; 2], side: &Lanes) -> [[Lanes; 2]; 2] {
         let mut out = [[[0.0; LANES]; 2]; 2];
@@ -222,7 +222,7 @@ impl LaneLocals {
     }
 }
 
-/// The unit normal to a velocity, on its left where `side` is 1.
+/// Returns the unit normal to a velocity, on its left where `side` is 1.
 #[inline(always)]
 fn unit_normal(jet: &Jet, [a, b]: [f64; 2], side: f64) -> [f64; 2] {
     let normal = cross(jet.du, jet.dv);

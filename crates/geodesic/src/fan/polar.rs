@@ -1,13 +1,13 @@
-//! The angles and distances of several places at once, as plain loops that become vector instructions; the library's
-//! `atan2` is called for one number at a time.
+//! The angles and distances of several points at once, in plain loops that the compiler vectorises; the library's
+//! `atan2` takes one number at a time.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-/// Places that are looked up together.
+/// The number of points looked up together.
 pub(super) const PLACES: usize = 8;
 
-/// atan z = z + z³ (c₀ + c₁z² + … + c₁₀z²⁰) for |z| ≤ √2 − 1, off by at most 5·10⁻¹⁸ of it in exact arithmetic (the
-/// polynomial through the series' sum at Chebyshev's nodes in z²).
+/// atan z = z + z³ (c₀ + c₁z² + … + c₁₀z²⁰) for |z| ≤ √2 − 1, with a relative error of at most 5·10⁻¹⁸ in exact
+/// arithmetic (the polynomial interpolates the series' sum at Chebyshev nodes in z²).
 const ARC_TANGENT: [f64; 11] = [
     -0.333_333_333_333_333_3,
     0.199_999_999_999_955_16,
@@ -22,7 +22,7 @@ const ARC_TANGENT: [f64; 11] = [
     -0.019_175_404_711_104_935,
 ];
 
-/// The angles of (x, y) in [0, 2π), off by a few units in the last place of 2π, and their distances from (0, 0). The
+/// Returns the angles of (x, y) in [0, 2π), with an error of a few ulps of 2π, and their distances from (0, 0). The
 /// angle at (0, 0) is 0.
 #[inline(always)]
 pub(super) fn polar<const W: usize>(x: &[f64; W], y: &[f64; W]) -> ([f64; W], [f64; W]) {
@@ -33,7 +33,7 @@ pub(super) fn polar<const W: usize>(x: &[f64; W], y: &[f64; W]) -> ([f64; W], [f
         let (a, b) = (x.abs(), y.abs());
         let larger = if a > b { a } else { b };
         let smaller = if a > b { b } else { a };
-        // Beyond an eighth of the quarter turn, by the difference from the half of it.
+        // Beyond π/8, use the difference from π/4.
         let far = smaller > (std::f64::consts::SQRT_2 - 1.0) * larger;
         let above = if far { smaller - larger } else { smaller };
         let below = if far { smaller + larger } else { larger };
