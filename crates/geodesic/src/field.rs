@@ -1,4 +1,4 @@
-//! The Jacobi field along a geodesic as a function of its length: knots of an integration in, integrals out.
+//! The Jacobi field along a geodesic as a function of its length. In: knots of an integration. Out: integrals.
 //!
 //! m is the field across the geodesic with m = 0, m' = 1 at its start and m'' = −K m (do Carmo, *Differential Geometry of
 //! Curves and Surfaces*, 1976, section 5-5). Between two knots it is the quintic with their values, slopes and second
@@ -19,15 +19,15 @@ pub struct FieldKnot {
     pub curvature: f64,
 }
 
-/// A step's length in units of 1/√|K|: the quintic's integral is then good to some 10⁻¹¹ of itself.
+/// The length of a step in units of 1/√|K|: the quintic's integral then has a relative error of about 10⁻¹¹.
 const SHORT: f64 = 0.12;
 
-/// The longest step from a place with this curvature.
+/// Returns the longest step from a point with this curvature.
 pub(crate) fn longest_step(curvature: f64) -> f64 {
     SHORT / curvature.abs().sqrt()
 }
 
-/// The integral of |m| over the arc length: the area that neighbouring geodesics sweep for each unit of the angle
+/// Returns the integral of |m| over the arc length: the area that neighbouring geodesics sweep per unit of the angle
 /// between them, counted as often as it is swept.
 pub fn absolute_integral(knots: &[FieldKnot]) -> f64 {
     let mut sum = 0.0;
@@ -44,13 +44,13 @@ pub fn absolute_integral(knots: &[FieldKnot]) -> f64 {
     sum
 }
 
-/// The integral of m over the arc length, signed.
+/// Returns the signed integral of m over the arc length.
 pub fn integral(knots: &[FieldKnot]) -> f64 {
     let of = |pair: &[FieldKnot]| Quintic::between(&pair[0], &pair[1]).integral(1.0);
     knots.windows(2).map(of).sum()
 }
 
-/// A polynomial in the share x ∈ [0, 1] of the way from one knot to the next.
+/// A polynomial in the fraction x ∈ [0, 1] of the way from one knot to the next.
 struct Quintic {
     length: f64,
     coefficients: [f64; 6],
@@ -66,14 +66,14 @@ impl Quintic {
         }
     }
 
-    /// The integral from the first knot to a share of the way.
+    /// Returns the integral from the first knot to a fraction of the way.
     fn integral(&self, x: f64) -> f64 {
         let terms = (1..=6_u32).rev().zip(self.coefficients.iter().rev());
         let sum = terms.fold(0.0, |sum, (n, c)| sum * x + c / f64::from(n));
         sum * x * self.length
     }
 
-    /// The share at which it changes its sign, if it does between both ends, by bisection.
+    /// Returns the fraction at which the polynomial changes sign, if it does between the ends, by bisection.
     fn zero(&self) -> f64 {
         let negative = value(&self.coefficients, 0.0) < 0.0;
         let (mut low, mut high) = (0.0, 1.0);

@@ -1,8 +1,8 @@
-//! The camera of the geodesic view: a place with two tangent vectors, moved by parallel transport.
+//! The camera of the geodesic view: a point with two tangent vectors, moved by parallel transport.
 //!
-//! In: a place, an angle, a zoom; then steps in the picture's own directions. Out: frames, and the geodesics that
-//! begin at them. At a smooth pole (u,v) has no directions: there a frame holds its vectors in the coordinates
-//! about the pole, and is moved through poles like anywhere else.
+//! In: a point, an angle, a zoom; then steps in the picture's own directions. Out: frames, and the geodesics that start
+//! there. At a smooth pole (u,v) has no directions: there a frame holds its vectors in the coordinates about the pole.
+//! Frames move through poles as anywhere else.
 
 use crate::chart::{ApexChart, Atlas, Chart, State};
 use crate::ends::Coordinates;
@@ -15,10 +15,10 @@ use crate::trace::{self, Options, Trace, TraceError};
 /// A point of the chart with two tangent vectors X ⟂ Y of equal length. Pixel (x, y) ∈ [−1,1]² looks along xX + yY.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// The place, in (u,v).
+    /// The point, in (u,v).
     pub uv: Uv,
-    /// The coordinates of the components of X and Y: (u,v), or, at a smooth pole and so near by that (u,v) tells no
-    /// directions apart, the coordinates (a,b) about it.
+    /// The coordinates of the components of X and Y: (u,v), or, at a smooth pole and so near to it that (u,v) does not
+    /// distinguish directions, the coordinates (a,b) about it.
     pub coordinates: Coordinates,
     /// X in these coordinates.
     pub x: TangentVector,
@@ -27,11 +27,12 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// X along σu turned by `angle` radians towards σv, Y = X turned by +90°, both of the length `zoom`.
+    /// Creates the frame with X along σu turned by `angle` radians towards σv, Y = X turned by +90°, both of length
+    /// `zoom`.
     ///
-    /// At a smooth pole, where σu or σv is zero, X lies along the a-axis of [`Coordinates::Apex`], whatever the other
-    /// parameter says: away from the pole along the meridian where that parameter has its minimum. It is turned in
-    /// the sense in which σu turns towards σv all around the pole.
+    /// At a smooth pole, where σu or σv is zero, X points along the a-axis of [`Coordinates::Apex`], whatever the value
+    /// of the other parameter: away from the pole along the meridian at that parameter's minimum. It is turned in the
+    /// sense in which σu turns towards σv all around the pole.
     ///
     /// # Errors
     /// [`TraceError`] where the surface has no tangent plane, or a number is not finite.
@@ -89,20 +90,20 @@ impl Frame {
         Ok(frame)
     }
 
-    /// The velocity of the geodesic that a pixel shows: xX + yY, in the frame's coordinates.
+    /// Returns the velocity of a pixel's geodesic: xX + yY, in the frame's coordinates.
     pub fn velocity(&self, place: impl Into<PicturePoint>) -> TangentVector {
         let PicturePoint([x, y]) = place.into();
         x * self.x + y * self.y
     }
 
-    /// The length of X: the distance on the surface from the picture's centre to its edge.
+    /// Returns the length of X: the distance on the surface from the picture's centre to its edge.
     pub fn zoom(&self, surface: &dyn Surface) -> f64 {
         let [t, w] = self.tangents(&Atlas::new(surface));
         norm(combine(self.x[0], t, self.x[1], w))
     }
 
-    /// The angle by which [`Frame::new`] at this place turns its X to lie along this X, in radians, from −π to π; NaN where
-    /// the surface has no tangent plane.
+    /// Returns the angle for which [`Frame::new`] at this point yields this X, in radians, from −π to π; NaN where the
+    /// surface has no tangent plane.
     pub fn angle(&self, surface: &dyn Surface) -> f64 {
         let Ok(first) = Self::new(surface, self.uv, 0.0, 1.0) else {
             return f64::NAN;
@@ -117,17 +118,17 @@ impl Frame {
             .atan2(metric.inner(own.x, first.x))
     }
 
-    /// The first fundamental form at the frame's place, in its coordinates.
+    /// Returns the first fundamental form at the frame's point, in its coordinates.
     pub fn metric(&self, surface: &dyn Surface) -> Metric {
         self.metric_in(&Atlas::new(surface))
     }
 
-    /// Returns whether Y lies to the right of X, as (u,v) has it: after an odd number of flips.
+    /// Returns whether Y is to the right of X in (u,v): after an odd number of flips.
     pub fn is_mirrored(&self, surface: &dyn Surface) -> bool {
         self.orientation(&Atlas::new(surface)) < 0.0
     }
 
-    /// The frame with X and Y turned by `angle` radians.
+    /// Returns the frame with X and Y turned by `angle` radians.
     pub fn turned(&self, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self {
@@ -137,7 +138,7 @@ impl Frame {
         }
     }
 
-    /// The frame with X and Y longer by `factor`.
+    /// Returns the frame with X and Y scaled by `factor`.
     pub fn zoomed(&self, factor: f64) -> Self {
         Self {
             x: self.x.map(|a| a * factor),
@@ -146,7 +147,8 @@ impl Frame {
         }
     }
 
-    /// The frame at the nearest place of the surface's domain: rounding, or another surface, may have left it outside.
+    /// Returns the frame at the nearest point of the surface's domain: rounding, or a change of surface, may have left
+    /// it outside.
     pub fn within_domain(&self, surface: &dyn Surface) -> Self {
         let mut frame = *self;
         for (at, [low, high]) in frame.uv.0.iter_mut().zip(surface.domain()) {
@@ -155,8 +157,8 @@ impl Frame {
         frame
     }
 
-    /// The frame in (u,v), for callers with no other coordinates. At a pole it is moved off by as little as tells the
-    /// meridians apart, along X; its vectors are very long there.
+    /// Returns the frame in (u,v), for callers without other coordinates. At a pole it is moved off along X by the
+    /// smallest distance that distinguishes the meridians; its vectors are very long there.
     pub fn plain(&self, surface: &dyn Surface) -> Self {
         let atlas = Atlas::new(surface);
         let Some(chart) = self.chart(&atlas) else {
@@ -167,7 +169,7 @@ impl Frame {
             let length = self.x[0].hypot(self.x[1]);
             at = self.x.0.map(|x| x / length * chart.nearest());
         }
-        // As the directions in space are: the parameter's rounding at the pole stretches (u,v) there.
+        // Match the directions in space: the parameter's rounding at the pole distorts (u,v) there.
         let tangents = self.tangents(&atlas);
         let [mut x, mut y] = [self.x, self.y].map(|TangentVector(velocity)| {
             let state = State { at, velocity };
@@ -187,7 +189,7 @@ impl Frame {
         }
     }
 
-    /// Follows the geodesic that begins here along xX + yY, `direction` = (x, y), for the arc length `length`.
+    /// Follows the geodesic that starts here along xX + yY, `direction` = (x, y), for the arc length `length`.
     ///
     /// # Errors
     /// As [`trace::trace`].
@@ -204,8 +206,8 @@ impl Frame {
         Ok(trace::trace_from(&atlas, start, length, options).0)
     }
 
-    /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, which X and Y
-    /// follow by parallel transport. The trace says whether it got there; the frame stands where that ended.
+    /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, along which X and Y
+    /// are parallel transported. The trace reports whether the step was completed; the frame is at the trace's end.
     /// Through a flip, X and Y change their handedness.
     ///
     /// # Errors
@@ -261,7 +263,7 @@ impl Frame {
         Ok((frame, trace))
     }
 
-    /// Returns the start at unit speed of the geodesic of a place (x, y) of the picture.
+    /// Returns the start, at unit speed, of the geodesic of a point (x, y) of the picture.
     pub(crate) fn start(
         &self,
         atlas: &Atlas<'_>,
@@ -291,12 +293,12 @@ impl Frame {
         Ok(Start::About(chart, state))
     }
 
-    /// The chart about the pole that the frame is at or near.
+    /// Returns the chart about the pole at or near which the frame is.
     fn chart(&self, atlas: &Atlas<'_>) -> Option<ApexChart> {
         atlas.layout.pole_chart(self.coordinates).copied()
     }
 
-    /// The tangent vectors of the frame's coordinates at its place; NaN where the surface is undefined.
+    /// Returns the tangent vectors of the frame's coordinates at its point; NaN where the surface is undefined.
     fn tangents(&self, atlas: &Atlas<'_>) -> [[f64; 3]; 2] {
         let Some(chart) = self.chart(atlas) else {
             let jet = atlas.jet(self.uv.0);
@@ -324,15 +326,15 @@ impl Frame {
         self.chart(atlas).map_or(1.0, |chart| chart.handedness())
     }
 
-    /// Positive where Y lies to the left of X, as (u,v) has it.
+    /// Positive where Y is to the left of X in (u,v).
     fn orientation(&self, atlas: &Atlas<'_>) -> f64 {
         let (x, y) = (self.x, self.y);
         self.handedness(atlas) * (x[0] * y[1] - x[1] * y[0])
     }
 }
 
-/// The geodesic from a place along σu turned by `angle` radians towards σv, for the arc length `length`. At a smooth
-/// pole σu is that of the meridian whose parameter is given, from however near by it is looked at.
+/// Follows the geodesic from a point along σu turned by `angle` radians towards σv, for the arc length `length`. At a
+/// smooth pole σu is the limit along the meridian of the given parameter.
 ///
 /// # Errors
 /// As [`trace::trace`].
@@ -350,16 +352,16 @@ pub fn trace_heading(
     frame.trace(surface, [1.0, 0.0], length, options)
 }
 
-/// The direction of X with the angle 0 at a pole.
+/// The direction of X with angle 0 at a pole.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Meridian {
     /// The a-axis.
     First,
-    /// The direction of σu beside the pole on the meridian given.
+    /// The direction of σu near the pole on the given meridian.
     Given,
 }
 
-/// The direction of σu near a pole, in the chart about it.
+/// Returns the direction of σu near a pole, in the chart about it.
 fn along_u(chart: &ApexChart, at: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = chart.angle(at).sin_cos();
     if chart.axis == 0 {

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A field may have kinks (`max`, `min`, `abs`): where set operations join solids, where an interval cuts one. With each of
-//! them decided as at one place, it is smooth: a *piece*. A ray runs on the piece on which it starts, and ends where another
-//! one takes over: at an edge.
+//! them decided as at one point, it is smooth: a *piece*. A ray runs on the piece on which it starts, and ends at an edge,
+//! where another piece takes over.
 
 mod fan;
 mod frame;
@@ -39,7 +39,7 @@ pub struct ImplicitSurface {
     graph: Graph,
     root: NodeId,
     kinks: Vec<Kink>,
-    /// The kinks that the field reads through no other.
+    /// The kinks on which the root depends without another kink between.
     outermost: Vec<u32>,
     /// The field's value, then both operands of each kink.
     decisions: PlaceTape,
@@ -47,22 +47,22 @@ pub struct ImplicitSurface {
     pieces: Mutex<HashMap<Vec<u32>, Arc<FieldPiece>>>,
 }
 
-/// An operation that is not smooth, with the kinks that each of its operands reads through no other.
+/// An operation that is not smooth, with the kinks on which each operand depends without another kink between.
 #[derive(Clone, Debug)]
 struct Kink {
     node: NodeId,
     below: [Vec<u32>; 2],
 }
 
-/// The decisions of the kinks that matter at a place: twice a kink's number, plus 1 where its second operand counts.
-/// Ascending.
+/// The decisions of the kinks that matter at a point: twice a kink's index, plus 1 where its second operand is
+/// selected. In ascending order.
 type Decisions = Vec<u32>;
 
-/// Expressions at places.
+/// Expressions evaluated at points of space.
 #[derive(Debug)]
 struct PlaceTape {
     tape: Tape,
-    /// For each input of the tape the coordinate that it is; `None` for one without a value.
+    /// For each input of the tape, the coordinate that it is; `None` for an input without a value.
     coordinates: Vec<Option<usize>>,
 }
 
@@ -73,39 +73,39 @@ pub(crate) struct FieldPiece {
     tape: PlaceTape,
 }
 
-/// The data of a piece's surface at a place, in which the field's scale is lost.
+/// The data of a piece's surface at a point, independent of the field's scale.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalShape {
-    /// The field over its gradient's length: how far the surface is away, roughly.
+    /// The field over its gradient's length: the approximate distance to the surface.
     pub(crate) distance: f64,
     /// ∇f/|∇f|.
     pub(crate) normal: [f64; 3],
     /// The second derivatives over the gradient's length, by rows.
     pub(crate) bend: [[f64; 3]; 3],
-    /// The Gaussian curvature of the surface through the place on which f is constant.
+    /// The Gaussian curvature of the level surface of f through the point.
     pub(crate) curvature: f64,
     /// |∇f|.
     slope: f64,
 }
 
-/// The reason why a place is not brought onto a surface. Its text is the end of a sentence about the place.
+/// The reason why a point cannot be moved onto a surface. Its text is the end of a sentence about the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaceError {
-    /// A coordinate is no finite number.
+    /// A coordinate is not a finite number.
     NotFinite,
     /// The field is undefined there.
     Undefined,
-    /// The field has no gradient at a place on the way.
+    /// The field has no gradient at a point on the way.
     NoGradient,
     /// No surface was found along the gradient.
     NotFound,
 }
 
-/// A place is on the surface at a distance of this share of its coordinates, or of the surface's size.
+/// A point is on the surface within this fraction of its coordinates, or of the surface's size.
 const ON_SURFACE: f64 = 1e-13;
-/// The most steps towards the surface.
+/// The maximum number of steps towards the surface.
 const MOST_STEPS: usize = 200;
-/// The values of two pieces are the same if they differ by no more than this share of the terms that they may be sums of.
+/// The values of two pieces are equal if they differ by at most this fraction of the terms that they may be sums of.
 const SAME: f64 = 1e-13;
 
 thread_local! {
@@ -152,7 +152,7 @@ impl PlaceTape {
         })
     }
 
-    /// The same for all places of a box.
+    /// The same for all points of a box.
     fn eval_box<T>(&self, within: [Interval; 3], read: impl FnOnce(&[Interval]) -> T) -> T {
         SCRATCH.with_borrow_mut(|scratch| {
             let TapeScratch {
@@ -175,7 +175,7 @@ impl PlaceTape {
 }
 
 impl FieldPiece {
-    /// `None` where anything is undefined, or the gradient is 0.
+    /// Returns the local shape; `None` where anything is undefined, or the gradient is 0.
     pub(crate) fn shape(&self, at: [f64; 3]) -> Option<LocalShape> {
         let (value, gradient, second) = self.tape.eval(at, |out| match *out {
             [f, x, y, z, xx, xy, xz, yy, yz, zz] => {
@@ -199,7 +199,7 @@ impl FieldPiece {
         })
     }
 
-    /// The field; NaN where it is undefined.
+    /// Returns the field's value; NaN where it is undefined.
     fn value(&self, at: [f64; 3]) -> f64 {
         self.tape.eval(at, |out| out[0])
     }
@@ -223,28 +223,28 @@ fn curvature(n: [f64; 3], h: &[[f64; 3]; 3]) -> f64 {
 }
 
 impl LocalShape {
-    /// H v over |∇f|.
+    /// Returns H v over |∇f|.
     pub(crate) fn bent(&self, v: [f64; 3]) -> [f64; 3] {
         self.bend.map(|row| dot(row, v))
     }
 
-    /// The acceleration of the geodesic with this unit velocity.
+    /// Returns the acceleration of the geodesic with this unit velocity.
     pub(crate) fn acceleration(&self, v: [f64; 3]) -> [f64; 3] {
         let bend = dot(v, self.bent(v));
         self.normal.map(|n| -bend * n)
     }
 
-    /// The unit normal of a velocity in the tangent plane, on its left as seen from where f is positive.
+    /// Returns the unit normal to a velocity in the tangent plane, on its left as seen from where f is positive.
     pub(crate) fn left(&self, v: [f64; 3]) -> [f64; 3] {
         crate::metric::cross(self.normal, v)
     }
 
-    /// A vector without its component along the normal.
+    /// Returns a vector without its component along the normal.
     pub(crate) fn tangential(&self, v: [f64; 3]) -> [f64; 3] {
         combine(1.0, v, -dot(v, self.normal), self.normal)
     }
 
-    /// A length of the order of the radii of curvature; infinite on a plane.
+    /// Returns a length of the order of the radii of curvature; infinite on a plane.
     pub(crate) fn radius(&self) -> f64 {
         let square: f64 = self.bend.iter().flatten().map(|x| x * x).sum();
         1.0 / square.sqrt()
@@ -252,8 +252,8 @@ impl LocalShape {
 }
 
 impl ImplicitSurface {
-    /// Compiles a field. A uniform without a value is NaN: the field is undefined then. `size` is a length typical of the
-    /// surface, such as its longest side, where one is known.
+    /// Compiles a field. A uniform without a value is NaN, which makes the field undefined. `size` is a typical length of
+    /// the surface, such as its longest side, if one is known.
     ///
     /// # Errors
     /// [`TooLarge`] where the field does not fit into the graph's limit.
@@ -296,27 +296,28 @@ impl ImplicitSurface {
         })
     }
 
-    /// A length typical of it; infinite where none is known.
+    /// Returns the surface's typical length; infinite where none is known.
     pub fn size(&self) -> f64 {
         self.size
     }
 
-    /// True if it may have edges.
+    /// Returns true if the surface may have edges.
     pub fn has_edges(&self) -> bool {
         !self.kinks.is_empty()
     }
 
-    /// The unit normal at a place on it, towards where the field is positive; `None` where it has none.
+    /// Returns the unit normal at a point of the surface, towards where the field is positive; `None` where it has
+    /// none.
     pub fn normal(&self, at: [f64; 3]) -> Option<[f64; 3]> {
         Some(self.piece_at(at).ok()?.shape(at)?.normal)
     }
 
-    /// The Gaussian curvature at a place on it; `None` where it has none.
+    /// Returns the Gaussian curvature at a point of the surface; `None` where it has none.
     pub fn curvature(&self, at: [f64; 3]) -> Option<f64> {
         Some(self.piece_at(at).ok()?.shape(at)?.curvature)
     }
 
-    /// The field's value and the decisions at a place.
+    /// Returns the field's value and the decisions at a point.
     fn decided(&self, at: [f64; 3]) -> (f64, Decisions) {
         self.decisions.eval(at, |out| {
             let mut decisions = Decisions::new();
@@ -329,7 +330,7 @@ impl ImplicitSurface {
                 }
                 let [a, b] = [out[1 + 2 * index], out[2 + 2 * index]];
                 let second = match self.graph.node(self.kinks[index].node) {
-                    // What is undefined is outside.
+                    // Undefined counts as outside.
                     Node::Binary(Binary::Min, ..) => b < a || a.is_nan(),
                     Node::Binary(Binary::Max, ..) => b > a || b.is_nan(),
                     _ => a < 0.0,
@@ -343,7 +344,7 @@ impl ImplicitSurface {
         })
     }
 
-    /// The piece that counts at a place.
+    /// Returns the piece that is in effect at a point.
     ///
     /// # Errors
     /// [`TooLarge`] where its derivatives exceed the graph's limit.
@@ -363,7 +364,7 @@ impl ImplicitSurface {
 
     fn piece(&self, decisions: &Decisions) -> Result<FieldPiece, TooLarge> {
         let (mut graph, roots) = self.graph.extract(&[self.root]);
-        // Ids keep their order in an extract.
+        // An extract preserves the order of ids.
         let order = self.graph.order(&[self.root]);
         let same = graph.order(&roots);
         let mut smooth: HashMap<NodeId, NodeId> = HashMap::new();
@@ -421,7 +422,7 @@ impl ImplicitSurface {
         })
     }
 
-    /// Returns true if a place on a piece lies beyond an edge: another piece bounds the solid there, or none.
+    /// Returns true if a point of a piece is beyond an edge: another piece bounds the solid there, or none does.
     pub(crate) fn is_beyond(&self, piece: &FieldPiece, at: [f64; 3]) -> bool {
         if self.kinks.is_empty() {
             return false;
@@ -430,7 +431,7 @@ impl ImplicitSurface {
         if decisions == piece.decisions {
             return false;
         }
-        // Where two leaves share a face, it goes on.
+        // Where two leaves share a face, the piece continues.
         let Some(shape) = piece.shape(at) else {
             return true;
         };
@@ -444,7 +445,7 @@ impl ImplicitSurface {
         !same
     }
 
-    /// Returns true if no place of a box that lies on a piece is beyond an edge; false where intervals cannot tell.
+    /// Returns true if no point of a box that is on a piece is beyond an edge; false where intervals cannot decide.
     pub(crate) fn stays_on(&self, piece: &FieldPiece, within: [Interval; 3]) -> bool {
         self.decisions.eval_box(within, |out| {
             piece.decisions.iter().all(|decision| {
@@ -464,8 +465,8 @@ impl ImplicitSurface {
         })
     }
 
-    /// Brings a place onto the surface, along the field's gradient: Newton's method, each step shortened until the field's
-    /// size shrinks.
+    /// Moves a point onto the surface along the field's gradient: Newton's method, each step shortened until the field's
+    /// magnitude decreases.
     ///
     /// # Errors
     /// [`PlaceError`].
@@ -492,7 +493,7 @@ impl ImplicitSurface {
                 0.0
             });
             let value = (shape.distance * shape.slope).abs();
-            // Newton's last steps shrink below rounding, or move about within it.
+            // Newton's last steps shrink below rounding, or fluctuate within it.
             if step <= ON_SURFACE * reach
                 && (step >= 0.5 * last || step <= 1e-3 * ON_SURFACE * reach)
             {
@@ -520,7 +521,7 @@ impl ImplicitSurface {
     }
 }
 
-/// The operands of a kink; both the same for an operation on one number.
+/// Returns the operands of a kink; both equal for a unary operation.
 fn operands(node: Node) -> [NodeId; 2] {
     let mut all = node.operands();
     let first = all.next();
@@ -532,7 +533,7 @@ fn operands(node: Node) -> [NodeId; 2] {
     }
 }
 
-/// The kinks of an expression, and those that its root reads through no other.
+/// Returns the kinks of an expression, and those on which its root depends without another kink between.
 fn kinks(graph: &Graph, root: NodeId) -> (Vec<Kink>, Vec<u32>) {
     let order = graph.order(&[root]);
     let is_kink = |id: NodeId| {
@@ -543,7 +544,7 @@ fn kinks(graph: &Graph, root: NodeId) -> (Vec<Kink>, Vec<u32>) {
     };
     let mut numbers: HashMap<NodeId, u32> = HashMap::new();
     let mut kinks: Vec<Kink> = Vec::new();
-    // The kinks that a node reads through no other, itself if it is one.
+    // The kinks on which a node depends without another between; itself if it is one.
     let mut nearest: HashMap<NodeId, Vec<u32>> = HashMap::new();
     for id in order {
         if is_kink(id) {

@@ -1,6 +1,6 @@
-//! A ray, step by step: changes of chart, control of the error in the metric, events, the end and why it came.
+//! A ray, step by step: changes of chart, error control in the metric, events, and the end with its reason.
 //!
-//! In: an atlas, a start at unit speed, a length. Out: [`RayEnd`]. Every ray ends, within its number of evaluations.
+//! In: an atlas, a start at unit speed, a length. Out: [`RayEnd`]. Every ray ends within its limit on evaluations.
 
 mod collapse;
 mod conjugate;
@@ -17,19 +17,19 @@ use crate::step_control::{ErrorSum, SHORTEST, StepControl, step_after, step_to_t
 use crate::surface::Side;
 use ray::{Attempt, Cost, Observers, Ray};
 
-/// The plan of an integration.
+/// The parameters of an integration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IntegrationPlan {
     pub(crate) tableau: &'static Tableau,
     /// The error allowed, per length; `None` for steps of equal length.
     pub(crate) tolerance: Option<f64>,
-    /// The first step's length; for steps of equal length, all of them.
+    /// The length of the first step; with equal steps, of all of them.
     pub(crate) step: f64,
-    /// The largest count of evaluations that the atlas may reach.
+    /// The maximum that the atlas' count of evaluations may reach.
     pub(crate) limit: usize,
-    /// True if apexes are passed in their own charts.
+    /// True if rays pass apexes in the apexes' own charts.
     pub(crate) charts: bool,
-    /// True if the positions of the steps' ends are kept.
+    /// True if the positions of the steps' ends are stored.
     pub(crate) keep_path: bool,
 }
 
@@ -48,12 +48,12 @@ impl From<State> for Start {
     }
 }
 
-/// The end of a ray, with what happened on the way.
+/// The end of a ray, with the events along the way.
 #[derive(Clone, Debug)]
 pub(crate) struct RayEnd {
     /// In (u,v), inside the domain.
     pub(crate) state: State,
-    /// The chart that it ended in, and the point and velocity there.
+    /// The chart in which it ended, and the point and velocity there.
     pub(crate) inside: (Chart, State),
     pub(crate) length: f64,
     pub(crate) speed_drift: f64,
@@ -62,10 +62,10 @@ pub(crate) struct RayEnd {
     pub(crate) rejected: usize,
     pub(crate) status: Status,
     pub(crate) flipped: bool,
-    /// The creases that it has crossed.
+    /// The number of creases that it has crossed.
     pub(crate) creases: usize,
     pub(crate) path: Vec<[f64; 2]>,
-    /// The length of the last step that the tolerance chose: where a neighbouring ray may begin.
+    /// The length of the last step that the tolerance chose: a first step for a neighbouring ray.
     pub(crate) step: f64,
     /// m at the end: the Jacobi field with m = 0, m' = 1 at the start, across the ray.
     pub(crate) field: f64,
@@ -73,12 +73,12 @@ pub(crate) struct RayEnd {
     pub(crate) field_rate: f64,
     /// The arc lengths at which m = 0, if they were requested.
     pub(crate) conjugates: Vec<f64>,
-    /// The Jacobi field after each step, if it was asked for.
+    /// The Jacobi field after each step, if requested.
     pub(crate) fields: Vec<FieldKnot>,
 }
 
 impl RayEnd {
-    /// The end of a ray that cannot be begun: its start, and why.
+    /// Returns the end of a ray that cannot be started: its start, and the reason.
     fn at_start(atlas: &Atlas<'_>, start: Start, step: f64) -> Self {
         let state = match start {
             Start::Plain(state) => state,
@@ -115,18 +115,18 @@ pub(crate) fn integrate(
     integrate_observed(atlas, start.into(), length, plan, Observed::default())
 }
 
-/// The observations on the way beside the ray itself.
+/// The quantities to be observed along the way, besides the ray itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Observed {
-    /// True if the Jacobi fields are to be as exact as the ray.
+    /// True if the Jacobi fields are to be as accurate as the ray.
     pub(crate) fields: bool,
-    /// True if conjugate points are looked for.
+    /// True if conjugate points are located.
     pub(crate) conjugates: bool,
-    /// True if the Jacobi field is kept after each step, and steps are short beside 1/√|K|.
+    /// True if the Jacobi field is stored after each step, and steps are short compared with 1/√|K|.
     pub(crate) knots: bool,
 }
 
-/// Integrates the geodesic from `start` and observes more on the way.
+/// Integrates the geodesic from `start` and observes more quantities along the way.
 pub(crate) fn integrate_observed(
     atlas: &Atlas<'_>,
     start: Start,
@@ -165,10 +165,10 @@ pub(crate) fn integrate_observed(
     run(ray, length)
 }
 
-/// Takes steps until the ray has its length, or ends before.
+/// Takes steps until the ray has its full length, or ends earlier.
 ///
-/// Every turn of the loop either goes on, shortens the step, or ends: the evaluations are limited, and steps that shrink to
-/// nothing end the ray, so that the loop does.
+/// Each iteration either advances, shortens the step, or ends. The evaluations are limited, and steps that shrink to
+/// nothing end the ray, so the loop terminates.
 fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
     let atlas = ray.atlas;
     let adaptive = ray.plan.tolerance.is_some();
@@ -192,7 +192,7 @@ fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
         } else {
             h
         };
-        // The last step, and steps of equal length, are to be of that length.
+        // The last step, and equal steps, have a prescribed arc length.
         let pace = if tried == remaining || !adaptive {
             StepParameter::Length
         } else {
@@ -215,7 +215,7 @@ fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
                 }
             }
         }
-        // Steps that shrink to nothing run into something that they will not pass.
+        // Steps that shrink to nothing approach something that they cannot pass.
         let shortest = SHORTEST * length.min(atlas.layout.scale.size).max(ray.s);
         if adaptive && h < shortest && length - ray.s > shortest {
             if !ray.leaps_over_kink(10.0 * shortest) {
@@ -251,7 +251,7 @@ fn run(mut ray: Ray<'_, '_>, length: f64) -> RayEnd {
     }
 }
 
-/// The chart for a start, the state in it, and its local data.
+/// Returns the chart for a start, the state in it, and its local data.
 fn begin(atlas: &Atlas<'_>, plan: &IntegrationPlan, start: Start) -> Option<(Chart, State, Local)> {
     let start = match start {
         Start::Plain(state) => state,
@@ -275,7 +275,8 @@ fn begin(atlas: &Atlas<'_>, plan: &IntegrationPlan, start: Start) -> Option<(Cha
     Some((Chart::Plain, start, local))
 }
 
-/// Returns the reason why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
+/// Returns the reason why a ray cannot continue from a point where the steps have become too short, or an evaluation
+/// fails.
 fn stalled_at(atlas: &Atlas<'_>, at: [f64; 2]) -> Status {
     for (axis, x) in at.into_iter().enumerate() {
         for end in 0..2 {

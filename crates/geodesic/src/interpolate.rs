@@ -1,7 +1,8 @@
 //! Polynomials through values and derivatives at both ends of an interval (Stoer, Bulirsch, *Introduction to Numerical
 //! Analysis*, section 2.1.5).
 
-/// The cubic with these values and derivatives at the ends of an interval of length `h`, at a share `t` of it.
+/// Returns the cubic with these values and derivatives at the ends of an interval of length `h`, at a fraction `t` of
+/// it.
 #[inline(always)]
 pub(crate) fn cubic(t: f64, h: f64, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64 {
     let rest = 1.0 - t;
@@ -10,8 +11,8 @@ pub(crate) fn cubic(t: f64, h: f64, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64
         + h * t * rest * (rest * a1 - t * b1)
 }
 
-/// The coefficients, by powers of the share, of the quintic with these values, first and second derivatives at the ends of
-/// an interval of length `h`.
+/// Returns the coefficients, by powers of the fraction, of the quintic with these values, first and second derivatives at
+/// the ends of an interval of length `h`.
 pub(crate) fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
     let (c0, c1, c2) = (a[0], h * a[1], 0.5 * h * h * a[2]);
     let x = b[0] - c0 - c1 - c2;
@@ -32,6 +33,6 @@ pub(crate) fn value(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// The weights of Lagrange's interpolation at the middle of ±1, ±2 and ±3 equal steps, for both sides alike:
-/// (15, −6, 1)/20.
+/// The weights of Lagrange interpolation at the midpoint from ±1, ±2 and ±3 equal steps, the same on both sides: (15,
+/// −6, 1)/20.
 pub(crate) const MIDDLE_OF_SIX: [f64; 3] = [0.75, -0.3, 0.05];

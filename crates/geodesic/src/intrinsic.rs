@@ -1,9 +1,9 @@
-//! Surfaces that are a metric and nothing else: E du² + 2F du dv + G dv² in, jets out.
+//! Surfaces given by a metric alone. In: E du² + 2F du dv + G dv². Out: jets.
 //!
-//! Without an embedding there is no σ. What geodesics need of one, inner products of the derivatives of σ at one point,
-//! follows from E, F, G and their derivatives, so at each point a jet is given in an orthonormal frame of that point's
-//! own: the tangential parts by the Christoffel symbols, and normal parts that make Gauss's equation give the
-//! curvature. Nothing of two jets at different points may be compared: [`Surface::is_embedded`] says so.
+//! Without an embedding there is no σ. Geodesics need only inner products of the derivatives of σ at one point, which
+//! follow from E, F, G and their derivatives. So a jet is given in an orthonormal frame specific to its point: the
+//! tangential parts by the Christoffel symbols, and normal parts chosen so that Gauss's equation gives the curvature.
+//! Jets at different points must not be compared: [`Surface::is_embedded`] returns false.
 
 use std::cell::RefCell;
 
@@ -26,7 +26,7 @@ use crate::topology::Topology;
 /// Opposite sides of the domain at which E, F, G and their first derivatives agree are glued: the metric du² + dv² of
 /// a rectangle is a flat torus. If they agree only with one side turned over (E and G even, F odd), they are glued
 /// with a flip. A side along which the length is zero is the tip of a cone, or a smooth point where its angle is 2π.
-/// Where E ≤ 0 or EG − F² ≤ 0 it is degenerate. The position of its jets is (u, v, 0), a place in no space.
+/// It is degenerate where E ≤ 0 or EG − F² ≤ 0. The position of its jets is (u, v, 0), which is not a point in space.
 #[derive(Clone, Debug)]
 pub struct MetricSurface {
     tape: Tape,
@@ -46,15 +46,15 @@ enum Source {
 }
 
 thread_local! {
-    /// Registers and inputs of the evaluation, one per thread, so that none allocates.
+    /// Registers and inputs of the evaluation, one set per thread, to avoid allocations.
     static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
     /// The same for several points at once.
     static BLOCK: RefCell<JetRegisters> = RefCell::default();
 }
 
 impl MetricSurface {
-    /// Derives the form [E, F, G], compiles it, and looks for what lies beyond the sides. A uniform without a value
-    /// is NaN: the metric is undefined then.
+    /// Differentiates the form [E, F, G], compiles it, and determines the kinds of the sides. A uniform without a value
+    /// is NaN, which makes the metric undefined.
     ///
     /// # Errors
     /// [`TooLarge`] where the derivatives do not fit into the graph's limit.
@@ -170,7 +170,7 @@ impl Surface for MetricSurface {
     }
 }
 
-/// √(EG − F²), the product of differences with its rounding error put back.
+/// √(EG − F²), a difference of products with its rounding error compensated.
 #[inline(always)]
 fn area_element([e, f, g]: [f64; 3]) -> f64 {
     if f == 0.0 {
@@ -181,7 +181,7 @@ fn area_element([e, f, g]: [f64; 3]) -> f64 {
     (e.mul_add(g, -square) + lost).sqrt()
 }
 
-/// The jet in the frame e₁ ∥ σu, e₂ to its left, e₃ the normal.
+/// Returns the jet in the frame e₁ ∥ σu, e₂ to its left, e₃ the normal.
 fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
     let [e, f, g] = form.efg;
     let position = [uv[0], uv[1], 0.0];
@@ -198,7 +198,7 @@ fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
     }
     let r = area_element(form.efg);
     if !(e > 0.0 && r > 0.0) {
-        // Parallel tangents: no plane.
+        // Parallel tangents span no plane.
         let root = e.max(0.0).sqrt();
         return Jet {
             position,
@@ -218,7 +218,7 @@ fn regular_jet(form: &Form, r: f64, uv: [f64; 2]) -> Jet {
     let [e, f, g] = form.efg;
     let root = e.sqrt();
     // The frame's components of a vector with these inner products with σu and σv.
-    // The quotient first: E √E may be beyond all numbers.
+    // The quotient first: E √E may overflow.
     let share = root / r;
     let vector = |by_u: f64, by_v: f64| [by_u / root, (by_v - f / e * by_u) * share];
     let [eu, fu, gu] = form.by_u;
@@ -246,8 +246,8 @@ fn regular_jet(form: &Form, r: f64, uv: [f64; 2]) -> Jet {
     }
 }
 
-/// The jets of several points, in loops that become vectors; false, and nothing of worth, unless it is a metric at all of
-/// them.
+/// The jets of several points, in loops that the compiler vectorises. Returns false, and meaningless jets, unless it is a
+/// metric at all of the points.
 struct RegularJets<'a> {
     /// E, F, G with their derivatives.
     forms: &'a JetBlock,
@@ -258,7 +258,7 @@ struct RegularJets<'a> {
 impl Work for RegularJets<'_> {
     type Output = bool;
 
-    #[allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+    #[allow(clippy::needless_range_loop)] // Several arrays are traversed together, lane by lane.
     #[inline(always)]
     fn run(self) -> bool {
         let [e, f, g] = &self.forms.position;
@@ -297,7 +297,7 @@ impl Work for RegularJets<'_> {
     }
 }
 
-/// Lengths typical of a metric, along the coordinate lines.
+/// Returns typical lengths of a metric, along the coordinate lines.
 fn measure(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
     const LINES: u32 = 5;
     const PIECES: u32 = 8;
@@ -337,7 +337,7 @@ fn measure(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
         size = size.max(median(&mut lengths).unwrap_or(0.0));
         scale.stretch[axis] = median(&mut stretches).unwrap_or(1.0);
     }
-    // A closed surface's extent is about half of what its lines are long.
+    // The extent of a closed surface is about half the length of its coordinate lines.
     if size > 0.0 && size.is_finite() {
         scale.size = 0.5 * size;
     }

@@ -1,6 +1,6 @@
-//! A surface's position with its derivatives at a point, and at several points side by side.
+//! A surface's position with its derivatives, at one point and at several points side by side.
 
-#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+#![allow(clippy::needless_range_loop)] // Several arrays are traversed together, lane by lane.
 
 /// Position and partial derivatives up to order two at a point of the chart, in R³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,7 +72,7 @@ impl JetBlock {
         }
     }
 
-    /// Puts the jet of one lane's point.
+    /// Sets the jet of one lane's point.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, jet: &Jet) {
         for k in 0..3 {

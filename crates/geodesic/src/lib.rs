@@ -1,7 +1,7 @@
 //! Geodesics of a parametrised surface: the first fundamental form, the exponential map, transport.
 //!
 //! ```text
-//! expr ──surface.rs (or intrinsic.rs)──▶ jets ──topology.rs──▶ what lies beyond the sides
+//! expr ──surface.rs (or intrinsic.rs)──▶ jets ──topology.rs──▶ the kinds of the sides
 //!                                         │
 //!                               metric.rs, chart.rs ──▶ acceleration ──runge_kutta──▶ one step
 //!                                         │                                           │
@@ -9,15 +9,16 @@
 //!         │                                                                           │
 //!         └──▶ fan.rs: shared rays ──ends.rs──▶ piecewise.rs: polynomials ──▶ map.rs: a picture's pixels
 //!                                                     └──▶ a table for the GPU        │
-//!                                                     reference.rs: how far they are off
+//!                                                     reference.rs: the true errors of the pixels
 //! ```
 //!
-//! What is measured along geodesics (distances, circles, triangles, holonomy) stands in `measure.rs`, above all of it.
+//! Measures along geodesics (distances, circles, triangles, holonomy) are in `measure.rs`, which builds on all of
+//! these.
 //!
-//! Surfaces that are given by a field in space and have no chart have rays of their own in `implicit.rs`, with the same steps,
-//! and give ends with three coordinates.
+//! Surfaces that are given by a field in space and have no chart have their own rays in `implicit.rs`, which use the same
+//! steps and yield ends with three coordinates.
 //!
-//! Beside them stand surfaces in other coordinates: `moved.rs`, which counts from the camera, for deep zooms, and
+//! Two modules wrap a surface in other coordinates: `moved.rs`, relative to the camera, for deep zooms, and
 //! `reparametrised.rs`, for seams that a parameter crosses unevenly.
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.

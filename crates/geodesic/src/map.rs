@@ -1,8 +1,8 @@
-//! The exponential map: for each pixel of a picture where its geodesic ends. What a geodesic picture is resolved from.
+//! The exponential map: the end of each pixel's geodesic, from which a geodesic picture is resolved.
 //!
-//! In: a surface, a frame, a picture's size, a method. Out: [`Map`]. The methods stand side by side: the fan, which
-//! shares its rays among the pixels, and those that follow a geodesic for each pixel (`map/pixel.rs`), which it is
-//! compared with.
+//! In: a surface, a frame, a picture's size, a method. Out: [`Map`]. The methods are alternatives: the fan, which
+//! shares its rays among the pixels, and those that integrate a geodesic for each pixel (`map/pixel.rs`), with which it
+//! is compared.
 
 mod pixel;
 mod rk4;
@@ -29,10 +29,10 @@ pub enum Method {
     Fan,
     /// Rays shared by all pixels, interpolated linearly, for comparison.
     FanLinear,
-    /// Each pixel's geodesic by itself, with steps as long as the tolerance allows; poles in charts of their own.
+    /// A geodesic for each pixel, with steps as long as the tolerance allows; poles are passed in their own charts.
     Adaptive,
-    /// Each pixel's geodesic by itself, with steps of equal length of the classical Runge–Kutta method in (u,v), as in
-    /// the thesis (equations 4.2), for comparison.
+    /// A geodesic for each pixel, with equal steps of the classical Runge–Kutta method in (u,v), as in the thesis
+    /// (equations 4.2), for comparison.
     Rk4 {
         /// The number of steps; at least one is taken.
         steps: u32,
@@ -46,18 +46,18 @@ pub struct MapOptions {
     pub method: Method,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
-    /// The most evaluations of all pixels together; fewer of a surface whose evaluation is dear
-    /// ([`affordable_evaluations`](crate::surface::affordable_evaluations)). A method that follows pixels one by one has
-    /// [`MapOptions::evaluations_per_pixel`] on the average.
+    /// The maximum number of evaluations of all pixels together; lower for a surface that is expensive to evaluate
+    /// ([`affordable_evaluations`](crate::surface::affordable_evaluations)). A method that integrates pixels one by one
+    /// has [`MapOptions::evaluations_per_pixel`] on average.
     pub max_evaluations: u64,
-    /// True if [`Map::by_pixel`] is wanted, of the methods that know it.
+    /// True if [`Map::by_pixel`] is requested, for methods that provide it.
     pub by_pixel: bool,
 }
 
-/// However many pixels there are, so many evaluations are allowed for each on the average: several times what those of
-/// benign surfaces take.
+/// The minimum number of evaluations allowed per pixel on average, however many pixels there are: several times the
+/// number that benign surfaces need.
 pub const LEAST_FOR_PIXEL: u64 = 400;
-/// However few pixels there are, none has more evaluations.
+/// The maximum number of evaluations per pixel, however few pixels there are.
 pub const MOST_FOR_PIXEL: u64 = 20_000;
 
 impl Default for MapOptions {
@@ -72,25 +72,25 @@ impl Default for MapOptions {
 }
 
 impl MapOptions {
-    /// The most evaluations for a pixel of a picture of this size on the average, by a method that follows them one by one:
-    /// the same share of [`MapOptions::max_evaluations`] for each, but at least [`LEAST_FOR_PIXEL`] and at most
-    /// [`MOST_FOR_PIXEL`].
+    /// Returns the maximum number of evaluations per pixel, on average, for a picture of this size and a method that
+    /// integrates pixels one by one: an equal share of [`MapOptions::max_evaluations`], but at least [`LEAST_FOR_PIXEL`]
+    /// and at most [`MOST_FOR_PIXEL`].
     pub fn evaluations_per_pixel(&self, size: [u32; 2]) -> u64 {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         (self.max_evaluations / pixels.max(1)).clamp(LEAST_FOR_PIXEL, MOST_FOR_PIXEL)
     }
 }
 
-/// Brings a point back through the sides that wrap, and gives the signs by which the components of a vector change: a
-/// flip turns the other one over.
+/// Brings a point back through the sides that wrap. Also returns the signs by which the components of a vector change:
+/// a flip reverses the other coordinate.
 pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, uv: impl Into<Uv>) -> (Uv, [f64; 2]) {
     let Uv(mut at) = uv.into();
     let crossing = sides.wrap(domain, &mut at);
     (Uv(at), crossing.signs)
 }
 
-/// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` receives
-/// the share that is done.
+/// Computes the whole map, on all threads of the current rayon pool; the result does not depend on their number.
+/// `progress` receives the fraction that is done.
 pub fn exponential_map(
     surface: &dyn Surface,
     frame: &Frame,
@@ -105,7 +105,7 @@ pub fn exponential_map(
         map.origin = frame.uv.0;
         return map;
     }
-    // Rays that pixels share need coordinates that go on smoothly beyond a seam.
+    // Rays that pixels share need coordinates that continue smoothly beyond a seam.
     if let Some(interpolation) = shared(options.method)
         && frame.zoom(surface) != 0.0
         && let Some((even, camera)) = Reparametrised::for_camera(surface, frame)
@@ -118,7 +118,7 @@ pub fn exponential_map(
     by_method(surface, frame, size, options, progress)
 }
 
-/// The interpolation of a method whose rays the pixels share.
+/// Returns the interpolation of a method whose rays the pixels share.
 fn shared(method: Method) -> Option<Interpolation> {
     match method {
         Method::Fan => Some(Interpolation::Hermite),
@@ -144,7 +144,7 @@ fn by_method(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
     match shared(options.method) {
-        // Without a length no geodesic needs to be followed, and there is nothing to share.
+        // With a zoom of 0 no geodesic needs to be integrated, and there is nothing to share.
         Some(interpolation) if frame.zoom(surface) != 0.0 => {
             let fan = Fan::build(surface, frame, size, &fan_options(interpolation, options));
             by_fan(&fan, &fan, size, options, progress)
@@ -153,7 +153,7 @@ fn by_method(
     }
 }
 
-/// The map of a fan, from its ends in the coordinates that are wanted.
+/// Computes the map of a fan, from its ends in the requested coordinates.
 fn by_fan(
     fan: &Fan<'_>,
     ends: &dyn Ends,
@@ -170,7 +170,7 @@ fn by_fan(
     map
 }
 
-/// The share of the tolerance that the polynomials may add to the rays' error.
+/// The fraction of the tolerance that the polynomials may add to the rays' error.
 const PIECEWISE_SHARE: f64 = 0.5;
 
 fn pixel_by_pixel(

@@ -1,7 +1,7 @@
-//! The number of rays that a fan needs: bisection in angle, by what a new ray says about the two beside it.
+//! The choice of a fan's rays: bisection in angle, by the errors that a new ray shows of its neighbours.
 //!
-//! A new ray in the middle of a sector shows the error that interpolation makes there. In the halves it is a sixteenth
-//! of that, so that they need not be looked at, each, to be accepted.
+//! A new ray in the middle of a sector shows the interpolation error there. In the halves the error is a sixteenth of
+//! that, so that they need not each be checked to be accepted.
 
 use super::Interpolation;
 use super::build::{ACROSS, Builder, Wanted};
@@ -9,20 +9,20 @@ use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
 use super::{border, cell};
 
-/// An edge is to be at its place to this part of a pixel.
+/// The error allowed to an edge's position, as a fraction of a pixel.
 const EDGE: f64 = 0.25;
 /// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them.
 const NARROWEST: f64 = 0.5;
 const FEW: usize = 64;
-/// Such sectors are bisected only while more pixels than this are left out between two rays.
+/// Such sectors are bisected only while more pixels than this between two rays are not determined by them.
 const LEFT_OUT: f64 = 2.0;
-/// The factor by which a sector's error may exceed the one that was expected of it before less is expected of its halves.
+/// The factor by which a sector's error may exceed its prediction before a lower order is assumed for its halves.
 const EXCESS: f32 = 2.0;
-/// An error in pixels that stands for no agreement at all.
+/// An error in pixels that means no agreement at all.
 const WRONG: f64 = 1e9;
 
 impl Builder<'_> {
-    /// The factor to the errors when a sector is halved.
+    /// Returns the factor on the errors when a sector is halved.
     pub(super) fn order(&self) -> f32 {
         match self.options.interpolation {
             Interpolation::Hermite => 16.0,
@@ -30,7 +30,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error at a share of the way between two rays, over the one in the middle.
+    /// Returns the error at a fraction of the way between two rays, relative to the one in the middle.
     fn bulge(&self) -> fn(f64) -> f64 {
         match self.options.interpolation {
             Interpolation::Hermite => |t| 16.0 * (t * (1.0 - t)).powi(2),
@@ -62,11 +62,11 @@ impl Builder<'_> {
         }
     }
 
-    /// The errors that a ray shows of the two beside it, in pixels; infinite where it shows nothing.
+    /// Returns the errors that a ray shows of its two neighbours, in pixels; infinite where it shows nothing.
     pub(super) fn profile(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> Profile {
         let (mut out, seen) = self.seen(rays, width, middle, t, &[0.5]);
         if seen < BINS {
-            // At an edge that both rays meet it goes on much the same, elsewhere anything may be.
+            // Beyond an edge that both rays meet the error continues similarly; elsewhere it may be anything.
             let both = rays.iter().all(|ray| ray.limit().is_finite());
             let last = if both || seen > bin(self.border_of(middle, width), self.start.reach) {
                 seen.checked_sub(1).map_or(0.0, |last| out[last])
@@ -82,7 +82,7 @@ impl Builder<'_> {
         self.start.border(middle.angle, 0.5 * width)
     }
 
-    /// The errors that a ray shows at these shares of its steps, and for how many ranges it does.
+    /// Computes the errors that a ray shows at these fractions of its steps; returns the number of ranges covered.
     pub(super) fn seen(
         &self,
         rays: [&Ray; 2],
@@ -98,7 +98,7 @@ impl Builder<'_> {
         let last = if limits[0].is_finite() && limits[1].is_finite() {
             middle.limit().min(border)
         } else {
-            // Beyond an edge that only one of them has left through, it still tells what the other sees.
+            // Beyond an edge through which only one of them has left, it still determines what the other sees.
             let [a, b] = rays.map(Ray::reach);
             a.min(b).min(middle.limit()).min(border)
         };
@@ -111,7 +111,7 @@ impl Builder<'_> {
             else {
                 continue;
             };
-            // What is not a number is as wrong as can be.
+            // A NaN counts as the worst error.
             let error = if error.is_finite() {
                 error / self.start.pixel
             } else {
@@ -119,7 +119,7 @@ impl Builder<'_> {
             };
             let error = error.min(WRONG) as f32;
             let bin = bin(s, self.start.reach);
-            // With the ranges that were passed over in between.
+            // Including the ranges skipped in between.
             for range in &mut out[seen.min(bin)..=bin] {
                 *range = range.max(error);
             }
@@ -146,18 +146,18 @@ impl Builder<'_> {
             && border::end_alike(self.pair(sector), border, self.start.pixel)
     }
 
-    /// The last range of radius that matters.
+    /// Returns the last range of radius that matters.
     pub(super) fn inside(&self, sector: &Sector) -> usize {
         let far = border::farthest(self.pair(sector), sector.width);
         bin(sector.border.min(far), self.start.reach)
     }
 
-    /// The largest error as far as it is known and matters.
+    /// Returns the largest error among the ranges that are known and matter.
     pub(super) fn worst(&self, sector: &Sector) -> f64 {
         f64::from(sector.most(self.last(sector)))
     }
 
-    /// The last range of radius that matters and is known.
+    /// Returns the last range of radius that matters and is known.
     pub(super) fn last(&self, sector: &Sector) -> usize {
         let inside = self.inside(sector);
         if sector.unknown_from.is_infinite() {
@@ -166,7 +166,7 @@ impl Builder<'_> {
         inside.min(bin(sector.unknown_from, self.start.reach).saturating_sub(1))
     }
 
-    /// The share that the picture shows of the rays' own errors, of the worse one of both, in pixels.
+    /// Returns the visible part of the rays' own errors, of the worse ray, in pixels.
     pub(super) fn along(&self, sector: &Sector) -> Profile {
         let [a, b] = self.pair(sector);
         let [_, near_a, near_b] = &sector.seen;
@@ -174,13 +174,13 @@ impl Builder<'_> {
         std::array::from_fn(|n| factor * (near_a[n] * a.off[n]).max(near_b[n] * b.off[n]))
     }
 
-    /// Marks how far a sector is known that cannot be made better.
+    /// Marks the range up to which a sector is known, when it cannot be improved.
     fn give_up(&self, sector: &mut Sector) {
         let inside = self.inside(sector);
         let wrong = (0..=inside)
             .find(|&n| f64::from(sector.seen_error(n)) > ACROSS * self.options.tolerance);
         if let Some(bin) = wrong {
-            // An error that grows so fast may have been seen too early in the range before.
+            // An error that grows this fast may have appeared too early, in the previous range.
             let bin = bin.saturating_sub(1);
             sector.unknown_from = self.start.reach * bin as f64 / BINS as f64;
             sector.errors[bin..].fill(0.0);
@@ -193,7 +193,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The number of pixels that of a sector would have to be followed by themselves.
+    /// Returns the number of pixels of a sector that would have to be integrated one by one.
     fn left_out(&self, sector: &Sector) -> f64 {
         let mut sector = sector.clone();
         self.give_up(&mut sector);
@@ -202,7 +202,7 @@ impl Builder<'_> {
             / (self.start.pixel * self.start.pixel)
     }
 
-    /// Bisects until all sectors are fine.
+    /// Bisects until the errors of all sectors are small enough.
     pub(super) fn refine(&mut self, sectors: &mut Vec<Sector>) {
         loop {
             self.slopes(sectors);
@@ -216,14 +216,14 @@ impl Builder<'_> {
                 .count()
                 > FEW
             {
-                // Chaos: narrower sectors would be no better, and as many as there are pixels.
+                // Chaos: narrower sectors would be no better, and as numerous as the pixels.
                 let (wide, narrow) = open
                     .into_iter()
                     .partition(|sector| sector.width > narrowest);
                 open = wide;
                 done.extend::<Vec<Sector>>(narrow);
             } else {
-                // A few directions in which nearby rays part: down to where hardly a pixel is left between two.
+                // A few directions in which nearby rays separate: bisect until hardly a pixel is left between two.
                 let worth =
                     |sector: &Sector| sector.width > narrowest || self.left_out(sector) > LEFT_OUT;
                 let (wide, narrow) = open.into_iter().partition(worth);
@@ -258,7 +258,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Finds the change of the end's place with the angle from the neighbours, where rays end at no edge.
+    /// Determines the derivative of the end's position by the angle from the neighbours, where rays do not end at an
+    /// edge.
     fn slopes(&mut self, sectors: &mut [Sector]) {
         let open = |ray: &Ray| ray.stop.is_some_and(|stop| !stop.told);
         if !self.rays.iter().any(open) {
@@ -286,12 +287,12 @@ impl Builder<'_> {
         }
     }
 
-    /// Both halves of a sector, with a new ray between them.
+    /// Returns both halves of a sector, with a new ray between them.
     pub(super) fn halve(&mut self, sector: Sector, middle: Ray) -> [Sector; 2] {
         let order = self.order();
         let rays = self.pair(&sector);
         let found = self.profile(rays, sector.width, &middle, 0.5);
-        // Where a sector is worse than the wider one made expect, the fourth power of the width does not hold yet.
+        // Where a sector is worse than the wider one predicted, the fourth-order estimate does not hold yet.
         let errors: Profile = std::array::from_fn(|n| {
             let excess = found[n] / sector.errors[n];
             let order = match excess > EXCESS && sector.errors[n] > 0.0 {

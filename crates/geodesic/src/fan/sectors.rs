@@ -1,4 +1,4 @@
-//! Sectors: what lies between neighbouring rays of a fan, with the errors that are known of it, found by the angle.
+//! The sectors between neighbouring rays of a fan, with their known errors, looked up by angle.
 
 use std::f64::consts::TAU;
 
@@ -6,46 +6,46 @@ use super::border;
 use super::ray::Ray;
 use crate::ends::{Estimate, GeodesicWork};
 
-/// An error is known for each of so many ranges of radius.
+/// The number of ranges of radius for which errors are known separately.
 pub(super) const BINS: usize = 32;
 
 /// Errors in pixels by ranges of radius.
 pub(super) type Profile = [f32; BINS];
 
-/// The stretch between two neighbouring rays.
+/// The sector between two neighbouring rays.
 #[derive(Clone, Debug)]
 pub(super) struct Sector {
     pub(super) rays: [usize; 2],
     pub(super) angle: f64,
     pub(super) width: f64,
-    /// The farthest that the picture reaches in it.
+    /// The largest distance to the picture's border in it.
     pub(super) border: f64,
-    /// From this arc length on its rays do not say where geodesics end.
+    /// The arc length from which its rays do not determine where geodesics end.
     pub(super) unknown_from: f64,
-    /// Up to this arc length both rays go on, and nothing else has to be looked at (see
-    /// [`look_free`](super::cell::look_free)). Told when the fan is complete.
+    /// The arc length up to which both rays continue and nothing else needs checking (see
+    /// [`look_free`](super::cell::look_free)). Set when the fan is complete.
     pub(super) free_until: f64,
     pub(super) errors: Profile,
-    /// The shares of the errors in the sector's middle, of its first and of its second ray that are seen in the picture,
-    /// for each range of radius: towards a corner of the picture only what lies near one of the rays is.
+    /// The visible fractions of the errors in the sector's middle, of its first and of its second ray, for each range of
+    /// radius: towards a corner of the picture only the part near one of the rays is visible.
     pub(super) seen: [Profile; 3],
-    /// The error of the edge's place.
+    /// The error of the edge's position.
     pub(super) edge: f64,
     /// True if the errors are derived from a wider sector that interpolates in the same way.
     pub(super) proven: bool,
     /// True if a more exact ray has measured the errors.
     pub(super) measured: bool,
-    /// True if the errors have been raised since measured ones were larger.
+    /// True if the errors have been raised because measured ones were larger.
     pub(super) doubted: bool,
 }
 
 impl Sector {
-    /// The error that the picture shows of a range of radius.
+    /// Returns the visible error of a range of radius.
     pub(super) fn seen_error(&self, range: usize) -> f32 {
         self.errors[range] * self.seen[0][range]
     }
 
-    /// The largest error that the picture shows up to a range of radius.
+    /// Returns the largest visible error up to a range of radius.
     pub(super) fn most(&self, last: usize) -> f32 {
         (0..=last).fold(0.0, |most, n| self.seen_error(n).max(most))
     }
@@ -61,20 +61,21 @@ impl Sector {
 #[derive(Debug, Default)]
 pub(super) struct Sectors {
     pub(super) rays: Vec<Ray>,
-    /// By angle.
+    /// In the order of their angles.
     pub(super) sectors: Vec<Sector>,
-    /// The sector that holds the beginning of each of equal parts of the turn.
+    /// The sector at the beginning of each of equal parts of the full turn.
     pub(super) table: Vec<u32>,
     pub(super) work: GeodesicWork,
     pub(super) estimate: Estimate,
-    /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
+    /// Pixels nearer to the centre than this may be integrated one by one where the rays do not determine their ends.
     pub(super) follow_within: f64,
-    /// The most evaluations for such a pixel; where its error is found too large, once more as many.
+    /// The maximum number of evaluations for such a pixel; the same again if its error proves too large.
     pub(super) pixel_limit: usize,
 }
 
 impl Sectors {
-    /// The sector that holds an angle in [0, 2π], and how far from its first ray to its second.
+    /// Returns the sector that contains an angle in [0, 2π], and the fraction of the way from its first ray to its
+    /// second.
     #[inline(always)]
     pub(super) fn find(&self, angle: f64) -> Option<(&Sector, f64)> {
         let part = angle * (self.table.len() as f64 / TAU);
@@ -124,12 +125,12 @@ impl Sectors {
     }
 }
 
-/// The range that an arc length lies in, of those that `reach` is divided into.
+/// Returns the range of an arc length, of those that `reach` is divided into.
 pub(super) fn bin(s: f64, reach: f64) -> usize {
     ((s / reach * BINS as f64) as usize).min(BINS - 1)
 }
 
-/// The largest of some errors.
+/// Returns the largest error.
 pub(super) fn most(errors: &[f32]) -> f32 {
     errors.iter().fold(0.0_f32, |most, x| most.max(*x))
 }

@@ -1,4 +1,4 @@
-//! The start of a fan: a frame and a picture's size in, active rays for any direction out.
+//! The start of a fan. In: a frame and a picture's size. Out: active rays in any direction.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -17,13 +17,13 @@ use crate::surface::Surface;
 pub(super) struct FanStart {
     pub(super) frame: Frame,
     pub(super) zoom: f64,
-    /// A pixel's width on the surface, at the centre.
+    /// The width of a pixel at the centre, measured on the surface.
     pub(super) pixel: f64,
     /// The distance to the picture's corners on the surface.
     pub(super) reach: f64,
     /// The picture's half width and half height on the surface.
     half: [f64; 2],
-    /// +1 where Y lies to the left of X, −1 where to the right.
+    /// +1 where Y is to the left of X, −1 where to the right.
     pub(super) side: f64,
     chart: FanChart,
     at: [f64; 2],
@@ -32,7 +32,7 @@ pub(super) struct FanStart {
 }
 
 impl FanStart {
-    /// `None` where no geodesic can start.
+    /// Returns `None` where no geodesic can start.
     pub(super) fn of(
         surface: &dyn Surface,
         layout: &ChartLayout,
@@ -82,7 +82,7 @@ impl FanStart {
         Some(start)
     }
 
-    /// A ray from X towards Y by an angle, at least as long as the picture is wide within `around` of it.
+    /// Creates the ray at an angle from X towards Y, at least as long as the picture extends within `around` of it.
     pub(super) fn ray(&self, angle: f64, around: f64, first: f64) -> ActiveRay {
         let (sin, cos) = angle.sin_cos();
         let velocity = [0, 1].map(|k| cos * self.axes[0][k] + sin * self.axes[1][k]);
@@ -92,14 +92,14 @@ impl FanStart {
         )
     }
 
-    /// The farthest that the picture reaches within `around` of an angle.
+    /// Returns the farthest extent of the picture within `around` of an angle.
     pub(super) fn border(&self, angle: f64, around: f64) -> f64 {
         let [right, up] = self.half;
         let (corner, here) = (up.atan2(right), fold(angle));
         if (here - corner).abs() <= around || here - around <= 0.0 && around >= corner {
             return self.reach;
         }
-        // The nearer to a corner the farther.
+        // The nearer to a corner, the farther.
         let toward = if here < corner {
             here + around
         } else {
@@ -109,14 +109,14 @@ impl FanStart {
         (right / cos.abs()).min(up / sin.abs()).min(self.reach)
     }
 
-    /// The shares of the errors in the middle of a sector, of its first and of its second ray that the picture shows, for each
-    /// range of radius: towards a corner of the picture only what lies near one of the rays is. `bulge` says how the
-    /// error changes between them.
+    /// Returns the visible fractions of the errors in the middle of a sector, of its first and of its second ray, for each
+    /// range of radius: towards a corner of the picture only the part near one of the rays is visible. `bulge` is the error's
+    /// shape between them.
     pub(super) fn seen(&self, angle: f64, width: f64, bulge: fn(f64) -> f64) -> [Profile; 3] {
         let mut seen = [[1.0; BINS]; 3];
         let (a, b) = (fold(angle), fold(angle + width));
         if ((b - a).abs() - width).abs() > 1e-9 {
-            // It reaches over an axis of the picture, and there to its border.
+            // The sector spans an axis of the picture, and extends to the border there.
             return seen;
         }
         let [right, up] = self.half;
@@ -143,7 +143,7 @@ impl FanStart {
         seen
     }
 
-    /// The end of the ray of no length.
+    /// Returns the end of the ray of length zero.
     pub(super) fn centre(&self, layout: &ChartLayout) -> End {
         let (coordinates, at, [along, across]) = match layout.pole_chart(self.chart.kind) {
             Some(chart) => (chart.coordinates(), self.at, self.axes),
@@ -164,7 +164,7 @@ impl FanStart {
     }
 }
 
-/// A direction by symmetry between the axes, from the right to the top.
+/// Maps a direction by symmetry to the quadrant between the right and the top.
 fn fold(angle: f64) -> f64 {
     let turned = (angle / PI).fract().abs() * PI;
     turned.min(PI - turned)

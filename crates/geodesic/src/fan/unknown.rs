@@ -1,7 +1,8 @@
-//! The parts of a picture about which rays say nothing, and the work that may be spent on their pixels.
+//! The parts of a picture that rays do not determine, and the work that may be spent on their pixels.
 //!
-//! Sectors in; the radius within which pixels may be followed one by one, and the evaluations for each, out. All pixels
-//! have the same limits, in whatever order they are looked at, so that a picture is the same on any number of threads.
+//! In: sectors. Out: the radius within which pixels may be integrated one by one, and the evaluations for each. All
+//! pixels have the same limits, in whatever order they are evaluated, so that a picture is the same on any number of
+//! threads.
 
 use super::Interpolation;
 use super::cell::{self, Found};
@@ -10,24 +11,24 @@ use super::start::FanStart;
 use crate::chart::ChartLayout;
 use crate::ends::GeodesicWork;
 
-/// The most evaluations for a pixel that is followed by itself.
+/// The maximum number of evaluations for a pixel that is integrated on its own.
 const ONE_PIXEL: u64 = 20_000;
-/// The time of an evaluation for one pixel, in evaluations of rays, of which several are done at once.
+/// The cost of an evaluation for one pixel, in evaluations of rays, of which several are done at once.
 const COST: u64 = 2;
-/// Each pixel may be looked at so many times.
+/// The number of times that each pixel may be evaluated.
 const LOOKS: f64 = 2.0;
-/// The shares of a sector's width in which it is looked at.
+/// The fractions of a sector's width at which it is sampled.
 const SHARES: [f64; 2] = [0.25, 0.75];
 
-/// The parts of a picture about which rays say nothing.
+/// The parts of a picture that rays do not determine.
 #[derive(Debug)]
 pub(super) struct UnknownAreas {
-    /// For each range of radius, the area in the units of arc length, squared, and the arc length at its middle.
+    /// For each range of radius, the area in squared units of arc length, and the arc length at its middle.
     ranges: Vec<[f64; 2]>,
 }
 
 impl UnknownAreas {
-    /// Looks through the sectors, which are in order.
+    /// Collects the unknown areas of sectors, which are in the order of their angles.
     pub(super) fn of(
         sectors: &Sectors,
         layout: &ChartLayout,
@@ -48,7 +49,7 @@ impl UnknownAreas {
                     *area += ring(from, to);
                     continue;
                 }
-                // Beyond where less is known than the rays say; before it, a share as the samples have it.
+                // Beyond the known part, the whole area; before it, the fraction that the samples show.
                 let known = to.min(sector.unknown_from);
                 *area += ring(known, to);
                 let s = middle.min(known);
@@ -63,8 +64,8 @@ impl UnknownAreas {
         Self { ranges }
     }
 
-    /// The radius within which pixels may be followed by themselves, and the evaluations for each, so that all together
-    /// have no more than `left`, in evaluations of rays.
+    /// Returns the radius within which pixels may be integrated one by one, and the evaluations for each, so that all
+    /// together use at most `left`, in evaluations of rays.
     pub(super) fn affordable(
         &self,
         work: &GeodesicWork,
@@ -72,7 +73,7 @@ impl UnknownAreas {
         left: u64,
     ) -> (f64, usize) {
         let left = (left / COST) as f64;
-        // What the rays needed, and more.
+        // The number that the rays needed, and more.
         let each = (2 * work.evaluations / work.rays.max(1) + 100).min(ONE_PIXEL) as f64;
         let looks = |area: f64| LOOKS * area / (start.pixel * start.pixel);
         let limit = |pixels: f64| (left / pixels).clamp(each, ONE_PIXEL as f64) as usize;
@@ -81,7 +82,7 @@ impl UnknownAreas {
         for (n, [area, _]) in self.ranges.iter().enumerate() {
             let more = looks(*area);
             if (pixels + more) * each > left {
-                // So much of this range, by its area.
+                // The affordable fraction of this range, by area.
                 let share = ((left / each - pixels) / more).clamp(0.0, 1.0);
                 let [from, to] = [n, n + 1].map(|k| step * k as f64);
                 let radius = (from * from + share * (to * to - from * from)).sqrt();

@@ -1,8 +1,8 @@
-//! The errors of a fan: rays that are integrated more exactly measure its errors, where they should be the largest and
-//! in places spread evenly. What they find wrong they mend.
+//! The errors of a fan: rays integrated with higher accuracy measure them, both where they should be largest and in
+//! evenly spread places. Errors that are too large are reduced.
 //!
-//! A ray in the middle of a sector measures what interpolation and both rays of the sector do there; one in the direction
-//! of a ray of the fan measures that one alone.
+//! A ray in the middle of a sector measures the interpolation and both rays of the sector there; one in the direction of
+//! a ray of the fan measures that ray alone.
 
 use std::cmp::Reverse;
 use std::f64::consts::TAU;
@@ -15,40 +15,40 @@ use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin, most};
 use crate::ends::Estimate;
 
-/// The factor to the tolerance of the rays that measure the errors of the others.
+/// The factor on the tolerance of the rays that measure the errors of the others.
 const EXACT: f64 = 0.15;
-/// The number of evenly spread sectors that are measured beside those that should have the largest errors.
+/// The number of evenly spread sectors that are measured besides those that should have the largest errors.
 const SPREAD: usize = 3;
-/// The most rounds of measuring and bisecting.
+/// The maximum number of rounds of measuring and bisecting.
 const ROUNDS: usize = 4;
-/// While any other is expected to have more than this share of the largest error that was found, and not many have been
-/// measured, more are.
+/// More sectors are measured while any unmeasured one is expected to have more than this fraction of the largest error
+/// found, and not many have been measured.
 const DOUBTFUL: f64 = 0.7;
-/// Predictions that were too low by more than this factor are raised, and looked at again.
+/// Predictions that were too low by more than this factor are raised, and checked again.
 const RAISED: f64 = 1.4;
-/// The least factor to predictions that were too high.
+/// The minimum factor on predictions that were too high.
 const LOWERED: f64 = 0.5;
-/// The factor to what is expected of a sector that was never bisected: what wider ones say of it may be far too low.
+/// The factor on the prediction for a sector that was never bisected: wider ones may underestimate it by far.
 const UNTRIED: f64 = 6.0;
-/// Rays are measured whose own errors, times this factor, may be the largest of the picture.
+/// Rays are measured if their own errors, times this factor, may be the largest of the picture.
 const RAY_DOUBTFUL: f64 = 3.0;
-/// The most of such rays, and beside them as many as fill the last group of eight.
+/// The maximum number of such rays, besides as many as fill the last group of eight.
 const RAYS: usize = 4;
-/// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more
-/// than one bulge.
+/// The fractions of their steps at which they are compared: steps are so long that between one and those of other rays there
+/// is more than one bulge.
 const SHARES: [f64; 2] = [0.25, 0.75];
-/// The largest error of a picture's pixels over the largest that is expected of its sectors anywhere: on random scenes
-/// most estimates are within twice the truth with this factor (`benches estimates`).
+/// The ratio of the largest error at the picture's pixels to the largest that is expected anywhere in its sectors. On
+/// random scenes most estimates are within a factor of two of the truth with this value (`benches estimates`).
 const AT_PIXELS: f64 = 0.8;
 
 impl Builder<'_> {
-    /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
+    /// Measures errors with rays integrated more accurately; where the errors are too large, these rays join the fan.
     pub(super) fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
         let exact = RayPlan {
             rate: EXACT * self.plan.rate,
             ..self.plan
         };
-        // By how much predictions have been too low.
+        // The factor by which predictions have been too low.
         let mut low = 1.0_f64;
         let mut compared = Vec::new();
         for round in 0..ROUNDS {
@@ -91,7 +91,7 @@ impl Builder<'_> {
         self.estimate(sectors)
     }
 
-    /// Measures sectors with the rays in their middles; returns by how much predictions were too low.
+    /// Measures sectors with the rays in their middles; returns the factor by which predictions were too low.
     fn measure(&mut self, sectors: &mut Vec<Sector>, chosen: &[usize], rays: Vec<Ray>) -> f64 {
         let mut low = 1.0_f64;
         for (&n, ray) in chosen.iter().zip(rays) {
@@ -117,7 +117,7 @@ impl Builder<'_> {
                 let wrong =
                     |&bin: &usize| f64::from(measured.seen_error(bin)) > self.options.tolerance;
                 if let Some(bin) = (0..BINS).find(wrong) {
-                    // Less is known of it than was thought.
+                    // Less is known of the sector than assumed.
                     let from = self.start.reach * bin as f64 / BINS as f64;
                     sectors[n].unknown_from = sectors[n].unknown_from.min(from);
                 }
@@ -126,8 +126,8 @@ impl Builder<'_> {
         low
     }
 
-    /// Compares the first rays of sectors with more exact ones, which take their places; returns by how much their
-    /// errors were larger than they said.
+    /// Replaces the first rays of sectors by more accurate ones and compares the two; returns the factor by which the
+    /// errors exceeded their estimates.
     fn compare_rays(&mut self, sectors: &mut [Sector], chosen: &[usize], again: Vec<Ray>) -> f64 {
         let (mut found, mut told) = (0.0_f64, 0.0_f64);
         for (&n, exact) in chosen.iter().zip(&again) {
@@ -179,7 +179,7 @@ impl Builder<'_> {
         raised
     }
 
-    /// The errors of the whole picture, by what is known of each sector.
+    /// Returns the estimated errors of the whole picture, from those known of each sector.
     fn estimate(&self, sectors: &mut [Sector]) -> Estimate {
         let mut max = 0.0_f64;
         for sector in sectors.iter_mut() {
@@ -206,7 +206,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error that 99 % of the picture stay below.
+    /// Returns the error that 99 % of the picture does not exceed.
     fn quantile(&self, sectors: &[Sector]) -> f64 {
         let mut samples: Vec<(f32, f64)> = Vec::with_capacity(3 * BINS * sectors.len());
         for sector in sectors {
@@ -214,7 +214,7 @@ impl Builder<'_> {
             let along = self.along(sector);
             for (k, &error) in sector.errors[..=known].iter().enumerate().step_by(2) {
                 let weight = sector.width * (k as f64 + 0.5);
-                // Between two rays the error is like t²(1−t)².
+                // Between two rays the error is proportional to t²(1−t)².
                 for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
                     samples.push((along[k].max(error * share), weight * part));
                 }
@@ -230,7 +230,7 @@ impl Builder<'_> {
         found.map_or(0.0, |sample| f64::from(sample.0))
     }
 
-    /// Returns whether sectors that have not been measured may be worse than those that have.
+    /// Returns whether unmeasured sectors may be worse than the measured ones.
     fn is_doubtful(&self, sectors: &[Sector]) -> bool {
         let count = sectors.iter().filter(|sector| sector.measured).count();
         if 3 * count >= 2 * sectors.len() {
@@ -247,7 +247,7 @@ impl Builder<'_> {
         doubtful > DOUBTFUL * known
     }
 
-    /// The errors to be expected of the sectors, by what their making has shown and by what their rays say.
+    /// Returns the expected errors of the sectors, from their construction and from indicators of their rays.
     fn expected(&self, sectors: &[Sector]) -> Vec<f64> {
         let mut errors: Vec<f64> = sectors.iter().map(|sector| self.worst(sector)).collect();
         let mut order: Vec<usize> = (0..sectors.len()).collect();
@@ -265,7 +265,7 @@ impl Builder<'_> {
         errors
     }
 
-    /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
+    /// Returns the sectors to be measured: those that should have the largest errors, and some spread evenly.
     fn doubtful(&self, sectors: &[Sector], first: bool) -> Vec<usize> {
         let mut known: Vec<usize> = (0..sectors.len())
             .filter(|&n| !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach)
@@ -286,8 +286,9 @@ impl Builder<'_> {
         chosen
     }
 
-    /// The sectors, of all in the order of their angles, whose first rays are to be measured: those whose own errors
-    /// should be the largest, if they may be the largest of the picture. `beside` sectors are measured with them.
+    /// Returns the sectors, given in the order of their angles, whose first rays are to be measured: those whose own
+    /// errors should be the largest, if these may be the largest of the picture. `beside` sectors are measured with
+    /// them.
     fn doubtful_rays(&self, sectors: &[Sector], compared: &[usize], beside: usize) -> Vec<usize> {
         let known = sectors
             .iter()
@@ -306,14 +307,15 @@ impl Builder<'_> {
     }
 }
 
-/// The first ray of a sector, of all in the order of their angles: as long as the two sectors beside it need it.
+/// Returns the request for a sector's first ray, as long as the two adjacent sectors need it. The sectors are in the
+/// order of their angles.
 fn first_ray(sectors: &[Sector], n: usize) -> Wanted {
     let before = &sectors[(n + sectors.len() - 1) % sectors.len()];
     Wanted::new(sectors[n].angle, sectors[n].width.max(before.width))
 }
 
-/// An error to a hundredth of itself, for sorting. Rays that a surface mirrors have the same errors but for rounding, and
-/// of them the first has to be chosen on every machine, whatever its sine rounds to.
+/// Quantises an error to a hundredth of itself, for sorting. Rays that a surface's symmetry maps to each other have the
+/// same errors up to rounding; the first of them must be chosen on every machine, however its sine rounds.
 fn magnitude(error: f64) -> u32 {
     (error as f32).to_bits() >> 16
 }

@@ -1,9 +1,9 @@
 //! The fan in space: rays from the camera that all pixels share, interpolated by their Jacobi fields.
 //!
-//! In: a surface, a frame, a picture's size, a tolerance. Out: [`Ends`] with three coordinates. Rays and what lies between
-//! them are those of a fan in a chart (`fan/ray.rs`, `fan/cell.rs`); without charts, sides and poles, what chooses them is
-//! short: a sector is halved until the ray in its middle is where both of its rays say. A ray goes on beyond an edge, on the
-//! piece of the field that it began on, and says where it met the edge.
+//! In: a surface, a frame, a picture's size, a tolerance. Out: [`Ends`] with three coordinates. Rays and the interpolation
+//! between them are those of a fan in a chart (`fan/ray.rs`, `fan/cell.rs`). Without charts, sides and poles, choosing them
+//! is simple: a sector is halved until its two rays predict the ray in its middle. A ray continues beyond an edge, on the
+//! piece of the field on which it started, and records where it met the edge.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -22,19 +22,19 @@ use crate::point::PicturePoint;
 use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 
-/// The share of the tolerance that a ray's own steps may use. It is less than in a chart, where the fan measures rays by more
-/// exact ones.
+/// The fraction of the tolerance that a ray's own steps may use. It is less than in a chart, where the fan measures rays by
+/// more accurate ones.
 const ALONG: f64 = 0.03;
 /// A sector narrower than this many pixels at the border is not halved.
 const NARROWEST: f64 = 0.25;
-/// Beside edges sectors are no wider than this many pixels.
+/// Sectors next to edges are at most this many pixels wide.
 const BESIDE_EDGES: f64 = 24.0;
-/// The number of places at which rays are compared.
+/// The number of points at which rays are compared.
 const PROBES: usize = 48;
-/// The number of places between the edges of two rays at which a place's way is looked at.
+/// The number of points, between the edges of two rays, at which the way to a point is checked.
 const ON_THE_WAY: usize = 8;
 
-/// Rays with what lies between them.
+/// A fan of rays and the sectors between them.
 pub struct SpaceFan<'s> {
     surface: &'s ImplicitSurface,
     piece: Arc<FieldPiece>,
@@ -42,9 +42,9 @@ pub struct SpaceFan<'s> {
     zoom: f64,
     pixel: f64,
     options: FanOptions,
-    /// By angle, the first at 0; the last is the first again, a turn on.
+    /// By angle, the first at 0; the last is the first again, after a full turn.
     rays: Vec<Arc<FollowedRay>>,
-    /// The sector after each ray but the last.
+    /// The sector after each ray except the last.
     sectors: Vec<SpaceSector>,
     work: GeodesicWork,
     estimate: Estimate,
@@ -52,7 +52,7 @@ pub struct SpaceFan<'s> {
     evaluations: AtomicU64,
 }
 
-/// A ray with the reason and the place of its end.
+/// A ray with the reason and the position of its end.
 struct FollowedRay {
     angle: f64,
     ray: Ray<3>,
@@ -61,25 +61,25 @@ struct FollowedRay {
     rejected: u64,
     /// The arc length at which it met an edge.
     edge: f64,
-    /// The arc length at which it ended for another reason, and which.
+    /// The arc length at which it ended for another reason, and the reason.
     end: f64,
     status: Status,
 }
 
-/// The stretch between two neighbouring rays.
+/// The sector between two neighbouring rays.
 #[derive(Clone, Copy, Debug)]
 struct SpaceSector {
     /// The estimated error in pixels.
     error: f64,
-    /// From this arc length on its rays do not say where geodesics end.
+    /// The arc length from which its rays do not determine where geodesics end.
     unknown_from: f64,
-    /// True if its error is known to be small enough, or it is as narrow as is sensible.
+    /// True if its error is known to be small enough, or it is too narrow to be halved.
     settled: bool,
 }
 
 impl<'s> SpaceFan<'s> {
-    /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not depend on
-    /// their number.
+    /// Integrates as many rays as the tolerance requires, on all threads of the current rayon pool. The result does not
+    /// depend on the number of threads.
     pub fn build(
         surface: &'s ImplicitSurface,
         frame: &SpaceFrame,
@@ -116,7 +116,7 @@ impl<'s> SpaceFan<'s> {
         Some(fan)
     }
 
-    /// Returns the work so far, with the pixels that have been followed one by one until now.
+    /// Returns the work so far, including the pixels that have been integrated one by one until now.
     pub fn work(&self) -> GeodesicWork {
         let mut work = self.work;
         work.followed = self.followed.load(Ordering::Relaxed);
@@ -124,7 +124,7 @@ impl<'s> SpaceFan<'s> {
         work
     }
 
-    /// Returns its estimated errors, from rays between those that take part.
+    /// Returns the estimated errors, from rays between those of the fan.
     pub fn estimate(&self) -> Estimate {
         self.estimate
     }
@@ -180,7 +180,7 @@ impl<'s> SpaceFan<'s> {
         }
     }
 
-    /// Adds rays until the sectors between them are good enough, or the evaluations are used up.
+    /// Adds rays until the sectors between them are accurate enough, or the evaluations are used up.
     fn fill(&mut self, reach: f64) {
         let angles: Vec<f64> = (0..BASE).map(|n| n as f64 * TAU / BASE as f64).collect();
         let mut rays: Vec<Arc<FollowedRay>> = self.followed_rays(&angles, reach);
@@ -197,7 +197,7 @@ impl<'s> SpaceFan<'s> {
                 .collect();
             let average = self.work.evaluations / self.work.rays.max(1);
             let needed = 2 * average * open.len() as u64;
-            // The other half is for pixels that have to be followed by themselves.
+            // The other half is reserved for pixels that must be integrated one by one.
             let most = self.options.max_evaluations / 2;
             if open.is_empty() || self.work.evaluations + needed > most {
                 break;
@@ -232,7 +232,7 @@ impl<'s> SpaceFan<'s> {
             next_rays.extend(rays.last().cloned());
             (rays, sectors) = (next_rays, next_sectors);
         }
-        // What was never compared is not known to be right.
+        // A sector that was never compared is not known to be right.
         for sector in &mut sectors {
             if !sector.settled && sector.error.is_infinite() {
                 sector.unknown_from = 0.0;
@@ -267,7 +267,7 @@ impl<'s> SpaceFan<'s> {
         rays
     }
 
-    /// The halves of a sector, by the ray in its middle.
+    /// Returns the state of a sector's halves, from the ray in its middle.
     fn judge(
         &self,
         rays: [&FollowedRay; 2],
@@ -281,7 +281,7 @@ impl<'s> SpaceFan<'s> {
         let known = rays[0].end.min(rays[1].end).min(middle.end).min(reach);
         let mut error = 0.0_f64;
         let mut unknown_from = known;
-        // The ends of rays that stop for other reasons than edges are followed pixel by pixel.
+        // The ends of rays that stop for reasons other than edges are determined pixel by pixel.
         if known >= reach {
             unknown_from = f64::INFINITY;
         }
@@ -291,7 +291,7 @@ impl<'s> SpaceFan<'s> {
                 (Some(a), Some(b), Some(truth)) => {
                     let guess = hermite(&a, &b, width, 0.5);
                     let off = norm(combine(1.0, guess.at, -1.0, truth.at));
-                    // An error odd about the middle does not show there but in its slope.
+                    // An error odd about the middle appears only in its slope there.
                     let slope = combine(1.0, guess.turning, -1.0, truth.jacobi[0]);
                     off.max(0.143 * width * norm(slope)) / self.pixel
                 }
@@ -315,7 +315,8 @@ impl<'s> SpaceFan<'s> {
         }
     }
 
-    /// The sector that holds an angle in [0, 2π], and how far from its first ray to its second.
+    /// Returns the sector that contains an angle in [0, 2π], and the fraction of the way from its first ray to its
+    /// second.
     fn find(&self, angle: f64) -> Option<(usize, f64, f64)> {
         let n = self.rays.partition_point(|ray| ray.angle <= angle);
         // The last ray is the first one again.
@@ -364,7 +365,7 @@ impl<'s> SpaceFan<'s> {
             let [a, b] = rays.map(|ray| ray.end);
             let like = rays[0].status == rays[1].status && rays[0].status != Status::WorkLimit;
             if like && s > a.max(b) {
-                // Both met the edge, or both ended, before.
+                // Both met the edge, or both ended, earlier.
                 let status = match rays[0].edge.max(rays[1].edge) < f64::INFINITY {
                     true => Status::LeftDomain,
                     false => rays[0].status,
@@ -403,7 +404,7 @@ impl<'s> SpaceFan<'s> {
         point.at.iter().all(|x| x.is_finite()).then_some(point)
     }
 
-    /// Returns true if a place between two rays lies beyond an edge that its geodesic has met.
+    /// Returns true if a point between two rays is beyond an edge that its geodesic has met.
     fn is_hidden(
         &self,
         rays: [&Arc<FollowedRay>; 2],
@@ -417,7 +418,7 @@ impl<'s> SpaceFan<'s> {
             rays[0].edge.max(rays[1].edge),
         );
         let beyond = |at| self.surface.is_beyond(&self.piece, at);
-        // A corner lies farther out than where the rays beside it meet the edges.
+        // A corner is farther out than the points where the rays on both sides meet the edges.
         let bulge = (last - first).max(width * last);
         if s > last + bulge || beyond(at) {
             return true;
@@ -432,7 +433,7 @@ impl<'s> SpaceFan<'s> {
         })
     }
 
-    /// One geodesic by itself, where the rays do not say.
+    /// Integrates one geodesic on its own, where the rays do not determine it.
     #[cold]
     fn follow(&self, angle: f64, s: f64) -> End<3> {
         let before = self.evaluations.load(Ordering::Relaxed) + self.work.evaluations;
@@ -469,7 +470,7 @@ impl<'s> SpaceFan<'s> {
     }
 }
 
-/// The angle at which the sector after a ray ends.
+/// Returns the angle at which the sector after a ray ends.
 fn end_angle(rays: &[Arc<FollowedRay>], n: usize) -> f64 {
     if n + 2 == rays.len() {
         TAU
@@ -478,7 +479,7 @@ fn end_angle(rays: &[Arc<FollowedRay>], n: usize) -> f64 {
     }
 }
 
-/// A place between two rays as an end at the arc length `s` > 0.
+/// Converts a point between two rays to an end at the arc length `s` > 0.
 fn end_of(point: &Point<3>, s: f64, error: f64) -> End<3> {
     let length = norm(point.along);
     let along = point.along.map(|x| x / length);

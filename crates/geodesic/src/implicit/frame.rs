@@ -1,4 +1,4 @@
-//! The camera of a surface in space: a place on it, and two tangent vectors.
+//! The camera of a surface in space: a point on it, and two tangent vectors.
 
 use super::ray::SpaceState;
 use super::{ImplicitSurface, PlaceError, SpaceTrace, SpaceTraceError};
@@ -6,10 +6,10 @@ use crate::metric::{combine, cross, dot, norm};
 use crate::point::PicturePoint;
 use crate::trace::Options;
 
-/// A place on a surface with two orthogonal tangent vectors of equal length, which is the zoom.
+/// A point on a surface with two orthogonal tangent vectors of equal length, which is the zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceFrame {
-    /// The place.
+    /// The point.
     pub at: [f64; 3],
     /// To the right in the picture.
     pub x: [f64; 3],
@@ -17,12 +17,12 @@ pub struct SpaceFrame {
     pub y: [f64; 3],
 }
 
-/// ẑ×n below this length is no direction.
+/// If ẑ×n is shorter than this, it has no direction.
 const UPRIGHT: f64 = 1e-9;
-/// The share of the zoom by which a frame may miss its surface: what rounding leaves of a long walk.
+/// The fraction of the zoom by which a frame may be off its surface: the rounding error of a long walk.
 const FITS: f64 = 1e-9;
 
-/// X = ẑ×n and Y = n×X at a place with the unit normal n; X is x̂ where that is 0.
+/// Returns X = ẑ×n and Y = n×X at a point with the unit normal n; X is x̂ where ẑ×n is 0.
 fn axes(n: [f64; 3]) -> [[f64; 3]; 2] {
     let x = cross([0.0, 0.0, 1.0], n);
     let length = norm(x);
@@ -38,8 +38,8 @@ fn axes(n: [f64; 3]) -> [[f64; 3]; 2] {
 }
 
 impl SpaceFrame {
-    /// The frame at a place, which is brought onto the surface: X along ẑ×n, turned by `angle` radians towards Y = n×X. It
-    /// sees the surface from outside.
+    /// Creates the frame at a point, which is moved onto the surface: X along ẑ×n, turned by `angle` radians towards Y =
+    /// n×X. It sees the surface from outside.
     ///
     /// # Errors
     /// [`PlaceError`].
@@ -60,8 +60,8 @@ impl SpaceFrame {
         })
     }
 
-    /// The frame on a surface that has changed: at the place on it to which this one leads, with X as it was but for its part
-    /// along the normal, of the same length. A frame that fits is returned as it is, to the last digit.
+    /// Moves the frame onto a surface that has changed: to the nearby point on it, with X without its component along the
+    /// normal and of the same length. A frame that already fits is returned unchanged, to the last digit.
     ///
     /// # Errors
     /// [`PlaceError`].
@@ -90,12 +90,12 @@ impl SpaceFrame {
         Ok(if fits { *self } else { brought })
     }
 
-    /// The length of both vectors.
+    /// Returns the length of both vectors.
     pub fn zoom(&self) -> f64 {
         norm(self.x)
     }
 
-    /// The frame with vectors of another length.
+    /// Returns the frame with vectors of length `zoom`.
     #[must_use]
     pub fn zoomed(&self, zoom: f64) -> Self {
         let factor = zoom / self.zoom();
@@ -106,7 +106,7 @@ impl SpaceFrame {
         }
     }
 
-    /// The frame turned by an angle from X towards Y.
+    /// Returns the frame turned by an angle from X towards Y.
     #[must_use]
     pub fn turned(&self, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -117,19 +117,19 @@ impl SpaceFrame {
         }
     }
 
-    /// The angle of X from ẑ×n (x̂ if that is 0) towards n×(ẑ×n), in radians.
+    /// Returns the angle of X from ẑ×n (x̂ if that is 0) towards n×(ẑ×n), in radians.
     pub fn angle(&self, surface: &ImplicitSurface) -> f64 {
         let [x, y] = axes(surface.normal(self.at).unwrap_or([1.0, 0.0, 0.0]));
         dot(self.x, y).atan2(dot(self.x, x))
     }
 
-    /// The vector x X + y Y of a place (x, y) of the picture.
+    /// Returns the vector x X + y Y of a point (x, y) of the picture.
     pub fn velocity(&self, place: impl Into<PicturePoint>) -> [f64; 3] {
         let PicturePoint([x, y]) = place.into();
         combine(x, self.x, y, self.y)
     }
 
-    /// The unit start towards a place of the picture.
+    /// Returns the start, at unit speed, in the direction at an angle from X towards Y.
     pub(super) fn start(&self, angle: f64) -> SpaceState {
         let (sin, cos) = angle.sin_cos();
         let zoom = self.zoom();
@@ -139,8 +139,8 @@ impl SpaceFrame {
         }
     }
 
-    /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, which X and Y follow by
-    /// parallel transport. The trace says whether it got there; the frame stands where that ended.
+    /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, along which X and Y are
+    /// parallel transported. The trace reports whether the step was completed; the frame is at the trace's end.
     ///
     /// # Errors
     /// [`SpaceTraceError`].

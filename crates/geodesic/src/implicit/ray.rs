@@ -1,8 +1,8 @@
 //! A ray in space, step by step.
 //!
-//! In: a piece of a field, a start on it at unit speed, a length. Out: [`SpaceRayEnd`]. A step is one of the same pairs as in a
-//! chart. Behind it one step of Newton's method leads back onto the surface, and the velocity back into the tangent plane, to
-//! unit length; both corrections count as error. Every ray ends, within its number of evaluations.
+//! In: a piece of a field, a start on it at unit speed, a length. Out: [`SpaceRayEnd`]. A step uses the same Runge–Kutta pairs
+//! as in a chart. After it, one step of Newton's method returns to the surface, and the velocity is projected onto the tangent
+//! plane and normalised; both corrections count as error. Every ray ends within its limit on evaluations.
 
 use std::cell::Cell;
 
@@ -26,19 +26,19 @@ use crate::step_control::{
 
 /// The components of a state in space.
 const COMPONENTS: usize = 10;
-/// The largest number of a pair's evaluations in a step, with that at its start.
+/// The maximum number of a pair's evaluations in a step, including the one at its start.
 const SLOPES: usize = 13;
-/// The cosine of the largest angle by which the normal turns in one step.
+/// The cosine of the largest angle by which the normal may turn in one step.
 const LEAST_TURN: f64 = 0.3;
-/// The longest step of a surface that has edges, as a share of its size.
+/// The maximum length of a step on a surface that has edges, as a fraction of its size.
 const BESIDE_EDGES: f64 = 0.05;
-/// Parts of a step that are shorter than this share of it are not halved in the search for an edge.
+/// Parts of a step that are shorter than this fraction of it are not halved in the search for an edge.
 const LEAST_PART: f64 = 1.0 / (1 << 20) as f64;
-/// The most parts of a step that are halved in the search for an edge.
+/// The maximum number of parts of a step that are halved in the search for an edge.
 const MOST_HALVED: u32 = 64;
-/// A step that is off by less than this share of the ray's scale leaves nothing but rounding once it is corrected.
+/// A step whose error is below this fraction of the ray's scale leaves only rounding after its correction.
 const GOOD: f64 = 1e-9;
-/// Evaluations that are kept back for the end.
+/// Evaluations that are reserved for the end.
 const AT_END: usize = 8;
 
 /// A point on a surface in space with its velocity.
@@ -48,7 +48,7 @@ pub(crate) struct SpaceState {
     pub(crate) velocity: [f64; 3],
 }
 
-/// The plan of an integration.
+/// The parameters of an integration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpacePlan {
     pub(crate) tableau: &'static Tableau,
@@ -56,17 +56,17 @@ pub(crate) struct SpacePlan {
     pub(crate) tolerance: f64,
     /// The error allowed to a step however short it is, over its size and the tolerance.
     pub(crate) step: f64,
-    /// The most evaluations.
+    /// The maximum number of evaluations.
     pub(crate) limit: usize,
-    /// True if the Jacobi fields are to be as exact as the ray.
+    /// True if the Jacobi fields are to be as accurate as the ray.
     pub(crate) fields: bool,
-    /// True if conjugate points are looked for.
+    /// True if conjugate points are located.
     pub(crate) conjugates: bool,
-    /// True if the Jacobi field is kept after each step, and steps are short beside 1/√|K|.
+    /// True if the Jacobi field is stored after each step, and steps are short compared with 1/√|K|.
     pub(crate) field_knots: bool,
-    /// True if the ends of the steps are kept, for a dense output.
+    /// True if the ends of the steps are stored, for dense output.
     pub(crate) knots: bool,
-    /// True if it goes on beyond edges, on the piece that it began on.
+    /// True if the ray continues beyond edges, on the piece on which it started.
     pub(crate) beyond: bool,
 }
 
@@ -85,7 +85,7 @@ pub(crate) struct SpaceRayEnd {
     pub(crate) conjugates: Vec<f64>,
     pub(crate) fields: Vec<FieldKnot>,
     pub(crate) segment: Segment<3>,
-    /// The arc length at which it met an edge first, where it went on beyond.
+    /// The arc length at which it first met an edge, if it continued beyond.
     pub(crate) edge: Option<f64>,
 }
 
@@ -142,15 +142,15 @@ impl RatesOfChange<1, COMPONENTS> for SpaceLocal {
     }
 }
 
-/// A step that has been tried, corrected.
+/// A step that has been tried, after its correction.
 struct Tried {
     end: SpaceState,
     shape: LocalShape,
-    /// The estimated errors, with the corrections.
+    /// The estimated errors, including the corrections.
     position_error: f64,
     direction_error: f64,
     field_error: f64,
-    /// By how much the speed was off.
+    /// The deviation of the speed.
     drift: f64,
     propagator: [[f64; 2]; 2],
 }
@@ -165,7 +165,7 @@ struct SpaceRay<'a> {
     field: [f64; 2],
     errors: ErrorSum,
     drift: f64,
-    /// The distance from the surface at which the field's rounding leaves a place that has been corrected.
+    /// The distance from the surface at which the field's rounding leaves a corrected point.
     noise: f64,
     control: StepControl,
     steps: usize,
@@ -251,7 +251,7 @@ pub(crate) fn integrate(
     }
 }
 
-/// The reason why nothing goes on at a place: the field is undefined, or has no gradient.
+/// Returns the reason why a ray cannot continue at a point: the field is undefined, or has no gradient.
 fn why(equation: &SpaceEquation<'_>, at: [f64; 3]) -> Status {
     if equation.piece.value(at).is_finite() {
         Status::Degenerate
@@ -264,7 +264,7 @@ impl SpaceRay<'_> {
     fn run(&mut self, length: f64) -> Status {
         self.note();
         let scale = self.surface.size().min(length);
-        // A length that is asked for says nothing of how short a step may be.
+        // The requested length does not bound how short a step may be.
         let own = self.size_here().min(length);
         let own = if own > 0.0 { own } else { length };
         let mut h = self.plan.step;
@@ -299,9 +299,9 @@ impl SpaceRay<'_> {
         }
     }
 
-    /// The reason why the steps have shrunk to nothing.
+    /// Returns the reason why the steps have shrunk to nothing.
     fn stalled(&self, shortest: f64) -> Status {
-        // Far enough ahead for it to be seen through rounding.
+        // Far enough ahead to be visible above rounding.
         let ahead =
             [1.0, 1e2, 1e4].map(|k| combine(1.0, self.state.at, k * shortest, self.state.velocity));
         let undefined = |at: &[f64; 3]| why(&self.equation, *at) == Status::Undefined;
@@ -312,7 +312,8 @@ impl SpaceRay<'_> {
         }
     }
 
-    /// The surface's size; where that is not known, the place itself and how the surface bends there tell of it.
+    /// Returns the surface's size; if that is unknown, an estimate from the point's coordinates and the curvature
+    /// there.
     fn size_here(&self) -> f64 {
         let size = self.surface.size();
         if size.is_finite() {
@@ -358,7 +359,7 @@ impl SpaceRay<'_> {
     fn knot(&self, state: &SpaceState, shape: &LocalShape, s: f64, m: [f64; 2]) -> Knot<3> {
         let velocity = state.velocity;
         let normal = shape.left(velocity);
-        // N' = −(n'·N)… the normal is parallel along the geodesic: only the surface's own bend turns it.
+        // The normal is parallel along the geodesic; only the surface's own bend turns it.
         let turn = dot(normal, shape.bent(velocity));
         Knot {
             s,
@@ -370,7 +371,7 @@ impl SpaceRay<'_> {
         }
     }
 
-    /// One step, corrected; `None` where a stage is undefined.
+    /// Takes one step and corrects it; `None` where a stage is undefined.
     fn step(&self, h: f64) -> Option<Tried> {
         let SpaceState { at, velocity } = self.state;
         let [x, y, z] = at;
@@ -394,10 +395,10 @@ impl SpaceRay<'_> {
             true => step.local.0?,
             false => self.equation.shape(at)?,
         };
-        // One step of Newton's method back onto the surface, …
+        // One step of Newton's method back onto the surface …
         let at = combine(1.0, at, -rough.distance, rough.normal);
         let shape = self.equation.shape(at)?;
-        // … and the velocity into its tangent plane, at unit length.
+        // … and the velocity projected onto its tangent plane, at unit length.
         let tangential = shape.tangential(velocity);
         let speed = norm(tangential);
         if !(speed > 0.0 && speed.is_finite()) {
@@ -419,14 +420,14 @@ impl SpaceRay<'_> {
         })
     }
 
-    /// Tries a step. What comes back is the next one's length, with the status of a ray that has ended, or the length of
-    /// another attempt.
+    /// Tries a step. Returns the next step's length, with the status of a ray that has ended; or, as an error, the
+    /// length of another attempt.
     fn attempt(&mut self, h: f64, scale: f64) -> Result<(f64, Option<Status>), f64> {
         let tried = self.step(h).ok_or(UNDEFINED * h)?;
         if dot(tried.shape.normal, self.shape.normal) < LEAST_TURN {
             return Err(0.5 * h);
         }
-        // Where the step is good, what is left of the distance after its correction is rounding.
+        // Where the step is accurate, the distance left after its correction is rounding.
         if tried.position_error < GOOD * scale {
             self.noise = self.noise.max(tried.shape.distance.abs());
         }
@@ -455,7 +456,7 @@ impl SpaceRay<'_> {
         Ok((next, None))
     }
 
-    /// The distance that rounding makes of no step at all.
+    /// Returns the distance that rounding causes without any step.
     fn rounding(&self) -> f64 {
         ROUNDING * norm(self.state.at) + 2.0 * self.noise
     }
@@ -479,7 +480,7 @@ impl SpaceRay<'_> {
             .add(tried.propagator, position + rounding, direction);
     }
 
-    /// The share of a step at which it meets the first edge.
+    /// Returns the fraction of a step at which it meets the first edge.
     fn edge_within(&self, tried: &Tried, h: f64) -> Option<f64> {
         if !self.surface.has_edges() || self.edge.is_some() {
             return None;
@@ -541,8 +542,8 @@ impl SpaceRay<'_> {
         Status::LeftDomain
     }
 
-    /// Adds the arc lengths of the conjugate points within a step that is about to be taken, by Newton's method on the step's
-    /// length, kept within a bracket: as exact as the steps are.
+    /// Adds the arc lengths of the conjugate points within a step that is about to be accepted, by bracketed Newton's method
+    /// on the step's length. They are as accurate as the steps.
     fn note_conjugates(&mut self, tried: &Tried, h: f64) {
         let before = self.field;
         let carried = |tried: &Tried| tried.propagator.map(|[n, k]| n * before[0] + k * before[1]);
@@ -561,7 +562,8 @@ impl SpaceRay<'_> {
     }
 }
 
-/// The values of a polynomial for arguments from `from` to `to`, not negative, from its coefficients by powers.
+/// Returns the range of a polynomial for arguments from `from` to `to`, which are not negative, from its coefficients
+/// by powers.
 fn range(coefficients: &[f64; 6], from: f64, to: f64) -> Interval {
     let (mut lower, mut upper, mut size) = (0.0, 0.0, 0.0);
     for (power, c) in (0..).zip(coefficients) {
@@ -574,7 +576,7 @@ fn range(coefficients: &[f64; 6], from: f64, to: f64) -> Interval {
     Interval::new(lower - rounding, upper + rounding)
 }
 
-/// The first argument that is known to lie beyond an edge, between one that does not and one that does.
+/// Returns the first argument known to be beyond an edge, between one that is not and one that is.
 fn border(beyond: &dyn Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
     for _ in 0..48 {
         let middle = 0.5 * (low + high);

@@ -1,4 +1,4 @@
-//! One geodesic on a surface in space, followed adaptively in f64.
+//! One geodesic on a surface in space, integrated adaptively in f64.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,24 +12,24 @@ use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::trace::{FINER, LOOSE, Options, TIGHTEST};
 
-/// A geodesic's end in space.
+/// The end of a geodesic in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpaceTrace {
     /// Its start, on the surface.
     pub start: [f64; 3],
-    /// Its end.
+    /// The end point.
     pub position: [f64; 3],
     /// The unit tangent there.
     pub direction: [f64; 3],
-    /// The arc length that it reached.
+    /// The arc length reached.
     pub length: f64,
     /// The change of its speed over all steps, before each correction.
     pub speed_drift: f64,
-    /// The estimated distance of the true end: as [`Trace::error_estimate`](crate::trace::Trace::error_estimate).
+    /// The estimated distance from the true end; see [`Trace::error_estimate`](crate::trace::Trace::error_estimate).
     pub error_estimate: f64,
-    /// Steps taken.
+    /// Accepted steps.
     pub steps: usize,
-    /// Steps tried and not taken.
+    /// Rejected steps.
     pub rejected: usize,
     /// Evaluations of the field and its derivatives.
     pub evaluations: usize,
@@ -39,14 +39,14 @@ pub struct SpaceTrace {
     pub jacobi: [f64; 2],
     /// The arc lengths of the conjugate points, where m = 0, in ascending order, if the options request them; else empty.
     pub conjugates: Vec<f64>,
-    /// The Jacobi field after each step, the start first, if it was asked for; else empty.
+    /// The Jacobi field after each step, beginning with the start, if requested; else empty.
     pub fields: Vec<FieldKnot>,
 }
 
 /// A geodesic on a surface in space at several arc lengths.
 #[derive(Clone, Debug)]
 pub struct SpacePoints {
-    /// Its places; of one that ends early those that it reached, then its end.
+    /// Its points; for a geodesic that ends early those that it reached, then its end.
     pub points: Vec<[f64; 3]>,
     /// Evaluations of the field and its derivatives.
     pub evaluations: usize,
@@ -54,23 +54,23 @@ pub struct SpacePoints {
     pub status: Status,
 }
 
-/// The reason why a geodesic in space cannot be begun.
+/// The reason why a geodesic in space cannot be started.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpaceTraceError {
-    /// The start is not brought onto the surface.
+    /// The start could not be moved onto the surface.
     Place {
         /// The start.
         at: [f64; 3],
         /// The reason.
         why: PlaceError,
     },
-    /// A component of the direction is no finite number.
+    /// A component of the direction is not a finite number.
     DirectionNotFinite,
     /// The direction is zero.
     ZeroDirection,
     /// The direction is the surface's normal: it has no component in the tangent plane.
     NormalDirection,
-    /// The length is negative, or no finite number.
+    /// The length is negative, or not a finite number.
     BadLength {
         /// The length.
         length: f64,
@@ -84,9 +84,9 @@ pub enum SpaceTraceError {
     TooLarge,
 }
 
-/// The component in the tangent plane over the direction's length below which it counts for nothing.
+/// A direction whose tangential component is below this fraction of its length counts as normal.
 const NORMAL: f64 = 1e-12;
-/// The first step over the ray's scale.
+/// The first step as a fraction of the ray's scale.
 const FIRST: f64 = 0.04;
 
 impl fmt::Display for SpaceTraceError {
@@ -117,7 +117,8 @@ impl fmt::Display for SpaceTraceError {
 impl std::error::Error for SpaceTraceError {}
 
 impl ImplicitSurface {
-    /// The start of a geodesic: the place brought onto the surface, and the unit vector of the direction in its tangent plane.
+    /// Returns the start of a geodesic: the point moved onto the surface, and the direction's unit vector in its tangent
+    /// plane.
     ///
     /// # Errors
     /// [`SpaceTraceError`].
@@ -143,17 +144,17 @@ impl ImplicitSurface {
         if length <= NORMAL * norm(direction) {
             return Err(SpaceTraceError::NormalDirection);
         }
-        // Once more: what was nearly normal has lost digits.
+        // Repeat the projection: a nearly normal direction has lost digits.
         let unit = shape.tangential(tangential.map(|x| x / length));
         let length = norm(unit);
         Ok((at, unit.map(|x| x / length)))
     }
 
-    /// Follows the geodesic from a place, which is brought onto the surface, in a direction, which is brought into the tangent
-    /// plane, for the arc length `length`. Its method and its path are not options here: the steps are adaptive.
+    /// Follows the geodesic from a point, which is moved onto the surface, in a direction, which is projected onto the tangent
+    /// plane, for the arc length `length`. The options' method and path are ignored: the steps are adaptive.
     ///
     /// # Errors
-    /// [`SpaceTraceError`]: bad numbers, or no surface near the start. All that happens later is a [`Status`].
+    /// [`SpaceTraceError`]: invalid numbers, or no surface near the start. Every later failure is a [`Status`].
     pub fn trace(
         &self,
         near: [f64; 3],
@@ -199,7 +200,7 @@ impl ImplicitSurface {
         })
     }
 
-    /// The start of a geodesic of a length, and the piece of the field that it begins on.
+    /// Returns the start of a geodesic of a given length, and the piece of the field on which it starts.
     fn begin(
         &self,
         near: [f64; 3],
@@ -218,9 +219,9 @@ impl ImplicitSurface {
         Ok((piece, SpaceState { at, velocity }))
     }
 
-    /// Follows the geodesic once, as [`Self::trace`] does, past ascending arc lengths of at least 0. Between two steps it is the
-    /// polynomial of degree five through their ends, velocities and accelerations. The method of order five takes steps so short
-    /// that this is as exact as they are.
+    /// Follows the geodesic once, as [`Self::trace`] does, through ascending arc lengths of at least 0. Between two steps it is
+    /// interpolated by the polynomial of degree five through their ends, velocities and accelerations. The method of order five
+    /// takes such short steps that this is as accurate as they are.
     ///
     /// # Errors
     /// [`SpaceTraceError`].
@@ -264,15 +265,15 @@ impl ImplicitSurface {
         })
     }
 
-    /// A first step that is surely not too long for the tolerance to be judged.
+    /// Returns a first step that is certainly short enough for its error to be judged.
     pub(super) fn first_step(&self, at: [f64; 3], length: f64) -> f64 {
         let shape = self.piece_at(at).ok().and_then(|piece| piece.shape(at));
         let radius = shape.map_or(f64::INFINITY, |shape| shape.radius());
         length.min(FIRST * self.size().min(radius))
     }
 
-    /// The error of a ray's end, by following it once more with a fraction of the tolerance, with the evaluations that it
-    /// took; `None` where that cannot be afforded, or ends for another reason.
+    /// Estimates the error of a ray's end by integrating it again with a fraction of the tolerance; also returns the
+    /// evaluations used. `None` if it cannot be afforded, or ends for another reason.
     fn compared(
         &self,
         piece: &FieldPiece,

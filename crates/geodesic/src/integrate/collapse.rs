@@ -1,4 +1,4 @@
-//! Losses of rank ahead of a ray: towards one the steps would shrink to nothing, so it is found before.
+//! Losses of rank ahead of a ray: steps towards one would shrink to nothing, so it is detected in advance.
 
 use super::ray::Ray;
 use super::stalled_at;
@@ -7,23 +7,25 @@ use crate::metric::{cross, dot, norm};
 use crate::status::Status;
 use crate::surface::Side;
 
-/// Below this share of its typical value R = |σu×σv| is watched.
+/// R = |σu×σv| is monitored below this fraction of its typical value.
 const LOW: f64 = 1e-2;
-/// Nearer than this share of the surface's size to a loss of rank, a ray is at it.
+/// Within this fraction of the surface's size from a loss of rank, a ray has reached it.
 const AT_HAND: f64 = 1e-6;
-/// R, with a sign, has vanished at this share of what it was.
+/// The signed R has vanished at this fraction of its former value.
 const GONE: f64 = 1e-6;
-/// At most this share of it is left there: where the normal has only turned by a right angle, R with a sign is 0, and R is not.
+/// At most this fraction of R remains there: where the normal has merely turned by a right angle, the signed R is 0 and R is
+/// not.
 const LEFT: f64 = 1e-3;
 
 impl Ray<'_, '_> {
-    /// R = |σu×σv| here, in (u,v).
+    /// Returns R = |σu×σv| at the ray's point, in (u,v).
     pub(super) fn rank(&self) -> f64 {
         norm(cross(self.local.tangents[0], self.local.tangents[1]))
     }
 
-    /// After a step of length `h` in (u,v), before which R was `before`: whether R vanishes straight ahead, and
-    /// near by. It must be found to vanish: where it is only small, as on the rim of a flat ellipsoid, a ray goes on.
+    /// Returns whether R vanishes straight ahead and nearby, after a step of length `h` in (u,v), before which R was
+    /// `before`. It must be shown to vanish: where it is merely small, as on the rim of a flat ellipsoid, a ray
+    /// continues.
     pub(super) fn collapses(&self, before: f64, h: f64) -> Option<Status> {
         let Chart::Plain = self.chart else {
             return None;
@@ -31,7 +33,7 @@ impl Ray<'_, '_> {
         let [su, sv] = self.atlas.layout.scale.stretch;
         let rank = self.rank();
         let far = rank >= LOW * su * sv || rank >= before;
-        // As far as the rate of the last step takes R to 0.
+        // Extrapolate R to 0 at the rate of the last step.
         let ahead = rank * h / (before - rank);
         if far || ahead.is_nan() || ahead > AT_HAND * self.atlas.layout.scale.size {
             return None;

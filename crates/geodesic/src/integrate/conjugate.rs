@@ -1,5 +1,5 @@
-//! Conjugate points: the zeros of the Jacobi field of a ray's start, found within the steps on the way (do Carmo,
-//! *Differential Geometry of Curves and Surfaces*, 1976, section 5-5).
+//! Conjugate points: the zeros of the Jacobi field of a ray's start, located within the steps (do Carmo, *Differential
+//! Geometry of Curves and Surfaces*, 1976, section 5-5).
 
 use super::ray::Ray;
 use super::step::RayStep;
@@ -7,8 +7,8 @@ use crate::conjugate_search::{ROUNDS, brackets};
 use crate::runge_kutta::StepParameter;
 
 impl Ray<'_, '_> {
-    /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
-    /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
+    /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be accepted, by
+    /// bracketed Newton's method on the step's length. They are as accurate as the steps.
     pub(super) fn note_conjugates(&mut self, step: &RayStep, h: f64, pace: StepParameter) {
         let before = self.field;
         let carried = |step: &RayStep| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);

@@ -1,8 +1,8 @@
-//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): noticed by a jump of the speed, located by
-//! bisection, and crossed so that the angle to the crease stays the same.
+//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): detected by a jump of the speed, located
+//! by bisection, and crossed with the angle to the crease preserved.
 //!
-//! Unfolded about the crease both sides are one plane to first order, and a geodesic is a straight line in it: the component
-//! of the velocity along the crease and the one across it keep their lengths. This is the rule for the edges of a polyhedron
+//! Unfolded about the crease both sides are one plane to first order, and a geodesic is a straight line in it: the
+//! components of the velocity along and across the crease keep their lengths. This is the rule for the edges of a polyhedron
 //! (Mitchell, Mount, Papadimitriou, *The discrete geodesic problem*, SIAM J. Comput. 16, 1987, pages 647–668).
 
 use super::ray::{Attempt, Ray};
@@ -13,34 +13,34 @@ use crate::metric::{combine, dot, norm};
 use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 
-/// The least change of the speed within a step that is looked into.
+/// The minimum change of the speed within a step that is investigated.
 const NOTICED: f64 = 1e-9;
-/// The same over what the tolerance allows.
+/// The same as a multiple of the error that the tolerance allows.
 const NOTICED_BEYOND: f64 = 30.0;
-/// The share of a change of the speed that a jump keeps while its bracket is halved.
+/// The fraction of its change of the speed that a jump keeps while its bracket is halved.
 const STAYS: f64 = 0.3;
-/// A crease is located to this share of the ray's scale.
+/// A crease is located to this fraction of the ray's scale.
 const SHARP: f64 = 1e-14;
-/// By how much, relative to their lengths, what both sides must have in common may differ.
+/// The maximum relative difference of the quantities that both sides must have in common.
 const COMMON: f64 = 1e-6;
 
-/// The most that direction and speed change in a step over a kink, which is 10⁻¹² of the scale long: the curvature of what is
-/// singular there is larger.
+/// The maximum change of direction and speed in a step over a kink, which is 10⁻¹² of the scale long; at a singularity the
+/// curvature would cause a larger one.
 const HARDLY: f64 = 1e-9;
 
 /// The cause of a change of the speed.
 enum Found {
-    /// Nothing that stays in one place: the surface is steep there.
+    /// No localised cause: the surface is steep there.
     Steep,
-    /// A crease between two sizes of the step, with the rays' ends there.
+    /// A crease between two step sizes, with the rays' ends there.
     Jump(Box<[(RayStep, Local); 2]>),
-    /// Out of evaluations.
+    /// The evaluations are used up.
     Nothing,
 }
 
 impl Ray<'_, '_> {
-    /// Returns the outcome of a step that has run over a crease; `None` where it may be taken. `allowed` is the error that
-    /// the tolerance allows on the way.
+    /// Returns the outcome of a step that has crossed a crease; `None` where the step may be accepted. `allowed` is the
+    /// error that the tolerance allows on the way.
     pub(super) fn crease(
         &mut self,
         step: &RayStep,
@@ -73,9 +73,9 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// Takes one short step whatever its error, and returns whether it has: where the metric is continuous and its derivatives
-    /// are not, as at the rim of two cones, no step across is short enough for a tight tolerance, and yet the direction
-    /// hardly changes. The error counts.
+    /// Takes one short step whatever its error, and returns whether it did. Where the metric is continuous and its derivatives
+    /// are not, as at the rim of two cones, no step across is short enough for a tight tolerance, and yet the direction hardly
+    /// changes. The error counts.
     pub(super) fn leaps_over_kink(&mut self, h: f64) -> bool {
         if !matches!(self.chart, Chart::Plain) || !self.affords_step() {
             return false;
@@ -157,7 +157,7 @@ impl Ray<'_, '_> {
         Found::Jump(Box::new([(before.0, before.1), (after.0, after.1)]))
     }
 
-    /// Takes the step as far as a crease and goes on behind it.
+    /// Takes the step up to a crease and continues behind it.
     fn cross(
         &mut self,
         before: (RayStep, Local),
@@ -180,7 +180,7 @@ impl Ray<'_, '_> {
         };
         self.accept(&near, here, near.length.min(h), pace, rounding, scale);
         let Some(velocity) = behind else {
-            // No crease but a tear, or a pole: nothing says where a ray goes on.
+            // Not a crease but a tear, or a pole: the ray's continuation is undetermined.
             return Attempt::Ended(match stalled_at(self.atlas, self.plain().at) {
                 Status::ConePoint => Status::ConePoint,
                 _ => Status::Undefined,
@@ -196,7 +196,7 @@ impl Ray<'_, '_> {
             return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
         };
         self.local = local;
-        // What came before says nothing about the steps behind.
+        // Earlier steps do not predict the steps behind the crease.
         self.control.forget();
         if self.enter_next_chart() {
             Attempt::Accepted(Some(h))
@@ -205,8 +205,8 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The velocity behind a crease: the component along it and the one across keep their lengths. `None` where both
-    /// sides do not have a direction in common.
+    /// Returns the velocity behind a crease: the components along and across it keep their lengths. `None` where the
+    /// two sides do not have a direction in common.
     fn refracted(
         &self,
         near: &State,
@@ -241,8 +241,8 @@ impl Ray<'_, '_> {
         Some([0, 1].map(|k| share * along[k] + height / size * upright[k]))
     }
 
-    /// Returns whether both sides go on along a direction, a little off the crease: of the two directions in which metrics
-    /// agree, one is the crease's.
+    /// Returns whether both sides continue along a direction, slightly off the crease: of the two directions in which
+    /// metrics agree, one is the crease's.
     fn is_along(
         &self,
         near: &State,
@@ -276,7 +276,7 @@ fn length(tangents: [[f64; 3]; 2], a: [f64; 2]) -> f64 {
     norm(combine(a[0], tangents[0], a[1], tangents[1]))
 }
 
-/// The direction in (u,v) in which both sides have the same derivative of σ.
+/// Returns the direction in (u,v) in which both sides have the same derivative of σ.
 fn common_direction(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[f64; 2]> {
     let [u, v] = [0, 1].map(|k| combine(1.0, there[k], -1.0, here[k]));
     let (largest, size) = if norm(u) >= norm(v) {
@@ -286,13 +286,13 @@ fn common_direction(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[f64; 2
     };
     let unit = largest.map(|x| x / size);
     let (a, b) = (dot(u, unit), dot(v, unit));
-    // Of rank one.
+    // The difference must have rank one.
     let rest = norm(combine(1.0, u, -a, unit)).max(norm(combine(1.0, v, -b, unit)));
     let typical = norm(here[0]).max(norm(here[1])).max(size);
     (size > 0.0 && rest <= COMMON * typical).then_some([b, -a])
 }
 
-/// The directions in (u,v) to which both sides give the same length.
+/// Returns the directions in (u,v) to which both sides assign the same length.
 fn common_lengths(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[Option<[f64; 2]>; 2]> {
     let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
     let (before, after) = (form(here), form(there));

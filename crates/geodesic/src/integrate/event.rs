@@ -1,4 +1,4 @@
-//! Events within a step: the crossing of an edge, the passing of a cone's tip. Found and located here.
+//! Events within a step, detected and located: the crossing of an edge, the passing of a cone's tip.
 
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
@@ -18,8 +18,8 @@ pub(super) enum Event {
 }
 
 impl Ray<'_, '_> {
-    /// Returns an event that may be within a step, and the share of the step by which it has happened then: of an edge, the
-    /// first look at the interpolated step later than `after` that finds it beyond.
+    /// Returns an event that may be within a step, and a fraction of the step after which it has happened: for an edge, the
+    /// first sample of the interpolated step later than `after` that is beyond it.
     pub(super) fn event(
         &self,
         step: &RayStep,
@@ -57,7 +57,7 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The arc length per unit of a step's size at a point of it.
+    /// Returns the arc length per unit of a step's size at a point of the step.
     fn pace(&self, state: &State, pace: StepParameter) -> f64 {
         match pace {
             StepParameter::Length => 1.0,
@@ -69,7 +69,8 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The distance by which an event is ahead (negative) or behind (positive) at a point, and its rate with the step's size.
+    /// Returns the signed distance to an event at a point, negative before it and positive after it, and its derivative by
+    /// the step's size.
     fn measure(&self, event: Event, state: &State, pace: StepParameter) -> (f64, f64) {
         let (value, rate) = match event {
             Event::Edge(edge) => {
@@ -85,8 +86,8 @@ impl Ray<'_, '_> {
         (value, rate * self.pace(state, pace))
     }
 
-    /// Locates an event by Newton's method on the step's size, kept within a bracket: as exact as the steps are. `None` where
-    /// the step of size `h` turns out not to reach the edge: the interpolated one went beyond it, the ray does not.
+    /// Locates an event by bracketed Newton's method on the step's size, as accurately as the steps. `None` if the step of
+    /// size `h` does not in fact reach the edge: only the interpolation crossed it.
     pub(super) fn end_at(
         &mut self,
         event: Event,
@@ -97,7 +98,7 @@ impl Ray<'_, '_> {
         let scale = self.atlas.layout.scale.size.min(length);
         let rounding = self.rounding();
         let (mut low, mut high) = (0.0, h);
-        // True if the event is known to be within the bracket: only the interpolated step says so at first.
+        // True if the event is known to be within the bracket: at first only the interpolated step suggests it.
         let mut is_sure = matches!(event, Event::NearestToApex);
         let (value, rate) = self.measure(event, &self.state, pace);
         let mut at = if rate > 0.0 {
@@ -144,17 +145,17 @@ impl Ray<'_, '_> {
             && let Some(earlier) = self.atlas.layout.beyond_edge(step.end.at)
             && earlier != edge
         {
-            // Beside a corner both are crossed between two looks.
+            // Near a corner both edges are crossed between two samples.
             return self.end_at(Event::Edge(earlier), at, pace, length);
         }
-        // At the very end nothing but the direction is needed: the last local data serve at a tip.
+        // At the very end only the direction is needed: the last local data suffice at a tip.
         let local = self.local_after(&step).unwrap_or(self.local);
         if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart)
             && !chart.is_hit_at(step.end.at)
         {
-            // A near miss: the step ends at the nearest point, from where the next one leads away.
+            // A near miss: the step ends at the nearest point, from which the next step leads away.
             self.accept(&step, local, at, pace, rounding, scale);
-            // Past the nearest point by a hair, so that it is not met again.
+            // Slightly past the nearest point, so that it is not met again.
             let ([a, b], [x, y]) = (self.state.at, self.state.velocity);
             if a * x + b * y < 0.0 {
                 let along = (a * x + b * y) / (x * x + y * y);

@@ -1,7 +1,7 @@
-//! A ray on its way: one step tried, taken or refused.
+//! A ray during integration: one step tried, then accepted or rejected.
 //!
-//! In: where a ray is, what it has met so far, a step's length. Out: an [`Attempt`], and the ray a step farther on, with
-//! the errors of its steps carried along.
+//! In: a ray's state, the events so far, a step's length. Out: an [`Attempt`], and the ray after the step, with the
+//! errors of its steps propagated.
 
 use super::step::RayStep;
 use super::{IntegrationPlan, stalled_at};
@@ -12,19 +12,19 @@ use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::step_control::{ErrorSum, ROUNDING, SHORT, SMALL_STEP, StepControl, UNDEFINED};
 
-/// The turn of the tangent plane by the rounding of u and v above which the chart has lost its rank.
+/// If the rounding of u and v turns the tangent plane by more than this, the chart has lost its rank.
 const MEANINGLESS: f64 = 1e-9;
-/// The share of its evaluations that a ray may use before they are compared with its progress.
+/// The fraction of its evaluations that a ray may use before they are compared with its progress.
 const UNHURRIED: f64 = 0.25;
-/// The share of its evaluations that a ray keeps back from then on.
+/// The fraction of its evaluations that a ray reserves from then on.
 const KEPT: f64 = 0.15;
-/// The greatest factor by which a ray that is short of evaluations may err more.
+/// The maximum factor by which the error of a ray short of evaluations may be increased.
 const MOST_RELAXED: f64 = 1e3;
 
-/// The most evaluations at the end of a ray: a last change of chart, the reason of its end, its position.
+/// The maximum number of evaluations at the end of a ray: a last change of chart, the reason for its end, its position.
 const AT_END: usize = 16;
 
-/// A ray on its way.
+/// A ray during integration.
 pub(super) struct Ray<'a, 's> {
     pub(super) atlas: &'a Atlas<'s>,
     pub(super) plan: IntegrationPlan,
@@ -52,24 +52,24 @@ pub(super) struct Cost {
     pub(super) rejected: usize,
 }
 
-/// The observations on the way.
+/// The quantities observed along the way.
 #[derive(Clone, Debug)]
 pub(super) struct Observers {
-    /// True if the Jacobi fields are to be as exact as the ray.
+    /// True if the Jacobi fields are to be as accurate as the ray.
     pub(super) fields: bool,
-    /// The arc lengths of the conjugate points, where they are requested.
+    /// The arc lengths of the conjugate points, if requested.
     pub(super) conjugates: Option<Vec<f64>>,
-    /// The places of the steps' ends in (u,v), where they are asked for.
+    /// The ends of the steps in (u,v), if requested.
     pub(super) path: Option<Vec<[f64; 2]>>,
-    /// The Jacobi field after each step, where it is asked for.
+    /// The Jacobi field after each step, if requested.
     pub(super) knots: Option<Vec<FieldKnot>>,
 }
 
 /// The outcome of a step that has been tried.
 pub(super) enum Attempt {
-    /// Taken; the length that the tolerance suggests next.
+    /// Accepted, with the length that the tolerance suggests next.
     Accepted(Option<f64>),
-    /// Not taken: to be tried again with this length.
+    /// Rejected; to be tried again with this length.
     Again(f64),
     Ended(Status),
 }
@@ -85,7 +85,7 @@ impl Ray<'_, '_> {
         ))
     }
 
-    /// The point and velocity in (u,v), in the domain.
+    /// Returns the point and velocity in (u,v), in the domain.
     pub(super) fn plain(&self) -> State {
         let mut state = match &self.chart {
             Chart::Plain => self.state,
@@ -95,7 +95,7 @@ impl Ray<'_, '_> {
         state
     }
 
-    /// Notes where the ray is and its field, if they are requested.
+    /// Records the ray's position and its field, if requested.
     pub(super) fn note_place(&mut self) {
         if let Some(knots) = &mut self.observers.knots {
             let [m, rate] = self.field;
@@ -112,7 +112,7 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The longest step that the chart allows.
+    /// Returns the longest step that the chart allows.
     pub(super) fn longest(&self) -> f64 {
         let by_chart = match &self.chart {
             Chart::Plain => f64::INFINITY,
@@ -124,8 +124,8 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The factor to the tolerance by which the steps may err, so that the ray gets where it should within its limit:
-    /// the work left is compared with the work done.
+    /// Returns the factor on the tolerance that lets the ray reach its length within its limit: the remaining work is
+    /// compared with the work done.
     pub(super) fn relaxation(&self, length: f64) -> f64 {
         let used = (self.atlas.evaluations() - self.cost.first_evaluation) as f64;
         let limit = self.plan.limit.saturating_sub(self.cost.first_evaluation) as f64;
@@ -133,14 +133,14 @@ impl Ray<'_, '_> {
             return 1.0;
         }
         let needed = used * (length - self.s) / self.s;
-        // Some are kept for a dear stretch at the end.
+        // Some are reserved for an expensive stretch at the end.
         let left = ((1.0 - KEPT) * limit - used).max(0.3 * (limit - used));
         (needed / left)
             .powf(self.plan.tableau.error_order)
             .clamp(1.0, MOST_RELAXED)
     }
 
-    /// Returns whether one more step, and what its end takes, are within the limit.
+    /// Returns whether one more step, and the work at its end, are within the limit.
     pub(super) fn affords_step(&self) -> bool {
         let interpolated = matches!(&self.chart, Chart::Apex(chart) if chart.apex.smooth);
         let each = if interpolated { 6 } else { 1 };
@@ -157,7 +157,7 @@ impl Ray<'_, '_> {
         }
         let scale = self.atlas.layout.scale.size.min(length);
         let rounding = self.rounding();
-        // Only what a chart about an apex loses may pass for rounding; in (u,v) it ends the ray, see below.
+        // Only the digits lost in a chart about an apex count as rounding; in (u,v) the loss ends the ray, see below.
         let noise = match &self.chart {
             Chart::Plain => 0.0,
             Chart::Apex(chart) => chart.noise(self.state.at, step.end.at),
@@ -165,8 +165,8 @@ impl Ray<'_, '_> {
         let mut next = None;
         let mut may_err = f64::INFINITY;
         if let Some(tolerance) = self.plan.tolerance {
-            // A ray of many short steps is allowed that much of its scale's error in each: errors grow no more
-            // than that by being made over and over.
+            // A ray of many short steps is allowed this fraction of its scale's error in each step: errors accumulate
+            // no more than that.
             let floor = (rounding + scale * noise).max(SMALL_STEP * tolerance * scale);
             let allowed = self.relaxation(length) * (tolerance * h).max(floor);
             may_err = allowed;
@@ -217,7 +217,7 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// The length on the surface of the coordinates' rounding.
+    /// Returns the length on the surface of the coordinates' rounding.
     pub(super) fn rounding(&self) -> f64 {
         let [a, b] = self.state.at;
         let [t, w] = self.local.tangents;
@@ -248,8 +248,8 @@ impl Ray<'_, '_> {
         self.local = local;
         let [m, m1] = self.field;
         self.field = step.propagator.map(|[n, k]| n * m + k * m1);
-        // A pair's estimate for the point is now and then small by chance, when the one for the velocity, which acts
-        // on the point within the step, or the change of speed, is not.
+        // A pair's estimate for the point is occasionally small by chance, when the one for the velocity, which affects
+        // the point within the step, or the change of speed, is not.
         let velocity = step.direction_error.max((self.speed() - before).abs());
         let position = step.position_error.max(step.length * velocity);
         let direction = velocity + noise + ROUNDING * (1.0 + step.length / scale);
@@ -257,7 +257,7 @@ impl Ray<'_, '_> {
             .add(step.propagator, position + rounding, direction);
     }
 
-    /// The local data at a step's end; `None` where the surface is undefined.
+    /// Returns the local data at a step's end; `None` where the surface is undefined.
     pub(super) fn local_after(&mut self, step: &RayStep) -> Option<Local> {
         match step.end_local {
             Some(local) => Some(local),
@@ -265,7 +265,7 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// Returns whether a step runs farther than its chart is good for.
+    /// Returns whether a step leaves the region in which its chart is valid.
     pub(super) fn oversteps(&self, step: &RayStep) -> bool {
         match &self.chart {
             Chart::Plain => self.plan.charts && self.atlas.layout.needs_apex_chart(step.end.at),
@@ -273,8 +273,8 @@ impl Ray<'_, '_> {
         }
     }
 
-    /// Brings the point back into the domain and changes the chart where another suits better. False where the
-    /// surface is undefined there.
+    /// Brings the point back into the domain and changes to a more suitable chart. Returns false where the surface is
+    /// undefined there.
     pub(super) fn enter_next_chart(&mut self) -> bool {
         match &mut self.chart {
             Chart::Plain => {

@@ -1,11 +1,11 @@
-//! One step of one ray, in the chart that it is in.
+//! One step of one ray, in its chart.
 
 use super::ray::Ray;
 use crate::chart::{Atlas, Chart, Local, State};
 use crate::metric::{combine, norm};
 use crate::runge_kutta::{self, GeodesicEquation, RatesOfChange, States, StepParameter};
 
-/// The largest number of a pair's evaluations in a step, with that at its start.
+/// The maximum number of a pair's evaluations in a step, including the one at its start.
 const SLOPES: usize = 13;
 
 /// The surface is undefined at a stage of a step.
@@ -61,12 +61,12 @@ pub(super) struct RayStep {
     pub(super) field_error: f64,
     /// [[n, m], [n', m']] over the step.
     pub(super) propagator: [[f64; 2]; 2],
-    /// The local data at the end, where the pair evaluated them.
+    /// The local data at the end, if the pair evaluated them.
     pub(super) end_local: Option<Local>,
 }
 
 impl Ray<'_, '_> {
-    /// Takes a step, leaving the ray as it is. `None` where a stage is undefined, or the end is not finite.
+    /// Computes a step without changing the ray. `None` where a stage is undefined, or the end is not finite.
     pub(super) fn step(&self, h: f64, pace: StepParameter) -> Option<RayStep> {
         let equation = Equation {
             atlas: self.atlas,
@@ -103,7 +103,7 @@ impl Ray<'_, '_> {
     }
 }
 
-/// The point and the velocity of one ray.
+/// Returns the point and the velocity of one ray.
 #[inline(always)]
 fn state([[a], [b], [x], [y], ..]: &States<1>) -> State {
     State {

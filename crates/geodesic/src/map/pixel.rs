@@ -1,4 +1,4 @@
-//! The methods that follow a geodesic for each pixel: one row of a picture in, its ends out.
+//! The methods that integrate a geodesic for each pixel. In: one row of a picture. Out: its ends.
 
 use super::{MOST_FOR_PIXEL, MapOptions, Method, pixel_place, rk4};
 use crate::chart::{Atlas, State};
@@ -12,13 +12,13 @@ use crate::status::Status;
 use crate::surface::{Side, Surface, affordable_evaluations};
 use crate::trace;
 
-/// One row of a map; its parts are those of [`Map`](super::Map).
+/// One row of a map; its fields are those of [`Map`](super::Map).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Row {
     pub(super) offset: Vec<[f32; 2]>,
     pub(super) by_pixel: Vec<[[f32; 2]; 2]>,
     pub(super) status: Vec<Status>,
-    /// The estimated errors of the complete pixels, in pixels, where the method has them.
+    /// The estimated errors of the complete pixels, in pixels, if the method estimates them.
     pub(super) errors: Vec<f32>,
     pub(super) work: GeodesicWork,
 }
@@ -40,12 +40,12 @@ struct Pixel {
     start: Start,
 }
 
-/// The data that the geodesic of one pixel hands to the next one's.
+/// The data that one pixel's geodesic passes to the next.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
     /// The first step.
     step: Option<f64>,
-    /// The share of the error allowed at the end that the steps may make.
+    /// The fraction of the error allowed at the end that the steps may cause.
     share: f64,
 }
 
@@ -58,20 +58,20 @@ impl Default for Neighbour {
     }
 }
 
-/// The number of times that a geodesic is followed again whose estimated error is above the one allowed.
+/// The maximum number of repetitions of a geodesic whose estimated error exceeds the allowed one.
 const REPETITIONS: u32 = 2;
-/// The share of the error allowed that the next geodesic's estimate is to be.
+/// The fraction of the allowed error that the next geodesic's estimate aims at.
 const AIM: f64 = 0.3;
-/// The factor to the estimate of a few long steps: each is as long as its own estimate just allows, so those
-/// that are too small by chance have the say.
+/// The factor on the estimate for a few long steps: each is as long as its own estimate just allows, so estimates that
+/// are too small by chance dominate.
 const CAUTION: f64 = 6.0;
-/// The error of a step, over its length, is to be below this, however coarse the pixels are: beyond, a pair's two
-/// orders agree by chance, and its estimate says nothing.
+/// The maximum error of a step over its length, however coarse the pixels: beyond it, a pair's two orders agree only by
+/// chance, and its estimate is meaningless.
 const LOOSEST: f64 = 1e-3;
-/// Nor does rounding let it be below this.
+/// The minimum of the same, because of rounding.
 const TIGHTEST: f64 = 1e-13;
 
-/// A row, counted from the top. It depends on no other row.
+/// Computes a row, counted from the top. It does not depend on any other row.
 pub(super) fn row(
     surface: &dyn Surface,
     frame: &Frame,
@@ -95,7 +95,7 @@ pub(super) fn row(
     let share = options.evaluations_per_pixel(size);
     match options.method {
         Method::Rk4 { steps } => {
-            // A fixed number of steps is a limit by itself, within reason.
+            // A fixed number of steps is its own limit, within reason.
             let affordable = share.max(MOST_FOR_PIXEL) / 4;
             let steps = u64::from(steps.max(1));
             let limited = steps > affordable;
@@ -113,7 +113,7 @@ pub(super) fn row(
 }
 
 impl Line<'_, '_> {
-    /// The pixel at a place; what needs no geodesic is put down at once.
+    /// Returns the pixel at a point of the picture; a pixel that needs no geodesic is stored at once.
     fn pixel(&self, place: PicturePoint, by_pixel: bool, out: &mut Row) -> Option<Pixel> {
         let length = self.zoom * place[0].hypot(place[1]);
         if length == 0.0 || length.is_nan() {
@@ -136,8 +136,8 @@ impl Line<'_, '_> {
         }
     }
 
-    /// Follows the pixels with at most `share` evaluations on the average: each has half of it for certain, and what those
-    /// before it have left over.
+    /// Integrates the pixels with at most `share` evaluations on average: each is guaranteed half of it, and may use what
+    /// earlier pixels have left.
     fn adaptive(
         &self,
         places: impl ExactSizeIterator<Item = PicturePoint>,
@@ -184,8 +184,8 @@ impl Line<'_, '_> {
         }
     }
 
-    /// Follows one pixel's geodesic, once more with less error in each step where its end may be off by more than
-    /// `allowed`: what a step leaves is carried on by the Jacobi field, and nothing knows how far before it is there.
+    /// Integrates one pixel's geodesic, and repeats it with a smaller error per step where its end may be off by more
+    /// than `allowed`. The Jacobi field propagates each step's error, by an amount unknown until the end.
     fn follow(
         &self,
         pixel: Pixel,
@@ -201,7 +201,7 @@ impl Line<'_, '_> {
                 break;
             }
             let end = self.attempt(&pixel, allowed, limit, pace, out);
-            // Where the evaluations are used up, what was found before is more.
+            // Where the evaluations are used up, the earlier result is better.
             if end.status == Status::Complete && end.error < best.error {
                 best = end;
             }
@@ -209,7 +209,7 @@ impl Line<'_, '_> {
         best
     }
 
-    /// Follows it once.
+    /// Integrates it once.
     fn attempt(
         &self,
         pixel: &Pixel,
@@ -233,7 +233,7 @@ impl Line<'_, '_> {
             charts: true,
             keep_path: false,
         };
-        // Jacobi fields tell of the curvature between a step's stages what the point alone does not.
+        // Jacobi fields reveal the curvature between a step's stages, which the point alone does not.
         let noting = Observed {
             fields: true,
             ..Observed::default()
@@ -242,7 +242,7 @@ impl Line<'_, '_> {
         end.error *= CAUTION;
         out.work.steps += end.steps as u64;
         out.work.rejected += end.rejected as u64;
-        // The neighbour's geodesic is much the same.
+        // The neighbour's geodesic is similar.
         pace.step = None;
         if end.status == Status::Complete {
             pace.step = Some(end.step);
@@ -267,7 +267,7 @@ impl Line<'_, '_> {
         }
     }
 
-    /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.
+    /// Returns a pixel's start in (u,v), with a velocity that leads to its end in unit time.
     fn whole(&self, place: PicturePoint, out: &mut Row) -> Option<State> {
         if self.frame.coordinates == Coordinates::Plain && self.zoom > 0.0 && place != [0.0; 2] {
             return Some(State {
@@ -298,7 +298,7 @@ impl Line<'_, '_> {
 }
 
 impl Row {
-    /// Puts a pixel down, with ∂(u,v) by the place where that is wanted.
+    /// Stores a pixel, with ∂(u,v) by the point of the picture where requested.
     fn push(
         &mut self,
         offset: [f64; 2],
@@ -320,12 +320,12 @@ impl Row {
     }
 }
 
-/// A point of the domain as an offset from the camera, through the sides that wrap by the shorter way: single
-/// precision keeps what is near. Gives the signs by which the components of a vector at the point change, too.
+/// Returns a point of the domain as an offset from the camera, the shorter way through the sides that wrap: single
+/// precision preserves nearby points. Also returns the signs by which the components of a vector at the point change.
 fn nearest_repetition(atlas: &Atlas<'_>, origin: [f64; 2], at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     let domain = atlas.layout.domain;
     let mut lifted = at;
-    // First the flip, which changes the other coordinate.
+    // The flip first, since it changes the other coordinate.
     for flip in [true, false] {
         for axis in 0..2 {
             let side = atlas.layout.sides.of(axis)[0];

@@ -1,8 +1,8 @@
-//! The thesis' method: the classical Runge–Kutta method in (u,v) (equations 4.2), with steps of equal length and nothing
-//! else.
+//! The method of the thesis: the classical Runge–Kutta method in (u,v) (equations 4.2), with equal steps and without
+//! extensions.
 //!
-//! In: a start in (u,v) with a velocity, whose geodesic is wanted at the time 1. Out: where it ends, beyond sides that wrap
-//! brought back, and why. Poles are passed as (u,v) pass them, edges are looked for at the steps' ends.
+//! In: a start in (u,v) with a velocity, whose geodesic is wanted at time 1. Out: its end, brought back through sides that
+//! wrap, and the reason. Poles are passed in (u,v); edges are checked at the steps' ends.
 
 use crate::chart::{Atlas, State};
 use crate::metric;
@@ -10,7 +10,7 @@ use crate::point::Uv;
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 
-/// A geodesic's end, and what it took.
+/// The end of a geodesic, and its cost.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PixelEnd {
     pub(super) at: [f64; 2],
@@ -18,7 +18,7 @@ pub(super) struct PixelEnd {
     pub(super) evaluations: u64,
 }
 
-/// Returns the status of a ray at a point beyond an edge, or at none.
+/// Returns the status of a ray at a point beyond an edge; `None` inside.
 fn ended(atlas: &Atlas<'_>, before: [f64; 2], at: [f64; 2]) -> Option<Status> {
     for (axis, x) in at.into_iter().enumerate() {
         let [low, high] = atlas.layout.domain[axis];
