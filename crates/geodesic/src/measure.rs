@@ -1,4 +1,4 @@
-//! Measures on a surface: curvatures at a place, circles, geodesics between two places, triangles, walks.
+//! Measures on a surface: curvatures at a point, circles, geodesics between two points, triangles, walks.
 //!
 //! ```text
 //! surface, (u, v) ──place.rs──▶ E, F, G, K, H
@@ -8,11 +8,11 @@
 //! curve, frames ──walk.rs──▶ length and holonomy
 //! ```
 //!
-//! Where a parameter crosses a seam unevenly, connections and triangles are found in even ones (`reparametrised.rs`), and
-//! on surfaces of extreme sizes in other units (`rescaled.rs`).
+//! Where a parameter crosses a seam unevenly, connections and triangles are found in even parameters
+//! (`reparametrised.rs`), and on surfaces of extreme sizes in other units (`rescaled.rs`).
 //!
-//! The fan only finds candidates; every length and angle that is returned is that of a ray followed by itself. All work is
-//! limited, and what was not found says so.
+//! The fan only finds candidates; every length and angle returned is that of a ray integrated on its own. All work is
+//! limited, and results report whether something may be missing.
 
 mod between;
 mod circle;
@@ -39,34 +39,34 @@ pub use place::{PlaceMeasures, Principal, place};
 pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};
 pub use walk::{Closing, Transport, closing, transport};
 
-/// The reason why nothing can be measured at a place.
+/// The reason why nothing can be measured at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasureError {
-    /// A coordinate is no finite number.
+    /// A coordinate is not a finite number.
     NotFinite,
-    /// The place lies outside the domain, beyond a side that does not wrap.
+    /// The point is outside the domain, beyond a side that does not wrap.
     Outside {
-        /// The place.
+        /// The point.
         at: [f64; 2],
         /// The domain.
         domain: [[f64; 2]; 2],
     },
     /// The surface is undefined there.
     Undefined {
-        /// The place.
+        /// The point.
         at: [f64; 2],
     },
     /// The surface has no tangent plane there.
     Degenerate {
-        /// The place.
+        /// The point.
         at: [f64; 2],
     },
-    /// The place lies on a crease, as where |u| has one at u = 0: the tangent planes of both sides differ.
+    /// The point is on a crease, such as that of |u| at u = 0: the tangent planes of the two sides differ.
     Crease {
-        /// The place.
+        /// The point.
         at: [f64; 2],
     },
-    /// A length is negative or no finite number.
+    /// A length is negative or not a finite number.
     BadLength {
         /// The length.
         length: f64,
@@ -74,7 +74,7 @@ pub enum MeasureError {
 }
 
 impl MeasureError {
-    /// An error on a reparametrised surface, with its place in the parameters of the surface itself.
+    /// Converts an error on a reparametrised surface: its point is in the parameters of the surface itself.
     fn restored(self, even: &Reparametrised<'_>) -> Self {
         let restored = |at: [f64; 2]| even.restored(Uv(at)).0.0;
         match self {

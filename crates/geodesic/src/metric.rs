@@ -1,4 +1,4 @@
-//! The first fundamental form at a point: jets in; lengths, angles, accelerations and curvature out.
+//! The first fundamental form at a point. In: jets. Out: lengths, angles, accelerations and curvature.
 
 use crate::jet::{Jet, JetBlock, Lanes};
 use crate::point::TangentVector;
@@ -19,7 +19,7 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// The length, without overflow or underflow where the result is in range.
+/// Returns the length, without overflow or underflow if the result is in range.
 #[inline(always)]
 pub(crate) fn norm(a: [f64; 3]) -> f64 {
     let square = dot(a, a);
@@ -30,7 +30,7 @@ pub(crate) fn norm(a: [f64; 3]) -> f64 {
     }
 }
 
-/// The same of a vector whose length's square may be out of range.
+/// The same for a vector whose squared length may be out of range.
 #[cold]
 fn extreme_norm(a: [f64; 3]) -> f64 {
     let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -41,7 +41,7 @@ fn extreme_norm(a: [f64; 3]) -> f64 {
     largest * dot(b, b).sqrt()
 }
 
-/// `s·a + t·b`.
+/// Returns `s·a + t·b`.
 #[inline(always)]
 pub(crate) fn combine(s: f64, a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
     [
@@ -51,7 +51,7 @@ pub(crate) fn combine(s: f64, a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// The first fundamental form E du² + 2F du dv + G dv² with its area element R = |σu×σv|, which keeps the digits
+/// The first fundamental form E du² + 2F du dv + G dv² with its area element R = |σu×σv|, which preserves the digits
 /// that √(EG−F²) loses in a sheared chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
@@ -63,7 +63,7 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// The metric at a jet's point.
+    /// Returns the metric at a jet's point.
     pub fn of(jet: &Jet) -> Self {
         Self {
             e: dot(jet.du, jet.du),
@@ -73,13 +73,13 @@ impl Metric {
         }
     }
 
-    /// The inner product of two tangent vectors in (u,v) components.
+    /// Returns the inner product of two tangent vectors in (u,v) components.
     pub fn inner(&self, a: impl Into<TangentVector>, b: impl Into<TangentVector>) -> f64 {
         let (a, b) = (a.into(), b.into());
         self.e * a[0] * b[0] + self.f * (a[0] * b[1] + a[1] * b[0]) + self.g * a[1] * b[1]
     }
 
-    /// A tangent vector turned by `angle` from σu towards σv (C. Grundmann, *Geodesic Tracing*, 2022, 2.2.2):
+    /// Returns a tangent vector turned by `angle` from σu towards σv (C. Grundmann, *Geodesic Tracing*, 2022, 2.2.2):
     /// (a cos θ − (aF+bG)/R sin θ, (aE+bF)/R sin θ + b cos θ).
     pub fn turn(&self, vector: impl Into<TangentVector>, angle: f64) -> TangentVector {
         let TangentVector([a, b]) = vector.into();
@@ -90,7 +90,7 @@ impl Metric {
         ])
     }
 
-    /// A tangent vector turned by +90°.
+    /// Returns a tangent vector turned by +90°.
     pub fn turn_left(&self, vector: impl Into<TangentVector>) -> TangentVector {
         let TangentVector([a, b]) = vector.into();
         TangentVector([
@@ -107,12 +107,12 @@ pub(crate) struct Form {
     pub(crate) efg: [f64; 3],
     pub(crate) by_u: [f64; 3],
     pub(crate) by_v: [f64; 3],
-    /// −Evv/2 + Fuv − Guu/2, the second derivatives' part of the curvature in Gauss's equation.
+    /// −Evv/2 + Fuv − Guu/2, the second derivatives' contribution to the curvature in Gauss's equation.
     pub(crate) bent: f64,
 }
 
 impl Form {
-    /// From the derivatives of E, F and G.
+    /// Reads them from the derivatives of E, F and G.
     #[inline(always)]
     pub(crate) fn of_lane(forms: &JetBlock, lane: usize) -> Self {
         let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
@@ -125,22 +125,22 @@ impl Form {
     }
 }
 
-/// The length of a tangent vector in (u,v) components, from the vectors themselves: no cancellation in a
+/// Returns the length of a tangent vector in (u,v) components, from the vectors themselves: no cancellation in a
 /// sheared chart.
 pub fn speed(jet: &Jet, velocity: impl Into<TangentVector>) -> f64 {
     let velocity = velocity.into();
     norm(combine(velocity[0], jet.du, velocity[1], jet.dv))
 }
 
-/// The second derivative (u'', v'') of the geodesic with this velocity: the tangential part of
-/// A = σuu u'² + 2σuv u'v' + σvv v'² taken away, `[E F; F G](u'',v'') = −(σu·A, σv·A)` (thesis, system 2.2).
+/// Returns the second derivative (u'', v'') of the geodesic with this velocity, which cancels the tangential part of A
+/// = σuu u'² + 2σuv u'v' + σvv v'²: `[E F; F G](u'',v'') = −(σu·A, σv·A)` (thesis, system 2.2).
 #[inline(always)]
 pub fn acceleration(jet: &Jet, velocity: impl Into<TangentVector>) -> TangentVector {
     let TangentVector(velocity) = velocity.into();
     TangentVector(turned(jet, velocity, velocity))
 }
 
-/// The derivative of a vector's components as it is transported in parallel with this velocity.
+/// Returns the derivative of a vector's components under parallel transport with this velocity.
 #[inline(always)]
 pub(crate) fn turned(jet: &Jet, velocity: [f64; 2], vector: [f64; 2]) -> [f64; 2] {
     let ([a, b], [c, d]) = (velocity, vector);
@@ -149,8 +149,8 @@ pub(crate) fn turned(jet: &Jet, velocity: [f64; 2], vector: [f64; 2]) -> [f64; 2
     minus_components(jet.du, jet.dv, second)
 }
 
-/// Minus the components of `w`'s tangential part along the two vectors, by orthogonalisation: the normal
-/// equations would square the condition of a sheared chart.
+/// Returns the negative components of `w`'s tangential part along the two vectors, by orthogonalisation: the normal
+/// equations would square the condition number of a sheared chart.
 #[inline(always)]
 pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64; 2] {
     let e = 1.0 / dot(du, du);
@@ -160,8 +160,8 @@ pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64;
     [-dot(du, w) * e - shear * second, second]
 }
 
-/// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on (do Carmo, *Differential Geometry of Curves and
-/// Surfaces*, 1976, section 3-3).
+/// Returns the Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on (do Carmo, *Differential Geometry of
+/// Curves and Surfaces*, 1976, section 3-3).
 #[inline(always)]
 pub fn gaussian_curvature(jet: &Jet) -> f64 {
     let normal = cross(jet.du, jet.dv);
@@ -172,8 +172,8 @@ pub fn gaussian_curvature(jet: &Jet) -> f64 {
     }
 }
 
-/// The same without a branch, for several points at once, where EG − F² is in the range of numbers. Each quotient is taken
-/// before the product, which might overflow.
+/// The same without a branch, for several points at once, where EG − F² is in range. Each quotient is computed before the
+/// product, which might overflow.
 #[inline(always)]
 pub(crate) fn curvature_in_range(jet: &Jet) -> f64 {
     let normal = cross(jet.du, jet.dv);
@@ -182,7 +182,7 @@ pub(crate) fn curvature_in_range(jet: &Jet) -> f64 {
     (l * share) * (n * share) - (m * share) * (m * share)
 }
 
-/// The same where EG − F² may be out of range.
+/// The same where EG − F² may overflow or underflow.
 #[cold]
 fn extreme_curvature(jet: &Jet, normal: [f64; 3]) -> f64 {
     let r = norm(normal);
@@ -191,7 +191,7 @@ fn extreme_curvature(jet: &Jet, normal: [f64; 3]) -> f64 {
     l * n - m * m
 }
 
-/// The Christoffel symbols of the second kind: `[k][0]` = Γᵏ_uu, `[k][1]` = Γᵏ_uv, `[k][2]` = Γᵏ_vv.
+/// Returns the Christoffel symbols of the second kind: `[k][0]` = Γᵏ_uu, `[k][1]` = Γᵏ_uv, `[k][2]` = Γᵏ_vv.
 pub fn christoffel(jet: &Jet) -> [[f64; 3]; 2] {
     let columns = [jet.duu, jet.duv, jet.dvv].map(|w| minus_components(jet.du, jet.dv, w));
     [0, 1].map(|k| [-columns[0][k], -columns[1][k], -columns[2][k]])

@@ -1,8 +1,7 @@
-//! Deep zooms: a surface and a camera in; the same surface in coordinates that count from the camera out.
+//! Deep zooms. In: a surface and a camera. Out: the same surface in coordinates relative to the camera.
 //!
-//! At a zoom of 10⁻¹² neighbouring pixels' u and v differ by a few units in their last place. Counted from the camera
-//! they keep all their digits; only where the surface is evaluated are they added up, and there the rounding is as good
-//! as none.
+//! At a zoom of 10⁻¹² the u and v of neighbouring pixels differ by a few ulps. Relative to the camera they keep all
+//! their digits; the sum is formed only where the surface is evaluated, and its rounding there is negligible.
 
 use crate::ends::Coordinates;
 use crate::frame::Frame;
@@ -15,19 +14,19 @@ use crate::surface::{ChartData, Jet, JetBlock, Lanes, Surface};
 pub struct Moved<'s> {
     surface: &'s dyn Surface,
     by: [f64; 2],
-    /// In the new coordinates, with those apexes that the picture comes near to.
+    /// In the new coordinates, with the apexes near the picture.
     chart_data: ChartData,
 }
 
-/// The share of a pixel from which on the rounding of u and v is not to be put up with.
+/// The rounding of u and v is noticeable from this fraction of a pixel on.
 const NOTICEABLE: f64 = 1e-3;
-/// An apex that is so many times farther off than the picture reaches needs no coordinates of its own: about it those
-/// of the picture's points would have no more digits than u and v have.
+/// An apex farther away than the picture's reach by this factor does not need its own coordinates: in them the
+/// picture's points would have no more digits than in u and v.
 const FAR: f64 = 1e3;
 
 impl<'s> Moved<'s> {
-    /// The surface in the camera's coordinates, and the camera in them, at (0, 0), where a picture of this size is so
-    /// deep that it needs them; else `None`.
+    /// Returns the surface in the camera's coordinates, and the camera in them, at (0, 0), if a picture of this size is
+    /// deep enough to need them; else `None`.
     pub fn for_camera(
         surface: &'s dyn Surface,
         frame: &Frame,

@@ -1,16 +1,16 @@
-//! A picture's ends as a piecewise-polynomial map: few evaluations of an [`Ends`] in, all pixels out.
+//! A picture's ends as a piecewise polynomial map. In: a few evaluations of an [`Ends`]. Out: all pixels.
 //!
-//! The picture is cut into squares of pixels, as large as one polynomial in each meets the tolerance, by evaluations
-//! that took no part in it. Pixels that no square covers are evaluated one by one. The same table is read by the CPU
-//! ([`PiecewiseMap::map`]) and by a fixed pass on the GPU ([`table`]).
+//! The picture is divided into squares of pixels, each as large as one polynomial meets the tolerance, which is checked
+//! at points that are not used for the fit. Pixels that no square covers are evaluated one by one. The same table is
+//! read by the CPU ([`PiecewiseMap::map`]) and by a fixed pass on the GPU ([`table`]).
 //!
-//! A square is one polynomial only if all the ends that were looked at in it are complete: at the corners, at the
-//! nodes, on the sides. Or else all others have left through an edge beyond which the ends say where they would be: then
-//! the polynomial itself says where the edge is. A square shows nothing only if all of those that say where they would be
-//! lie beyond one edge. So a straight line of what is otherwise (another edge, what lies behind a tip, a strip of the surface)
-//! cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most a
-//! quarter of the square's side apart (60 pixels in the largest, less in those that their neighbourhood has made small), and
-//! the outermost pixels of a curve that bends into the square and out again between two of them.
+//! A square is one polynomial only if all the ends sampled in it (at the corners, at the nodes, on the sides) are complete; or
+//! if all others have left through an edge beyond which their continuations are known: then the polynomial itself determines
+//! the edge. A square shows nothing only if all sampled ends with known continuations are beyond one edge. So a line of a
+//! different kind (another edge, the region behind a tip, a strip of the surface) cannot cross a square undetected. Undetected
+//! are only areas wholly between the samples, which are at most a quarter of the square's side apart (60 pixels in the largest
+//! square, less in those that their neighbourhood has made small), and the outermost pixels of a curve that bends into the
+//! square and out again between two samples.
 
 mod angle;
 mod cut;
@@ -39,8 +39,8 @@ use fit::Fit;
 pub const BLOCK: u32 = 8;
 /// The polynomials' degree in x and in y.
 pub const DEGREE: usize = 6;
-/// The side of the largest square. A picture begins with squares of at most a quarter of its shorter side: there is
-/// work for several cores.
+/// The side of the largest square. A picture begins with squares of at most a quarter of its shorter side, which gives
+/// several cores work.
 const LARGEST: u32 = 256;
 
 /// A square of pixels on which the ends are one polynomial.
@@ -48,7 +48,7 @@ const LARGEST: u32 = 256;
 pub struct Patch<const N: usize = 2> {
     /// The column and the row (from the top) of its first pixel.
     pub corner: [u32; 2],
-    /// Pixels along each side: a power of two times [`BLOCK`]; it may reach beyond the picture.
+    /// The number of pixels along each side: a power of two times [`BLOCK`]; it may extend beyond the picture.
     pub side: u32,
     /// The numbers of its columns and rows that are in the picture.
     pub extent: [u32; 2],
@@ -57,16 +57,16 @@ pub struct Patch<const N: usize = 2> {
     /// The value at the middle of its extent; the polynomials are offsets from it.
     pub centre: [f64; N],
     /// `[coordinate][j][i]` multiplies X^i Y^j, X to the right and Y **down**, in [−1, 1] over the extent: a pixel's
-    /// centre lies at (2n+1)/extent − 1.
+    /// centre is at (2n+1)/extent − 1.
     pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; N],
     /// The estimated error of the polynomials, in pixels.
     pub error: f32,
-    /// True if an edge goes through it: a pixel whose value lies beyond [`PiecewiseMap::bounds`] has left the domain. Only in
-    /// plain coordinates.
+    /// True if an edge crosses it: a pixel whose value is beyond [`PiecewiseMap::bounds`] has left the domain. Only in plain
+    /// coordinates.
     pub edge: bool,
 }
 
-/// A block of pixels that have been evaluated one by one.
+/// A block of pixels that were evaluated one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Single<const N: usize = 2> {
     /// Offsets of the ends, in plain coordinates, from [`PiecewiseMap::origin`]; 64 pixels, row by row.
@@ -84,19 +84,19 @@ pub enum Cover {
     Patch(u32),
     /// A [`Single`], by its index.
     Single(u32),
-    /// All pixels ended like this, and show nothing.
+    /// All pixels ended with this status, and show nothing.
     Nothing(Status),
 }
 
 /// The whole picture: the exponential map as polynomials on squares of pixels.
 #[derive(Clone, Debug)]
 pub struct PiecewiseMap<const N: usize = 2> {
-    /// Pixels: width, height.
+    /// The size in pixels: width, height.
     pub size: [u32; 2],
-    /// The camera's place, from which offsets count: its (u, v) in a chart. To be set anew where the ends were those of a
-    /// surface in recentred coordinates.
+    /// The camera's position, which offsets are relative to: its (u, v) in a chart. The caller must replace it if the
+    /// ends are those of a surface in recentred coordinates.
     pub origin: [f64; N],
-    /// The camera's place in the coordinates of the ends, in which patches are.
+    /// The camera's position in the coordinates of the ends, which patches use.
     base: [f64; N],
     /// The cover of each block, row by row from the top.
     pub covers: Vec<Cover>,
@@ -104,13 +104,13 @@ pub struct PiecewiseMap<const N: usize = 2> {
     pub patches: Vec<Patch<N>>,
     /// The pixels evaluated one by one.
     pub singles: Vec<Single<N>>,
-    /// `[axis][end]`: the coordinates about apexes, those that patches may be in.
+    /// `[axis][end]`: the coordinates about the apexes that patches may use.
     pub polars: [[Option<Polar>; 2]; 2],
-    /// Offsets from the camera beyond which an end has left the domain, `[axis][end]`: infinite where no edge is.
+    /// Offsets from the camera beyond which an end has left the domain, `[axis][end]`: infinite where there is no edge.
     pub bounds: [[f32; 2]; N],
-    /// The derivatives by pixel at the camera's own place, which a picture of odd sizes shows exactly.
+    /// The derivatives by pixel at the camera's own position, which a picture with odd width and height shows exactly.
     pub centre_by_pixel: [[f32; N]; 2],
-    /// The polynomials' own error, beside that of the ends.
+    /// The polynomials' own error, in addition to that of the ends.
     pub estimate: Estimate,
     /// The number of evaluations of the ends.
     pub samples: u64,
@@ -135,8 +135,8 @@ impl<const N: usize> Default for PiecewiseMap<N> {
 }
 
 impl<const N: usize> PiecewiseMap<N> {
-    /// Cuts a picture, on all cores of the current rayon pool; the outcome does not depend on their number.
-    /// `tolerance` is what the polynomials may add to the error, in pixels of the length that one has on the surface.
+    /// Divides a picture, on all threads of the current rayon pool; the result does not depend on their number.
+    /// `tolerance` is the error that the polynomials may add, in pixels measured on the surface.
     pub fn cut(ends: &dyn Ends<N>, size: [u32; 2], tolerance: f64) -> Self {
         let zoom = ends.zoom();
         let per_place = 2.0 / f64::from(size[0].min(size[1]).max(1));
@@ -224,7 +224,7 @@ impl<const N: usize> PiecewiseMap<N> {
         }
     }
 
-    /// The polynomials' errors, each for as many pixels as it covers.
+    /// Returns the polynomials' errors, each weighted by the number of pixels that it covers.
     fn estimated(&self) -> Estimate {
         let area = |patch: &Patch<N>| u64::from(patch.extent[0]) * u64::from(patch.extent[1]);
         let mut errors: Vec<(f32, u64)> = self
@@ -249,8 +249,8 @@ impl<const N: usize> PiecewiseMap<N> {
         }
     }
 
-    /// All pixels, on all cores of the current rayon pool; bit by bit the same on any number of them. `by_pixel` says
-    /// whether the derivatives are wanted, two thirds of the numbers.
+    /// Evaluates all pixels, on all threads of the current rayon pool; the result is bitwise independent of their
+    /// number. `by_pixel` requests the derivatives, two thirds of the numbers.
     pub fn map(&self, by_pixel: bool) -> Map<N> {
         let [width, height] = self.size.map(|n| n as usize);
         let pixels = width * height;
@@ -296,9 +296,9 @@ impl<const N: usize> PiecewiseMap<N> {
         map
     }
 
-    /// The pixels of one row of blocks, `row` counted from the top: [`BLOCK`] rows of the picture (at the bottom
-    /// fewer), of its whole width, into buffers of exactly as many pixels. Small enough to be coloured while it is in
-    /// the cache.
+    /// Evaluates the pixels of one row of blocks, `row` counted from the top: [`BLOCK`] rows of the picture (fewer at
+    /// the bottom), over its whole width, into buffers of exactly this many pixels. Small enough to be coloured while
+    /// it is in the cache.
     ///
     /// # Panics
     /// If there is no such row.
@@ -318,7 +318,7 @@ impl<const N: usize> PiecewiseMap<N> {
                 status,
             },
         });
-        // The middle pixel of an odd picture is the camera's own place, to the last bit.
+        // The middle pixel of a picture with odd width and height is the camera's own position, to the last bit.
         let odd = width % 2 == 1 && height % 2 == 1;
         if odd && height / 2 / BLOCK == row && self.is_in_patch(width / 2, height / 2) {
             let index = ((height / 2 - row * BLOCK) * width + width / 2) as usize;
@@ -338,7 +338,7 @@ impl<const N: usize> PiecewiseMap<N> {
     }
 }
 
-/// The index of the last of so many.
+/// Returns the index of the last of `count` elements.
 fn index(count: usize) -> u32 {
     u32::try_from(count.saturating_sub(1)).unwrap_or(u32::MAX)
 }

@@ -1,28 +1,28 @@
-//! A picture's pixels: their places, and where the geodesic of each ends.
+//! A picture's pixels: their positions, and the end of each pixel's geodesic.
 
 use crate::ends::{Estimate, GeodesicWork};
 use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 
-/// For each pixel, row by row from the top, where its geodesic ends.
+/// The end of each pixel's geodesic, row by row from the top.
 #[derive(Clone, Debug)]
 pub struct Map<const N: usize = 2> {
-    /// Pixels: width, height.
+    /// The size in pixels: width, height.
     pub size: [u32; 2],
-    /// The camera's place, from which `offset` counts: its (u, v) in a chart.
+    /// The camera's position, which `offset` is relative to: its (u, v) in a chart.
     pub origin: [f64; N],
-    /// The end of each pixel's geodesic, less `origin`. In a chart (u, v) goes on beyond sides that wrap;
-    /// [`Sides::wrap`](crate::sides::Sides::wrap) takes it into the domain. Finite for every pixel, without a meaning
+    /// The end of each pixel's geodesic, less `origin`. In a chart (u, v) continues beyond sides that wrap;
+    /// [`Sides::wrap`](crate::sides::Sides::wrap) brings it into the domain. Finite for every pixel, but meaningless
     /// where the status is not complete.
     pub offset: Vec<[f32; N]>,
-    /// The derivatives of the end by one pixel to the right, then by one pixel **down**; empty where a method does not
-    /// know them.
+    /// The derivatives of the end by one pixel to the right, then by one pixel **down**; empty where the method does
+    /// not provide them.
     pub by_pixel: Vec<[[f32; N]; 2]>,
     /// The reason why each pixel's geodesic ended.
     pub status: Vec<Status>,
-    /// The work that it took.
+    /// The work spent.
     pub work: GeodesicWork,
-    /// Its estimated errors, where the method has an estimate.
+    /// The estimated errors, where the method has an estimate.
     pub estimate: Option<Estimate>,
 }
 
@@ -41,13 +41,13 @@ impl<const N: usize> Default for Map<N> {
 }
 
 impl Map {
-    /// A pixel's end in (u, v), perhaps beyond sides that wrap.
+    /// Returns a pixel's end in (u, v), possibly beyond sides that wrap.
     pub fn uv(&self, index: usize) -> Uv {
         Uv([0, 1].map(|k| self.origin[k] + f64::from(self.offset[index][k])))
     }
 }
 
-/// The place of a pixel's centre in the picture: [−1,1] spans the shorter side, x to the right, y up.
+/// Returns the point of the picture at a pixel's centre: [−1,1] spans the shorter side, x to the right, y up.
 pub fn pixel_place(size: [u32; 2], column: u32, row: u32) -> PicturePoint {
     let half = 0.5 * f64::from(size[0].min(size[1]).max(1));
     PicturePoint([

@@ -1,7 +1,7 @@
-//! Types for pairs of numbers: a point of the chart, a tangent vector there, a place in the picture.
+//! Types for pairs of numbers: a point of the chart, a tangent vector there, a point of the picture.
 //!
-//! Signatures between modules use these types, so that a point cannot be passed for a vector. Inner loops unwrap them
-//! once and work on arrays. Written by hand, since `glam` has one type for all three.
+//! Signatures between modules use these types, so that a point cannot be passed as a vector. Inner loops unwrap them
+//! once and work on arrays. `glam` is not used because it has one type for all three.
 
 use std::ops::{Add, Index, IndexMut, Mul, Neg, Sub};
 
@@ -75,7 +75,7 @@ pair! {
 }
 
 pair! {
-    /// A place in the picture: [−1, 1] spans the shorter side, x to the right, y up.
+    /// A point of the picture: [−1, 1] spans the shorter side, x to the right, y up.
     PicturePoint
 }
 

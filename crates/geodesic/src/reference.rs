@@ -1,8 +1,8 @@
-//! The true errors of a picture's ends: a sample of its pixels is traced again, far more exactly.
+//! The true errors of a picture's ends: a sample of its pixels is traced again with much higher accuracy.
 //!
-//! In: a surface, a frame, a picture's size; then what any method says of a pixel. Out: [`Errors`], in pixels. The
-//! sample is one pixel of each cell of a lattice, the same on every machine; from where it is worst the errors are
-//! followed uphill, from pixel to pixel, so that the maximum is one of the picture and not of the sample only.
+//! In: a surface, a frame, a picture's size; then any method's result for a pixel. Out: [`Errors`], in pixels. The
+//! sample is one pixel of each cell of a lattice, the same on every machine. From its worst pixels the errors are
+//! followed uphill, from pixel to pixel, so that the maximum is one of the picture and not only of the sample.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -17,19 +17,19 @@ use crate::surface::{Jet, Side, Surface};
 use crate::topology::Apex;
 use crate::trace::Options;
 
-/// Within this share of the domain's width from a pole, points are compared in polar coordinates too.
+/// Within this fraction of the domain's width from a pole, points are also compared in polar coordinates.
 const NEAR_POLE: f64 = 0.1;
-/// The largest error of a reference ray, in pixels; where its own estimate is larger, no truth is known.
+/// The largest error of a reference ray, in pixels; where its own estimate is larger, the truth is unknown.
 const KNOWN: f64 = 0.01;
-/// From how many of the worst pixels of a sample the errors are followed uphill.
+/// The number of a sample's worst pixels from which the errors are followed uphill.
 const CLIMBS: usize = 12;
-/// The most moves uphill.
+/// The maximum number of moves uphill.
 const MOVES: usize = 40;
-/// The most pixels that are looked at again because they ended differently, or far off.
+/// The maximum number of pixels that are checked again because they ended differently, or far away.
 const SECOND_LOOKS: usize = 600;
-/// Errors above this, in pixels, may be a cut's: what lies behind a cone's tip is torn apart.
+/// Errors above this, in pixels, may be caused by a cut: the region behind a cone's tip is torn apart.
 const FAR: f64 = 1.0;
-/// A cut lies between two places a quarter of a pixel apart whose ends are this many pixels apart.
+/// There is a cut between two points a quarter of a pixel apart whose ends are this many pixels apart.
 const TORN: f64 = 8.0;
 
 /// The true end of a pixel's geodesic.
@@ -42,46 +42,46 @@ struct Truth {
     error: f64,
 }
 
-/// The truth about a sample of a picture's pixels.
+/// The true ends of a sample of a picture's pixels.
 pub struct Reference<'s> {
     surface: &'s dyn Surface,
     frame: Frame,
     size: [u32; 2],
     zoom: f64,
     sample: Vec<u32>,
-    /// Pixels outside of the sample from which the errors are followed uphill, too.
+    /// Additional pixels, outside the sample, from which the errors are followed uphill.
     suspects: Vec<u32>,
     known: HashMap<u32, Truth>,
     /// True if points are compared in space.
     embedded: bool,
 }
 
-/// The distances of a picture's ends from the truth.
+/// The distances of a picture's ends from the true ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
     /// The errors of the sample's pixels that have an end, in pixels, in ascending order.
     pub sample: Vec<f64>,
     /// The largest error in pixels: of the sample, or uphill from its worst pixels.
     pub max: f64,
-    /// Pixels of the sample that should end otherwise than they do (complete or not, and why not).
+    /// The number of the sample's pixels whose status differs from the true one.
     pub unlike: usize,
-    /// Pixels of the sample within a pixel of a border, or beside a cut, that show what lies on its other side.
+    /// The number of the sample's pixels within a pixel of a border, or next to a cut, that show its other side.
     pub beside: usize,
-    /// Pixels of the sample whose truth is not known, for chaos or for lack of evaluations.
+    /// The number of the sample's pixels whose truth is unknown, because of chaos or for lack of evaluations.
     pub unknown: usize,
-    /// Pixels of the sample.
+    /// The number of the sample's pixels.
     pub pixels: usize,
 }
 
 impl Errors {
-    /// The error that a share of the sample's pixels stays below; 0 for an empty sample.
+    /// Returns the error that a fraction of the sample's pixels does not exceed; 0 for an empty sample.
     pub fn quantile(&self, share: f64) -> f64 {
         let last = self.sample.len().saturating_sub(1);
         let index = (share * last as f64).ceil() as usize;
         self.sample.get(index.min(last)).copied().unwrap_or(0.0)
     }
 
-    /// The number of the sample's pixels that are off by more than this, or end otherwise than they should.
+    /// Returns the number of the sample's pixels whose error exceeds this, or whose status is wrong.
     pub fn wrong(&self, pixels: f64) -> usize {
         self.unlike + self.sample.len() - self.sample.partition_point(|e| *e <= pixels)
     }
@@ -121,21 +121,21 @@ impl<'s> Reference<'s> {
         reference
     }
 
-    /// Follows the errors uphill from these pixels, too, by their numbers: where a method may be off in a spot that the
-    /// sample does not meet. They count for [`Errors::max`] alone.
+    /// Also follows the errors uphill from these pixels, given by index: for spots where a method may be wrong and that
+    /// the sample misses. They count for [`Errors::max`] alone.
     pub fn suspect(&mut self, pixels: impl IntoIterator<Item = u32>) {
         let count = u64::from(self.size[0]) * u64::from(self.size[1]);
         let known = pixels.into_iter().filter(|index| u64::from(*index) < count);
         self.suspects.extend(known);
     }
 
-    /// A pixel's width on the surface.
+    /// Returns a pixel's width on the surface.
     pub fn pixel(&self) -> f64 {
         2.0 * self.zoom / f64::from(self.size[0].min(self.size[1]).max(1))
     }
 
-    /// Compares what a method says of pixels, by their number row by row from the top: where each ends, anywhere
-    /// beyond sides that wrap, and why.
+    /// Compares a method's results with the truth. `end` returns the end of a pixel, by its index row by row from the
+    /// top, anywhere beyond sides that wrap, and its status.
     pub fn errors<P: Into<Uv>>(&mut self, end: &dyn Fn(usize) -> (P, Status)) -> Errors {
         let end = &|index: usize| {
             let (at, status) = end(index);
@@ -177,7 +177,7 @@ impl<'s> Reference<'s> {
         errors
     }
 
-    /// From a pixel to its worst neighbour, as long as that is worse.
+    /// Moves from a pixel to its worst neighbour, as long as that is worse.
     fn climb(
         &mut self,
         atlas: &Atlas<'_>,
@@ -246,7 +246,7 @@ impl<'s> Reference<'s> {
         Verdict::Error(error)
     }
 
-    /// The truth at eight places about one, so many pixels off.
+    /// Returns the truth at the eight points around one, `pixels` away.
     fn around(&self, place: PicturePoint, pixels: f64) -> impl Iterator<Item = Truth> {
         let off = pixels * 2.0 / f64::from(self.size[0].min(self.size[1]).max(1));
         (0..8).map(move |n| {
@@ -296,7 +296,7 @@ impl<'s> Reference<'s> {
         }
     }
 
-    /// The distance on the surface from a true end to another point, exact where they are near.
+    /// Returns the distance on the surface from a true end to another point, exact where they are close.
     fn distance(&self, atlas: &Atlas<'_>, truth: &Truth, uv: Uv) -> f64 {
         let Uv(mut other) = uv;
         atlas.layout.bring_back(&mut other);
@@ -343,7 +343,7 @@ enum Verdict {
     Unknown,
 }
 
-/// One pixel of each cell of a lattice with about so many cells.
+/// Returns one pixel of each cell of a lattice with about `pixels` cells.
 fn lattice(size: [u32; 2], pixels: usize) -> Vec<u32> {
     let [width, height] = size;
     let area = f64::from(width) * f64::from(height);
@@ -380,7 +380,7 @@ fn neighbours([width, height]: [u32; 2], index: u32) -> impl Iterator<Item = u32
         .map(move |(x, y)| y as u32 * width + x as u32)
 }
 
-/// A point of the domain and its nearest repetitions beyond the sides that wrap.
+/// Returns a point of the domain and its nearest copies beyond the sides that wrap.
 fn repetitions(atlas: &Atlas<'_>, uv: [f64; 2]) -> Vec<[f64; 2]> {
     let mut all = vec![uv];
     for axis in 0..2 {
@@ -403,7 +403,7 @@ fn repetitions(atlas: &Atlas<'_>, uv: [f64; 2]) -> Vec<[f64; 2]> {
     all
 }
 
-/// The distance across a pole, by the law of cosines about it: exact near the pole.
+/// Returns the distance across a pole, by the law of cosines about it: exact near the pole.
 fn about_pole(apex: &Apex, axis: usize, base: f64, truth: &Truth, uv: [f64; 2]) -> f64 {
     let [r, s] = [truth.uv.0, uv].map(|at| (at[axis] - base).abs().powf(1.0 / apex.power));
     let angle = apex.rate * (uv[1 - axis] - truth.uv[1 - axis]);

@@ -1,11 +1,13 @@
-//! Surfaces whose parameter runs unevenly across a seam: a surface in; the same surface in parameters that are smooth there out.
+//! Surfaces whose parameter runs unevenly across a seam. In: a surface. Out: the same surface in parameters that are smooth
+//! there.
 //!
-//! Where σ(u₀,v) = σ(u₁,v) and yet σu(u₀,v) = ρ σu(u₁,v), ρ ≠ 1, the coordinates that go on beyond the seam have a kink,
-//! which the surface has not. With u = ψ(w), for ψ' in inverse proportion to a length or an area that is smooth across the
-//! seam, σ(ψ(w), v) has none: geodesics, their Jacobi fields and what is interpolated between them are smooth again. Places
-//! and vectors are converted at the border.
+//! Where σ(u₀,v) = σ(u₁,v) but σu(u₀,v) = ρ σu(u₁,v), ρ ≠ 1, the coordinates continued beyond the seam have a kink that the
+//! surface does not have. With u = ψ(w), and ψ' inversely proportional to a length or an area that is smooth across the
+//! seam, σ(ψ(w), v) has no kink: geodesics, their Jacobi fields and the interpolation between them are smooth again. Points
+//! and vectors are converted at the interface.
 //!
-//! Surfaces in space alone: of a metric given by its coefficients, sides wrap only where these are the same on both.
+//! Only for surfaces in space: the sides of a metric given by its coefficients wrap only where these are the same on
+//! both.
 
 mod change;
 mod ends;
@@ -27,25 +29,25 @@ pub use ends::RestoredEnds;
 /// A surface σ(ψ(w), v), σ(u, ψ(w)) or with both parameters changed, over the same domain.
 pub struct Reparametrised<'s> {
     surface: &'s dyn Surface,
-    /// By axis: what the surface's parameter is of the new one; `None` where it is the same.
+    /// By axis: the surface's parameter as a function of the new one; `None` where it is unchanged.
     changes: [Option<ParameterChange>; 2],
     chart_data: ChartData,
 }
 
-/// By how much speeds that are equal may differ, relative to themselves, and their ratio along a seam.
+/// The maximum relative difference of speeds that count as equal, and of their ratio along a seam.
 const SAME_SPEED: f64 = 1e-6;
 
-/// A seam across which a parameter's speed jumps by the same factor everywhere, or whose parameter does not grow with the area
-/// that a line from a smooth pole sweeps.
+/// A seam across which a parameter's speed jumps by the same factor everywhere, or whose parameter is not proportional to the
+/// area swept by a line from a smooth pole.
 struct UnevenSeam {
     axis: usize,
-    /// The share of the other axis at which the seam is crossed at the highest speed, by a line that closes.
+    /// The fraction of the other axis at which the seam is crossed at the highest speed, by a line that closes.
     fastest: f64,
 }
 
 impl<'s> Reparametrised<'s> {
-    /// The surface in even parameters; `None` where it has no use for them: it has no seam, or equal speeds on both sides of
-    /// each, or is not smooth there in any parameter.
+    /// Returns the surface in even parameters; `None` if they are useless: it has no seam, has equal speeds on both sides of
+    /// each seam, or is not smooth there in any parameter.
     pub fn of(surface: &'s dyn Surface) -> Option<Self> {
         let uneven = [0, 1].map(|axis| UnevenSeam::find(surface, axis));
         if uneven.iter().all(Option::is_none) {
@@ -71,7 +73,7 @@ impl<'s> Reparametrised<'s> {
         (smooth && even.sides() == surface.sides()).then_some(even)
     }
 
-    /// The same for a picture, with its camera in the new parameters; `None` also where the camera stands in a pole's own
+    /// The same for a picture, with its camera in the new parameters; also `None` where the camera is in a pole's own
     /// coordinates.
     pub fn for_camera(surface: &'s dyn Surface, frame: &Frame) -> Option<(Self, Frame)> {
         if frame.coordinates != Coordinates::Plain {
@@ -88,13 +90,13 @@ impl<'s> Reparametrised<'s> {
         Some((even, frame))
     }
 
-    /// The ends of a fan on this surface, in the parameters of the surface that it was made of.
+    /// Returns the ends of a fan on this surface, in the parameters of the original surface.
     pub fn restored_ends<'a>(&'a self, fan: &'a Fan<'a>) -> RestoredEnds<'a> {
         RestoredEnds::new(self, fan)
     }
 
-    /// The new parameters of a place, perhaps beyond sides that wrap, and the factors by which components of a vector there
-    /// are those of the new ones.
+    /// Converts a point, possibly beyond sides that wrap, to the new parameters. Also returns the factors from the new
+    /// components of a vector there to the original ones.
     pub fn changed(&self, uv: Uv) -> (Uv, [f64; 2]) {
         let place = Uv(from_fn(|k| match &self.changes[k] {
             Some(change) => change.inverse(uv[k]),
@@ -103,7 +105,7 @@ impl<'s> Reparametrised<'s> {
         (place, self.restored(place).1)
     }
 
-    /// The surface's own parameters of a place in the new ones, and the same factors.
+    /// Converts a point to the surface's own parameters, with the same factors.
     pub fn restored(&self, place: Uv) -> (Uv, [f64; 2]) {
         let both = [0, 1].map(|k| match &self.changes[k] {
             Some(change) => change.forward(place[k]),
@@ -112,7 +114,7 @@ impl<'s> Reparametrised<'s> {
         (Uv(both.map(|[u, _, _]| u)), both.map(|[_, slope, _]| slope))
     }
 
-    /// Does the same for several places, side by side.
+    /// Does the same for several points, side by side.
     fn restored_all(&self, places: &[Lanes; 2]) -> [[Lanes; 2]; 2] {
         let both = [0, 1].map(|k| match &self.changes[k] {
             Some(change) => change.forward_all(&places[k]),
@@ -121,7 +123,7 @@ impl<'s> Reparametrised<'s> {
         [0, 1].map(|n| [both[0][n], both[1][n]])
     }
 
-    /// A vector at a place in the new parameters, in the surface's own ones.
+    /// Converts a vector at a point, both in the new parameters, to the surface's own parameters.
     pub fn restored_vector(&self, place: Uv, vector: TangentVector) -> TangentVector {
         let (_, slopes) = self.restored(place);
         TangentVector(from_fn(|k| slopes[k] * vector[k]))
@@ -133,7 +135,7 @@ fn divided(vector: TangentVector, by: [f64; 2]) -> TangentVector {
 }
 
 impl UnevenSeam {
-    /// Compares both sides, the speeds at one place first: most surfaces are done with that.
+    /// Compares both sides, the speeds at one point first: for most surfaces that suffices.
     fn find(surface: &dyn Surface, axis: usize) -> Option<Self> {
         let side = surface.sides().of(axis)[0];
         if !surface.is_embedded() || !matches!(side, Side::Wrap | Side::WrapFlip) {
@@ -176,13 +178,13 @@ impl UnevenSeam {
         }
         (compared > PLACES.len() / 2).then_some(Self {
             axis,
-            // Of a strip with a flip only the middle line closes.
+            // On a strip with a flip, only the middle line closes.
             fastest: if flipped { 0.5 } else { fastest.1 },
         })
     }
 
-    /// A measure that is smooth across the seam, per unit of the parameter: the area that a line from a smooth pole sweeps,
-    /// after which the coordinates about the pole are smooth too; where there is none, the length of a line across the seam.
+    /// Returns a measure that is smooth across the seam, per unit of the parameter: the area swept by a line from a smooth
+    /// pole, with which the coordinates about the pole are smooth too; without a pole, the length of a line across the seam.
     fn density(&self, surface: &dyn Surface, along: f64) -> f64 {
         let (axis, other) = (self.axis, 1 - self.axis);
         let domain = surface.domain();

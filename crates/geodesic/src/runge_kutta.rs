@@ -1,20 +1,21 @@
-//! One step of an explicit Runge–Kutta pair along geodesics, of one ray or of several side by side: states and step length
-//! in, states and errors out.
+//! One step of an explicit Runge–Kutta pair along geodesics, for one ray or several side by side. In: states and a step
+//! length. Out: states and errors.
 //!
-//! Beside each geodesic the step carries two Jacobi fields y'' = −K y, the fundamental solution over this step: how
-//! an error sideways, or one in direction, at its start becomes an error at its end. They cost no evaluation. The Jacobi
-//! equation: do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 5-5.
+//! Along each geodesic the step integrates two Jacobi fields y'' = −K y, the fundamental solution over this step: how an
+//! error in position or in direction at its start propagates to its end. They cost no evaluation. The Jacobi equation:
+//! do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 5-5.
 //!
-//! All loops run over the rays innermost, so that the compiler turns them into vector instructions where there are several.
+//! The innermost loops run over the rays, so that the compiler vectorises them where there are several.
 
-#![allow(clippy::needless_range_loop)] // Several arrays are walked together, ray by ray.
+#![allow(clippy::needless_range_loop)] // Several arrays are traversed together, ray by ray.
 
 mod tableau;
 
 pub(crate) use tableau::{DOP853, DOPRI5, RK4, Tableau};
 
-/// A number of rays' states: point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at the
-/// step's start. Eight components in a chart, where points have two coordinates; ten in space, where they have three.
+/// The states of several rays: point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at
+/// the step's start. Eight components in a chart, where points have two coordinates; ten in space, where they have
+/// three.
 pub(crate) type States<const N: usize, const C: usize = 8> = [[f64; N]; C];
 
 /// The geodesic equation of `N` rays in common coordinates.
@@ -22,7 +23,8 @@ pub(crate) trait GeodesicEquation<const N: usize, const C: usize = 8> {
     /// The local data of the surface at the rays' points.
     type Local: RatesOfChange<N, C>;
 
-    /// The failure of an evaluation that no step goes on from. Rays side by side have none: one of them may be undefined.
+    /// The error of an evaluation after which a step cannot continue. Rays side by side have none, since only one of them
+    /// may be undefined.
     type Undefined;
 
     /// Evaluates the local data at the states' points.
@@ -33,11 +35,11 @@ pub(crate) trait GeodesicEquation<const N: usize, const C: usize = 8> {
     ) -> Result<(), Self::Undefined>;
 }
 
-/// The rates of change that a step needs of the local data.
+/// The rates of change that a step needs from the local data.
 pub(crate) trait RatesOfChange<const N: usize, const C: usize = 8>: Default {
     /// The derivatives of the states by arc length.
     fn slope(&self, states: &States<N, C>) -> States<N, C>;
-    /// The lengths of the states' points, taken as tangent vectors: of differences of points.
+    /// The lengths of the states' points taken as tangent vectors, for differences of points.
     fn way(&self, states: &States<N, C>) -> [f64; N];
     /// The lengths of the states' velocities.
     fn speed(&self, states: &States<N, C>) -> [f64; N];
@@ -48,8 +50,8 @@ pub(crate) trait RatesOfChange<const N: usize, const C: usize = 8>: Default {
 pub(crate) enum StepParameter {
     /// Arc length.
     Length,
-    /// In (u,v), the way in the coordinates, measured by the metric that the step starts with: where a metric all but
-    /// degenerates, as on the rim of a flat ellipsoid, coordinates are smooth functions of this when they are none of
+    /// In (u,v), the distance in the coordinates, measured by the metric at the step's start. Where a metric nearly
+    /// degenerates, as on the rim of a flat ellipsoid, coordinates are smooth functions of this parameter but not of
     /// arc length.
     Coordinates,
 }
@@ -63,23 +65,23 @@ pub(crate) struct Step<const N: usize, L, const C: usize = 8> {
     pub(crate) position_error: [f64; N],
     /// The estimated errors of the unit velocities.
     pub(crate) direction_error: [f64; N],
-    /// Its estimated error, component by component.
+    /// The estimated error, component by component.
     pub(crate) error: States<N, C>,
     /// The local data of the last evaluation.
     pub(crate) local: L,
-    /// True if that was one at the end.
+    /// True if that was at the step's end.
     pub(crate) evaluated_end: bool,
 }
 
 impl<L, const C: usize> Step<1, L, C> {
-    /// The estimated relative error of the one ray's Jacobi fields.
+    /// Returns the estimated relative error of the Jacobi fields of the only ray.
     pub(crate) fn field_error(&self, h: f64) -> f64 {
         field_size(h, &self.error, 0) / field_size(h, &self.end, 0).max(1.0)
     }
 }
 
-/// Takes one step of size `h`, as `pace` measures it, from points with their local data. `SLOPES` is at least the number of
-/// the pair's evaluations with that at the start.
+/// Takes one step of size `h`, as measured by `pace`, from points with their local data. `SLOPES` is at least the number of
+/// the pair's evaluations, including the one at the start.
 #[inline(always)]
 pub(crate) fn step<
     const N: usize,
@@ -167,7 +169,7 @@ pub(crate) fn step<
     })
 }
 
-/// The two estimates of DOP853 as its authors combine them (Hairer, Nørsett, Wanner I, section II.10).
+/// Combines the two estimates of DOP853 as its authors do (Hairer, Nørsett, Wanner I, section II.10).
 #[inline(always)]
 fn tempered(high: f64, low: f64) -> f64 {
     let (high, low) = (high.abs(), low.abs());
@@ -179,7 +181,8 @@ fn tempered(high: f64, low: f64) -> f64 {
     }
 }
 
-/// The size of a ray's fields after a step of length `h`: lengths in units of the step, so that all four count alike.
+/// Returns the magnitude of a ray's fields after a step of length `h`: lengths in units of the step, so that all four
+/// have equal weight.
 #[inline(always)]
 fn field_size<const N: usize, const C: usize>(h: f64, state: &States<N, C>, ray: usize) -> f64 {
     let [m, m1, n, n1] = [4, 3, 2, 1].map(|k| state[C - k][ray]);
@@ -187,7 +190,7 @@ fn field_size<const N: usize, const C: usize>(h: f64, state: &States<N, C>, ray:
     ends.max(m1.abs()).max(n.abs())
 }
 
-/// The derivatives of states by arc length, in the coordinates of a chart.
+/// Returns the derivatives of states by arc length, in the coordinates of a chart.
 #[inline(always)]
 pub(crate) fn chart_slope<const N: usize>(
     state: &States<N>,
@@ -203,7 +206,7 @@ pub(crate) fn chart_slope<const N: usize>(
     [x, y, a, b, m1, bent_m, n1, bent_n]
 }
 
-/// `state` and the slopes with their weights, times `h`.
+/// Returns `state` plus the weighted slopes, times `h`.
 #[inline(always)]
 fn add<const N: usize, const C: usize>(
     state: &States<N, C>,

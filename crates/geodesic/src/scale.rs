@@ -1,10 +1,10 @@
-//! Lengths typical of a surface, measured on a sample of its points: tolerances are relative to them.
+//! Typical lengths of a surface, measured on a sample of its points: tolerances are relative to them.
 
 use crate::jet::Jet;
 use crate::metric::norm;
 use crate::point::Uv;
 
-/// Lengths typical of a surface: what "small" is compared with. All finite and positive.
+/// Typical lengths of a surface, relative to which others are small. All finite and positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// The extent in space of a sample of its points.
@@ -14,14 +14,14 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Measures on a lattice of interior points; those that are undefined are passed over.
+    /// Measures on a lattice of interior points; undefined points are ignored.
     pub fn measure(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Self {
         const LATTICE: u32 = 5;
         let mut positions: Vec<[f64; 3]> = Vec::new();
         let mut stretches: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         for i in 0..LATTICE {
             for j in 0..LATTICE {
-                // Off the lattice's own symmetry, so that no special line of the surface is favoured.
+                // Asymmetric, so that no special line of the surface is favoured.
                 let share = [
                     (f64::from(i) + 0.43) / f64::from(LATTICE),
                     (f64::from(j) + 0.61) / f64::from(LATTICE),
@@ -63,11 +63,11 @@ impl Scale {
     }
 }
 
-/// The point of the domain at these shares of its widths.
+/// Returns the point of the domain at these fractions of its widths.
 pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> Uv {
     Uv([0, 1].map(|k| {
         let [low, high] = domain[k];
-        // The ends come out exactly.
+        // The ends must be exact.
         if share[k] == 1.0 {
             high
         } else {

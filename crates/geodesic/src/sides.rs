@@ -1,6 +1,6 @@
 //! The sides of a chart's domain, and the way back into it from beyond them.
 
-#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+#![allow(clippy::needless_range_loop)] // Several arrays are traversed together, lane by lane.
 
 /// The kind of one side of the domain.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
@@ -12,7 +12,7 @@ pub enum Side {
     Wrap,
     /// The opposite side, turned over: σ(u₀,v) = σ(u₁,v₀+v₁−v). Handedness flips.
     WrapFlip,
-    /// The side is one point, passed by going on half a period further along the other, wrapping, parameter.
+    /// The side is one point, passed by continuing half a period further along the other, wrapping, parameter.
     Pole,
 }
 
@@ -24,18 +24,18 @@ pub struct Sides {
     pub v: [Side; 2],
 }
 
-/// The change of coordinates on the way back into the domain.
+/// The change of coordinates when a point is brought back into the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The signs by which the components of a vector change.
     pub signs: [f64; 2],
-    /// True if left and right have changed places: by a flip, but not by a pole, behind which the formula's own
-    /// coordinates are the mirrored ones.
+    /// True if left and right are exchanged: by a flip, but not by a pole, behind which the formula's own coordinates
+    /// are mirrored.
     pub flipped: bool,
 }
 
 impl Sides {
-    /// The two sides of an axis: 0 for u, 1 for v.
+    /// Returns the two sides of an axis: 0 for u, 1 for v.
     #[inline(always)]
     pub fn of(&self, axis: usize) -> [Side; 2] {
         if axis == 0 { self.u } else { self.v }
@@ -72,7 +72,7 @@ impl Sides {
                 if self.of(axis)[end] != Side::Pole {
                     continue;
                 }
-                // Through a pole: as far beyond it, half a turn on.
+                // Through a pole: the same distance beyond it, half a turn on.
                 for lane in 0..N {
                     let x = at[axis][lane];
                     let (beyond, back) = if end == 0 {
@@ -125,7 +125,7 @@ impl Sides {
                 at[axis][lane] = if inside { x } else { back };
                 odd[lane] = !inside & (turns - 2.0 * (0.5 * turns).floor() == 1.0);
             }
-            // A flip turns the other coordinate over.
+            // A flip reverses the other coordinate.
             if side == Side::WrapFlip {
                 let [low, high] = domain[1 - axis];
                 for lane in 0..N {

@@ -1,5 +1,5 @@
-//! The control of a ray's steps, of one ray as of each of several side by side: their lengths from their errors, and what
-//! the errors of all of them come to.
+//! The control of a ray's steps, for one ray or each of several side by side: the lengths of steps from their errors, and
+//! the total of the errors.
 
 /// The choice of each step's length from the errors of the steps before it.
 ///
@@ -8,11 +8,11 @@
 /// growing from step to step (Gustafsson, ACM TOMS 20, 1994, pages 496–517).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepControl {
-    /// The size of the step before; 0 before the first.
+    /// The size of the previous step; 0 before the first.
     last_step: f64,
-    /// e^(−1/q) of the step before.
+    /// e^(−1/q) of the previous step.
     last_root: f64,
-    /// The same of the step that is being tried.
+    /// e^(−1/q) of the step being tried.
     this_root: f64,
 }
 
@@ -27,8 +27,8 @@ impl Default for StepControl {
 }
 
 impl StepControl {
-    /// Judges a step by `root`, which is e^(−1/q): the factor to the size of the next one, `most` at most, or, as an error,
-    /// to that of another attempt.
+    /// Judges a step by `root`, which is e^(−1/q). Returns the factor from its size to that of the next one, at most
+    /// `most`; or, as an error, the factor to that of another attempt.
     #[inline(always)]
     pub(crate) fn judge(&mut self, root: f64, most: f64) -> Result<f64, f64> {
         if root.is_nan() {
@@ -42,8 +42,8 @@ impl StepControl {
         Ok(factor.min(most).min(GROWTH))
     }
 
-    /// The factor beside that, where steps below `short` have something singular near by: steps that have been shrinking
-    /// towards it will go on to shrink.
+    /// Returns an additional factor for steps below `short`, which indicate a nearby singularity: steps that have been
+    /// shrinking towards it will continue to shrink.
     pub(crate) fn trend(&self, h: f64, short: f64) -> f64 {
         if h < self.last_step && h < short {
             (h / self.last_step).max(0.5)
@@ -52,8 +52,8 @@ impl StepControl {
         }
     }
 
-    /// The largest factor that is to be expected to do: as the error has been growing from step to step, it will go on to
-    /// grow.
+    /// Returns the largest factor that is expected to succeed: an error that has been growing from step to step will
+    /// continue to grow.
     pub(crate) fn foreseen(&self, h: f64, root: f64) -> f64 {
         let factor = 0.9 * root;
         if self.last_step > 0.0 {
@@ -63,33 +63,33 @@ impl StepControl {
         }
     }
 
-    /// Takes note of a step that has been taken.
+    /// Records an accepted step.
     pub(crate) fn accept(&mut self, h: f64) {
         self.last_step = h;
         self.last_root = self.this_root;
     }
 
-    /// Forgets the step before: it says nothing about those to come.
+    /// Forgets the previous step: it does not predict the following ones.
     pub(crate) fn forget(&mut self) {
         self.last_step = 0.0;
     }
 }
 
-/// A step shorter than this share of the ray's own scale is not worth taking.
+/// The minimum length of a step, as a fraction of the ray's own scale.
 pub(crate) const SHORTEST: f64 = 1e-13;
-/// The tolerance is for steps no shorter than this share of the ray's scale.
+/// The tolerance applies to steps no shorter than this fraction of the ray's scale.
 pub(crate) const SMALL_STEP: f64 = 0.005;
-/// A step shorter than this share of the ray's scale means that a singularity is near.
+/// A step shorter than this fraction of the ray's scale indicates a nearby singularity.
 pub(crate) const SHORT: f64 = 0.01;
 /// The relative error that an evaluation's rounding may add to a step: the floor of the tolerance.
 pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// The factor to a step that runs where the surface is undefined.
+/// The factor on a step that reaches where the surface is undefined.
 pub(crate) const UNDEFINED: f64 = 0.25;
 /// The largest factor from one step to the next.
 const GROWTH: f64 = 5.0;
 
-/// The length to try where a step may be `h` long and so much of the way remains: two steps of equal length rather than a
-/// long one and a sliver.
+/// Returns the length to try where a step may be `h` long and `remaining` is left: two steps of equal length rather than
+/// a long one and a sliver.
 pub(crate) fn step_to_try(h: f64, remaining: f64) -> f64 {
     if h >= remaining {
         remaining
@@ -100,8 +100,8 @@ pub(crate) fn step_to_try(h: f64, remaining: f64) -> f64 {
     }
 }
 
-/// The length of the next step, where `h` was allowed, `tried` was taken, and the error of that suggests `next`: a step cut
-/// short by the end says little about the next.
+/// Returns the length of the next step, where `h` was allowed, `tried` was taken, and its error suggests `next`: a step cut
+/// short by the end predicts little about the next.
 pub(crate) fn step_after(h: f64, tried: f64, next: f64) -> f64 {
     if tried < h {
         next.max(h.min(2.0 * next))
@@ -110,7 +110,7 @@ pub(crate) fn step_after(h: f64, tried: f64, next: f64) -> f64 {
     }
 }
 
-/// The covariance of the error sideways and in direction: errors of the steps, carried on by the Jacobi fields.
+/// The covariance of the errors in position and in direction: the steps' errors, propagated by the Jacobi fields.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorSum {
     position: f64,
@@ -120,7 +120,7 @@ pub(crate) struct ErrorSum {
 }
 
 impl ErrorSum {
-    /// Adds a step's errors to those before it, which its fields, [[n, m], [n', m']], carry on.
+    /// Adds a step's errors to the earlier ones, which its fields, [[n, m], [n', m']], propagate.
     pub(crate) fn add(&mut self, [[n, m], [n1, m1]]: [[f64; 2]; 2], position: f64, direction: f64) {
         let (p, x, d) = (self.position, self.mixed, self.direction);
         self.position = n * n * p + 2.0 * n * m * x + m * m * d + position * position;
@@ -129,12 +129,12 @@ impl ErrorSum {
         self.terms += 1.0;
     }
 
-    /// The standard deviation of the position, were the steps' errors independent.
+    /// Returns the standard deviation of the position if the steps' errors are independent.
     pub(crate) fn deviation(&self) -> f64 {
         self.position.max(0.0).sqrt()
     }
 
-    /// A bound for errors that may all have one sign (Cauchy and Schwarz).
+    /// Returns a bound for errors that may all have the same sign (Cauchy–Schwarz).
     pub(crate) fn bound(&self) -> f64 {
         if self.position.is_nan() {
             return f64::INFINITY;

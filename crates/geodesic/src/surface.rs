@@ -1,4 +1,4 @@
-//! Surfaces as geodesics see them: expressions in, jets out.
+//! Surfaces for geodesics. In: expressions. Out: jets.
 
 use std::cell::RefCell;
 
@@ -15,9 +15,9 @@ pub use crate::sides::{Crossing, Side, Sides};
 
 /// A parametrised surface σ: R² → R³. Undefined values are NaN. Cheap to call from many threads.
 pub trait Surface: Sync {
-    /// The jet at (u, v).
+    /// Returns the jet at (u, v).
     fn jet(&self, uv: Uv) -> Jet;
-    /// The jets at [`LANES`] points (`at[0]` their u, `at[1]` their v), each the same as [`Surface::jet`]'s but for
+    /// Computes the jets at [`LANES`] points (`at[0]` their u, `at[1]` their v), each equal to [`Surface::jet`]'s up to
     /// rounding.
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
         let [us, vs] = at;
@@ -25,19 +25,19 @@ pub trait Surface: Sync {
             out.set(lane, &self.jet(Uv([u, v])));
         }
     }
-    /// Returns whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
-    /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, are
-    /// not to be compared.
+    /// Returns whether positions are points in space. A metric without an embedding gives jets in a separate frame at each
+    /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, must not be
+    /// compared.
     fn is_embedded(&self) -> bool {
         true
     }
-    /// The number of instructions that a jet takes; 0 where it is not known.
+    /// Returns the number of instructions of a jet; 0 where unknown.
     fn instruction_count(&self) -> usize {
         0
     }
-    /// Returns the data of its chart.
+    /// Returns the data of the surface's chart.
     fn chart_data(&self) -> &ChartData;
-    /// The domain: `[[u min, u max], [v min, v max]]`.
+    /// Returns the domain: `[[u min, u max], [v min, v max]]`.
     fn domain(&self) -> [[f64; 2]; 2] {
         self.chart_data().domain
     }
@@ -45,21 +45,21 @@ pub trait Surface: Sync {
     fn sides(&self) -> Sides {
         self.chart_data().topology.sides
     }
-    /// The side's single point, where the side has collapsed to one: `axis` 0 for a side of constant u, 1 for
+    /// Returns the side's single point, if the side has collapsed to one: `axis` 0 for a side of constant u, 1 for
     /// constant v; `end` 0 for its minimum, 1 for its maximum.
     fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
         self.chart_data().topology.apexes[axis][end]
     }
-    /// Lengths typical of the surface.
+    /// Returns the typical lengths of the surface.
     fn scale(&self) -> Scale {
         self.chart_data().scale
     }
 }
 
-/// Limits on evaluations are stated for surfaces whose jets take at most this many instructions.
+/// Limits on evaluations are stated for surfaces whose jets have at most this many instructions.
 pub const USUAL_INSTRUCTIONS: usize = 200;
 
-/// The limit on evaluations of a surface: of one whose jets take k times [`USUAL_INSTRUCTIONS`] a k-th of `limit`, so that it
+/// Returns the limit on evaluations for a surface: if its jets have k times [`USUAL_INSTRUCTIONS`], `limit` over k, which
 /// bounds the run time.
 pub fn affordable_evaluations(surface: &dyn Surface, limit: u64) -> u64 {
     let [cost, usual] = [surface.instruction_count(), USUAL_INSTRUCTIONS].map(|n| n as u64);
@@ -69,19 +69,19 @@ pub fn affordable_evaluations(surface: &dyn Surface, limit: u64) -> u64 {
     (u128::from(limit) * u128::from(usual) / u128::from(cost)) as u64
 }
 
-/// The data of a chart beside the surface's jets.
+/// The data of a chart, besides the surface's jets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartData {
     /// `[[u min, u max], [v min, v max]]`.
     pub domain: [[f64; 2]; 2],
     /// The kinds of its sides.
     pub topology: Topology,
-    /// Lengths typical of it.
+    /// Typical lengths of the surface.
     pub scale: Scale,
 }
 
 impl ChartData {
-    /// A domain of which nothing else is known yet.
+    /// Creates the data of a domain of which nothing else is known yet.
     pub(crate) fn of(domain: [[f64; 2]; 2]) -> Self {
         Self {
             domain,
@@ -95,7 +95,7 @@ impl ChartData {
 }
 
 /// A surface given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the uniforms' values fixed. All
-/// three components are one tape, so that they share their subexpressions. Cheap to make: nothing is derived
+/// three components are one tape, so that they share their subexpressions. Cheap to create: nothing is differentiated
 /// symbolically.
 #[derive(Clone, Debug)]
 pub struct ParametricSurface {
@@ -105,14 +105,14 @@ pub struct ParametricSurface {
 }
 
 thread_local! {
-    /// Registers, one set per thread for single points and one for lanes, so that none allocates and neither
-    /// displaces the other's constants.
+    /// Registers, one set per thread for single points and one for lanes, to avoid allocations and so that neither
+    /// overwrites the other's constants.
     static REGISTERS: RefCell<[JetRegisters; 2]> = RefCell::default();
 }
 
 impl ParametricSurface {
-    /// Compiles the position, and looks for what lies beyond the sides. A uniform without a value is NaN: the surface
-    /// is undefined then.
+    /// Compiles the position, and determines the kinds of the sides. A uniform without a value is NaN, which makes the
+    /// surface undefined.
     ///
     /// # Errors
     /// [`TooLarge`] where the derivatives do not fit into the graph's limit.
@@ -165,7 +165,7 @@ impl Surface for ParametricSurface {
 
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
         REGISTERS.with_borrow_mut(|[_, registers]| {
-            // The block's fields are in the order of coefficients, each a vector's components.
+            // The block's fields are in the order of coefficients, each with a vector's components.
             let out: &mut [Lanes; 18] = bytemuck::cast_mut(out);
             self.tape.eval(registers, &self.fixed, at, out);
         });

@@ -1,8 +1,8 @@
-//! The kinds of a domain's sides, found numerically: samples of a surface in, [`Topology`] out.
+//! The kinds of a domain's sides, found numerically. In: samples of a surface. Out: [`Topology`].
 //!
-//! A pair of opposite sides that are the same curve wraps, with a flip where one runs backwards. A side that is one
-//! point, while the other parameter wraps, is the tip of a cone with some total angle; with the angle 2π it is a
-//! smooth pole. Tolerances are relative to the surface's size.
+//! A pair of opposite sides that are the same curve wraps, with a flip if one runs backwards. A side that is one point,
+//! while the other parameter wraps, is the tip of a cone with some total angle; with the angle 2π it is a smooth pole.
+//! Tolerances are relative to the surface's size.
 
 use std::f64::consts::TAU;
 
@@ -12,65 +12,66 @@ use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::sides::{Side, Sides};
 
-/// A side that has collapsed to one point, seen as the tip of a cone. With ρ the parameter's distance to the side and
-/// t the other parameter, (a, b) = r (cos kt, sin kt), r = ρ^(1/power), are coordinates in which the metric stays
-/// regular at the tip: of a smooth pole the polar coordinates undone, of a cone the cone unrolled.
+/// A side that has collapsed to one point, regarded as the tip of a cone. With ρ the parameter's distance from the side
+/// and t the other parameter, (a, b) = r (cos kt, sin kt), r = ρ^(1/power), are coordinates in which the metric is
+/// regular at the tip: for a smooth pole Cartesian coordinates, for a cone the unrolled cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apex {
     /// k: the tip's angle per unit of the other parameter.
     pub rate: f64,
-    /// 1 where distance is proportional to ρ near the tip, 2 where it is to √ρ, ½ where it is to ρ².
+    /// 1 where distance is proportional to ρ near the tip, 2 where to √ρ, ½ where to ρ².
     pub power: f64,
-    /// The radius of curvature at the tip, in units of r: where the coordinates' series ends, in order of magnitude.
+    /// The radius of curvature at the tip, in units of r: the order of magnitude of the coordinates' radius of
+    /// convergence.
     pub bend: f64,
-    /// The share of the domain's width over which the lines of constant t leave the tip nearly straight; 1 unless
+    /// The fraction of the domain's width over which the lines of constant t leave the tip nearly straight; 1 unless
     /// they wind about it, as in a sheared chart. Beyond it the coordinates above wind as they do.
     pub reach: f64,
-    /// True if the total angle is 2π: a smooth point, which rays pass.
+    /// True if the total angle is 2π: a smooth point, through which rays pass.
     pub smooth: bool,
-    /// True if the coordinates are of use: the angle grows evenly with t, or at a smooth tip as on an ellipse that is run along
-    /// with the speed of its area.
+    /// True if the coordinates are usable: the angle is proportional to t, or, at a smooth tip, the directions trace an ellipse
+    /// with constant areal speed.
     pub regular: bool,
-    /// True if the lines of constant t go on through the tip without a kink of their speed or direction: then the acceleration
-    /// in (a, b) is smooth there.
+    /// True if the lines of constant t continue through the tip without a kink in their speed or direction: then the
+    /// acceleration in (a, b) is smooth there.
     pub odd: bool,
 }
 
 /// The kinds of all four sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Topology {
-    /// The kinds of the sides that a ray meets; a cone point is an edge here.
+    /// The kinds of the sides as met by a ray; a cone point is an edge here.
     pub sides: Sides,
     /// `[axis][end]`: the collapsed sides, poles among them.
     pub apexes: [[Option<Apex>; 2]; 2],
 }
 
-/// The largest distance of two points that count as one, relative to the surface's size.
+/// The maximum distance of two points that count as one, relative to the surface's size.
 const SAME_POINT: f64 = 1e-8;
-/// The places at which sides are compared, as shares of the other axis: off every symmetry, in pairs (s, 1−s).
+/// The points at which sides are compared, as fractions of the other axis: asymmetric, in pairs (s, 1−s).
 pub(crate) const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
-/// The largest deviation from 2π of a smooth pole's total angle, …
+/// The maximum deviation from 2π of a smooth pole's total angle …
 const FULL_TURN: f64 = 1e-6;
-/// … and the largest where two ways to measure it differ.
+/// … and the maximum where two ways to measure it differ.
 const UNSURE: f64 = 1e-4;
 
-/// The share of the domain's width off a tip at which its total angle is measured first.
+/// The distance from a tip at which its total angle is first measured, as a fraction of the domain's width.
 const NEAREST: f64 = 2e-7;
 
-/// By how much directions may be off an ellipse, relative to its size.
+/// The maximum deviation of directions from an ellipse, relative to its size.
 const SAME_ELLIPSE: f64 = 1e-5;
 
-/// The least change of speed or direction at a tip, over the domain's width, that is a kink.
+/// The minimum change of speed or direction at a tip, over the domain's width, that counts as a kink.
 const KINK: f64 = 1e-5;
 
-/// The share of the domain's width off a tip at which the lines that leave it are looked at.
+/// The distance from a tip at which the lines that leave it are examined, as a fraction of the domain's width.
 const BESIDE: f64 = 1e-5;
 
 /// Lines that leave a tip are straight while they turn less than this angle about it.
 const STRAIGHT: f64 = 0.5;
 
 impl Topology {
-    /// Looks at the sides of a domain. Sides that are mostly undefined are edges.
+    /// Determines the kinds of a domain's sides. Sides that are mostly undefined are edges.
     pub fn find(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Self {
         let size = Scale::measure(jet, domain).size;
         let collapsed = [0, 1].map(|axis| [0, 1].map(|end| is_point(jet, domain, axis, end, size)));
@@ -85,7 +86,7 @@ impl Topology {
         })
     }
 
-    /// Looks at the sides of a metric's domain, whose coefficients and jets are given.
+    /// Determines the kinds of the sides of a metric's domain, from its coefficients and jets.
     pub(crate) fn of_metric(
         form: &dyn Fn(Uv) -> Form,
         jet: &dyn Fn(Uv) -> Jet,
@@ -101,7 +102,7 @@ impl Topology {
             }
         }
         Self::with(pairs, collapsed, &|axis, end| {
-            // Of a metric, tangents at different places have no common directions.
+            // Tangents of a metric at different points have no common directions.
             let mut apex = apex(jet, domain, axis, end, false);
             apex.bend = apex.bend.min(curvature_radius(jet, domain, axis, end));
             apex
@@ -135,7 +136,7 @@ impl Topology {
     }
 }
 
-/// The point (or its shares) with these parameters along an axis and along the other one.
+/// Returns the point (or its fractions) with these parameters along an axis and along the other one.
 pub(crate) fn place(axis: usize, along: f64, across: f64) -> [f64; 2] {
     if axis == 0 {
         [along, across]
@@ -167,7 +168,7 @@ fn is_point(
             .all(|&p| distance(p, points[0]) <= SAME_POINT * size)
 }
 
-/// Returns the kind of an axis' two sides.
+/// Returns the kind of an axis's two sides.
 fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
     let point = |along: f64, across: f64| jet(at(domain, place(axis, along, across))).position;
     let joined = |other: &dyn Fn(f64) -> f64| {
@@ -192,7 +193,7 @@ fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) 
     }
 }
 
-/// Returns whether a metric gives the side no length.
+/// Returns whether a metric assigns the side length zero.
 fn has_no_length(
     form: &dyn Fn(Uv) -> Form,
     domain: [[f64; 2]; 2],
@@ -206,7 +207,7 @@ fn has_no_length(
         let square = if axis == 0 { g } else { e };
         let least = SAME_POINT * scale.stretch[1 - axis];
         if square.is_finite() {
-            // Rounding may leave a little on either side of zero.
+            // Rounding may leave a small value on either side of zero.
             if square.abs() > least * least {
                 return false;
             }
@@ -216,7 +217,8 @@ fn has_no_length(
     compared > PLACES.len() / 2
 }
 
-/// Returns the kind of an axis' two sides in a metric: joined where it is the same on both with its first derivatives.
+/// Returns the kind of an axis's two sides in a metric: joined where the coefficients and their first derivatives
+/// agree.
 fn metric_seam(form: &dyn Fn(Uv) -> Form, domain: [[f64; 2]; 2], axis: usize) -> Side {
     let widths = domain.map(|[low, high]| high - low);
     let joined = |flip: bool| {
@@ -232,7 +234,7 @@ fn metric_seam(form: &dyn Fn(Uv) -> Form, domain: [[f64; 2]; 2], axis: usize) ->
             let [e, _, g] = near.efg.map(f64::abs);
             let sizes = [e, (e * g).sqrt(), g];
             for (k, size) in sizes.into_iter().enumerate() {
-                // Turned over, F is odd, and so is the derivative across the flip of what is even.
+                // Reversed, F is odd, and so is the derivative across the flip of an even coefficient.
                 let sign = if flip && k == 1 { -1.0 } else { 1.0 };
                 let turned = if flip { -sign } else { sign };
                 let [by_u, by_v] = if axis == 0 {
@@ -265,7 +267,7 @@ fn metric_seam(form: &dyn Fn(Uv) -> Form, domain: [[f64; 2]; 2], axis: usize) ->
     }
 }
 
-/// The least 1/√|K| a little off an apex, in units of r.
+/// Returns the minimum of 1/√|K| slightly off an apex, in units of r.
 fn curvature_radius(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -282,7 +284,7 @@ fn curvature_radius(
     radii.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The tip's shape, from the directions in which the surface leaves it.
+/// Returns the tip's shape, from the directions in which the surface leaves it.
 fn apex(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -302,7 +304,7 @@ fn apex(
     let mut slope = 0.0;
     let mut winding = 0.0;
     let mut directions = Vec::new();
-    // |w|² and the speed of the area, of a metric.
+    // w|² and the areal speed, for a metric.
     let mut sizes = Vec::new();
     let mut areas = Vec::new();
     for n in 0..SAMPLES {
@@ -314,8 +316,8 @@ fn apex(
         sizes.push(dot(direction, direction));
         areas.push(rate * dot(direction, direction));
         let around = if axis == 0 { near.dv } else { near.du };
-        // How fast t has to change for the line to leave the tip at a right angle to the curves about it; their being
-        // ellipses cancels over a turn.
+        // The rate at which t must change for the line to leave the tip at a right angle to the curves about it; the
+        // effect of their being ellipses cancels over a full turn.
         winding += dot(direction, around) / dot(around, around) * rate / f64::from(SAMPLES);
         least = least.min(rate);
         most = most.max(rate);
@@ -330,8 +332,8 @@ fn apex(
         .find(|power| (1.0 / power - 1.0 - slope).abs() < 0.02);
     let bend = power.map_or(0.0, |power| bend(jet, domain, axis, end, power));
     let even = most - least <= 1e-3 * most;
-    // The middles of even steps integrate best what is smooth across the seam; Gauss's points, two to a step twice as long,
-    // what is not.
+    // The midpoints of equal steps integrate best a function that is smooth across the seam; Gauss points, two to a step of
+    // twice the length, one that is not.
     let middle = |n: u32| (f64::from(n) + 0.5) / f64::from(SAMPLES);
     let gauss = |n: u32| {
         let off = if n.is_multiple_of(2) { -1.0 } else { 1.0 } / 3.0_f64.sqrt();
@@ -366,14 +368,15 @@ fn apex(
     }
 }
 
-/// The rate with the other parameter t at which the direction w of the lines of constant t turns: |w × w_t|/|w|².
+/// Returns the rate, by the other parameter t, at which the direction w of the lines of constant t turns: |w ×
+/// w_t|/|w|².
 fn turning(jet: &Jet, axis: usize) -> f64 {
     let direction = if axis == 0 { jet.du } else { jet.dv };
     norm(cross(direction, jet.duv)) / dot(direction, direction)
 }
 
-/// The angle of a tip, from those measured at shares of the domain's width off it: what grows with r, and with r², is left
-/// out (Richardson's extrapolation).
+/// Returns the angle of a tip from those measured at several distances from it, as fractions of the domain's width: terms
+/// in r and r² are eliminated (Richardson extrapolation).
 fn total_angle(power: f64, measured: &dyn Fn(f64) -> f64) -> f64 {
     const ROUNDING: f64 = 1e-12;
     let [a, b, c] = [1.0, 2.0, 4.0_f64].map(|r| measured(NEAREST * r.powf(power)));
@@ -385,8 +388,8 @@ fn total_angle(power: f64, measured: &dyn Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Returns whether directions at even steps of a whole turn are those of an ellipse about its middle: the linear images of
-/// (cos t, sin t). Else no such map makes (a, b) of the surface's first derivatives there.
+/// Returns whether directions at equal steps of a full turn are those of an ellipse about its centre: the linear images of
+/// (cos t, sin t). Otherwise (a, b) is not differentiable there on the surface.
 fn is_ellipse(directions: &[[f64; 3]]) -> bool {
     let count = directions.len() as f64;
     let turned = |n: usize| TAU * n as f64 / count;
@@ -404,13 +407,13 @@ fn is_ellipse(directions: &[[f64; 3]]) -> bool {
         let (sin, cos) = turned(n).sin_cos();
         let fitted = combine(cos, axes[0], sin, axes[1]);
         let off = combine(1.0 / size, *direction, -1.0, fitted);
-        // Curvature moves all of them along the normal.
+        // Curvature displaces all of them along the normal.
         norm(cross(off, normal)) <= SAME_ELLIPSE * norm(normal)
     })
 }
 
-/// The same for a metric, whose directions have no common frame: their sizes squared are a₀ + a₁ cos 2t + a₂ sin 2t, and the
-/// speed of the area is even.
+/// The same for a metric, whose directions have no common frame: their squared sizes are a₀ + a₁ cos 2t + a₂ sin 2t, and the
+/// areal speed is constant.
 fn is_ellipse_by_sizes(sizes: &[f64], areas: &[f64]) -> bool {
     let count = sizes.len() as f64;
     let turned = |n: usize| 2.0 * TAU * n as f64 / count;
@@ -430,8 +433,8 @@ fn is_ellipse_by_sizes(sizes: &[f64], areas: &[f64]) -> bool {
     areas.iter().all(is_even) && sizes.iter().enumerate().all(is_fitted)
 }
 
-/// Returns whether the lines that leave the apex go on through it without a kink: with r, neither their speed nor their
-/// direction in the surface changes at r = 0. A metric tells the speed alone.
+/// Returns whether the lines that leave the apex continue through it without a kink: neither their speed nor their
+/// direction in the surface has a first derivative by r at r = 0. A metric determines only the speed.
 fn is_odd(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -441,7 +444,7 @@ fn is_odd(
     is_embedded: bool,
 ) -> bool {
     let reach = (domain[axis][1] - domain[axis][0]).powf(1.0 / power);
-    // The rates of speed and direction with r, relative to the speed.
+    // The rates of speed and direction by r, relative to the speed.
     let rates = |across: f64, off: f64| {
         let [by_r, by_rr, around] = by_radius(jet, domain, axis, end, power, across, off);
         let square = dot(by_r, by_r);
@@ -453,14 +456,14 @@ fn is_odd(
         ]
     };
     PLACES.iter().all(|&across| {
-        // What grows with r is left out.
+        // Eliminate the terms linear in r.
         let near = rates(across, BESIDE);
         let twice = rates(across, BESIDE * 2.0f64.powf(power));
         (0..2).all(|k| ((2.0 * near[k] - twice[k]) * reach).abs() <= KINK)
     })
 }
 
-/// σ_r, σ_rr and the tangent along the other parameter, at a share of the domain's width off the apex.
+/// Returns σ_r, σ_rr and the tangent along the other parameter, at a fraction of the domain's width off the apex.
 fn by_radius(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -489,7 +492,7 @@ fn by_radius(
     [by_r, by_rr, around]
 }
 
-/// The least radius of curvature of the coordinate lines that leave the apex, a little off it, in units of r.
+/// Returns the minimum radius of curvature of the coordinate lines that leave the apex, slightly off it, in units of r.
 fn bend(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -502,6 +505,6 @@ fn bend(
         let bent = norm(cross(by_r, by_rr)) / dot(by_r, by_r);
         1.0 / bent
     });
-    // A NaN is passed over by `min`.
+    // `min` ignores NaN.
     radii.into_iter().fold(f64::INFINITY, f64::min)
 }

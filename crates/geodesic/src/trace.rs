@@ -1,4 +1,4 @@
-//! One geodesic, followed adaptively in f64: [`trace`].
+//! One geodesic, integrated adaptively in f64: [`trace`].
 
 use std::fmt;
 
@@ -16,11 +16,11 @@ pub use crate::status::Status;
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Method {
     /// Steps as long as the tolerance allows: DOP853, or Dormand–Prince 5(4) where the tolerance is loose. Poles and
-    /// tips of cones are passed in charts of their own.
+    /// tips of cones are passed in their own charts.
     #[default]
     Adaptive,
-    /// This many steps (at least one) of equal length of the classical Runge–Kutta method in (u,v), as in the thesis
-    /// (equations 4.2), for comparison. Its error is estimated from a second run with half the steps; both are within
+    /// This many equal steps (at least one) of the classical Runge–Kutta method in (u,v), as in the thesis (equations
+    /// 4.2), for comparison. Its error is estimated from a second run with half the number of steps; both are within
     /// the limit on evaluations.
     Rk4 {
         /// The number of steps.
@@ -31,26 +31,27 @@ pub enum Method {
 /// The accuracy requested, and the limits on work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// The error allowed per step, relative to the step's length, measured on the surface; not below 50 ε.
+    /// The error allowed per step, relative to the step's length, measured on the surface; at least 50 ε.
     pub tolerance: f64,
     /// The method of integration.
     pub method: Method,
-    /// The most evaluations of the surface and its derivatives, whatever the method.
+    /// The maximum number of evaluations of the surface and its derivatives, whatever the method.
     pub max_evaluations: usize,
-    /// True if the error is estimated by following the geodesic once more, more exactly, where the evaluations left
-    /// allow it; at three to four times the cost. Else the estimate is a bound from the steps' own ones.
+    /// True if the error is estimated by integrating the geodesic again with higher accuracy, where the remaining
+    /// evaluations allow it, at three to four times the cost. Otherwise the estimate is a bound from the steps' own
+    /// estimates.
     pub compare: bool,
-    /// True if [`Trace::path`] is kept.
+    /// True if [`Trace::path`] is recorded.
     pub keep_path: bool,
-    /// True if conjugate points are looked for: [`Trace::conjugates`]. Steps are then short enough for
-    /// [`Trace::jacobi`] to be as exact as the end.
+    /// True if conjugate points are located: [`Trace::conjugates`]. Steps are then short enough for [`Trace::jacobi`]
+    /// to be as accurate as the end.
     pub conjugates: bool,
-    /// True if [`Trace::fields`] is kept. Steps are then short enough for it, and for [`Trace::jacobi`].
+    /// True if [`Trace::fields`] is recorded. Steps are then short enough for it, and for [`Trace::jacobi`].
     pub keep_fields: bool,
 }
 
-/// The most evaluations that a geodesic is worth which is followed for its own sake: a few seconds. One of many, as in a picture,
-/// has those of [`Options::default`].
+/// The maximum number of evaluations for a geodesic that is traced on its own: a few seconds. For one of many, as in a picture,
+/// see [`Options::default`].
 pub const MOST_OF_ONE: usize = 10_000_000;
 
 impl Default for Options {
@@ -67,58 +68,59 @@ impl Default for Options {
     }
 }
 
-/// A geodesic's end.
+/// The end of a geodesic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
-    /// Its end, brought back into the domain where the surface wraps.
+    /// The end point, brought back into the domain where the surface wraps.
     pub uv: Uv,
     /// (u', v') there, at unit speed.
     pub direction: TangentVector,
-    /// σ there; none on a metric without an embedding.
+    /// σ there; `None` on a metric without an embedding.
     pub position: Option<[f64; 3]>,
-    /// The arc length that it reached.
+    /// The arc length reached.
     pub length: f64,
-    /// The change of its speed, which is 1 at the start: nothing corrects it, so it measures the integration.
+    /// The change of its speed, which is 1 at the start: it is not corrected, so it measures the integration's
+    /// accuracy.
     pub speed_drift: f64,
-    /// The estimated distance of the true end: by comparison with a more exact run ([`Options::compare`]), or a bound from
-    /// the steps' estimated errors, carried on by the Jacobi fields, which is often ten times and more above the truth.
+    /// The estimated distance from the true end: by comparison with a more accurate run ([`Options::compare`]), or a bound
+    /// from the steps' estimated errors, propagated by the Jacobi fields, which often exceeds the truth tenfold or more.
     pub error_estimate: f64,
-    /// Steps taken.
+    /// Accepted steps.
     pub steps: usize,
-    /// Steps tried and not taken.
+    /// Rejected steps.
     pub rejected: usize,
     /// Evaluations of the surface and its derivatives.
     pub evaluations: usize,
     /// The reason why it ended.
     pub status: Status,
-    /// True if it has passed an odd number of flips: left is then right.
+    /// True if it has passed an odd number of flips: left and right are then exchanged.
     pub flipped: bool,
-    /// The number of creases that it has crossed, where σ is continuous and its derivatives are not. There the component of the
-    /// velocity along the crease and the one across keep their lengths. (m, m') and the estimate know nothing of how
-    /// the crease itself is bent.
+    /// The number of creases that it has crossed, where σ is continuous and its derivatives are not. There the components of
+    /// the velocity along and across the crease keep their lengths. (m, m') and the estimate ignore the curvature of the crease
+    /// itself.
     pub creases: usize,
     /// (m, m') at the end: the Jacobi field across the geodesic with m = 0, m' = 1 at its start. A small change dθ of
-    /// the direction moves the end by m dθ. It is as exact as the end where conjugate points are looked for; else
-    /// nothing controls its error.
+    /// the direction moves the end by m dθ. It is as accurate as the end if conjugate points are located; otherwise its
+    /// error is not controlled.
     pub jacobi: [f64; 2],
     /// The arc lengths of the conjugate points, where m = 0, in ascending order, if the options request them; else empty.
     pub conjugates: Vec<f64>,
-    /// (u, v) after each step, the start first, if the options request it; else empty.
+    /// (u, v) after each step, beginning with the start, if the options request it; else empty.
     pub path: Vec<Uv>,
-    /// The Jacobi field after each step, the start first, if it was asked for; else empty.
+    /// The Jacobi field after each step, beginning with the start, if the options request it; else empty.
     pub fields: Vec<FieldKnot>,
 }
 
-/// The reason why a geodesic cannot be begun.
+/// The reason why a geodesic cannot be started.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TraceError {
-    /// A coordinate of the start is no finite number.
+    /// A coordinate of the start is not a finite number.
     StartNotFinite,
-    /// A component of the direction is no finite number.
+    /// A component of the direction is not a finite number.
     DirectionNotFinite,
     /// The direction is zero.
     ZeroDirection,
-    /// The length is negative, or no finite number.
+    /// The length is negative, or not a finite number.
     BadLength {
         /// The length.
         length: f64,
@@ -128,7 +130,7 @@ pub enum TraceError {
         /// The tolerance.
         tolerance: f64,
     },
-    /// The start lies outside the domain, beyond a side that does not wrap.
+    /// The start is outside the domain, beyond a side that does not wrap.
     OutsideDomain {
         /// The start.
         at: [f64; 2],
@@ -179,27 +181,27 @@ impl fmt::Display for TraceError {
 
 impl std::error::Error for TraceError {}
 
-/// Looser tolerances than this are the cheaper pair's.
+/// Looser tolerances than this use the cheaper pair.
 pub(crate) const LOOSE: f64 = 1e-6;
-/// The tightest tolerance: beneath it rounding keeps the error control from ever being content.
+/// The tightest tolerance: below it, rounding prevents the error control from accepting steps.
 pub(crate) const TIGHTEST: f64 = 50.0 * f64::EPSILON;
-/// By what a run that another is compared with is more exact.
+/// The factor by which a run that serves for comparison is more accurate.
 pub(crate) const FINER: f64 = 1000.0;
-/// The factor to the estimate of a single run that is to be compared and cannot be: such estimates may be too low by almost
-/// as much (`an_estimate_that_cannot_be_checked_is_a_bound`).
+/// The factor on the estimate of a single run where a comparison was requested but is impossible: such estimates may be too
+/// low by almost this factor (`an_estimate_that_cannot_be_checked_is_a_bound`).
 const UNCHECKED: f64 = 4.0;
 /// A ray of fewer steps is compared with one in two halves.
 const FEW: usize = 15;
-/// Two runs of the classical method that end farther apart, in units of the size, have not converged.
+/// Two runs of the classical method whose ends are farther apart, in units of the size, have not converged.
 const CONVERGED: f64 = 1e-3;
-/// σu and σv whose angle has a smaller sine than this are parallel.
+/// σu and σv are parallel if the sine of their angle is below this.
 const PARALLEL: f64 = 1e-12;
 
-/// Follows the geodesic from `start` with the direction of `velocity` (any length but zero), both in (u,v), for the
-/// arc length `length`. At a pole the direction's component along the meridian counts.
+/// Follows the geodesic from `start` in the direction of `velocity` (of any non-zero length), both in (u,v), for the
+/// arc length `length`. At a pole only the direction's component along the meridian counts.
 ///
 /// # Errors
-/// [`TraceError`]: bad numbers, or no tangent plane at the start. All that happens later is a [`Status`].
+/// [`TraceError`]: invalid numbers, or no tangent plane at the start. Every later failure is a [`Status`].
 pub fn trace(
     surface: &dyn Surface,
     start: impl Into<Uv>,
@@ -216,7 +218,7 @@ pub fn trace(
     Ok(trace)
 }
 
-/// Returns whether length and tolerance are numbers that a trace can be made with.
+/// Checks that length and tolerance are valid for a trace.
 pub(crate) fn check(length: f64, options: &Options) -> Result<(), TraceError> {
     if !(length >= 0.0 && length.is_finite()) {
         return Err(TraceError::BadLength { length });
@@ -228,15 +230,15 @@ pub(crate) fn check(length: f64, options: &Options) -> Result<(), TraceError> {
     Ok(())
 }
 
-/// Follows the geodesic from a start, whose numbers have been checked; beside the trace, the chart that it ended in,
-/// and the point and velocity there.
+/// Follows the geodesic from a start whose numbers have been checked. Besides the trace, returns the chart in which it
+/// ended, and the point and velocity there.
 pub(crate) fn trace_from(
     atlas: &Atlas<'_>,
     start: Start,
     length: f64,
     options: &Options,
 ) -> (Trace, (Chart, State)) {
-    // Between places that are nearer than this, numbers have no digits left.
+    // Numbers have no digits left for shorter lengths.
     let length = if length < f64::MIN_POSITIVE {
         0.0
     } else {
@@ -281,7 +283,7 @@ pub(crate) fn trace_from(
             let fine = IntegrationPlan {
                 tableau: &RK4,
                 step,
-                // The run with half the steps takes half as much.
+                // The run with half the steps costs half as much.
                 limit: options.max_evaluations / 3 * 2,
                 ..common
             };
@@ -292,11 +294,11 @@ pub(crate) fn trace_from(
                 ..fine
             };
             let mut fine = integrate::integrate_observed(atlas, start, length, fine, noting);
-            // Where the first run ended early, there the second one is compared with it.
+            // Where the first run ended early, the second one is compared with it there.
             let coarse = integrate::integrate(atlas, start, fine.length, coarse);
             let gap = atlas.gap(fine.state.at, coarse.state.at);
-            // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson's extrapolation), once steps
-            // are short enough for that to show.
+            // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson extrapolation), once steps
+            // are short enough for the order to show.
             let size = atlas.layout.scale.size.min(length);
             fine.error = if gap > CONVERGED * size {
                 gap
@@ -310,8 +312,8 @@ pub(crate) fn trace_from(
     (finish(atlas, end), inside)
 }
 
-/// The error of a ray's end, by following it once more with a fraction of the tolerance; a bound where that cannot be
-/// afforded; `None` where it ends for another reason.
+/// Estimates the error of a ray's end by integrating it again with a fraction of the tolerance; a bound where that
+/// cannot be afforded; `None` where it ends for another reason.
 fn compared(
     atlas: &Atlas<'_>,
     start: Start,
@@ -336,7 +338,7 @@ fn compared(
     };
     let mut finer = integrate::integrate(atlas, start, length, whole);
     if finer.status == Status::Complete && (end.steps < FEW || 3 * finer.steps < 5 * end.steps) {
-        // Few steps, or steps that are hardly shorter than before, tell little that is new.
+        // Few steps, or steps that are hardly shorter than before, reveal little new.
         let half = IntegrationPlan {
             step: whole.step.min(0.25 * length),
             ..whole
@@ -358,20 +360,20 @@ fn compared(
     }
     let mut gap = atlas.gap(end.state.at, finer.state.at);
     if end.status != Status::Complete {
-        // At an edge or a tip both end in one place: an error along the ray is one of its length.
+        // At an edge or a tip both end at the same point: an error along the ray is a difference of their lengths.
         gap += (end.length - finer.length).abs();
     }
-    // Rounding, which both runs have of their own.
+    // Rounding, which affects both runs independently.
     let rounding = 32.0 * f64::EPSILON * (atlas.layout.scale.size + length);
     Some(gap + rounding)
 }
 
-/// A first step that is surely not too long for the tolerance to be judged.
+/// Returns a first step that is certainly short enough for its error to be judged.
 pub(crate) fn first_step(atlas: &Atlas<'_>, length: f64) -> f64 {
     length.min(0.04 * atlas.layout.scale.size)
 }
 
-/// The start brought back into the domain, at unit speed, and how far it has been moved off a pole.
+/// Returns the start brought back into the domain, at unit speed, and the distance by which it was moved off a pole.
 pub(crate) fn unit_start(
     atlas: &Atlas<'_>,
     start: [f64; 2],
@@ -395,7 +397,7 @@ pub(crate) fn unit_start(
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });
     }
-    // In units of the largest component: a velocity of any size is a direction.
+    // Scaled by the largest component: a velocity of any magnitude is a direction.
     let velocity = [0, 1].map(|k| signs[k] * velocity[k] / largest);
     let speed = speed(&jet, velocity);
     let sine = norm(crate::metric::cross(jet.du, jet.dv)) / (norm(jet.du) * norm(jet.dv));
@@ -418,7 +420,7 @@ pub(crate) fn unit_start(
     Ok((State { at, velocity }, moved))
 }
 
-/// The start, which may lie beyond sides that wrap, but not beyond others (but for rounding).
+/// Returns the start, which may be beyond sides that wrap, but not beyond others (up to rounding).
 fn place(atlas: &Atlas<'_>, start: [f64; 2]) -> Result<[f64; 2], TraceError> {
     let mut at = start;
     for (axis, x) in at.iter_mut().enumerate() {

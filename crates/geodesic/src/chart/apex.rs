@@ -95,7 +95,7 @@ impl ApexChart {
         }
     }
 
-    /// The inverse of [`ApexChart::power`].
+    /// The inverse of `power`.
     fn root(&self, rho: f64) -> f64 {
         match self.apex.power {
             1.0 => rho,

@@ -1,4 +1,4 @@
-//! The geodesics between two places, the shortest first.
+//! The geodesics between two points, the shortest first.
 
 use std::f64::consts::TAU;
 
@@ -12,12 +12,12 @@ use crate::point::{TangentVector, Uv};
 use crate::reparametrised::Reparametrised;
 use crate::surface::Surface;
 
-/// A geodesic from one place to another.
+/// A geodesic from one point to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Connection {
-    /// Its length, within some 10⁻¹⁰ of itself, but no better than numbers of the surface's size are rounded.
+    /// Its length, with a relative error of about 10⁻¹⁰, but at least the rounding of numbers of the surface's size.
     pub length: f64,
-    /// Its start; at a pole on the meridian that it runs along.
+    /// Its start; at a pole, on the meridian along which it runs.
     pub from: Uv,
     /// (u', v') there, at unit speed.
     pub direction: TangentVector,
@@ -25,52 +25,51 @@ pub struct Connection {
     pub to: Uv,
     /// (u', v') there.
     pub arrival: TangentVector,
-    /// The Jacobi field at its end: a change dθ of its direction moves the end by m dθ.
+    /// The Jacobi field at its end: a change dθ of the direction moves the end by m dθ.
     pub m: f64,
-    /// True if m = 0: both places are conjugate, and it may be one of a family of geodesics of the same length.
+    /// True if m = 0: the two points are conjugate, and it may be one of a family of geodesics of the same length.
     pub conjugate: bool,
     /// Its angle at the start.
     pub(super) angle: f64,
 }
 
-/// The geodesics that were found.
+/// The geodesics found.
 #[derive(Clone, Debug, Default)]
 pub struct Connections {
     /// The shortest first.
     pub found: Vec<Connection>,
-    /// No longer ones were looked for.
+    /// The length up to which geodesics were searched.
     pub within: f64,
-    /// False if there may be more: work was left undone, or there are more than [`MOST_CONNECTIONS`].
+    /// False if there may be more: the search was incomplete, or there are more than [`MOST_CONNECTIONS`].
     pub complete: bool,
     /// False if there may be a shorter one than the first.
     pub distance_known: bool,
 }
 
-/// The most geodesics that are returned.
+/// The maximum number of geodesics returned.
 pub const MOST_CONNECTIONS: usize = 32;
 
-/// Lengths that differ by no more, relative to the longer, are one.
+/// Lengths whose relative difference is at most this are the same.
 const SAME_LENGTH: f64 = 1e-7;
-/// Angles that differ by no more are one.
+/// Angles that differ by at most this are the same.
 const SAME_ANGLE: f64 = 1e-6;
-/// Angles whose rays end no farther apart are one, in units of the size.
+/// Angles whose rays end within this distance of each other are the same, in units of the size.
 const SAME_PLACE: f64 = 1e-9;
 /// A loop is longer than this, in units of the size.
 const NO_LENGTH: f64 = 1e-9;
-/// The search for the shortest begins at this share of a way that is known to be long enough.
+/// The search for the shortest starts at this fraction of a length that is known to suffice.
 const BEGIN: f64 = 0.02;
-/// The factor by which the search for the shortest grows. Where geodesics diverge, the work grows with the exponential of the
-/// length.
+/// The factor by which the search length grows. Where geodesics diverge, the work grows exponentially with the length.
 const GROW: f64 = 1.6;
-/// A search goes a little farther than it has to.
+/// The factor by which a search exceeds the necessary length.
 const MORE: f64 = 1.02;
 
-/// Finds the geodesics from one place to another that are no longer than `within`; without it, than twice the shortest.
-/// Between a place and itself they are loops.
+/// Finds the geodesics from one point to another up to the length `within`, or without it, up to twice the shortest.
+/// Between a point and itself they are loops.
 ///
 /// # Errors
-/// [`MeasureError`] where a place lies outside the domain, the surface is undefined or degenerate there, or `within` is no
-/// length.
+/// [`MeasureError`] where a point is outside the domain, the surface is undefined or degenerate there, or `within` is not
+/// a length.
 pub fn between(
     surface: &dyn Surface,
     from: impl Into<Uv>,
@@ -119,12 +118,12 @@ fn between_on(
         return Ok(nearest);
     };
     let reach = wanted * (1.0 + SAME_LENGTH);
-    // A search for the shortest that left nothing undone has found it.
+    // A complete search for the shortest has found it.
     let is_known = nearest.complete;
     let mut all = if reach <= nearest.within {
         nearest
     } else {
-        // Where geodesics diverge, so wide a search may be too much, and find less.
+        // Where geodesics diverge, such a wide search may exceed the limits, and find less.
         let mut all = both_ways(&source, &target, |source, target| {
             all_within(source, target, reach)
         });
@@ -145,8 +144,8 @@ fn between_on(
     Ok(all)
 }
 
-/// Returns whether a line of the chart is shorter than all that was found: then a shorter geodesic has been missed, but for one
-/// that an edge keeps away. A loop may be longer than such lines.
+/// Returns whether a line of the chart is shorter than everything found: then a shorter geodesic has been missed, except one
+/// that an edge obstructs. A loop may be longer than such lines.
 fn misses_a_path(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,
@@ -158,7 +157,7 @@ fn misses_a_path(
     !is_loop && straight < wanted && found.first().is_none_or(|it| it.length > straight)
 }
 
-/// Finds the shortest geodesic from one place to another; `None` where none was found. Between a place and itself it is a
+/// Finds the shortest geodesic from one point to another; `None` where none was found. Between a point and itself it is a
 /// loop.
 ///
 /// # Errors
@@ -192,8 +191,8 @@ fn distance_on(
     Ok(shortest(&source, &target).found.first().copied())
 }
 
-/// Searches from one place to another, and where that may have missed some geodesics, from the other one too: a geodesic run
-/// backwards is one.
+/// Searches from one point to the other, and where that may have missed some geodesics, from the other point too: a geodesic
+/// traversed backwards is a geodesic.
 fn both_ways<'s>(
     source: &RaySource<'s>,
     target: &AimedPlace<'s>,
@@ -232,7 +231,7 @@ fn both_ways<'s>(
     let is_complete = other.complete && found.len() == other.found.len();
     all.add(found, surface.scale().size);
     if is_complete {
-        // All that there are have been found from there.
+        // The search from the other point has found all of them.
         all.complete = true;
         all.within = all.within.max(other.within);
     }
@@ -240,7 +239,7 @@ fn both_ways<'s>(
 }
 
 impl Connections {
-    /// Adds those that are not among them yet.
+    /// Adds those that are not yet included.
     fn add(&mut self, others: Vec<Connection>, size: f64) {
         for it in others {
             if !self.found.iter().any(|other| other.is_same(&it, size)) {
@@ -251,7 +250,7 @@ impl Connections {
     }
 }
 
-/// Both places; the second one has the name of the first, if they are one.
+/// Returns both points; if they are the same, the second one has the coordinates of the first.
 fn ends(
     surface: &dyn Surface,
     from: Uv,
@@ -267,8 +266,8 @@ fn ends(
 }
 
 impl Connection {
-    /// A connection on a reparametrised surface, in the parameters of the surface itself. Its angle is the same: both count
-    /// from one direction.
+    /// Converts a connection on a reparametrised surface to the parameters of the surface itself. Its angle is the same:
+    /// both are measured from the same direction.
     pub(super) fn restored(self, even: &Reparametrised<'_>) -> Self {
         Self {
             from: even.restored(self.from).0,
@@ -279,7 +278,7 @@ impl Connection {
         }
     }
 
-    /// A connection on a surface in usual units, in those of the surface itself.
+    /// Converts a connection on a surface in usual units to those of the surface itself.
     fn rescaled(self, usual: &Rescaled<'_>) -> Self {
         Self {
             length: self.length * usual.size(),
@@ -318,7 +317,7 @@ impl Connection {
     }
 }
 
-/// Looks for the shortest geodesic, and finds others on the way: those within the length that was looked at.
+/// Searches for the shortest geodesic, and finds others on the way: those within the length searched.
 pub(super) fn shortest<'s>(source: &RaySource<'s>, target: &AimedPlace<'s>) -> Connections {
     both_ways(source, target, shortest_from)
 }
@@ -326,7 +325,7 @@ pub(super) fn shortest<'s>(source: &RaySource<'s>, target: &AimedPlace<'s>) -> C
 fn shortest_from(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections {
     let size = source.surface.scale().size;
     let straight = target.straight_length(source.start(0.0));
-    // Around an edge a geodesic may be longer than the straight line of the chart, which is none.
+    // Around an edge a geodesic may be longer than the straight line of the chart, which is not a geodesic.
     let most = if straight.is_finite() {
         2.0 * straight * MORE
     } else {
@@ -340,7 +339,7 @@ fn shortest_from(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections
             return first;
         }
         if first.within < reach {
-            // The one that was found is none.
+            // The guess that ended the search was not a geodesic.
             let all = all_within(source, target, reach);
             if !all.found.is_empty() {
                 return all;
@@ -353,13 +352,13 @@ fn shortest_from(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections
     }
 }
 
-/// Returns whether the surface has a pole about which directions are uneven: rays end there, where geodesics go on.
+/// Returns whether the surface has a pole with unevenly spaced directions: rays end there, where geodesics continue.
 fn has_uneven_pole(surface: &dyn Surface) -> bool {
     let mut sides = (0..4).map(|k| surface.apex(k / 2, k % 2));
     sides.any(|apex| apex.is_some_and(|apex| apex.smooth && !apex.regular))
 }
 
-/// All geodesics within a length, the shortest first.
+/// Finds all geodesics within a length, the shortest first.
 pub(super) fn all_within(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,
@@ -368,7 +367,7 @@ pub(super) fn all_within(
     search(source, target, reach, false)
 }
 
-/// All geodesics within a length, or as far as the shortest needs.
+/// Finds all geodesics within a length, or as far as needed for the shortest.
 fn search(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,
@@ -376,7 +375,7 @@ fn search(
     shortest: bool,
 ) -> Connections {
     let size = source.surface.scale().size;
-    // Between a place and itself, none has no length.
+    // Between a point and itself, a geodesic of length zero does not count.
     let least = match 0.5 * target.near_distance(source) {
         0.0 => NO_LENGTH * size,
         half => half.min(NO_LENGTH * size),
@@ -416,7 +415,7 @@ fn search(
     all
 }
 
-/// Returns whether a guess belongs to a family of geodesics of one length, of which one is known.
+/// Returns whether a guess belongs to a family of geodesics of the same length, of which one is known.
 fn in_known_family(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,

@@ -1,4 +1,4 @@
-//! A circle about a place, the wavefront: its length ∫|m|dθ and the area ∬|m| that its rays sweep.
+//! A circle about a point, the wavefront: its length ∫|m|dθ and the area ∬|m| that its rays sweep.
 
 use std::f64::consts::TAU;
 
@@ -13,34 +13,34 @@ use crate::reparametrised::Reparametrised;
 use crate::status::Status;
 use crate::surface::Surface;
 
-/// A circle about a place.
+/// A circle about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// The wavefront's length.
     pub circumference: f64,
-    /// The area that its rays sweep, counted as often as they do.
+    /// The area that its rays sweep, counted as often as it is swept.
     pub area: f64,
-    /// True if some of the area is swept more than once: the radius is larger than the distance to the cut locus.
+    /// True if part of the area is swept more than once: the radius is larger than the distance to the cut locus.
     pub overlaps: bool,
     /// The larger of the estimated errors of the circumference and of the area.
     pub error_estimate: f64,
 }
 
-/// A ray that ends before it has the circle's radius.
+/// A ray that ends before it reaches the circle's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayStop {
     /// Its direction: radians from σu towards σv.
     pub angle: f64,
-    /// As far as it came.
+    /// The arc length reached.
     pub length: f64,
-    /// The reason of its end.
+    /// The reason for its end.
     pub status: Status,
 }
 
-/// The rest that the quadrature may leave, and the error of the rays themselves, relative.
+/// The relative error allowed to the quadrature, and to the rays themselves.
 const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 2e-10;
-/// The intervals of the quadrature, to begin with and at most.
+/// The initial and the maximum number of the quadrature's intervals.
 const FIRST: u32 = 4;
 const MOST: usize = 120;
 
@@ -49,10 +49,10 @@ enum CircleStop {
     Fault(MeasureError),
 }
 
-/// Measures the circle of a radius about a place; the ray that ends before, if there is one.
+/// Measures the circle of a radius about a point; also returns a ray that ends earlier, if there is one.
 ///
 /// # Errors
-/// [`MeasureError`] where no ray can start, or the radius is no length.
+/// [`MeasureError`] where no ray can start, or the radius is not a length.
 pub fn circle(
     surface: &dyn Surface,
     uv: impl Into<Uv>,
@@ -62,7 +62,7 @@ pub fn circle(
         return Err(MeasureError::BadLength { length: radius });
     }
     let uv = uv.into();
-    // Angles count from one direction in both parametrisations.
+    // Angles are measured from the same direction in both parametrisations.
     match Reparametrised::of(surface) {
         Some(even) => {
             circle_on(&even, even.changed(uv).0, radius).map_err(|error| error.restored(&even))
@@ -110,9 +110,9 @@ fn circle_on(
     }))
 }
 
-/// Returns whether two rays of a length meet, none of which has a conjugate point before: where they first do, both form a
-/// loop (Klingenberg's lemma: do Carmo, *Riemannian Geometry*, 1992, chapter 13, proposition 2.12). Behind the tip of a
-/// cone that is less than a full turn they do too.
+/// Returns whether two rays of a length meet, neither of which has a conjugate point before. Where two first meet, they
+/// form a loop (Klingenberg's lemma: do Carmo, *Riemannian Geometry*, 1992, chapter 13, proposition 2.12). Rays also meet
+/// behind the tip of a cone of less than a full turn.
 fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<bool, MeasureError> {
     let surface = source.surface;
     let target = AimedPlace::new(surface, uv)?;

@@ -1,4 +1,4 @@
-//! The way from a ray's end to a target near by, along and across the ray.
+//! The displacement from a ray's end to a nearby target, along and across the ray.
 //!
 //! A target has several copies in the coordinates about an end: beyond each side that wraps, and, about an apex, in the
 //! coordinates in which the metric is regular there.
@@ -12,22 +12,22 @@ use crate::status::Status;
 use crate::surface::{Side, Surface};
 use crate::trace::TraceError;
 
-/// A place that geodesics are to reach.
+/// A point that geodesics are to reach.
 #[derive(Clone)]
 pub(super) struct AimedPlace<'s> {
     surface: &'s dyn Surface,
     pub(super) uv: Uv,
-    /// In space, where there is one.
+    /// Its position in space, if the surface is embedded.
     position: Option<[f64; 3]>,
-    /// Its place in coordinates that go on beyond the sides.
+    /// The point in coordinates that continue beyond the sides.
     copies: Vec<Uv>,
-    /// The lattice of all its copies, where the nearest may lie farther off than beyond the next side.
+    /// The lattice of all its copies, if the nearest may be farther away than beyond the adjacent side.
     lattice: Option<SkewedLattice>,
 }
 
-/// About an apex within this share of its chart's reach, its own coordinates are used.
+/// About an apex, within this fraction of its chart's reach, the chart's coordinates are used.
 const NEAR_APEX: f64 = 0.3;
-/// A place nearer to the tip of a cone than this share of the domain's width is the tip.
+/// A point nearer to the tip of a cone than this fraction of the domain's width is the tip.
 const AT_TIP: f64 = 1e-12;
 
 impl<'s> AimedPlace<'s> {
@@ -55,14 +55,14 @@ impl<'s> AimedPlace<'s> {
         })
     }
 
-    /// The ways in the coordinates from a place to the copies near by.
+    /// Returns the displacements in the coordinates from a point to the nearby copies.
     fn ways(&self, from: Uv) -> impl Iterator<Item = TangentVector> {
         let next = self.copies.iter().map(move |&copy| copy - from);
         let nearest = self.lattice.map(|lattice| lattice.nearest(self.uv - from));
         next.chain(nearest.into_iter().flatten())
     }
 
-    /// The way from an end: its components along the ray and across it.
+    /// Returns the displacement from an end: its components along the ray and across it.
     pub(super) fn way_from(&self, end: &Arrival) -> Option<[f64; 2]> {
         let near_apex = self.about_apex(end);
         if near_apex.is_some() {
@@ -74,15 +74,15 @@ impl<'s> AimedPlace<'s> {
         ways.min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
     }
 
-    /// The distance from an end in space, where there is one: no more than the one on the surface.
+    /// Returns the distance from an end in space, if the surface is embedded: a lower bound of the one on the surface.
     pub(super) fn distance_in_space(&self, end: &Arrival) -> Option<f64> {
         let position = self.position?;
         let other = self.surface.jet(end.at).position;
         Some(norm(combine(1.0, position, -1.0, other)))
     }
 
-    /// No more than the distance from an end, roughly: in space exactly, else as a good half of the way in the
-    /// coordinates.
+    /// Returns an approximate lower bound of the distance from an end: exact in space, else half of the displacement
+    /// in the coordinates.
     pub(super) fn distance_at_least(&self, end: &Arrival) -> f64 {
         if let Some(distance) = self.distance_in_space(end) {
             return distance;
@@ -103,7 +103,7 @@ impl<'s> AimedPlace<'s> {
         }
     }
 
-    /// The distance from a place near by, by the metric at the target.
+    /// Returns the distance from a nearby point, by the metric at the target.
     pub(super) fn distance_from(&self, at: Uv) -> Option<f64> {
         let jet = self.surface.jet(self.uv);
         let e = TangentVector([1.0, 0.0]);
@@ -123,7 +123,7 @@ impl<'s> AimedPlace<'s> {
             lattice: SkewedLattice::at(self.surface, at),
             ..self.clone()
         };
-        // At a pole σu has no direction: there the distance in space will do, or the one along a meridian.
+        // At a pole σu has no direction: there use the distance in space, or the one along a meridian.
         let way = other.way_from(&end).map(|[x, y]| x.hypot(y));
         way.or_else(|| {
             let position = self.position?;
@@ -132,8 +132,8 @@ impl<'s> AimedPlace<'s> {
         })
     }
 
-    /// Not much more than the distance from a source: in space exactly no more; else the hyperbolic distance that the way in
-    /// the coordinates of a half-plane with the curvature here would mean, less a third.
+    /// Returns an approximate lower bound of the distance from a source: exact in space; else the hyperbolic distance that
+    /// corresponds to the displacement in the coordinates of a half-plane with the curvature here, less a third.
     pub(super) fn near_distance(&self, source: &RaySource<'_>) -> f64 {
         let Ok((start, _)) = source.follow(0.0, 0.0, false) else {
             return 0.0;
@@ -152,8 +152,8 @@ impl<'s> AimedPlace<'s> {
         }
     }
 
-    /// The least length of the straight lines of the chart from a place to each copy; infinite where all leave the surface.
-    /// Lines on a side that is a point have none.
+    /// Returns the minimum length of the chart's straight lines from a point to the copies; infinite where all of them
+    /// leave the surface. Lines on a side that is a point have length zero.
     pub(super) fn straight_length(&self, from: Uv) -> f64 {
         const PIECES: u32 = 64;
         let sides = self.surface.sides();
@@ -179,7 +179,7 @@ impl<'s> AimedPlace<'s> {
         lengths.fold(f64::INFINITY, f64::min)
     }
 
-    /// The way in the coordinates about an apex that both are near.
+    /// Returns the displacement in the coordinates about an apex that both points are near.
     fn about_apex(&self, end: &Arrival) -> Option<[f64; 2]> {
         let domain = self.surface.domain();
         for axis in 0..2 {
@@ -200,10 +200,10 @@ impl<'s> AimedPlace<'s> {
                 let turn = self.uv[1 - axis] - end.at[1 - axis];
                 let angle = apex.rate * (turn - period * (turn / period).round());
                 if !apex.smooth && there > 0.0 && angle.abs() >= std::f64::consts::PI {
-                    // The tip lies between.
+                    // The tip is between them.
                     continue;
                 }
-                // The end lies on the a-axis.
+                // The end is on the a-axis.
                 let vector = |v: TangentVector| {
                     let radial = sign * v[axis] * root * here.powf(root - 1.0);
                     TangentVector([radial, r * apex.rate * v[1 - axis]])
@@ -216,7 +216,7 @@ impl<'s> AimedPlace<'s> {
     }
 }
 
-/// The components of a vector along two others; `None` where they span no plane.
+/// Returns the components of a vector along two others; `None` where they do not span a plane.
 pub(super) fn components(
     a: TangentVector,
     b: TangentVector,
@@ -230,7 +230,7 @@ pub(super) fn components(
     found.iter().all(|x| x.is_finite()).then_some(found)
 }
 
-/// The cone whose tip a place is.
+/// Returns the cone whose tip is at a point.
 fn tip_at(surface: &dyn Surface, at: [f64; 2]) -> Option<(usize, usize)> {
     let domain = surface.domain();
     let mut ends = (0..2).flat_map(|axis| [(axis, 0), (axis, 1)]);
@@ -242,7 +242,8 @@ fn tip_at(surface: &dyn Surface, at: [f64; 2]) -> Option<(usize, usize)> {
     })
 }
 
-/// Returns whether two pairs (u, v) name one place: they are equal, lie on sides that are glued, or on one that is a point.
+/// Returns whether two pairs (u, v) denote the same point: they are equal, are on sides that are glued, or on a side that
+/// is a point.
 pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -> bool {
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     let domain = surface.domain();
@@ -260,7 +261,7 @@ pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -
     };
     let mut ends = (0..2).flat_map(|axis| [(axis, 0), (axis, 1)]);
     a == b
-        // The first copy is the place itself.
+        // The first copy is the point itself.
         || copies(surface, Uv(b)).iter().skip(1).any(is_near)
         || ends.any(|(axis, end)| {
             let is_point = surface.apex(axis, end).is_some();
@@ -268,17 +269,17 @@ pub fn is_one_place(surface: &dyn Surface, a: impl Into<Uv>, b: impl Into<Uv>) -
         })
 }
 
-/// The periods of a surface whose metric is so oblique that the nearest repetition of a place may lie beyond others.
+/// The periods of a surface whose metric is so oblique that the nearest copy of a point may be beyond others.
 #[derive(Clone, Copy)]
 struct SkewedLattice {
-    /// A reduced basis, by the metric at the place; the second is zero where one pair of sides wraps.
+    /// A reduced basis, by the metric at the point; the second vector is zero where one pair of sides wraps.
     periods: [TangentVector; 2],
     metric: Metric,
 }
 
 impl SkewedLattice {
-    /// The lattice by the metric at a place; `None` where the nearest repetitions are those beyond the next sides, and where
-    /// sides are glued with a flip, whose metric is oblique in both ways.
+    /// Returns the lattice by the metric at a point; `None` where the nearest copies are those beyond the adjacent sides,
+    /// and where sides are glued with a flip, whose metric is oblique both ways.
     fn at(surface: &dyn Surface, uv: Uv) -> Option<Self> {
         let domain = surface.domain();
         let width = |axis: usize| domain[axis][1] - domain[axis][0];
@@ -306,7 +307,7 @@ impl SkewedLattice {
         if kinds != [Side::Wrap; 2] {
             q = TangentVector([0.0; 2]);
         }
-        // Lagrange's reduction: each round makes the longer one shorter, by a factor but for the last.
+        // Lagrange's reduction: each round shortens the longer vector, by a constant factor except in the last round.
         for _ in 0..64 {
             if metric.inner(q, q) < metric.inner(p, p) && q != TangentVector([0.0; 2]) {
                 std::mem::swap(&mut p, &mut q);
@@ -328,8 +329,8 @@ impl SkewedLattice {
             .then_some(lattice)
     }
 
-    /// The nine shortest ways, or three, that differ from a way by periods: in coordinates by a reduced basis the nearest of
-    /// all is beside the one of which both are at most a half.
+    /// Returns the nine (or three) shortest displacements that differ from the given one by periods: with a reduced basis,
+    /// the nearest copy is adjacent to the one whose coordinates are both at most one half.
     fn nearest(&self, way: TangentVector) -> [TangentVector; 9] {
         let [p, q] = self.periods;
         let [x, y] = components(p, q, way).unwrap_or_else(|| {
@@ -344,7 +345,7 @@ impl SkewedLattice {
     }
 }
 
-/// A place and its repetitions beyond each side that wraps.
+/// Returns a point and its copies beyond each side that wraps.
 fn copies(surface: &dyn Surface, uv: Uv) -> Vec<Uv> {
     let domain = surface.domain();
     let mut copies = vec![uv];

@@ -1,4 +1,4 @@
-//! The curvatures and the first fundamental form at a place: a surface and (u, v) in, numbers out.
+//! The curvatures and the first fundamental form at a point. In: a surface and (u, v). Out: numbers.
 
 use super::MeasureError;
 use crate::chart::Atlas;
@@ -11,7 +11,7 @@ use crate::surface::Surface;
 use crate::topology::Apex;
 use crate::trace::TraceError;
 
-/// The measures at one place.
+/// The measures at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceMeasures {
     /// (u, v), brought back into the domain.
@@ -29,22 +29,22 @@ pub struct PlaceMeasures {
     pub principal: Option<[Principal; 2]>,
 }
 
-/// A principal curvature, and its direction.
+/// A principal curvature and its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principal {
     /// The normal curvature, the larger one first.
     pub curvature: f64,
-    /// (a, b): a·σu + b·σv has length 1, and its sign means nothing.
+    /// (a, b): a·σu + b·σv has length 1; the sign is arbitrary.
     pub direction: [f64; 2],
 }
 
-/// The largest difference, relative to the larger one, of two principal curvatures that count as equal.
+/// The maximum relative difference of two principal curvatures that count as equal.
 const UMBILIC: f64 = 1e-7;
 
-/// The largest size, relative to the numbers that it comes from, of a number that is the rounding of zero.
+/// The maximum size of a rounded zero, relative to the numbers from which it was computed.
 const NOISE: f64 = 1e-14;
 
-/// Returns a number, or zero where it is the rounding of zero beside a `size`.
+/// Returns a number, or zero where it is a rounding error relative to `size`.
 fn rounded(number: f64, size: f64) -> f64 {
     if number.abs() <= NOISE * size {
         0.0
@@ -53,14 +53,14 @@ fn rounded(number: f64, size: f64) -> f64 {
     }
 }
 
-/// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.
+/// Measures at one point. At a smooth pole, where the formulas yield 0/0, K and H are interpolated from nearby points.
 ///
 /// # Errors
-/// [`MeasureError`] where the place lies outside the domain or on a crease, or the surface is undefined.
+/// [`MeasureError`] where the point is outside the domain or on a crease, or the surface is undefined.
 pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, MeasureError> {
     let given = uv.into();
     match Frame::new(surface, given, 0.0, 1.0) {
-        // The tip of a cone has E, F and G.
+        // At the tip of a cone, E, F and G exist.
         Ok(_) | Err(TraceError::DegenerateStart { .. }) => {}
         Err(error) => return Err(error.into()),
     }
@@ -77,7 +77,7 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     if apex.is_none() && is_on_crease(surface, uv) {
         return Err(MeasureError::Crease { at: uv.0 });
     }
-    // Rounding may leave a side that is a point some length.
+    // Rounding may give a side that is a point some length.
     match apex {
         Some((0, _)) => g = 0.0,
         Some(_) => e = 0.0,
@@ -100,7 +100,7 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
     })
 }
 
-/// The side that is a point and has a place on it: its axis and its shape.
+/// Returns the side that is a point and contains the given one: its axis and its shape.
 fn apex_at(surface: &dyn Surface, uv: Uv) -> Option<(usize, Apex)> {
     let domain = surface.domain();
     [[0, 0], [0, 1], [1, 0], [1, 1]]
@@ -176,7 +176,7 @@ fn curvature_jumps(surface: &dyn Surface, uv: Uv) -> bool {
 fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     let normal = cross(jet.du, jet.dv);
     let (area, length) = (norm(normal), norm(jet.du));
-    // σu/|σu|, and σv without its part along σu, in terms of σu and σv.
+    // σu/|σu|, and σv without its component along σu, in terms of σu and σv.
     let along = dot(jet.du, jet.dv) / length / length;
     let basis = [[1.0 / length, 0.0], [-along * length / area, length / area]];
     let unit = normal.map(|x| x / area);
@@ -195,7 +195,7 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     let (sin, cos) = (0.5 * (2.0 * q).atan2(p - r)).sin_cos();
     let at = |curvature, [x, y]: [f64; 2]| {
         let [a, b] = [0, 1].map(|k| x * basis[0][k] + y * basis[1][k]);
-        // The lengths of its parts along σu and σv are compared, not the numbers.
+        // Compare the lengths of the components along σu and σv, not the coefficients.
         let [along_u, along_v] = [a * length, b * norm(jet.dv)].map(f64::abs);
         let longer = along_u.max(along_v);
         Principal {
@@ -217,13 +217,13 @@ fn principal(jet: &Jet) -> Option<[Principal; 2]> {
     Some([at(first, [cos, sin]), at(second, [-sin, cos])])
 }
 
-/// K and H, in the chart about a pole where (u,v) has lost too many digits.
+/// Returns K and H, in the chart about a pole where (u,v) loses too many digits.
 fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     let atlas = Atlas::new(surface);
     let Some(chart) = atlas.layout.pole_near(uv.0) else {
         return curvatures(&surface.jet(uv));
     };
-    // As the acceleration of a ray there: from six points along a line.
+    // Like the acceleration of a ray there: from six points along a line.
     let [a, b] = chart.point(uv.0);
     let r = a.hypot(b);
     let along = if r > 0.0 { [a / r, b / r] } else { [1.0, 0.0] };
@@ -242,8 +242,8 @@ fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     sum
 }
 
-/// K and H (do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 3-3). Each quotient is taken before
-/// the product, which might overflow.
+/// Returns K and H (do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 3-3). Each quotient is
+/// computed before the product, which might overflow.
 fn curvatures(jet: &Jet) -> [f64; 2] {
     let normal = cross(jet.du, jet.dv);
     let length = norm(normal);

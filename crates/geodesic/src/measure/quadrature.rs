@@ -1,7 +1,7 @@
-//! Adaptive quadrature of several functions at once: a function and breaks in, integrals with estimated errors out.
+//! Adaptive quadrature of several functions at once. In: a function and breaks. Out: integrals with estimated errors.
 //!
-//! Gauss and Kronrod's rule with 7 and 15 nodes; the interval with the largest estimated error is halved next (Piessens
-//! and others, *QUADPACK*, 1983, section 2.2, routine QAG, whose estimate of the error this is too).
+//! The Gauss–Kronrod rule with 7 and 15 nodes; the interval with the largest estimated error is halved next (Piessens
+//! and others, *QUADPACK*, 1983, section 2.2, routine QAG, from which the error estimate is also taken).
 
 /// Integrals of N functions.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +10,7 @@ pub(super) struct Integrals<const N: usize> {
     pub(super) errors: [f64; N],
 }
 
-/// Kronrod's nodes on [−1, 1], the positive ones, and 0.
+/// The Kronrod nodes on [−1, 1]: the positive ones, and 0.
 const NODES: [f64; 8] = [
     0.991_455_371_120_812_6,
     0.949_107_912_342_758_5,
@@ -21,7 +21,7 @@ const NODES: [f64; 8] = [
     0.207_784_955_007_898_47,
     0.0,
 ];
-/// Their weights.
+/// The Kronrod weights of the nodes.
 const KRONROD: [f64; 8] = [
     0.022_935_322_010_529_224,
     0.063_092_092_629_978_55,
@@ -32,7 +32,7 @@ const KRONROD: [f64; 8] = [
     0.204_432_940_075_298_9,
     0.209_482_141_084_727_83,
 ];
-/// Gauss's weights, of every other node.
+/// The Gauss weights of every other node.
 const GAUSS: [f64; 4] = [
     0.129_484_966_168_869_7,
     0.279_705_391_489_276_64,
@@ -41,10 +41,10 @@ const GAUSS: [f64; 4] = [
 ];
 
 /// Integrates over the intervals between neighbouring `breaks` until all estimated errors are within `tolerance` of the
-/// integral's size, or there are `most` intervals.
+/// integral's magnitude, or there are `most` intervals.
 ///
 /// # Errors
-/// The function's first one.
+/// The function's first error.
 pub(super) fn integrate<const N: usize, E>(
     breaks: &[f64],
     tolerance: f64,
@@ -99,7 +99,7 @@ fn rule<const N: usize, E>(
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let mut values = [[0.0; N]; 15];
     for n in 0..15 {
-        // In ascending order, for those that go on from where they were.
+        // In ascending order, for functions that continue from the previous argument.
         let node = if n < 8 { -NODES[n] } else { NODES[14 - n] };
         values[n] = function(middle + half * node)?;
     }

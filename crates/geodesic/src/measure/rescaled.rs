@@ -1,5 +1,5 @@
-//! Surfaces of extreme sizes: a surface in; the same surface in units in which it is about as large as 1, and its domain as
-//! wide, out. A search multiplies several lengths, which would leave the range of numbers.
+//! Surfaces of extreme sizes. In: a surface. Out: the same surface in units in which its size and its domain's widths are
+//! of order 1. A search multiplies several lengths, which would overflow or underflow.
 //!
 //! The units are powers of two, so that nothing is rounded.
 
@@ -12,16 +12,16 @@ pub(super) struct Rescaled<'s> {
     surface: &'s dyn Surface,
     /// The unit of length.
     size: f64,
-    /// Those of the parameters.
+    /// The units of the parameters.
     units: [f64; 2],
     chart_data: ChartData,
 }
 
-/// Sizes of which this and its inverse are the bounds are usual.
+/// Sizes between the inverse of this and this are usual.
 const USUAL: f64 = 1e30;
 
 impl<'s> Rescaled<'s> {
-    /// The surface in usual units; `None` where its own ones are.
+    /// Returns the surface in usual units; `None` if its own units are usual.
     pub(super) fn of(surface: &'s dyn Surface) -> Option<Self> {
         let mut chart_data = *surface.chart_data();
         let lengths = [
@@ -57,27 +57,27 @@ impl<'s> Rescaled<'s> {
         })
     }
 
-    /// The unit of length.
+    /// Returns the unit of length.
     pub(super) fn size(&self) -> f64 {
         self.size
     }
 
-    /// The new parameters of a place.
+    /// Converts a point to the new parameters.
     pub(super) fn changed(&self, uv: Uv) -> Uv {
         Uv([0, 1].map(|k| uv[k] / self.units[k]))
     }
 
-    /// The surface's own parameters of a place.
+    /// Converts a point to the surface's own parameters.
     pub(super) fn restored(&self, uv: Uv) -> Uv {
         Uv([0, 1].map(|k| uv[k] * self.units[k]))
     }
 
-    /// A unit vector in the surface's own parameters and units.
+    /// Converts a unit vector to the surface's own parameters and units.
     pub(super) fn restored_vector(&self, vector: TangentVector) -> TangentVector {
         TangentVector([0, 1].map(|k| vector[k] * (self.units[k] / self.size)))
     }
 
-    /// An error with its place and its length in the surface's own units.
+    /// Converts an error's point and length to the surface's own units.
     pub(super) fn restored_error(&self, error: MeasureError) -> MeasureError {
         let place = |at: [f64; 2]| self.restored(Uv(at)).0;
         match error {
@@ -100,7 +100,7 @@ impl Surface for Rescaled<'_> {
     fn jet(&self, uv: Uv) -> Jet {
         let [a, b] = self.units;
         let jet = self.surface.jet(Uv([a * uv[0], b * uv[1]]));
-        // One factor after the other: their product may be out of range.
+        // One factor after the other: their product may overflow.
         let times = |vector: [f64; 3], units: &[f64]| {
             units
                 .iter()
@@ -109,7 +109,7 @@ impl Surface for Rescaled<'_> {
                 })
         };
         Jet {
-            // Without an embedding it is (u, v, 0).
+            // Without an embedding the position is (u, v, 0).
             position: if self.is_embedded() {
                 times(jet.position, &[])
             } else {

@@ -1,8 +1,8 @@
-//! All geodesics from a place to a target, as guesses: a fan and a target in, angles and lengths out.
+//! All geodesics from a point to a target, as guesses. In: a fan and a target. Out: angles and lengths.
 //!
-//! The disc of directions and lengths is cut into rings, from the middle on, and these into cells: as many as the divergence of
-//! the rays asks for. A cell whose image under the exponential map lies too far from the target is dropped; another is halved,
-//! until it is so small that Newton's method finds what it holds.
+//! The disc of directions and lengths is divided into rings, from the centre outwards, and these into cells: as many as the
+//! divergence of the rays requires. A cell whose image under the exponential map is too far from the target is dropped; any
+//! other cell is halved until it is so small that Newton's method finds the solutions in it.
 
 use std::cell::Cell;
 use std::f64::consts::TAU;
@@ -20,43 +20,43 @@ use crate::surface::Surface;
 /// The guesses.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Guesses {
-    /// By their length.
+    /// In order of their lengths.
     pub(super) found: Vec<PolarVector>,
-    /// No longer ones were looked for.
+    /// The length up to which geodesics were searched.
     pub(super) within: f64,
-    /// False if work was left undone, so that some may be missing.
+    /// False if the search was incomplete, so that some may be missing.
     pub(super) complete: bool,
 }
 
-/// The picture that the fan is exact for, in pixels each way.
+/// The side in pixels of the picture for which the fan is accurate.
 const PICTURE: u32 = 512;
-/// The most evaluations of a fan, and of the ends that it does not know.
+/// The maximum number of evaluations of a fan, and of the ends that it does not know.
 const MOST_EVALUATIONS: u64 = 2_000_000;
-/// The most sectors and cells that are looked at.
+/// The maximum number of sectors and cells that are examined.
 const MOST_CELLS: usize = 200_000;
-/// The number of sectors to begin with.
+/// The initial number of sectors.
 const SECTORS: u32 = 32;
-/// Cells are halved until they are smaller than the reach by this factor.
+/// Cells are halved until they are smaller than this fraction of the reach.
 const FINE: f64 = 1.0 / 128.0;
 /// Cells are halved until they are narrower than this angle.
 const NARROW: f64 = TAU / 96.0;
-/// By how much the image of a cell may be larger than it seems.
+/// The factor by which the image of a cell may be larger than its estimate.
 const MARGIN: f64 = 1.4;
-/// A cell whose image is larger than the radius of curvature by this factor is halved, wherever it seems to lie.
+/// A cell whose image is larger than the radius of curvature by this factor is halved, wherever it seems to be.
 const BENT: f64 = 1.0;
-/// A sector that is wider than this share of the reach is halved.
+/// A sector that is wider than this fraction of the reach is halved.
 const EDGE: f64 = 0.25;
-/// A sector in which some rays have ended is halved if it is wider than this share of the reach.
+/// A sector in which some rays have ended is halved if it is wider than this fraction of the reach.
 const TORN: f64 = 1.0 / 64.0;
-/// Sectors narrower than this angle are not halved: the fan knows no rays between those of neighbouring pixels.
+/// Sectors narrower than this angle are not halved: the fan has no rays between those of neighbouring pixels.
 const LEAST_WIDTH: f64 = 2e-4;
-/// The fan may have missed some rays of sectors that are narrower.
+/// In sectors narrower than this, the fan may have missed some rays.
 const SURE_WIDTH: f64 = 4e-4;
-/// The most rings that the disc is cut into.
+/// The maximum number of rings that the disc is divided into.
 const MOST_RINGS: f64 = 256.0;
-/// Guesses whose angles and lengths (of the reach) differ by less are one; …
+/// Guesses whose angles and lengths (relative to the reach) differ by less than this are the same …
 const SAME: f64 = 2e-3;
-/// … those whose angles differ by less, where the tip of a cone may lie between them.
+/// … or whose angles differ by less than this, where the tip of a cone may be between them.
 const SAME_BESIDE_TIP: f64 = 1e-6;
 
 /// A part of the disc of directions and lengths.
@@ -66,24 +66,24 @@ struct DiscCell {
     lengths: [f64; 2],
 }
 
-/// The state of a cell's rays, before it is looked into.
+/// The state of a cell's rays, before it is examined.
 enum Outlook {
-    /// They have ended, or the target is farther from them than they may still go.
+    /// They have ended, or the target is out of their reach.
     Over,
-    /// They lie too far from each other for a few of them to stand for all.
+    /// They are too far apart for a few of them to represent all.
     Wide,
-    /// They go on.
+    /// They continue.
     Open {
-        /// The greatest curvature at their ends.
+        /// The largest curvature at their ends.
         curvature: f64,
-        /// True if the few do stand for all.
+        /// True if the few rays represent all.
         is_resolved: bool,
         /// True if some have ended.
         has_over: bool,
     },
 }
 
-/// Finds the geodesics from a place to a target that are no longer than `reach`, or the shortest of them.
+/// Finds the geodesics from a point to a target up to the length `reach`, or the shortest of them.
 pub(super) fn guesses(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,
@@ -114,7 +114,7 @@ pub(super) fn guesses(
         within: reach,
         complete: true,
     };
-    // The next one is the last.
+    // The next one is the last element.
     let mut sectors: Vec<[f64; 2]> = (0..SECTORS)
         .rev()
         .map(|n| [n, n + 1].map(|n| TAU * f64::from(n) / f64::from(SECTORS)))
@@ -126,7 +126,7 @@ pub(super) fn guesses(
         looked_at += 1;
         looked_at > MOST_CELLS || fan.work().evaluations > 2 * MOST_EVALUATIONS
     };
-    // The shortest are looked for first.
+    // The shortest are searched first.
     'rings: while lengths[0] < reach && !sectors.is_empty() {
         if shortest && guesses.found.iter().any(|it| it.length < lengths[0]) {
             guesses.within = lengths[0];
@@ -155,7 +155,7 @@ pub(super) fn guesses(
                     curvature = curvature.max(here);
                     next.push(angles);
                     if has_over {
-                        // Beside an edge few rays come to the end of a ring: what is near it may be missed beyond it.
+                        // Next to an edge few rays reach the end of a ring: a target near it may be missed beyond it.
                         cell.lengths[1] = (lengths[1] + FINE * reach).min(reach);
                     }
                 }
@@ -194,7 +194,7 @@ struct TargetSearch<'s> {
 }
 
 impl TargetSearch<'_> {
-    /// A place of the disc, which is not its middle: there rays have no direction.
+    /// Returns a point of the disc other than its centre, where rays have no direction.
     fn place(&self, angle: f64, length: f64) -> PolarVector {
         PolarVector {
             angle,
@@ -202,7 +202,7 @@ impl TargetSearch<'_> {
         }
     }
 
-    /// Looks at three rays of a cell that begins where those before it end.
+    /// Examines three rays of a cell that starts where the previous cells end.
     fn outlook(&self, cell: &DiscCell) -> Outlook {
         let [a, b] = cell.angles;
         let [near, far] = cell.lengths;
@@ -234,8 +234,8 @@ impl TargetSearch<'_> {
         }
     }
 
-    /// The greatest size of the curvature at some ends, and the curvature beside which a cell has to be small for its ends to
-    /// tell how large it is: the same, but 0 where it is nowhere positive, for there rays diverge.
+    /// Returns the largest magnitude of the curvature at some ends, and the curvature relative to which a cell must be small
+    /// for its ends to determine its size: the same, or 0 where the curvature is nowhere positive, since rays diverge there.
     fn curvature<'a>(&self, ends: impl Iterator<Item = &'a Arrival>) -> [f64; 2] {
         let mut most = [0.0_f64; 2];
         for end in ends {
@@ -245,7 +245,7 @@ impl TargetSearch<'_> {
         [most[0], if most[1] > 0.0 { most[0] } else { 0.0 }]
     }
 
-    /// Drops a cell, halves it, or looks for what it holds.
+    /// Drops a cell, halves it, or searches for its solutions.
     fn look(&self, cell: &DiscCell, cells: &mut Vec<DiscCell>, found: &mut Vec<PolarVector>) {
         let Self {
             target,
@@ -269,7 +269,7 @@ impl TargetSearch<'_> {
         let across = m * width;
         let small = depth <= FINE * reach && across <= FINE * reach && width <= NARROW;
         match &centre {
-            // Rays that have ended before do not come back.
+            // Rays that have ended earlier do not come back.
             None if ends[0].is_none() && ends[1].is_none() => {
                 let between = follow(self.place(middle.angle, near));
                 if small || between.is_none() {
@@ -295,7 +295,7 @@ impl TargetSearch<'_> {
             }
             return;
         }
-        // Beside a fold of the exponential map a cell may hold two.
+        // Near a fold of the exponential map a cell may contain two solutions.
         let folded = ends.iter().flatten().any(|end| {
             let other = centre.as_ref().map_or(0.0, |centre| centre.m);
             (end.m < 0.0) != (other < 0.0) || end.m.abs() < 0.1 * far
@@ -307,7 +307,7 @@ impl TargetSearch<'_> {
             stride: 2.0 * depth,
             iterations: 10,
         };
-        // Of a cell through which an edge runs, a corner may be all that is inside.
+        // Of a cell crossed by an edge, only a corner may be inside.
         let every = folded || centre.is_none() || self.has_tip;
         let others = corners.into_iter().filter(|_| every);
         for start in [middle].into_iter().chain(others) {
@@ -329,7 +329,7 @@ impl TargetSearch<'_> {
         }
     }
 
-    /// Returns whether the ends of a cell tell how large its image is: curvature bends nothing much within it.
+    /// Returns whether the ends of a cell determine the size of its image: curvature has little effect within it.
     fn is_resolved(
         &self,
         corners: &[Option<Arrival>; 4],
@@ -342,7 +342,8 @@ impl TargetSearch<'_> {
     }
 }
 
-/// The end of a ray as the fan has it, in (u,v) inside the domain; `None` where it ended before. Notes a ray that might go on.
+/// Returns the end of a ray as the fan has it, in (u,v) inside the domain; `None` where it ended earlier. Records a ray that
+/// might continue.
 fn end_of(
     surface: &dyn Surface,
     fan: &Fan<'_>,

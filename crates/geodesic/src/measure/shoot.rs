@@ -1,7 +1,7 @@
-//! Newton's method on the exponential map: a guess of angle and length in, the geodesic that meets the target out.
+//! Newton's method on the exponential map. In: a guess of angle and length. Out: the geodesic that meets the target.
 //!
-//! The derivative is the Jacobi field: the end moves by 1 along the ray for each unit of length, and by m across it for
-//! each radian. Where m is all but zero, Levenberg and Marquardt's damping keeps the angle from leaping.
+//! The derivative is the Jacobi field: the end moves by 1 along the ray per unit of length, and by m across it per
+//! radian. Where m nearly vanishes, Levenberg–Marquardt damping limits the change of the angle.
 
 use super::gap::AimedPlace;
 use super::source::{Arrival, RaySource};
@@ -14,16 +14,16 @@ pub(super) struct PolarVector {
     pub(super) length: f64,
 }
 
-/// The goals of Newton's method.
+/// The targets and limits of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NewtonBounds {
-    /// The distance from the target that it aims at.
+    /// The distance from the target at which the iteration stops.
     pub(super) aim: f64,
-    /// The distance that is near enough where it comes no nearer.
+    /// The distance that is accepted when the iteration makes no more progress.
     pub(super) tolerance: f64,
-    /// Beside which m is small.
+    /// The size of m at which damping sets in.
     pub(super) damping: f64,
-    /// The longest step of the length.
+    /// The maximum step in length.
     pub(super) stride: f64,
     pub(super) iterations: u32,
 }
@@ -37,7 +37,7 @@ pub(super) struct Hit {
     pub(super) off: f64,
 }
 
-/// The most that the angle changes in one step.
+/// The maximum change of the angle in one step.
 const TURN: f64 = 0.3;
 
 /// Improves a guess until its ray meets the target.
@@ -61,7 +61,7 @@ pub(super) fn newton(
             (Some(([x, y], _)), Some(best)) => x.hypot(*y) < best.off,
         };
         if better && let Some(([x, y], end)) = look {
-            // A ray that ends early has come as far as it did.
+            // A ray that ends early has the length it reached.
             at.length = end.length;
             let off = x.hypot(y);
             best = Some(Hit { at, end, off });
@@ -91,12 +91,12 @@ pub(super) fn newton(
     best.filter(|best| best.off <= bounds.tolerance)
 }
 
-/// The distance to its target within which a ray has to come, relative to its length.
+/// The distance from its target within which a ray must end, relative to its length.
 const EXACT: f64 = 1e-10;
-/// Beside this share of the length m is nothing.
+/// m counts as zero below this fraction of the length.
 const NO_FIELD: f64 = 1e-8;
 
-/// Improves a guess by rays that are followed by themselves.
+/// Improves a guess with rays that are integrated on their own.
 pub(super) fn hit(
     source: &RaySource<'_>,
     target: &AimedPlace<'_>,
@@ -122,7 +122,7 @@ pub(super) fn hit(
     newton(target, guess, &bounds, &follow)
 }
 
-/// True if the end is conjugate to the start: m = 0 as far as can be known.
+/// Returns true if the end is conjugate to the start: m = 0 to within its accuracy.
 pub(super) fn is_conjugate(hit: &Hit) -> bool {
     hit.end.m.abs() <= 10.0 * NO_FIELD * hit.at.length
 }

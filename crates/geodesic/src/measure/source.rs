@@ -1,4 +1,4 @@
-//! Rays from one place by their angle: a surface and a place in, ends with their Jacobi fields out.
+//! Rays from one point by their angle. In: a surface and a point. Out: ends with their Jacobi fields.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::status::Status;
 use crate::surface::Surface;
 use crate::trace::{self, Options, Trace};
 
-/// A place that rays start from.
+/// A point from which rays start.
 #[derive(Clone, Copy)]
 pub(super) struct RaySource<'s> {
     pub(super) surface: &'s dyn Surface,
@@ -21,9 +21,10 @@ pub(super) struct RaySource<'s> {
 
 #[derive(Clone, Copy)]
 enum Origin {
-    /// A place with a tangent plane. The angle counts from X towards Y of a frame whose X lies along σu.
+    /// A point with a tangent plane. The angle is measured from X towards Y of a frame whose X is along σu.
     Frame(Frame),
-    /// The tip of a cone. The angle is that of the cone unrolled, from the meridian of the parameter's minimum on.
+    /// The tip of a cone. The angle is that of the unrolled cone, measured from the meridian at the parameter's
+    /// minimum.
     Tip { axis: usize, end: usize, rate: f64 },
 }
 
@@ -33,20 +34,20 @@ pub(super) struct Arrival {
     pub(super) at: Uv,
     /// The unit tangent.
     pub(super) along: TangentVector,
-    /// The unit normal towards which the end moves as the angle grows, where m > 0.
+    /// The unit normal, towards which the end moves as the angle grows where m > 0.
     pub(super) left: TangentVector,
     /// The Jacobi field.
     pub(super) m: f64,
-    /// As far as it came.
+    /// The arc length reached.
     pub(super) length: f64,
     pub(super) status: Status,
 }
 
-/// The tolerances of a ray that is followed by itself: where rounding keeps steps from the first, the second is enough.
+/// The tolerances of a ray that is integrated on its own: where rounding prevents the first, the second suffices.
 const TOLERANCES: [f64; 2] = [1e-12, 1e-9];
 
 impl<'s> RaySource<'s> {
-    /// A place with a tangent plane.
+    /// Creates a source at a point with a tangent plane.
     pub(super) fn at(surface: &'s dyn Surface, uv: Uv) -> Result<Self, MeasureError> {
         let frame = Frame::new(surface, uv, 0.0, 1.0)?;
         Ok(Self {
@@ -55,7 +56,8 @@ impl<'s> RaySource<'s> {
         })
     }
 
-    /// The tip of a cone; `None` where there is none whose angle grows evenly with the other parameter.
+    /// Creates a source at the tip of a cone; `None` unless there is one whose angle grows evenly with the other
+    /// parameter.
     pub(super) fn tip(surface: &'s dyn Surface, axis: usize, end: usize) -> Option<Self> {
         let apex = surface.apex(axis, end)?;
         (apex.regular && !apex.smooth).then_some(Self {
@@ -68,7 +70,7 @@ impl<'s> RaySource<'s> {
         })
     }
 
-    /// The frame whose X the angles count from; `None` at the tip of a cone.
+    /// Returns the frame from whose X the angles are measured; `None` at the tip of a cone.
     pub(super) fn frame(&self) -> Option<&Frame> {
         match &self.origin {
             Origin::Frame(frame) => Some(frame),
@@ -76,7 +78,7 @@ impl<'s> RaySource<'s> {
         }
     }
 
-    /// The direction of a ray in (u,v), at unit speed.
+    /// Returns the direction of a ray in (u,v), at unit speed.
     pub(super) fn direction(&self, angle: f64) -> TangentVector {
         let (sin, cos) = angle.sin_cos();
         match &self.origin {
@@ -88,8 +90,8 @@ impl<'s> RaySource<'s> {
         }
     }
 
-    /// The angle of a tangent vector at the place, given in (u,v) at a point that is the place but for rounding; `None` at
-    /// the tip of a cone.
+    /// Returns the angle of a tangent vector at the source, given in (u,v) at a point that equals the source up to
+    /// rounding; `None` at the tip of a cone.
     pub(super) fn angle_of(&self, at: Uv, vector: TangentVector) -> Option<f64> {
         let frame = self.frame()?;
         let vector = match frame.coordinates {
@@ -113,7 +115,7 @@ impl<'s> RaySource<'s> {
         Some(y.atan2(x))
     }
 
-    /// The angle of a whole turn: less than 2π about the tip of most cones.
+    /// Returns the angle of a full turn: less than 2π about the tip of most cones.
     pub(super) fn turn(&self) -> f64 {
         match &self.origin {
             Origin::Frame(_) => TAU,
@@ -124,7 +126,7 @@ impl<'s> RaySource<'s> {
         }
     }
 
-    /// The angle of the ray from the tip of a cone that leaves it towards a place near by.
+    /// Returns the angle of the ray from the tip of a cone towards a nearby point.
     pub(super) fn angle_towards(&self, at: Uv) -> Option<f64> {
         match &self.origin {
             Origin::Frame(_) => None,
@@ -135,7 +137,7 @@ impl<'s> RaySource<'s> {
         }
     }
 
-    /// The place that a ray starts from: at a pole a point on the meridian that it runs along.
+    /// Returns the point from which a ray starts: at a pole a point on the meridian along which it runs.
     pub(super) fn start(&self, angle: f64) -> Uv {
         match &self.origin {
             Origin::Frame(frame) => frame.turned(angle).plain(self.surface).uv,
@@ -143,8 +145,8 @@ impl<'s> RaySource<'s> {
         }
     }
 
-    /// The place and the direction of a ray without what is rounding alone: components without length are zero, and a place
-    /// by a pole is on it.
+    /// Returns the start and the direction of a ray without rounding noise: negligible components are zero, and a point
+    /// next to a pole is on it.
     pub(super) fn tidy_start(&self, angle: f64) -> [[f64; 2]; 2] {
         const NOISE: f64 = 1e-14;
         let (Uv(mut from), TangentVector(mut direction)) =
@@ -193,7 +195,7 @@ impl<'s> RaySource<'s> {
     ) -> Result<(Arrival, Trace), MeasureError> {
         let [exact, loose] = TOLERANCES;
         let found = self.follow_with(angle, length, keep_fields, exact)?;
-        // A ray that starts at a tip and does not leave it has met rounding.
+        // A ray that starts at a tip and does not leave it is a rounding artefact.
         let is_stuck = matches!(self.origin, Origin::Tip { .. }) && found.1.length == 0.0;
         match found.0.status {
             Status::ConePoint if is_stuck => self.follow_with(angle, length, keep_fields, loose),

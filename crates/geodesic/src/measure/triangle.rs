@@ -1,9 +1,9 @@
-//! Triangles of shortest geodesics: three corners in, sides, angles, the area and ∫K of the region inside out.
+//! Triangles of shortest geodesics. In: three corners. Out: sides, angles, the area and ∫K of the region inside.
 //!
-//! The region is swept by the geodesics from a corner, or from the tip of a cone inside, to the points of the sides. With t
-//! the arc length along a side, θ the angle of the geodesic that meets it there and m its Jacobi field, dθ/dt is the
-//! component of the side's direction across that geodesic over m; the geodesic sweeps ∫m ds dθ of area and, as m'' = −K m,
-//! (1 − m') dθ of curvature.
+//! The region is swept by the geodesics from a corner, or from the tip of a cone inside, to the points of the sides. Let t
+//! be the arc length along a side, θ the angle of the geodesic that meets it there, and m its Jacobi field. Then dθ/dt is
+//! the component of the side's direction across that geodesic over m; the geodesic sweeps an area of ∫m ds dθ and, since
+//! m'' = −K m, a curvature of (1 − m') dθ.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -43,7 +43,7 @@ impl Triangle {
 pub struct TriangleRegion {
     /// Its area.
     pub area: f64,
-    /// The integral of the Gaussian curvature over it, with the deficit of the tip of a cone inside.
+    /// The integral of the Gaussian curvature over it, plus the angular deficit of a cone's tip inside.
     pub curvature: f64,
     /// The larger of the estimated errors of both.
     pub error_estimate: f64,
@@ -52,18 +52,18 @@ pub struct TriangleRegion {
 /// The reason why a triangle has no region.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum NoRegion {
-    /// Two corners are one place.
+    /// Two corners are the same point.
     OnePlace {
-        /// The numbers of the corners, from 0.
+        /// The indices of the corners, from 0.
         corners: [usize; 2],
     },
-    /// Two corners are not joined by a geodesic that was found.
+    /// No geodesic was found between two corners.
     NoSide {
-        /// The numbers of the corners, from 0.
+        /// The indices of the corners, from 0.
         corners: [usize; 2],
     },
-    /// The geodesics from the first corner to the opposite side sweep no region between the other sides: the triangle runs
-    /// around a handle, a hole or more than one tip, or geodesics meet inside it.
+    /// The geodesics from the first corner to the opposite side do not sweep a region between the other sides: the
+    /// triangle encloses a handle, a hole or more than one tip, or geodesics meet inside it.
     NotSwept,
 }
 
@@ -85,24 +85,24 @@ impl fmt::Display for NoRegion {
     }
 }
 
-/// The rest that the quadrature may leave, and the error of rays and corners, relative to the largest side's square.
+/// The error allowed to the quadrature, and to rays and corners, relative to the square of the largest side.
 const TOLERANCE: f64 = 1e-10;
 const OF_RAYS: f64 = 1e-9;
-/// The most intervals of the quadrature along a side.
+/// The maximum number of the quadrature's intervals along a side.
 const MOST: usize = 24;
-/// The number of strides, about, in which a side is first followed.
+/// The approximate number of strides in which a side is first followed.
 const STRIDES: f64 = 6.0;
-/// No stride is shorter than this share of its side.
+/// The minimum length of a stride as a fraction of its side.
 const SHORTEST: f64 = 1e-3;
-/// A ray may turn by no more from one point of a side to the next, beyond what is expected.
+/// The maximum angle by which a ray may turn from one point of a side to the next, beyond the expected angle.
 const LEAP: f64 = 0.3;
-/// By how much the angles that are swept may differ from those at the corner.
+/// The maximum difference between the angles swept and those at the corner.
 const SAME_ANGLE: f64 = 1e-6;
 
 /// Measures the triangle of three corners.
 ///
 /// # Errors
-/// [`MeasureError`] where a corner lies outside the domain, or the surface is undefined or degenerate there.
+/// [`MeasureError`] where a corner is outside the domain, or the surface is undefined or degenerate there.
 pub fn triangle<P: Into<Uv>>(
     surface: &dyn Surface,
     corners: [P; 3],
@@ -126,7 +126,7 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
     }
     let is_one = |[from, to]: [usize; 2]| is_one_place(surface, corners[from], corners[to]);
     let side = |from: usize, to: usize| {
-        // Loops are no sides.
+        // Loops are not sides.
         if is_one([from, to]) {
             return None;
         }
@@ -171,7 +171,7 @@ fn triangle_on(surface: &dyn Surface, corners: [Uv; 3]) -> Result<Triangle, Meas
     })
 }
 
-/// A side, walked in the order of the corners.
+/// A side, traversed in the order of the corners.
 struct SidePath<'a, 's> {
     source: &'a RaySource<'s>,
     side: Connection,
@@ -188,7 +188,7 @@ impl<'a, 's> SidePath<'a, 's> {
         }
     }
 
-    /// The place at an arc length and the direction there.
+    /// Returns the point at an arc length and the direction there.
     fn at(&self, t: f64) -> Option<(Uv, TangentVector)> {
         let length = if self.backward {
             self.side.length - t
@@ -236,7 +236,7 @@ fn region(
     let reached = swept
         .last
         .is_some_and(|last| (last.length - ca.side.length).abs() <= SAME_ANGLE * ca.side.length);
-    // (A flat triangle's area is nothing, and either side of it will do.)
+    // (A flat triangle's area is zero, and either side of it will do.)
     if !reached || (angle - expected).abs() > SAME_ANGLE {
         return Err(NoRegion::NotSwept);
     }
@@ -271,7 +271,7 @@ fn measured(
     }
 }
 
-/// The region about the tip of a cone, if the triangle runs around it once: all three sides as seen from the tip.
+/// Returns the region about the tip of a cone, if the triangle encloses it once: all three sides as seen from the tip.
 fn around_tip(
     surface: &dyn Surface,
     tip: &RaySource<'_>,
@@ -284,10 +284,10 @@ fn around_tip(
     place[axis] = surface.domain()[axis][end];
     let target = AimedPlace::new(surface, place).ok()?;
     let longest: f64 = sides.iter().map(|path| path.side.length).sum();
-    // A tip inside is nearer to each corner than half of the way around.
+    // A tip inside is nearer to each corner than half of the perimeter.
     let to_tip = all_within(corner, &target, longest);
     let to_tip = to_tip.found.first()?;
-    // Just before the tip the ray is on the meridian that it arrives by.
+    // Just before the tip the ray is on the meridian by which it arrives.
     let (near, _) = corner
         .follow(to_tip.angle, 0.98 * to_tip.length, false)
         .ok()?;
@@ -322,8 +322,8 @@ struct KnownRay {
     rate: PolarVector,
 }
 
-/// Sweeps the rays from a source along a side, from the ray to its start. `None` where one is not found, or is behind a
-/// conjugate point.
+/// Sweeps the rays from a source along a side, beginning with the ray to its start. `None` where a ray is not found, or
+/// is behind a conjugate point.
 fn sweep(source: &RaySource<'_>, side: &SidePath<'_, '_>, start: PolarVector) -> Option<Sweep> {
     let length = side.side.length;
     let mut known: Vec<KnownRay> = Vec::new();

@@ -1,7 +1,7 @@
-//! The holonomy of walks: a frame carried along a closed walk in, the angle by which it comes back turned out.
+//! The holonomy of walks. In: a frame transported along a closed walk. Out: the angle by which it returns turned.
 //!
-//! By Gauss and Bonnet's theorem that angle is ∫K over what the walk runs around, but for whole turns (do Carmo, *Differential
-//! Geometry of Curves and Surfaces*, 1976, section 4-4).
+//! By the Gauss–Bonnet theorem that angle is ∫K over the enclosed region, up to full turns (do Carmo, *Differential Geometry
+//! of Curves and Surfaces*, 1976, section 4-4).
 
 use std::f64::consts::TAU;
 
@@ -13,21 +13,21 @@ use crate::metric::{Metric, christoffel, speed};
 use crate::point::{TangentVector, Uv};
 use crate::surface::Surface;
 
-/// The end of a walk beside its start.
+/// The end of a walk relative to its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closing {
-    /// The distance from the end to the start by the metric at the start, which holds only where they are near each other.
+    /// The distance from the end to the start by the metric at the start, which is valid only where they are close.
     pub gap: f64,
     /// The angle in (−π, π] by which parallel transport along the walk has turned the frame; `None` where the walk has not
-    /// come back, or has come back mirrored.
+    /// closed, or has returned mirrored.
     pub holonomy: Option<f64>,
-    /// True if left and right have changed places.
+    /// True if left and right are exchanged.
     pub mirrored: bool,
 }
 
-/// Compares the frame at the end of a walk with the one at its start. The walk has closed if the end is no farther than
-/// `tolerance` from the start. `turned` is the sum of the angles by which the frame was turned on the way, from X
-/// towards Y, other than by parallel transport. `None` where the surface has no tangent plane at the start.
+/// Compares the frame at the end of a walk with the one at its start. The walk has closed if the end is within
+/// `tolerance` of the start. `turned` is the sum of the angles by which the frame was turned on the way, from X towards
+/// Y, other than by parallel transport. `None` where the surface has no tangent plane at the start.
 pub fn closing(
     surface: &dyn Surface,
     start: &Frame,
@@ -55,19 +55,19 @@ pub fn closing(
     })
 }
 
-/// The length of a curve of the chart, and the transport of a vector along it.
+/// The length of a curve of the chart, and the parallel transport of a vector along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transport {
     /// The curve's length.
     pub length: f64,
-    /// The angle by which parallel transport turns a vector against σu; of a closed curve its holonomy, but for the turns of
-    /// σu itself around a pole.
+    /// The angle by which parallel transport turns a vector against σu; for a closed curve its holonomy, except for the
+    /// turns of σu itself around a pole.
     pub angle: f64,
     /// The larger of the estimated errors of both.
     pub error_estimate: f64,
 }
 
-/// The accuracy that is aimed at, relative, and the most intervals of the quadrature.
+/// The relative accuracy aimed at, and the maximum number of the quadrature's intervals.
 const TOLERANCE: f64 = 1e-11;
 const MOST: usize = 200;
 
@@ -85,7 +85,7 @@ pub fn transport(
         let [u, v] = [0, 1].map(|k| signs[k] * velocity[k]);
         let jet = surface.jet(Uv(at));
         let Metric { e, r, .. } = Metric::of(&jet);
-        // The connection form of the frame whose first vector lies along σu.
+        // The connection form of the frame whose first vector is along σu.
         let [uu, uv, _] = christoffel(&jet)[1];
         let turn = -r / e * (uu * u + uv * v) * signs[0] * signs[1];
         let pace = speed(&jet, [u, v]);
@@ -100,7 +100,7 @@ pub fn transport(
     })
 }
 
-/// An angle in (−π, π].
+/// Returns an angle reduced to (−π, π].
 fn wrapped(angle: f64) -> f64 {
     let turns = angle / TAU;
     (turns - (turns - 0.5).ceil()) * TAU

@@ -1,8 +1,8 @@
-//! The angle of a point, without a branch and without the processor's or a driver's own function: WGSL's `atan2` may be
-//! off by 4096 units in the last place, and libm's is called for one number at a time.
+//! The angle of a point, without a branch and without the processor's or a driver's own function: WGSL's `atan2` may
+//! have an error of 4096 ulps, and libm's takes one number at a time.
 
-/// atan z = z + z³ (c₀ + c₁z² + … + c₆z¹²) for z in [0, 1], off by at most 5·10⁻⁸ in exact arithmetic (the polynomial
-/// of this degree with the least largest error, by Remez' algorithm). The same numbers stand in the shader.
+/// atan z = z + z³ (c₀ + c₁z² + … + c₆z¹²) for z in [0, 1], with an error of at most 5·10⁻⁸ in exact arithmetic (the
+/// minimax polynomial of this degree, by the Remez algorithm). The shader has the same numbers.
 pub const ARC_TANGENT: [f32; 7] = [
     -0.333_316_6,
     0.199_627_04,
@@ -13,8 +13,8 @@ pub const ARC_TANGENT: [f32; 7] = [
     -0.004_355_417_7,
 ];
 
-/// The angle of (a, b) in [−π, π], off by at most 4·10⁻⁷; 0 for (0, 0). `ratio` is the smaller of |a| and |b| over the
-/// larger.
+/// Returns the angle of (a, b) in [−π, π], with an error of at most 4·10⁻⁷; 0 for (0, 0). `ratio` is the smaller of |a|
+/// and |b| over the larger.
 #[inline(always)]
 pub(super) fn angle(a: f32, b: f32, ratio: f32) -> f32 {
     let square = ratio * ratio;
@@ -37,7 +37,7 @@ pub(super) fn angle(a: f32, b: f32, ratio: f32) -> f32 {
     if b < 0.0 { -half } else { half }
 }
 
-/// The larger of |a| and |b|, and the smaller over the larger; 0 for (0, 0).
+/// Returns the larger of |a| and |b|, and the smaller over the larger; 0 for (0, 0).
 #[inline(always)]
 pub(super) fn larger_and_ratio(a: f32, b: f32) -> (f32, f32) {
     let (a, b) = (a.abs(), b.abs());

@@ -1,4 +1,5 @@
-//! The cutting of a picture: ends at places in, pieces out, by division into four wherever one polynomial will not do.
+//! The subdivision of a picture. In: ends at points. Out: pieces, by division into four wherever one polynomial does
+//! not suffice.
 
 use std::array::from_fn;
 
@@ -11,22 +12,22 @@ use crate::ends::{Coordinates, End, Ends};
 use crate::point::PicturePoint;
 use crate::status::Status;
 
-/// The error at the places of the check is a sample: the largest one may be this much larger.
+/// The error at the check points is a sample: the maximum may be larger by this factor.
 const WIDENING: f64 = 2.0;
-/// Each degree's terms of a series are taken to be at least this share of those of the degree below: what is finer
-/// than the nodes may look smooth at all places of the check by chance.
+/// Each degree's terms of a series are assumed to be at least this fraction of those of the degree below: features
+/// finer than the nodes may look smooth at all check points by chance.
 const BEYOND: f64 = 0.12;
-/// The share of the tolerance up to which a polynomial's highest terms are left out.
+/// The fraction of the tolerance up to which a polynomial's highest terms are dropped.
 const NEGLIGIBLE: f64 = 0.05;
-/// The factor by which an error shrinks when the sides are halved.
+/// The factor by which the error shrinks when the sides are halved.
 const HALVED: f64 = (1_u64 << COUNT) as f64;
-/// An end may be taken for one on the other side of an edge that it is so many pixels beside.
+/// An end within this many pixels of an edge may be taken for one on the other side of it.
 const BESIDE: f64 = 0.2;
 
-/// From a node to the next one that is looked at: without a common divisor with how many there are.
+/// The step from a node to the next one sampled: coprime to their number.
 const STRIDE: usize = 3 * COUNT - 1;
-/// The pixels of the smallest square that are looked at first; where all of them show nothing, and not on two sides of
-/// the surface, the others do neither.
+/// The pixels of the smallest square that are evaluated first. If all of them show nothing, and are not on two sides of
+/// the surface, neither do the others.
 const FIRST: [[u32; 2]; 9] = [
     [0, 0],
     [7, 0],
@@ -53,12 +54,12 @@ pub(super) enum Piece<const N: usize> {
     },
 }
 
-/// The squares that one part of the picture has been divided into.
+/// The squares into which one part of the picture has been divided.
 #[derive(Default)]
 pub(super) struct Pieces<const N: usize> {
     pub(super) all: Vec<Piece<N>>,
     pub(super) samples: u64,
-    /// The ends that have been looked at last.
+    /// The ends sampled last.
     seen: Vec<End<N>>,
 }
 
@@ -66,7 +67,7 @@ pub(super) struct Pieces<const N: usize> {
 pub(super) struct Subdivider<'e, const N: usize> {
     pub(super) ends: &'e dyn Ends<N>,
     pub(super) size: [u32; 2],
-    /// The camera's place.
+    /// The camera's position.
     pub(super) origin: [f64; N],
     /// The error that a polynomial may add, in pixels.
     pub(super) tolerance: f64,
@@ -80,7 +81,7 @@ pub(super) struct Subdivider<'e, const N: usize> {
     pub(super) fit: Fit,
 }
 
-/// A square, or what of it is in the picture.
+/// A square, or the part of it in the picture.
 #[derive(Clone, Copy)]
 struct Square {
     corner: [u32; 2],
@@ -91,7 +92,7 @@ struct Square {
 /// The outcome of an attempt to cover a square by one polynomial.
 enum Attempt<const N: usize> {
     Covered(Piece<N>),
-    /// To be divided, so many times.
+    /// To be divided this many times.
     Divide(u32),
 }
 
@@ -126,7 +127,7 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// The place in the picture of (X, Y) in a square.
+    /// Returns the point of the picture at (X, Y) in a square.
     fn place(&self, square: &Square, at: [f64; 2]) -> Place {
         let pixel = |k: usize| {
             let half = 0.5 * f64::from(square.extent[k]);
@@ -135,15 +136,15 @@ impl<const N: usize> Subdivider<'_, N> {
         PicturePoint([pixel(0) * self.per_place, -pixel(1) * self.per_place])
     }
 
-    /// Looks at the ends of several places: `pieces.seen`.
+    /// Evaluates the ends of several points into `pieces.seen`.
     fn look(&self, places: &[Place], pieces: &mut Pieces<N>) {
         pieces.samples += places.len() as u64;
         pieces.seen.clear();
         self.ends.ends(places, &mut pieces.seen);
     }
 
-    /// Tries one polynomial for the whole square. Ends are looked at in groups, the cheapest refusals first: corners that
-    /// differ cost four evaluations, not all.
+    /// Tries one polynomial for the whole square. Ends are evaluated in groups, the cheapest rejections first: corners
+    /// that differ cost four evaluations, not all.
     fn attempt(&self, square: &Square, pieces: &mut Pieces<N>) -> Attempt<N> {
         let Some(mut samples) = self.sample(square, pieces) else {
             return Attempt::Divide(1);
@@ -161,7 +162,7 @@ impl<const N: usize> Subdivider<'_, N> {
                     status,
                 });
             }
-            // The polynomial itself will say where the edge is: so every end has to lie on its side of it.
+            // The polynomial itself will determine the edge: so every end must be on its side of it.
             Agreement::Edge => {
                 let lies_right = |(_, end): &(Place, End<N>)| {
                     end.coordinates == Coordinates::Plain
@@ -204,13 +205,13 @@ impl<const N: usize> Subdivider<'_, N> {
         })))
     }
 
-    /// (X, Y) of the n-th place of the check: among the square's outermost pixels, or between them.
+    /// Returns (X, Y) of the n-th check point: among the square's outermost pixels, or between them.
     fn check_at(&self, square: &Square, n: usize) -> [f64; 2] {
         let outermost = square.extent.map(|n| 1.0 - 1.0 / f64::from(n));
         [0, 1].map(|k| self.fit.checks[n][k] * outermost[k])
     }
 
-    /// Looks at the corners, then at the nodes; `None` as soon as the ends have too little in common.
+    /// Samples the corners, then the nodes; `None` as soon as the ends have too little in common.
     fn sample(&self, square: &Square, pieces: &mut Pieces<N>) -> Option<SquareSamples<N>> {
         let places: [Place; CORNERS] = from_fn(|n| self.place(square, self.check_at(square, n)));
         self.look(&places, pieces);
@@ -219,7 +220,7 @@ impl<const N: usize> Subdivider<'_, N> {
         let mut agreement = Agreement::Alike(first.status).with(&first, &corners)?;
         let nodes = self.fit.nodes;
         let node = |n: usize| self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
-        // Far from each other one after the other: a line between two statuses is soon met.
+        // In an order of distant nodes: a boundary between two statuses is soon found.
         let order = |n: usize| STRIDE * n % (COUNT * COUNT);
         let mut samples = vec![(PicturePoint::default(), first); COUNT * COUNT];
         for group in 0..COUNT {
@@ -238,14 +239,14 @@ impl<const N: usize> Subdivider<'_, N> {
         })
     }
 
-    /// The polynomials through the nodes, with the error to be expected of the degrees that they leave out.
+    /// Returns the polynomials through the nodes, with the expected error of the omitted degrees.
     fn polynomials(
         &self,
         samples: &SquareSamples<N>,
         coordinates: Coordinates,
         periods: [f64; N],
     ) -> Polynomials<N> {
-        // The middle sample's value is taken away first: what is left is small.
+        // Subtract the middle sample's value first, so that the remainder is small.
         let reference = samples.nodes[COUNT * COUNT / 2 + COUNT / 2].1;
         let mut powers = [[[0.0; COUNT]; COUNT]; N];
         let mut worst = 0.0_f64;
@@ -269,8 +270,8 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// Compares the polynomials with ends that took no part in them, the corners first, and raises their error. An error
-    /// says how often the square is to be divided.
+    /// Compares the polynomials with ends that were not used for them, the corners first, and raises their error.
+    /// Returns the number of divisions as an error.
     fn check(
         &self,
         square: &Square,
@@ -295,7 +296,7 @@ impl<const N: usize> Subdivider<'_, N> {
                     Agreement::Edge => goes_on(end) && self.is_on_its_side(end),
                     Agreement::Alike(_) => end.status == Status::Complete,
                 };
-                // A NaN is no proof either.
+                // NaN is not evidence either.
                 if !like || error.is_nan() {
                     return Err(1);
                 }
@@ -308,8 +309,8 @@ impl<const N: usize> Subdivider<'_, N> {
         Ok(())
     }
 
-    /// Returns whether an end lies beyond the edges if it has left through one, and within them if not; a little beside an edge
-    /// it may be either.
+    /// Returns whether an end is beyond the edges if it has left through one, and within them if not; within a small distance
+    /// of an edge it may be on either side.
     fn is_on_its_side(&self, end: &End<N>) -> bool {
         let mut inside = f64::INFINITY;
         for axis in 0..N {
@@ -325,8 +326,8 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// Returns whether the surface may lie between ends that have all left it: those that say where they are do not lie beyond
-    /// one edge.
+    /// Returns whether the surface may be between ends that have all left it: the known continuations are not all beyond one
+    /// edge.
     fn may_straddle<'a>(&self, ends: impl Iterator<Item = &'a End<N>> + Clone) -> bool {
         let known = || ends.clone().filter(|end| goes_on(end));
         let is_beyond = |axis: usize| {
@@ -337,13 +338,13 @@ impl<const N: usize> Subdivider<'_, N> {
         has_edges && !(0..N).any(is_beyond)
     }
 
-    /// Returns how often a square with this error is to be divided, if it is.
+    /// Returns the number of divisions of a square with this error, if it must be divided.
     fn divisions(&self, error: f64) -> Option<u32> {
         let twice = error > 2.0 * HALVED * self.tolerance;
         (error > self.tolerance || error.is_nan()).then_some(if twice { 2 } else { 1 })
     }
 
-    /// Brings all samples into common coordinates, where there are such.
+    /// Converts all samples to common coordinates, if there are such.
     fn common(&self, samples: &mut [(Place, End<N>)]) -> Option<Coordinates> {
         let apex = samples
             .iter()
@@ -377,7 +378,7 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// Adds periods so that each sample lies where the derivatives at it and at a neighbour expect it.
+    /// Adds periods so that each sample is where the derivatives at it and at a neighbour predict it.
     fn unify(&self, samples: &mut [(Place, End<N>)], periods: [f64; N]) {
         if periods == [0.0; N] {
             return;
@@ -405,7 +406,8 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// The distance in pixels of the polynomials' value at (X, Y) from an end; NaN where they have no coordinates in common.
+    /// Returns the distance in pixels of the polynomials' value at (X, Y) from an end; NaN where they have no coordinates in
+    /// common.
     fn discrepancy(&self, end: &End<N>, polynomials: &Polynomials<N>, at: [f64; 2]) -> f64 {
         let Some(end) = self.ends.in_coordinates(end, polynomials.coordinates) else {
             return f64::NAN;
@@ -424,7 +426,7 @@ impl<const N: usize> Subdivider<'_, N> {
         end.length(off) / self.pixel
     }
 
-    /// The pixels of the smallest square, one by one.
+    /// Evaluates the pixels of the smallest square one by one.
     fn single(&self, square: &Square, pieces: &mut Pieces<N>) -> Piece<N> {
         let place = |[column, row]: [u32; 2]| {
             let at = [(column, 0), (row, 1)]
@@ -479,7 +481,7 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// A complete end as an offset, with its derivatives by pixel.
+    /// Returns a complete end as an offset, with its derivatives by pixel.
     pub(super) fn pixel(&self, end: End<N>, place: Place) -> ([f32; N], [[f32; N]; 2]) {
         let plain = self.ends.in_coordinates(&end, Coordinates::Plain);
         let mut end = plain.unwrap_or(end);

@@ -1,4 +1,5 @@
-//! The pixels of a piecewise map, some rows at a time: polynomials in, offsets out, in loops that become vectors.
+//! The pixels of a piecewise map, several rows at a time. In: polynomials. Out: offsets, in loops that the compiler
+//! vectorises.
 
 use std::array::from_fn;
 
@@ -10,7 +11,7 @@ use super::{BLOCK, Cover, Patch, PiecewiseMap};
 use crate::ends::{Coordinates, Polar};
 use crate::status::Status;
 
-/// Some rows of pixels, of the picture's whole width; each part may be empty where it is not wanted.
+/// Several rows of pixels, over the picture's whole width; a part that is not requested may be empty.
 pub struct Rows<'a, const N: usize = 2> {
     /// As in [`Map`](crate::pixels::Map).
     pub offset: &'a mut [[f32; N]],
@@ -23,7 +24,7 @@ pub struct Rows<'a, const N: usize = 2> {
 /// The blocks of one row of blocks, to be evaluated into rows that begin with it.
 pub(super) struct Band<'a, 'r, const N: usize> {
     pub(super) piecewise: &'a PiecewiseMap<N>,
-    /// The number of the row of blocks, from the top.
+    /// The index of the row of blocks, from the top.
     pub(super) block_row: u32,
     pub(super) rows: Rows<'r, N>,
 }
@@ -86,7 +87,7 @@ impl<const N: usize> Work for Band<'_, '_, N> {
     }
 }
 
-/// The pixels of a part that is wanted, else nothing.
+/// Returns the pixels of a requested part, else nothing.
 #[inline(always)]
 fn part<'a, T>(all: &'a mut [T], pixels: &std::ops::Range<usize>) -> &'a mut [T] {
     all.get_mut(pixels.clone()).unwrap_or_default()
@@ -101,25 +102,25 @@ fn copy<T: Copy>(from: &[T], to: &mut [T]) {
 /// A coefficient for each row of a strip.
 type Column = [f32; BLOCK as usize];
 
-/// Some rows of a patch: polynomials in X alone, a row's coefficients at its index in each column.
+/// Several rows of a patch: polynomials in X alone; a row's coefficients are at its index in each column.
 struct Strip<const N: usize> {
     /// The values, without the centre.
     value: [[Column; COUNT]; N],
-    /// By one pixel to the right.
+    /// The derivative by one pixel to the right.
     right: [[Column; COUNT]; N],
-    /// By one pixel down.
+    /// The derivative by one pixel down.
     down: [[Column; COUNT]; N],
-    /// The place that the values are offsets from, less the camera's.
+    /// The point that the values are offsets from, less the camera's.
     centre: [f32; N],
-    /// X of the first pixel, and from a pixel to the next.
+    /// X of the first pixel, and the step from a pixel to the next.
     start: f32,
     step: f32,
     apex: Option<(usize, About)>,
-    /// [`PiecewiseMap::bounds`], where an edge goes through it.
+    /// [`PiecewiseMap::bounds`], if an edge crosses it.
     bounds: Option<[[f32; 2]; N]>,
 }
 
-/// [`Polar`] in single precision, from the camera.
+/// [`Polar`] in single precision, relative to the camera.
 struct About {
     base: f32,
     sign: f32,
@@ -140,7 +141,7 @@ impl About {
         }
     }
 
-    /// From (a, b) to (w, t): w along the axis, t across.
+    /// Converts (a, b) to (w, t): w along the axis, t across.
     #[inline(always)]
     fn point(&self, [a, b]: [f32; 2]) -> [f32; 2] {
         let (larger, ratio) = larger_and_ratio(a, b);
@@ -152,13 +153,13 @@ impl About {
         ]
     }
 
-    /// From a vector at (a, b) to one at (w, t).
+    /// Converts a vector at (a, b) to one at (w, t).
     #[inline(always)]
     fn vector(&self, [a, b]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
         let (larger, ratio) = larger_and_ratio(a, b);
         let r = larger * (1.0 + ratio * ratio).sqrt();
         let (_, slope) = self.power_and_slope(r);
-        // At the apex itself any direction is as good as another.
+        // At the apex itself, any direction will do.
         let over = 1.0 / if r > LEAST { r } else { LEAST };
         let (cos, sin) = (a * over, b * over);
         let around = (cos * y - sin * x) * over;
@@ -168,7 +169,7 @@ impl About {
         ]
     }
 
-    /// r^power and its derivative.
+    /// Returns r^power and its derivative.
     #[inline(always)]
     fn power_and_slope(&self, r: f32) -> (f32, f32) {
         if self.power == 1.0 {
@@ -182,10 +183,10 @@ impl About {
     }
 }
 
-/// Nothing is nearer to an apex.
+/// The minimum distance from an apex.
 const LEAST: f32 = 1e-36;
 
-/// Near an apex the angle turns without bound; a number stays a number.
+/// Bounds a number: near an apex the angle's derivative is unbounded.
 #[inline(always)]
 fn bounded(x: f32) -> f32 {
     let x = if x > 1e30 { 1e30 } else { x };
@@ -193,7 +194,7 @@ fn bounded(x: f32) -> f32 {
 }
 
 impl<const N: usize> Strip<N> {
-    /// The rows from `row` on, the pixels from `column` on.
+    /// Prepares the rows from `row`, the pixels from `column`.
     #[inline(always)]
     fn of(piecewise: &PiecewiseMap<N>, patch: &Patch<N>, row: u32, column: u32) -> Self {
         let step = [2.0 / patch.extent[0] as f32, 2.0 / patch.extent[1] as f32];
@@ -252,7 +253,7 @@ impl<const N: usize> Strip<N> {
         }
     }
 
-    /// One row. The loops' bodies know nothing of their neighbours, so that the compiler makes vectors of them.
+    /// Evaluates one row. The iterations are independent, so that the compiler vectorises the loops.
     #[inline(always)]
     fn evaluate(&self, row: usize, rows: &mut Rows<'_, N>, pixels: std::ops::Range<usize>) {
         let status = part(rows.status, &pixels);
@@ -297,7 +298,7 @@ impl<const N: usize> Strip<N> {
         }
     }
 
-    /// About an apex at an end of the axis `AXIS`; only charts, with their two coordinates, have any.
+    /// Evaluates about an apex at an end of the axis `AXIS`; only charts, with their two coordinates, have apexes.
     #[inline(always)]
     fn about<const AXIS: usize>(
         &self,
@@ -333,7 +334,7 @@ impl<const N: usize> Strip<N> {
     }
 }
 
-/// A row's coefficients, for each coordinate.
+/// Returns a row's coefficients, for each coordinate.
 #[inline(always)]
 fn at_row<const N: usize>(columns: &[[Column; COUNT]; N], row: usize) -> [[f32; COUNT]; N] {
     let mut coefficients = [[0.0; COUNT]; N];

@@ -1,32 +1,32 @@
-//! Polynomials through values: values at Chebyshev's nodes in, coefficients out, by Chebyshev's series.
+//! Polynomials through values. In: values at Chebyshev nodes. Out: coefficients, by Chebyshev series.
 //!
-//! The sums over the zeros of T_n are those of Press, Teukolsky, Vetterling, Flannery, *Numerical Recipes*, 3rd edition,
-//! section 5.8; why the terms of highest degree tell the error: Trefethen, *Approximation Theory and Approximation Practice*,
+//! The sums over the zeros of T_n follow Press, Teukolsky, Vetterling, Flannery, *Numerical Recipes*, 3rd edition, section
+//! 5.8. The terms of highest degree estimate the error: see Trefethen, *Approximation Theory and Approximation Practice*,
 //! 2013.
 
 use std::f64::consts::PI;
 
 use super::DEGREE;
 
-/// Values, or coefficients, in each direction.
+/// The number of values, or coefficients, in each direction.
 pub(super) const COUNT: usize = DEGREE + 1;
 
 /// A value at each node, `[j][i]`: the j-th in Y, the i-th in X.
 pub(super) type Grid = [[f64; COUNT]; COUNT];
 
-/// The number of places that a polynomial is checked at.
+/// The number of points at which a polynomial is checked.
 pub(super) const CHECKS: usize = 12;
 
 /// The tables of a fit.
 pub(super) struct Fit {
-    /// The places at which a polynomial is compared with the ends, the corners first: where the errors of interpolation at these
-    /// nodes have their extremes.
+    /// The points at which a polynomial is compared with the ends, the corners first: where the errors of interpolation at
+    /// these nodes have their extremes.
     pub(super) checks: [[f64; 2]; CHECKS],
-    /// The nodes at which the values are taken, in [−1, 1].
+    /// The nodes at which values are sampled, in [−1, 1].
     pub(super) nodes: [f64; COUNT],
-    /// From values at the nodes to the coefficients of Chebyshev's series.
+    /// The matrix from values at the nodes to the coefficients of the Chebyshev series.
     series: Grid,
-    /// `[n][i]`: the coefficient of x^i in the n-th of Chebyshev's polynomials.
+    /// `[n][i]`: the coefficient of x^i in the n-th Chebyshev polynomial.
     powers: Grid,
 }
 
@@ -53,7 +53,7 @@ impl Fit {
                 powers[n][i] = shifted - powers[n - 2][i];
             }
         }
-        // The extremes of the polynomial whose zeros the nodes are, but for the ends.
+        // The extremes of the polynomial whose zeros are the nodes, except at the ends.
         let extreme = |k: usize| (PI * k as f64 / COUNT as f64).cos();
         let (near, far) = (extreme(COUNT / 2), extreme(COUNT / 2 - 1));
         let checks = [
@@ -78,7 +78,7 @@ impl Fit {
         }
     }
 
-    /// The coefficients of Chebyshev's series, T_i(X) T_j(Y) at `[j][i]`.
+    /// Returns the coefficients of the Chebyshev series, T_i(X) T_j(Y) at `[j][i]`.
     pub(super) fn series(&self, values: &Grid) -> Grid {
         // Along X, then along Y.
         let mut half = [[0.0; COUNT]; COUNT];
@@ -98,7 +98,7 @@ impl Fit {
         both
     }
 
-    /// The coefficients of X^i Y^j at `[j][i]`.
+    /// Returns the coefficients of X^i Y^j at `[j][i]`.
     pub(super) fn powers(&self, series: &Grid) -> Grid {
         let mut half = [[0.0; COUNT]; COUNT];
         for (row, coefficients) in half.iter_mut().zip(series) {
@@ -120,7 +120,7 @@ impl Fit {
     }
 }
 
-/// The sums of a series' terms of the highest degree in a variable, and of the one below.
+/// Returns the sums of a series' terms of the highest degree in a variable, and of the next lower one.
 pub(super) fn highest(series: &Grid) -> [f64; 2] {
     [COUNT - 1, COUNT - 2].map(|degree| {
         (0..=degree)
@@ -129,8 +129,8 @@ pub(super) fn highest(series: &Grid) -> [f64; 2] {
     })
 }
 
-/// Takes away the highest terms of a series that together are at most `allowed`: what is left of rounding in the
-/// values, where a lower degree does, is the mean of many of them.
+/// Drops the highest terms of a series that together are at most `allowed`: where a lower degree suffices, the rounding
+/// of the values is averaged over many of them.
 pub(super) fn truncate(series: &mut Grid, allowed: f64) {
     let mut sum = 0.0;
     for degree in (1..COUNT).rev() {
@@ -157,7 +157,7 @@ pub(super) fn truncate(series: &mut Grid, allowed: f64) {
     }
 }
 
-/// The value of Σ c[j][i] X^i Y^j.
+/// Returns the value of Σ c[j][i] X^i Y^j.
 pub(super) fn value(powers: &Grid, [x, y]: [f64; 2]) -> f64 {
     powers.iter().rev().fold(0.0, |sum, row| {
         sum * y + row.iter().rev().fold(0.0, |s, c| s * x + c)

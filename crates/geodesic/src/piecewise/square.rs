@@ -7,9 +7,9 @@ use crate::ends::{Coordinates, End};
 use crate::point::PicturePoint;
 use crate::status::Status;
 
-/// An apex farther off than so many times the patch's extent lets (u,v) be as smooth as its own coordinates.
+/// From this multiple of the patch's extent, an apex is so far away that (u,v) is as smooth as its own coordinates.
 const FAR_APEX: f64 = 4.0;
-/// The corners are looked at before all else, as the first places of the check.
+/// The corners are sampled before all else, as the first check points.
 pub(super) const CORNERS: usize = 4;
 
 /// The coordinates and the edge that all ends of a square seen so far share.
@@ -17,7 +17,7 @@ pub(super) const CORNERS: usize = 4;
 pub(super) enum Agreement {
     /// All have this status.
     Alike(Status),
-    /// Some have left the domain, the others are complete, and all say where they are: an edge goes through the square.
+    /// Some have left the domain, the others are complete, and all have known positions: an edge crosses the square.
     Edge,
 }
 
@@ -35,19 +35,19 @@ pub(super) struct Polynomials<const N: usize> {
     pub(super) periods: [f64; N],
     pub(super) reference: End<N>,
     pub(super) powers: [Grid; N],
-    /// The largest error that is expected, in pixels.
+    /// The largest expected error, in pixels.
     pub(super) worst: f64,
 }
 
 impl<const N: usize> Polynomials<N> {
-    /// The value of a coordinate at (X, Y) in the square.
+    /// Returns the value of a coordinate at (X, Y) in the square.
     pub(super) fn value(&self, k: usize, at: [f64; 2]) -> f64 {
         self.reference.at[k] + value(&self.powers[k], at)
     }
 }
 
 impl Agreement {
-    /// Returns the coordinates and the edge that these ends share with those before, of which `first` was the first one;
+    /// Returns the coordinates and the edge that these ends share with the earlier ones, of which `first` was the first;
     /// `None` where they share none.
     pub(super) fn with<const N: usize>(self, first: &End<N>, ends: &[End<N>]) -> Option<Self> {
         let alike = |status: Status| ends.iter().all(|end| end.status == status);
@@ -58,13 +58,13 @@ impl Agreement {
     }
 }
 
-/// Returns whether an end says where it is, although its geodesic may have left the domain before.
+/// Returns whether an end has a known position, even if its geodesic has left the domain.
 pub(super) fn goes_on<const N: usize>(end: &End<N>) -> bool {
     let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
     end.status == Status::Complete || left && end.at[0].is_finite()
 }
 
-/// The unit vector along an axis.
+/// Returns the unit vector along an axis.
 pub(super) fn unit<const N: usize>(axis: usize) -> [f64; N] {
     from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }

@@ -1,4 +1,4 @@
-//! A piecewise map as an array of 32-bit words, as a fixed pass on the GPU reads it. Numbers are `f32` bit by bit.
+//! A piecewise map as an array of 32-bit words, as a fixed pass on the GPU reads it. Numbers are the bits of an `f32`.
 //!
 //! | words | what |
 //! | --- | --- |
@@ -7,41 +7,41 @@
 //! | 4 | the word at which the covers begin |
 //! | 5 | the word at which the patches begin |
 //! | 6 | the word at which the singles begin |
-//! | 7 | how many words there are |
+//! | 7 | the number of words |
 //! | 8 … 39 | the apexes: [`APEX_WORDS`] for each side, u min, u max, v min, v max |
-//! | 40 … 43 | the offsets of the edges from the camera, u min, u max, v min, v max: ±3·10³⁸ where no edge is |
+//! | 40 … 43 | the offsets of the edges from the camera, u min, u max, v min, v max: ±3·10³⁸ where there is no edge |
 //! | then | a cover for each block, row by row from the top; then the patches; then the singles |
 //!
-//! **A cover** is a kind in its two highest bits (0 patch, 1 single, 2 nothing) and below it the index of the patch or
-//! single, or the status ([`code_of`]).
+//! **A cover** has its kind in the two highest bits (0 patch, 1 single, 2 nothing), and in the lower bits the index of
+//! the patch or single, or the status ([`code_of`]).
 //!
-//! **A patch** has [`PATCH_WORDS`] words: 0, 1 the first pixel's column and row; 2, 3 its extent in columns and rows;
-//! 4 its coordinates (0 plain, 1 + 2·axis + end about an apex, 5 plain with an edge through it: what lies beyond the
-//! edges' offsets has left the domain); 5 its estimated error in pixels; 6, 7 its centre: in
-//! plain coordinates less the camera's (u,v), about an apex (a,b) itself; then the coefficients, first all of the first
-//! coordinate, `[j][i]` for X^i Y^j, then those of the second. X = (2n + 1)/extent − 1 for the n-th column, Y likewise
-//! downwards. The value is the centre plus the polynomial; a derivative by pixel is 2/extent times one by X or Y.
+//! **A patch** has [`PATCH_WORDS`] words: 0, 1 the first pixel's column and row; 2, 3 its extent in columns and rows; 4
+//! its coordinates (0 plain, 1 + 2·axis + end about an apex, 5 plain and crossed by an edge: values beyond the edges'
+//! offsets have left the domain); 5 its estimated error in pixels; 6, 7 its centre: in plain coordinates relative to
+//! the camera's (u,v), about an apex (a,b) itself; then the coefficients, first all of the first coordinate, `[j][i]`
+//! for X^i Y^j, then those of the second. X = (2n + 1)/extent − 1 for the n-th column, Y likewise downwards. The value
+//! is the centre plus the polynomial; a derivative by pixel is 2/extent times the derivative by X or Y.
 //!
-//! **An apex** turns (a, b) into offsets from the camera's (u,v): along the axis base + sign·r^power, across it
-//! low + angle(a, b)·per_angle. Its words: 0 base, 1 sign, 2 low, 3 per_angle, 4 power, 5 whether there is one (1 or 0).
+//! **An apex** converts (a, b) to offsets from the camera's (u,v): along the axis base + sign·r^power, across it low +
+//! angle(a, b)·per_angle. Its words: 0 base, 1 sign, 2 low, 3 per_angle, 4 power, 5 whether there is one (1 or 0).
 //!
 //! **A single** has [`SINGLE_WORDS`] words, eight for each of its 64 pixels, row by row: 0, 1 the offset of (u,v) from
-//! the camera; 2 … 5 ∂(u,v) by one pixel to the right and by one pixel down; 6 the status; 7 nothing.
+//! the camera; 2 … 5 ∂(u,v) by one pixel to the right and by one pixel down; 6 the status; 7 unused.
 
 use super::{BLOCK, Cover, DEGREE, PiecewiseMap};
 use crate::ends::Coordinates;
 use crate::status::Status;
 
-/// Words before the covers.
+/// The number of words before the covers.
 pub const HEADER_WORDS: usize = 44;
-/// Words of an apex.
+/// The number of words of an apex.
 pub const APEX_WORDS: usize = 8;
-/// Words of a patch: a head of eight and the coefficients.
+/// The number of words of a patch: a head of eight, and the coefficients.
 pub const PATCH_WORDS: usize = 8 + 2 * (DEGREE + 1) * (DEGREE + 1);
-/// Words of a single.
+/// The number of words of a single.
 pub const SINGLE_WORDS: usize = 8 * (BLOCK * BLOCK) as usize;
 
-/// A status as a number.
+/// Returns a status as a number.
 pub fn code_of(status: Status) -> u32 {
     match status {
         Status::Complete => 0,
@@ -54,7 +54,7 @@ pub fn code_of(status: Status) -> u32 {
 }
 
 impl PiecewiseMap {
-    /// The words of the table.
+    /// Returns the words of the table.
     pub fn table(&self) -> Vec<u32> {
         let covers = HEADER_WORDS;
         let patches = covers + self.covers.len();

@@ -1,4 +1,5 @@
-//! A change of one parameter: a density on its interval in; the parameter by which equal steps hold equal shares of it out.
+//! A change of one parameter. In: a density on its interval. Out: the parameter in which equal steps contain equal shares
+//! of it.
 
 use std::array::from_fn;
 
@@ -7,7 +8,7 @@ use expr::processor::{Processor, Work};
 use crate::chebyshev::{ChebyshevSeries, SeriesGroup};
 use crate::surface::{LANES, Lanes};
 
-/// u = ψ(w), an increasing map of an interval to itself, smooth within; beyond, ψ(w + n width) = ψ(w) + n width.
+/// u = ψ(w), an increasing map of an interval to itself, smooth inside; beyond, ψ(w + n width) = ψ(w) + n width.
 #[derive(Clone, Debug)]
 pub(super) struct ParameterChange {
     interval: [f64; 2],
@@ -15,22 +16,24 @@ pub(super) struct ParameterChange {
     forward: SeriesGroup<1>,
     /// ψ⁻¹.
     inverse: ChebyshevSeries,
-    /// Its first and second derivatives. Those of ψ follow from them, with more digits at the ends than its own series has.
+    /// The first and second derivatives of ψ⁻¹. Those of ψ follow from them, with more digits at the ends than its own
+    /// series has.
     rates: SeriesGroup<2>,
 }
 
-/// The most terms of the density and of ψ.
+/// The maximum number of terms of the density and of ψ.
 const OF_DENSITY: usize = 128;
 const OF_CHANGE: usize = 64;
-/// The size that the last terms of the density and of ψ may have, relative to the largest. The density's integral has terms
-/// that are much smaller.
+/// The size that the last terms of the density and of ψ may have, relative to the largest. The terms of the density's
+/// integral are much smaller.
 const DENSITY_TAIL: f64 = 1e-13;
 const CHANGE_TAIL: f64 = 1e-14;
-/// The most steps to a place with a given share of the integral.
+/// The maximum number of steps to a point with a given share of the integral.
 const STEPS: usize = 60;
 
 impl ParameterChange {
-    /// The change with ψ' = c / `density`(ψ). `None` where the density is not positive, or either has no series.
+    /// Creates the change with ψ' = c / `density`(ψ). `None` where the density is not positive, or either has no
+    /// series.
     pub(super) fn of_density(
         interval: [f64; 2],
         mut density: impl FnMut(f64) -> f64,
@@ -56,12 +59,12 @@ impl ParameterChange {
         })
     }
 
-    /// ψ, ψ' and ψ'' at a place that may lie beyond the interval.
+    /// Returns ψ, ψ' and ψ'' at a point that may be beyond the interval.
     pub(super) fn forward(&self, w: f64) -> [f64; 3] {
         self.several(&[w]).map(|[value]| value)
     }
 
-    /// The same at several places.
+    /// The same at several points.
     pub(super) fn forward_all(&self, w: &Lanes) -> [Lanes; 3] {
         Processor::here().run(Several { change: self, w })
     }
@@ -82,7 +85,7 @@ impl ParameterChange {
         ]
     }
 
-    /// The place of the interval, or beyond it, whose ψ is given.
+    /// Returns the point of the interval, or beyond it, with the given ψ.
     pub(super) fn inverse(&self, u: f64) -> f64 {
         let [low, high] = self.interval;
         let turns = self.turns(u);
@@ -98,7 +101,7 @@ impl ParameterChange {
         w + turns
     }
 
-    /// By how much a place lies beyond the interval, in whole widths; NaN for no number.
+    /// Returns the distance of a point beyond the interval, in whole widths; NaN for NaN.
     #[inline(always)]
     fn turns(&self, x: f64) -> f64 {
         let [low, high] = self.interval;
@@ -110,7 +113,7 @@ impl ParameterChange {
     }
 }
 
-/// The places of several lanes, compiled for the processor's vectors.
+/// The values at several lanes, compiled for the processor's vector instructions.
 struct Several<'a> {
     change: &'a ParameterChange,
     w: &'a Lanes,
@@ -125,7 +128,7 @@ impl Work for Several<'_> {
     }
 }
 
-/// The zero of an increasing function, given with its derivative, by Newton's steps that stay within bounds.
+/// Returns the zero of an increasing function, given with its derivative, by bracketed Newton's method.
 fn solve(
     [mut low, mut high]: [f64; 2],
     guess: f64,

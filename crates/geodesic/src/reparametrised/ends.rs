@@ -6,8 +6,8 @@ use crate::fan::Fan;
 use crate::point::{PicturePoint, Uv};
 use crate::surface::LANES;
 
-/// Ends in (u, v) alone, of a fan whose rays run in (w, v): about poles they have no coordinates of their own, since in (u, v)
-/// none are smooth there.
+/// Ends in (u, v) alone, of a fan whose rays run in (w, v): about poles they do not have their own coordinates, since in (u,
+/// v) none are smooth there.
 pub struct RestoredEnds<'a> {
     even: &'a Reparametrised<'a>,
     fan: &'a Fan<'a>,
@@ -18,7 +18,7 @@ impl<'a> RestoredEnds<'a> {
         Self { even, fan }
     }
 
-    /// An end in (w, v); at a pole, which has none, it is no place.
+    /// Returns an end in (w, v); at a pole, where that is impossible, the result is not a point.
     fn plain(&self, end: &End) -> End {
         let plain = self.fan.in_coordinates(end, Coordinates::Plain);
         plain.unwrap_or(End {
@@ -29,7 +29,7 @@ impl<'a> RestoredEnds<'a> {
     }
 }
 
-/// An end in (w, v) at a place in (u, v), where vectors have so many times the components.
+/// Returns an end in (w, v) at a point in (u, v), where vectors have components scaled by `slopes`.
 fn placed(plain: End, at: [f64; 2], slopes: [f64; 2]) -> End {
     let [along, across] = [plain.along, plain.across].map(|v| [slopes[0] * v[0], slopes[1] * v[1]]);
     End {
@@ -74,7 +74,7 @@ impl Ends for RestoredEnds<'_> {
         self.even.restored(Uv(self.fan.origin())).0.0
     }
 
-    // Beyond a whole turn both parameters go on by the same.
+    // Beyond a full period both parameters continue alike.
     fn periods(&self) -> [f64; 2] {
         self.fan.periods()
     }

@@ -8,20 +8,20 @@
 /// An explicit embedded pair.
 #[derive(Debug)]
 pub(crate) struct Tableau {
-    /// Row i has the weights of stages 0..=i in stage i+1.
+    /// Row i contains the weights of stages 0..=i in stage i+1.
     pub(crate) stages: &'static [&'static [f64]],
     /// The weights of the solution.
     pub(crate) weights: &'static [f64],
-    /// The weights of the error estimate; over one more stage (the derivative at the end) where the pair has the
-    /// first stage of the next step among its own.
+    /// The weights of the error estimate; over one more stage (the derivative at the end) if the pair reuses it as the
+    /// first stage of the next step.
     pub(crate) error: &'static [f64],
-    /// The weights of a second estimate of low order that tempers the first; empty where there is none.
+    /// The weights of a second estimate of low order that tempers the first; empty without one.
     pub(crate) low_error: &'static [f64],
-    /// The error of a step shrinks like this power of its length.
+    /// The error of a step is proportional to this power of its length.
     pub(crate) error_order: f64,
 }
 
-/// Dormand–Prince 5(4): the cheaper one for short rays and loose tolerances.
+/// Dormand–Prince 5(4): cheaper for short rays and loose tolerances.
 pub(crate) const DOPRI5: Tableau = Tableau {
     stages: &[
         &[1.0 / 5.0],
@@ -62,7 +62,7 @@ pub(crate) const DOPRI5: Tableau = Tableau {
     error_order: 5.0,
 };
 
-/// The classical Runge–Kutta method (thesis, equations 4.2); it estimates no error.
+/// The classical Runge–Kutta method (thesis, equations 4.2), without an error estimate.
 pub(crate) const RK4: Tableau = Tableau {
     stages: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]],
     weights: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0],
