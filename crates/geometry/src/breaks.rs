@@ -1,8 +1,8 @@
-//! The samples between which a curve or a surface breaks off, at poles and jumps.
+//! The samples between which a curve or a surface is interrupted, at poles and jumps.
 //!
-//! Intervals of the guards of its formula ([`expr::Graph::guards`]) say where there is none. Where one may be zero, the
-//! piece between two samples is halved until the place is known, and what lies on both sides of it decides: the object
-//! goes on where both sides have a place and these are near each other (a removable singularity, as of sin t/t).
+//! Intervals of the guards of its formula ([`expr::Graph::guards`]) exclude breaks. Where a guard may be zero, the
+//! piece between two samples is halved until the point is known, and the limits on both sides of it decide: the object
+//! continues where both sides have a position and these are close (a removable singularity, as of sin t/t).
 
 use expr::Input;
 use expr::interval::Interval;
@@ -10,45 +10,46 @@ use expr::tape::{Registers, Tape};
 use rayon::prelude::*;
 use scene::{Object, ParamValues, Range, Sampling, Scene, Shape};
 
-/// The numbers of halvings of a piece after which the two sides of a place are compared. Nearer to a removable singularity
-/// rounding could look like a jump, so the second and the third count only where the first leaves a doubt.
+/// The numbers of halvings of a piece after which the two sides of a point are compared. Nearer to a removable
+/// singularity, rounding could look like a jump, so the second and the third are used only if the first is inconclusive.
 const HALVINGS: [i32; 3] = [14, 21, 28];
-/// The most evaluations on intervals in one piece; where they do not find its break, it has none.
+/// The maximum number of interval evaluations in one piece; if they do not find a break, there is none.
 const MOST_EVALUATIONS: u32 = 100;
-/// The most cells of all instances together in which breaks are looked for. An object with more of them changes faster than
-/// its samples can tell, and breaks off nowhere.
+/// The maximum number of cells, of all instances together, in which breaks are sought. An object with more of them changes
+/// too fast for its samples, and is treated as continuous.
 pub const MOST_BREAK_CELLS: u64 = 8192;
-/// The most evaluations on intervals that look for such a cell, for each of them.
+/// The maximum number of interval evaluations to find such a cell, for each of them.
 const EVALUATIONS_FOR_CELL: u64 = 64;
-/// The most evaluations on intervals that look for a pole within a cell.
+/// The maximum number of interval evaluations in the search for a pole within a cell.
 const EVALUATIONS_WITHIN_CELL: u32 = 250;
-/// The number of halvings of a cell at which the place of a pole within it is known.
+/// The number of halvings of a cell after which the position of a pole within it is known.
 const HALVINGS_TO_POLE: i32 = 44;
-/// The way on which a pole within a cell is passed, in shares of the cell: along none of the lines on which formulas are
-/// symmetric.
+/// The direction in which a pole within a cell is passed, in fractions of the cell: along none of the lines about which
+/// formulas are symmetric.
 const WAY_PAST_POLE: [f64; 2] = [1.0, 0.7];
-/// The largest distance of the two sides of the place, as a share of the distance of the samples.
+/// The maximum distance between the two sides of a point, as a fraction of the distance of the samples.
 const MOST_STEP: f64 = 0.125;
-/// The largest distance of a side of the place from its sample, as a share of the distance of the samples.
+/// The maximum distance of a side of a point from its sample, as a fraction of the distance of the samples.
 const MOST_AWAY: f64 = 2.0;
-/// The least ratio of one comparison to the one before it, of the distance between the sides or of the way to them, at a break.
+/// The minimum ratio, at a break, of one comparison to the previous one, of the distance between the sides or of the distance
+/// to them.
 const STEEPEST: f64 = 0.95;
-/// The number of halvings of the step between samples that leads to where a limit is looked for.
+/// The number of halvings of the step between samples at which a limit is sought.
 const STEP_HALVINGS: i32 = 10;
-/// Half the step is to change what converges to a limit by less than this share of what the whole step does.
+/// If there is a limit, half the step changes the value by less than this fraction of the change by the whole step.
 const STEADY: f64 = 0.75;
-/// A limit is known to this share of its coordinates.
+/// The relative accuracy of a limit's coordinates.
 const SLACK: f64 = 1e-6;
-/// Places within this share of their coordinates are one.
+/// Points within this fraction of their coordinates are the same.
 const ROUNDING: f64 = 1e-9;
 
-/// A place between samples at which an object breaks off.
+/// A point between samples at which an object is interrupted.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Break {
-    /// The place in the grid of samples of the first sample of the cell: a curve breaks off between it and the next one, a
-    /// surface on a side of the cell, or at a pole within it.
+    /// The grid position of the first sample of the cell: a curve is interrupted between it and the next one, a surface on
+    /// a side of the cell, or at a pole within it.
     pub first: [u32; 2],
-    /// True if what leads to it has no bound.
+    /// True if the object is unbounded near it.
     pub is_pole: bool,
 }
 
@@ -57,13 +58,13 @@ pub struct Break {
 pub struct Breaks {
     guards: Tape,
     position: Tape,
-    /// The most cells of an instance.
+    /// The maximum number of cells of an instance.
     most_cells: u64,
 }
 
 impl Breaks {
-    /// Returns what finds the breaks of an object; `None` if it is no curve and no surface, or one that is continuous
-    /// wherever it is defined, or that needs values of geodesics.
+    /// Returns the search for the breaks of an object; `None` if it is neither a curve nor a surface, if it is
+    /// continuous wherever it is defined, or if it needs values of geodesics.
     pub fn of(scene: &Scene, params: &ParamValues, object: &Object) -> Option<Self> {
         let (Shape::Curve { position, .. } | Shape::Surface { position, .. }) = &object.shape
         else {
@@ -81,8 +82,8 @@ impl Breaks {
         })
     }
 
-    /// Returns the breaks of an instance, ascending; `None` if it changes too fast for its samples. `domain` is that of the
-    /// object, and `uniforms` are those of [`scene::ParamValues::instance`].
+    /// Returns the breaks of an instance, in ascending order; `None` if it changes too fast for its samples. `domain` is
+    /// that of the object, and `uniforms` are those of [`scene::ParamValues::instance`].
     pub fn find(&self, domain: &[Sampling], uniforms: &[f64]) -> Option<Vec<Break>> {
         let cells = self
             .search(uniforms)
@@ -109,8 +110,8 @@ impl Breaks {
         Some(found)
     }
 
-    /// Returns the limits of those samples of an instance that are undefined and have one, with their indices; the first
-    /// parameter is the fastest.
+    /// Returns the limits of the undefined samples of an instance that have one, with their indices; the first parameter
+    /// varies fastest.
     pub fn limits(
         &self,
         domain: &[Sampling],
@@ -127,7 +128,8 @@ impl Breaks {
         undefined.filter_map(limit).collect()
     }
 
-    /// Returns the limit of an instance at parameters at which it is undefined, where a formula such as sin t/t has one.
+    /// Returns the limit of an instance at parameters at which it is undefined, if it exists, as for a formula such as
+    /// sin t/t.
     pub fn limit(&self, domain: &[Sampling], uniforms: &[f64], at: [f64; 2]) -> Option<[f64; 3]> {
         let mut search = self.search(uniforms);
         if search.is_continuous(at.map(|x| [x; 2])) {
@@ -157,7 +159,7 @@ impl Breaks {
             let middle = |[a, b]: [[f64; 3]; 2]| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
             let [near, next, far] = [0, 1, 2].map(|k| middle(all[k]));
             let slack = SLACK * (1.0 + distance(near, [0.0; 3]));
-            // Both sides come together, and what is between them comes to rest.
+            // Both sides approach each other, and the point between them converges.
             let meets =
                 distance(all[0][0], all[0][1]) <= STEADY * distance(all[1][0], all[1][1]) + slack;
             let rests = distance(near, next) <= STEADY * distance(next, far) + slack;
@@ -169,7 +171,7 @@ impl Breaks {
         limit
     }
 
-    /// Returns whether an instance may break off anywhere.
+    /// Returns whether an instance may be interrupted anywhere.
     pub fn may_occur(&self, domain: &[Sampling], uniforms: &[f64]) -> bool {
         let ends = [0, 1].map(|k| {
             domain
@@ -196,8 +198,8 @@ struct BreakSearch<'a> {
 }
 
 impl BreakSearch<'_> {
-    /// Returns the cells of the grid, by the places of their first samples, in which a guard may be zero; `None` if there are
-    /// too many.
+    /// Returns the cells of the grid, by the positions of their first samples, in which a guard may be zero; `None` if there
+    /// are too many.
     fn cells(&mut self, domain: [Option<&Sampling>; 2]) -> Option<Vec<[u32; 2]>> {
         let mut found = Vec::new();
         let mut evaluations = EVALUATIONS_FOR_CELL * self.breaks.most_cells;
@@ -257,7 +259,7 @@ impl BreakSearch<'_> {
         !out.iter().any(|guard| guard.contains(0.0))
     }
 
-    /// Returns the object's place at parameters, if it has one.
+    /// Returns the object's position at parameters, if it is defined there.
     fn place(&mut self, at: [f64; 2]) -> Option<[f64; 3]> {
         let position = &self.breaks.position;
         let inputs = position.inputs().iter().map(|input| self.input(input, at));
@@ -267,7 +269,7 @@ impl BreakSearch<'_> {
         out.iter().all(|x| x.is_finite()).then_some(out)
     }
 
-    /// Returns whether there is a break between two samples, at both of which the object is defined, and whether it is a pole.
+    /// Returns whether there is a break between two samples at which the object is defined, and whether it is a pole.
     fn break_between(&mut self, samples: [[f64; 2]; 2]) -> Option<bool> {
         let [first, last] = samples.map(|at| self.place(at));
         let ends: Sides = [first?, last?];
@@ -310,7 +312,7 @@ impl BreakSearch<'_> {
         None
     }
 
-    /// Returns whether a surface has no bound at a place within a cell, given as the ends of both parameters.
+    /// Returns whether a surface is unbounded at a point within a cell, given as the ends of both parameters.
     fn has_pole_within(&mut self, cell: [[f64; 2]; 2]) -> bool {
         let mut parts = vec![(cell, 0)];
         for _ in 0..EVALUATIONS_WITHIN_CELL {
@@ -334,7 +336,7 @@ impl BreakSearch<'_> {
         false
     }
 
-    /// Returns whether a surface has no bound at a place in a cell.
+    /// Returns whether a surface is unbounded at a point in a cell.
     fn is_pole(&mut self, at: [f64; 2], cell: [[f64; 2]; 2]) -> bool {
         let seen = HALVINGS.map(|halvings| {
             let share = f64::powi(0.5, halvings);
@@ -350,16 +352,16 @@ impl BreakSearch<'_> {
         let defined: Vec<[f64; 3]> = corners.into_iter().flatten().collect();
         let ways = defined.iter().zip(defined.iter().skip(1));
         let size = ways.map(|(a, b)| distance(*a, *b)).fold(0.0, f64::max);
-        // A jump's sides are equal far from it, and near it as unequal as its place is inexact.
+        // One side of a jump agrees with itself far from the jump; near it, it differs by the error of the jump's location.
         distance(first[0], next[0]) > MOST_STEP * size
             && kind_of_break([first, next, last]) == Some(true)
     }
 }
 
-/// The places of an object on both sides of a parameter.
+/// The positions of an object on both sides of a parameter.
 type Sides = [[f64; 3]; 2];
 
-/// Returns whether there may be a break between two samples, of which `sides` are on both sides.
+/// Returns whether there may be a break between two samples, where `sides` are the positions on both sides of it.
 fn is_doubtful(ends: Sides, sides: Sides) -> bool {
     let (apart, slack) = (distance(ends[0], ends[1]), rounding(ends));
     let away = [0, 1].map(|k| distance(sides[k], ends[k]));
@@ -367,8 +369,8 @@ fn is_doubtful(ends: Sides, sides: Sides) -> bool {
         || away[0].max(away[1]) > MOST_AWAY * apart + slack
 }
 
-/// Returns whether there is a break that is a pole, or one that is none, of which `seen` are on both sides, nearer and nearer to
-/// it. What is continuous, however steep, comes together there.
+/// Returns whether there is a break, and whether it is a pole, from the positions `seen` on both sides, nearer and nearer to
+/// it. A continuous object, however steep, converges there.
 fn kind_of_break(seen: [Sides; 3]) -> Option<bool> {
     let [first, next, last] = seen;
     let slack = rounding(last);
@@ -381,7 +383,7 @@ fn kind_of_break(seen: [Sides; 3]) -> Option<bool> {
     goes_on(gap(next), gap(last)).then_some(false)
 }
 
-/// The distance up to which places of this size are one.
+/// Returns the distance up to which points of this magnitude are the same.
 fn rounding([a, b]: Sides) -> f64 {
     ROUNDING * (distance(a, [0.0; 3]) + distance(b, [0.0; 3]))
 }

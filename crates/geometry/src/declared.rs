@@ -1,4 +1,4 @@
-//! Declared geodesics: a scene's declarations and the values of its params flow in, knots of all instances flow out.
+//! Declared geodesics. In: a scene's declarations and the values of its params. Out: knots of all instances.
 
 use expr::Input;
 use expr::tape::{Registers, Tape};
@@ -13,14 +13,14 @@ use crate::polyline::{
     GeodesicStart, Knot, KnotLine, MAX_LINE_EVALUATIONS, knots_at, space_knots_at,
 };
 
-/// The most points of all instances of a declared geodesic; further instances are not drawn.
+/// The maximum number of points of all instances of a declared geodesic; further instances are not drawn.
 pub const MAX_POINTS: u64 = 2_000_000;
 
-/// The most evaluations of surfaces for all declared geodesics of a scene: a few seconds.
+/// The maximum number of surface evaluations for all declared geodesics of a scene: a few seconds.
 pub const MAX_DECLARED_EVALUATIONS: u64 = 20_000_000;
 
-/// The most evaluations for one instance of a declared geodesic of which `instances` are drawn: each declaration has an equal
-/// share of [`MAX_DECLARED_EVALUATIONS`], and each of its instances an equal share of that.
+/// Returns the maximum number of evaluations for one instance of a declared geodesic of which `instances` are drawn: each
+/// declaration has an equal share of [`MAX_DECLARED_EVALUATIONS`], and each of its instances an equal share of that.
 pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
     let declared = scene.objects.iter().filter(|object| {
         object.shape.geodesic().is_some() || object.shape.space_geodesic().is_some()
@@ -29,7 +29,7 @@ pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
     (MAX_DECLARED_EVALUATIONS / declared / instances.max(1)).min(MAX_LINE_EVALUATIONS)
 }
 
-/// The sentence about lines of a declared geodesic that end because their evaluations are used up.
+/// Returns the sentence about lines of a declared geodesic that end because their evaluations are used up.
 pub fn cut_note(name: &str) -> String {
     format!(
         "`{name}` is not drawn to its end, which would take too much work: shorten its interval, or declare fewer geodesics"
@@ -41,9 +41,9 @@ pub fn cut_note(name: &str) -> String {
 pub struct FollowedGeodesic {
     /// The number of knots of one instance.
     pub count: u32,
-    /// The knots of each instance in the order of t; `None` where the geodesic ends before.
+    /// The knots of each instance in the order of t; `None` where the geodesic ends earlier.
     pub lines: Vec<Vec<Option<Knot>>>,
-    /// Sentences for the user: instances that are left out, and why.
+    /// Sentences for the user: the instances that are omitted, and the reason.
     pub notes: Vec<String>,
 }
 
@@ -55,8 +55,8 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
     })
 }
 
-/// Follows all instances of a declared geodesic as [`follow_declared`] does, to other values of its parameter than those
-/// that are declared.
+/// Follows all instances of a declared geodesic as [`follow_declared`] does, to other values of its parameter than the
+/// declared ones.
 pub fn follow_declared_over(
     scene: &Scene,
     params: &ParamValues,
@@ -77,7 +77,7 @@ pub fn follow_declared_over(
     let name = &object.name;
     // Values of its parameter, in units of its speed.
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
-    // Only a surface that depends on grids differs from instance to instance.
+    // Only a surface that depends on grids varies between instances.
     let on = scene.get(surface);
     let shared = on
         .filter(|on| on.grids.is_empty())
@@ -107,7 +107,7 @@ pub fn follow_declared_over(
             }
             Err(fault) => {
                 let faults = scene.geodesic_faults(object, &uniforms);
-                // The reason why a place that it needs is undefined says more than that it is.
+                // The reason why a dependency is undefined is more informative.
                 let reason = match faults.first() {
                     Some((of, fault)) if of == name => fault.to_string(),
                     Some((of, fault)) => format!("of `{of}`: {fault}"),
@@ -120,7 +120,7 @@ pub fn follow_declared_over(
     all_instances(scene, params, object, domain, &line)
 }
 
-/// A line of one instance, and the reason why it is not drawn.
+/// A line of one instance, and the reason if it is not drawn.
 type InstanceLine = (KnotLine, Option<String>);
 
 /// Follows all instances of a geodesic on a solid.
@@ -163,7 +163,7 @@ fn follow_in_space(
     all_instances(scene, params, object, domain, &line)
 }
 
-/// The lines of all instances, on all cores.
+/// Returns the lines of all instances, computed on all cores.
 fn all_instances(
     scene: &Scene,
     params: &ParamValues,
@@ -204,7 +204,7 @@ fn all_instances(
     }
 }
 
-/// Reports whether an object is a geodesic on a surface in space or on a solid, so that the 3D view draws it.
+/// Returns whether an object is a geodesic on a surface in space or on a solid, so that the 3D view draws it.
 pub fn lies_in_space(scene: &Scene, id: ObjectId) -> bool {
     let object = scene.get(id);
     if object.is_some_and(|object| object.shape.space_geodesic().is_some()) {
@@ -214,7 +214,7 @@ pub fn lies_in_space(scene: &Scene, id: ObjectId) -> bool {
     surface.is_some_and(|surface| surface.shape.is_surface())
 }
 
-/// The object, its surface and its arc lengths; `None` for objects other than geodesics.
+/// Returns the object, its surface and its arc lengths; `None` for objects other than geodesics.
 fn parts(scene: &Scene, id: ObjectId) -> Option<(&Object, ObjectId, &Sampling)> {
     let object = scene.get(id)?;
     let (surface, domain) = object.shape.geodesic()?;

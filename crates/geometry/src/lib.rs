@@ -1,15 +1,15 @@
-//! The step from a scene's objects to geodesics, and to what rays meet.
+//! The step from a scene's objects to manifolds for geodesics, and to solids and surfaces for rays.
 //!
 //! ```text
 //! Scene + ObjectId + uniforms ──manifold.rs──▶ Manifold: a surface or a metric with its numbers in place
-//! curve or surface + uniforms ──breaks.rs──▶ Breaks: the samples between which it breaks off, at poles and jumps
+//! curve or surface + uniforms ──breaks.rs──▶ Breaks: the samples between which it is interrupted, at poles and jumps
 //! Scene + ParamValues ──declared.rs──▶ the declared geodesics, as knots
-//! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
+//! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, cached between pictures
 //! Scene + ParamValues + ObjectId ──solid_surface.rs──▶ SolidSurface: a solid for geodesics in space
 //! Scene + ParamValues ──solids.rs──▶ RayScene: solids, surfaces, looks, lights and cameras for rays
 //! ```
 //!
-//! Knows nothing of pictures, of text, or of its callers.
+//! This crate is independent of pictures, of text, and of its callers.
 
 mod breaks;
 mod declared;

@@ -1,6 +1,7 @@
-//! Manifolds: an object of a scene and the values of its uniforms flow in, what geodesics are computed on flows out.
+//! Manifolds. In: an object of a scene and the values of its uniforms. Out: the surface or metric that geodesics run
+//! on.
 //!
-//! This is the only place where a scene's surface or metric becomes a [`Surface`].
+//! Only this module turns a scene's surface or metric into a [`Surface`].
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,11 +13,11 @@ use scene::{ObjectId, Sampling, Scene};
 
 use crate::polyline_cache::{ChartPolyline, GeodesicSegment, PolylineCache};
 
-/// A surface or a metric of a scene, with the numbers of one instance in place.
+/// A surface or a metric of a scene, with the numbers of one instance substituted.
 #[derive(Clone, Debug)]
 pub struct Manifold {
     kind: ManifoldKind,
-    /// Shared by clones, because they are the same manifold.
+    /// Shared by clones, since they are the same manifold.
     polylines: Arc<PolylineCache>,
 }
 
@@ -24,31 +25,31 @@ pub struct Manifold {
 enum ManifoldKind {
     /// A surface in space.
     Surface(Box<ParametricSurface>),
-    /// A metric, which has no shape in space.
+    /// A metric, which is not embedded in space.
     Metric(Box<MetricSurface>),
 }
 
-/// The reason for which an object is no [`Manifold`].
+/// The reason why an object cannot be a [`Manifold`].
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum ManifoldError {
-    /// The object is no surface, metric or solid, or not of the kind that is needed, or the scene has no such object.
+    /// The object is not a surface, metric or solid, or not of the required kind, or the scene does not contain it.
     NoSurface {
         /// The object's name, if it is in the scene.
         name: Option<String>,
     },
-    /// The derivatives, which geodesics need, are larger than the limit for expressions.
+    /// The derivatives that geodesics need exceed the limit for expressions.
     TooLarge {
         /// The object's name.
         name: String,
     },
-    /// A map of the solid takes volumes to 0 with these values of the params, so that it bounds nothing.
+    /// A map of the solid is singular with these values of the params, so the solid has no boundary.
     Flat {
         /// The solid's name.
         name: String,
-        /// The leaf whose map it is.
+        /// The leaf to which the map belongs.
         leaf: String,
     },
-    /// No point is in the solid with these values of the params.
+    /// The solid contains no point with these values of the params.
     Empty {
         /// The solid's name.
         name: String,
@@ -85,7 +86,7 @@ impl Manifold {
         })
     }
 
-    /// The surface or metric that geodesics are computed on.
+    /// Returns the surface or metric that geodesics run on.
     pub fn surface(&self) -> &dyn Surface {
         match &self.kind {
             ManifoldKind::Surface(surface) => surface.as_ref(),
@@ -98,13 +99,13 @@ impl Manifold {
         self.polylines.follow(self.surface(), segments)
     }
 
-    /// The sides that are one point: `[axis][end]`.
+    /// Returns the sides that are one point: `[axis][end]`.
     pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
         [0, 1].map(|axis| [0, 1].map(|end| self.surface().apex(axis, end)))
     }
 }
 
-/// `[[u min, u max], [v min, v max]]`.
+/// Returns `[[u min, u max], [v min, v max]]`.
 fn intervals(domain: &[Sampling; 2]) -> [[f64; 2]; 2] {
     domain
         .each_ref()

@@ -1,27 +1,28 @@
 //! Geodesics as knots: points at given arc lengths.
 //!
-//! Each knot is reached from the one before it, so that a line costs its length once. Where a geodesic cannot be
-//! continued from a knot (in a pole, which has no direction), it is followed again from its start.
+//! Each knot is reached from the previous one, so that a line costs only its length. Where a geodesic cannot be
+//! continued from a knot (at a pole, which has no direction), it is followed again from its start.
 
 use geodesic::frame::Frame;
 use geodesic::implicit::{ImplicitSurface, SpaceTraceError};
 use geodesic::surface::{Surface, affordable_evaluations};
 use geodesic::trace::{Options, Status, Trace, TraceError, trace};
 
-/// The most evaluations of the surface for the knots of one geodesic: about a second, and a few where it passes poles.
+/// The maximum number of surface evaluations for the knots of one geodesic: about a second, a few seconds through
+/// poles.
 pub const MAX_LINE_EVALUATIONS: u64 = 2_000_000;
 
 /// A geodesic as knots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnotLine {
-    /// One for each length; `None` behind the end of a geodesic.
+    /// One for each length; `None` beyond the end of a geodesic.
     pub knots: Vec<Option<Knot>>,
     /// True if it ends because its evaluations are used up.
     pub is_cut: bool,
 }
 
 impl KnotLine {
-    /// A geodesic that does not start, at `count` lengths.
+    /// Returns a geodesic that does not start, at `count` lengths.
     pub(crate) fn nowhere(count: usize) -> Self {
         Self {
             knots: vec![None; count],
@@ -35,14 +36,14 @@ impl KnotLine {
 pub struct Knot {
     /// (u, v), brought back into the domain; NaN on a solid.
     pub uv: [f64; 2],
-    /// The place in space; `None` on a metric.
+    /// The position in space; `None` on a metric.
     pub position: Option<[f64; 3]>,
 }
 
 /// The start of a geodesic.
 #[derive(Clone, Copy, Debug)]
 pub enum GeodesicStart<'a> {
-    /// At (u, v), in a direction a σu + b σv; its length does not matter.
+    /// At (u, v), in the direction a σu + b σv, whose length is irrelevant.
     Chart([f64; 2], [f64; 2]),
     /// At a frame, towards a point of its picture.
     Frame(&'a Frame, [f64; 2]),
@@ -69,9 +70,9 @@ impl GeodesicStart<'_> {
     }
 }
 
-/// Follows a geodesic to ascending arc lengths; negative ones lie behind the start. A geodesic that ends early has one
-/// knot at its end and `None` from there on. It takes about `max_evaluations` of the surface at most, fewer where one
-/// evaluation is dear ([`affordable_evaluations`]).
+/// Follows a geodesic to ascending arc lengths; negative ones are behind the start. A geodesic that ends early has one
+/// knot at its end and `None` from there on. It uses at most about `max_evaluations` of the surface, fewer if it is
+/// expensive to evaluate ([`affordable_evaluations`]).
 pub fn knots_at(
     surface: &dyn Surface,
     start: &GeodesicStart,
@@ -111,7 +112,7 @@ pub fn space_knots_at(
         left = left.saturating_sub(found.evaluations);
         is_cut |= found.status == Status::WorkLimit;
         let mut knots: Vec<Option<Knot>> = found.points.into_iter().map(knot_in_space).collect();
-        // A geodesic that ends early keeps the knot at its end.
+        // A geodesic that ends early retains the knot at its end.
         knots.resize(lengths.len(), None);
         Ok(knots)
     };
@@ -130,8 +131,8 @@ fn knot_in_space(at: [f64; 3]) -> Option<Knot> {
     })
 }
 
-/// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before. The evaluations that it
-/// takes are subtracted from `left`.
+/// Follows a geodesic to arc lengths of one sign, in order of increasing distance from the start. The evaluations used are
+/// subtracted from `left`.
 fn one_way(
     surface: &dyn Surface,
     start: &GeodesicStart,
@@ -140,7 +141,7 @@ fn one_way(
 ) -> KnotLine {
     let mut knots = Vec::with_capacity(lengths.len());
     let mut is_cut = false;
-    // The last trace, which holds the direction of the geodesic at its end, and its arc length.
+    // The last trace, which contains the direction of the geodesic at its end, and its arc length.
     let mut last: Option<(Trace, f64)> = None;
     let complete = |trace: &Trace| trace.status == Status::Complete;
     for &length in lengths {
@@ -162,7 +163,7 @@ fn one_way(
                     uv: trace.uv.0,
                     position: trace.position,
                 }));
-                // A geodesic that ends early keeps the knot at its end.
+                // A geodesic that ends early retains the knot at its end.
                 if !complete(&trace) {
                     is_cut = trace.status == Status::WorkLimit;
                     break;
@@ -176,7 +177,7 @@ fn one_way(
     KnotLine { knots, is_cut }
 }
 
-/// The options of a geodesic from one knot to the next, of a line with `left` evaluations.
+/// Returns the options of a geodesic from one knot to the next, for a line with `left` evaluations.
 fn options(left: usize) -> Options {
     let options = Options::default();
     Options {

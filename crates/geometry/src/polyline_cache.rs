@@ -1,5 +1,4 @@
-//! Geodesics on one manifold as points of its chart, kept from one picture to the next: while a camera moves they stay
-//! the same.
+//! Geodesics on one manifold as points of its chart, cached between pictures: they do not change while a camera moves.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,28 +8,28 @@ use rayon::prelude::*;
 
 use crate::polyline::{GeodesicStart, knots_at};
 
-/// The most points that the cache keeps.
+/// The maximum number of points in the cache.
 const MOST_KEPT: usize = 1 << 18;
 
-/// A geodesic that is to be followed to points at equal arc lengths.
+/// A geodesic to be followed to points at equal arc lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeodesicSegment {
     /// (u, v).
     pub start: [f64; 2],
-    /// a σu + b σv; its length does not matter.
+    /// a σu + b σv; its length is irrelevant.
     pub direction: [f64; 2],
     /// The arc lengths of the first and of the last point.
     pub lengths: [f64; 2],
-    /// The number of intervals: one less than there are points.
+    /// The number of intervals: one less than the number of points.
     pub pieces: u32,
-    /// The most evaluations of the surface.
+    /// The maximum number of evaluations of the surface.
     pub max_evaluations: u64,
 }
 
 /// A geodesic as points of the chart; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct ChartPolyline {
-    /// Points (u, v) in the domain; `None` where the geodesic ends before.
+    /// Points (u, v) in the domain; `None` where the geodesic ends earlier.
     pub points: Arc<[Option<[f64; 2]>]>,
     /// True if it ends because its evaluations are used up.
     pub is_cut: bool,
@@ -43,7 +42,7 @@ pub(crate) struct PolylineCache {
 }
 
 impl PolylineCache {
-    /// Follows those segments that are not known yet. `surface` must be the same at every call.
+    /// Follows those segments that are not yet known. `surface` must be the same in every call.
     pub(crate) fn follow(
         &self,
         surface: &dyn Surface,
@@ -72,7 +71,7 @@ impl PolylineCache {
         let points = |all: &mut dyn Iterator<Item = &ChartPolyline>| -> usize {
             all.map(|l| l.points.len()).sum()
         };
-        // The lines of this picture are needed again sooner than those of earlier ones.
+        // The lines of this picture will be needed again sooner than those of earlier ones.
         if points(&mut known.values()) + points(&mut found.iter().flatten()) > MOST_KEPT {
             known.clear();
         }

@@ -1,7 +1,7 @@
-//! The surface of a solid for geodesics: a solid of a scene and values of its params flow in, what geodesics in space are
-//! computed on flows out, with the box that holds it and the place where a camera first stands.
+//! The surface of a solid for geodesics. In: a solid of a scene and values of its params. Out: the surface in space that
+//! geodesics run on, its bounding box, and the initial position of a camera.
 //!
-//! This is the only place where a scene's solid becomes an [`ImplicitSurface`] for views and commands.
+//! Only this module turns a scene's solid into an [`ImplicitSurface`] for views and commands.
 
 use geodesic::implicit::ImplicitSurface;
 use glam::DVec3;
@@ -20,8 +20,8 @@ pub struct SolidSurface {
 }
 
 impl SolidSurface {
-    /// Compiles a solid, for these values of the params; of one that depends on grids that are given no value, the union of all
-    /// instances.
+    /// Compiles a solid for these values of the params. A solid that depends on grids without given values is the union of all
+    /// its instances.
     ///
     /// # Errors
     /// [`ManifoldError`].
@@ -80,26 +80,26 @@ impl SolidSurface {
         })
     }
 
-    /// The surface that geodesics are computed on.
+    /// Returns the surface that geodesics run on.
     pub fn surface(&self) -> &ImplicitSurface {
         &self.surface
     }
 
-    /// The lower and the upper corner of a box that holds it; `None` for an endless one.
+    /// Returns the lower and the upper corner of a bounding box; `None` for an unbounded solid.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         self.bounds
             .map(|bounds| [bounds.lower.to_array(), bounds.upper.to_array()])
     }
 
-    /// The place where the ray from the middle of its box along x leaves it, or one along another axis if that does not meet
-    /// it; `None` if none does. Where that is on a face much smaller than the largest one, such as a narrow cut, it is a place on
-    /// the largest.
+    /// Returns the point where the ray from the centre of the bounding box along x leaves the solid, or along another axis if
+    /// that one does not meet it; `None` if none does. If that face is much smaller than the largest one, such as a narrow cut,
+    /// returns a point of the largest face.
     pub fn first_place(&self) -> Option<[f64; 3]> {
         self.first
     }
 }
 
-/// A grid with one value.
+/// Returns a grid with one value.
 fn only(value: f64) -> Sampling {
     Sampling {
         range: Range {
@@ -110,11 +110,11 @@ fn only(value: f64) -> Sampling {
     }
 }
 
-/// The rays in a row along each axis that measure the faces of a solid.
+/// The number of rays in a row along each axis that measure the faces of a solid.
 const FACE_RAYS: u32 = 8;
-/// The share of the area of the largest face that a face has at least on which a camera first stands.
+/// The minimum area, as a fraction of the largest face's, of a face on which a camera is placed initially.
 const NARROW: f64 = 0.5;
-/// Areas and distances of which one is at least this share of the other are alike.
+/// Areas and distances are alike if one is at least this fraction of the other.
 const ALIKE: f64 = 1.0 - 1e-9;
 
 fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]> {
@@ -154,7 +154,7 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
         };
         let own: f64 = faces.iter().map(area).sum();
         let most = faces.iter().map(|face| face.area).fold(0.0, f64::max);
-        // Of faces that are alike the first: rounding, which differs between machines, is not to choose.
+        // Choose the first of alike faces: rounding, which differs between machines, must not decide.
         let alike = faces.into_iter().filter(|face| face.area >= ALIKE * most);
         let largest = alike.min_by_key(|face| face.surface)?;
         let ahead = leaving.iter().find(|it| it.surface == largest.surface);
@@ -167,12 +167,12 @@ fn first_place(rays: &RayScene, bounds: Option<BoundingBox>) -> Option<[f64; 3]>
 struct MeasuredFace {
     surface: SurfaceId,
     area: f64,
-    /// Its place that is nearest to the middle of the solid's box.
+    /// Its point nearest to the centre of the solid's box.
     nearest: Crossing,
 }
 
 impl MeasuredFace {
-    /// The faces of a solid in a box, as rays along the axes meet them.
+    /// Returns the faces of a solid in a box, as rays along the axes meet them.
     fn all(rays: &RayScene, bounds: &BoundingBox) -> Vec<Self> {
         let sides = bounds.upper - bounds.lower;
         let middle = 0.5 * (bounds.lower + bounds.upper);
@@ -193,8 +193,8 @@ impl MeasuredFace {
                     leaving: None,
                 };
                 for crossing in caster.cast(&ray) {
-                    // A part of a face is met by rays along each axis as often as it is turned to it: these shares of all
-                    // three axes are together 1.
+                    // Rays along each axis meet a part of a face as often as it is turned towards them: these fractions
+                    // of the three axes add up to 1.
                     let area = cell * crossing.normal[axis].abs();
                     let known = faces
                         .iter_mut()

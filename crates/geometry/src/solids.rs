@@ -1,14 +1,14 @@
 //! Scenes for rays.
 //!
-//! Input: a scene, values of its params, the objects that are shown. Output: a [`RayScene`], which owns all that rays need:
-//! solids, surfaces, the looks of their faces, lights, cameras, the background; and which says of each face what it belongs
-//! to, and of the scene what is not as it is declared.
+//! In: a scene, values of its params, the objects that are shown. Out: a [`RayScene`], which owns everything rays need:
+//! solids, surfaces, the looks of their faces, lights, cameras, the background. It also maps each face to its object, and
+//! reports deviations from the declarations.
 //!
 //! ```text
-//! Scene + ParamValues ──draft.rs──▶ RayScene, and what is not as it is declared (note.rs)
+//! Scene + ParamValues ──draft.rs──▶ RayScene, and deviations from the declarations (note.rs)
 //!        ├──────────────expand.rs──▶ solids, the instances of each united
 //!        ├──────────────bodies.rs──▶ points, arrows, curves and geodesics as balls, cylinders and cones
-//!        ├──────────attributes.rs──▶ numbers at places, within their ranges ──look.rs──▶ looks of faces
+//!        ├──────────attributes.rs──▶ numbers at points, within their ranges ──look.rs──▶ looks of faces
 //!        │                              └─varying.rs──▶ the same as expressions
 //!        └───────────────stage.rs──▶ lights, cameras, the background
 //! ```
@@ -46,15 +46,16 @@ pub use note::{RayFault, RayNote};
 pub use stage::{DeclaredCamera, StandardLights, standard_sky};
 pub use varying::{VaryingAttribute, VaryingImage, VaryingList, VaryingLook, VaryingPlace};
 
-/// The colour of solids that state none, sRGB.
+/// The colour, in sRGB, of solids without a stated one.
 pub const SOLID_COLOR: DVec3 = DVec3::new(0.88, 0.86, 0.82);
-/// The most instances of all surfaces of a scene that rays meet.
+/// The maximum number of instances of all surfaces of a scene for rays.
 pub const MAX_SHEETS: usize = 4096;
 
-/// The most work that reading the shapes of a scene's solids and looking for their boxes may take, in operations on intervals.
+/// The maximum work, in interval operations, of reading the shapes of a scene's solids and finding their boxes.
 pub const MAX_SHAPE_WORK: u64 = 50_000_000;
 
-/// The class of a leaf that polynomials of up to this degree bound, which tells how rays meet it; `None` for other functions.
+/// Returns the class of a leaf bounded by polynomials of up to this degree, which determines how rays are intersected with
+/// it; `None` stands for other functions.
 pub fn leaf_class(degree: Option<usize>) -> &'static str {
     match degree {
         Some(0 | 1) => "plane",
@@ -64,20 +65,20 @@ pub fn leaf_class(degree: Option<usize>) -> &'static str {
     }
 }
 
-/// The parts of a scene that become a [`RayScene`], and how they look where they do not say it themselves.
+/// The parts of a scene that become a [`RayScene`], and the default looks.
 #[derive(Clone, Copy)]
 pub struct RaySceneOptions<'a> {
     /// True for the objects that rays meet.
     pub shown: &'a (dyn Fn(ObjectId) -> bool + Sync),
-    /// The colour, sRGB from 0 to 1, of objects that state none; solids and surfaces of glass are white.
+    /// The colour, in sRGB from 0 to 1, of objects without a stated one; solids and surfaces of glass are white.
     pub color: &'a (dyn Fn(ObjectId) -> DVec3 + Sync),
-    /// The sizes of points, arrows and curves; without it they are left out.
+    /// The sizes of points, arrows and curves; if `None`, they are omitted.
     pub thickness: Option<Thickness>,
     /// The formulas of the picture.
     pub picture_look: PictureLook,
 }
 
-/// A scene with numbers in place, for rays.
+/// A scene with numbers substituted, for rays.
 #[derive(Debug)]
 pub struct RayScene {
     world: World,
@@ -85,16 +86,16 @@ pub struct RayScene {
     content: RayContent,
 }
 
-/// All of a scene for rays but what they meet: what it belongs to, how it looks, and what shines on it.
+/// Everything that rays need of a scene except the geometry: owners, looks and lights.
 #[derive(Debug, Default)]
 struct RayContent {
     glass: Vec<Option<Glass>>,
     opaque: Vec<bool>,
     objects: Vec<RayObject>,
-    /// The solids of the world; `glass` and `opaque` are as long.
+    /// The solids of the world; `glass` and `opaque` have the same length.
     solids: Vec<RaySolid>,
     leaves: Vec<RayLeaf>,
-    /// The sides of each leaf; none where all leaves are seen from both sides.
+    /// The sides of each leaf; empty if all leaves are seen from both sides.
     sides: Vec<FaceSides>,
     /// The names of the leaves of solids.
     names: Vec<(String, Span)>,
@@ -102,7 +103,7 @@ struct RayContent {
     looks: Vec<LookProgram>,
     /// The images that attributes name.
     images: Vec<String>,
-    /// The solids that state no place in an image, and no image.
+    /// The solids that state neither a position in an image, nor an image.
     unplaced: Vec<ObjectId>,
     lights: Vec<Light>,
     cameras: Vec<DeclaredCamera>,
@@ -111,23 +112,23 @@ struct RayContent {
     staged: Vec<(String, AttributeSet)>,
     notes: Vec<RayNote>,
     picture_look: PictureLook,
-    /// False where the scene says that only what it declares shines.
+    /// False if the scene specifies that only declared lights shine.
     has_standard_lights: bool,
 }
 
 /// A solid of the world.
 #[derive(Debug)]
 struct RaySolid {
-    /// The position of its object.
+    /// The index of its object.
     object: usize,
-    /// The length of a mesh cell that its intervals state.
+    /// The length of a mesh cell stated by its intervals.
     stated_cell: Option<f64>,
 }
 
 /// An object that rays may meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayObject {
-    /// Its number among the scene's objects; `None` for a solid that is a part of others.
+    /// Its id in the scene; `None` for a solid that is a part of others.
     pub id: Option<ObjectId>,
     /// Its name.
     pub name: String,
@@ -140,11 +141,11 @@ pub struct RayObject {
 /// A leaf of the world.
 #[derive(Debug)]
 struct RayLeaf {
-    /// The position of its name; `None` for a part of a point, an arrow or a curve.
+    /// The index of its name; `None` for a part of a point, an arrow or a curve.
     name: Option<u32>,
     instance: u64,
     look: u32,
-    /// Those of its instance, with what unions over grids add.
+    /// The uniforms of its instance, with those added by unions over grids.
     uniforms: Arc<[f64]>,
     place: FacePlace,
 }
@@ -168,21 +169,21 @@ pub struct FaceOwner<'a> {
     pub instance: u64,
     /// The values of the grids that give the object instances, each with its name: one number for each axis.
     pub grids: Vec<(&'a str, &'a [f64])>,
-    /// The leaf of a solid: the name of its function, or of a solid in field form, and the place where the set names it.
+    /// The leaf of a solid: the name of its function, or of a solid in field form, and the span where the set names it.
     pub leaf: Option<(&'a str, Span)>,
 }
 
 impl RayScene {
-    /// Prepares what is shown of a scene.
+    /// Prepares the shown objects of a scene.
     pub fn new(scene: &Scene, params: &ParamValues, options: &RaySceneOptions<'_>) -> Self {
         let shown = scene.numbered().filter(|(id, _)| (options.shown)(*id));
         let objects = shown.map(|(id, object)| (Some(id), object)).collect();
         Self::of(scene, params, options, objects, &mut { MAX_SHAPE_WORK })
     }
 
-    /// Prepares one solid alone, also one that is a part of others; it may be of [`Scene::objects`] or of [`Scene::parts`].
-    /// `work` is what reading its shapes may take, [`MAX_SHAPE_WORK`] for the solids of a scene together, and becomes what is
-    /// left of that.
+    /// Prepares one solid alone, even if it is only a part of others; it may be one of [`Scene::objects`] or of
+    /// [`Scene::parts`]. `work` is the work allowed for reading its shapes ([`MAX_SHAPE_WORK`] for all solids of a scene
+    /// together), and becomes the remaining work.
     pub fn of_solid(
         scene: &Scene,
         params: &ParamValues,
@@ -220,7 +221,7 @@ impl RayScene {
             }
         }
         *work = builder.work_left();
-        // Bodies have three shapes in all.
+        // Bodies have only three shapes.
         builder = builder.with_work(u64::MAX);
         for &(id, object) in &objects {
             if let (Some(thickness), Some(id)) = (&options.thickness, id)
@@ -238,48 +239,48 @@ impl RayScene {
         draft.finish(builder)
     }
 
-    /// The solids; those of the scene first, then bodies of points, arrows and curves.
+    /// Returns the solids: first those of the scene, then bodies of points, arrows and curves.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The parametric surfaces.
+    /// Returns the parametric surfaces.
     pub fn sheets(&self) -> &Sheets {
         &self.sheets
     }
 
-    /// The glass that each solid of the world is of.
+    /// Returns the glass of each solid of the world.
     pub fn glass(&self) -> &[Option<Glass>] {
         &self.content.glass
     }
 
-    /// True for each solid of the world that lets no light through, wherever light meets it.
+    /// Returns true for each solid of the world that is opaque everywhere.
     pub fn opaque(&self) -> &[bool] {
         &self.content.opaque
     }
 
-    /// The objects that rays may meet.
+    /// Returns the objects that rays may meet.
     pub fn objects(&self) -> &[RayObject] {
         &self.content.objects
     }
 
-    /// The largest cell that a mesh of a solid of the world may have: the smallest that a counted interval of one of its
-    /// leaves asks for. `None` where no interval has a count.
+    /// Returns the maximum mesh cell of a solid of the world: the smallest one requested by a counted interval of one of
+    /// its leaves. `None` if no interval has a count.
     pub fn stated_cell(&self, solid: usize) -> Option<f64> {
         self.content.solids[solid].stated_cell
     }
 
-    /// The object of a solid of the world.
+    /// Returns the object of a solid of the world.
     pub fn object_of_solid(&self, solid: usize) -> &RayObject {
         &self.content.objects[self.content.solids[solid].object]
     }
 
-    /// True if a solid of the world is a solid of the scene, and no point, arrow or curve.
+    /// Returns true if a solid of the world is a solid of the scene, not a point, arrow or curve.
     pub fn is_declared_solid(&self, solid: usize) -> bool {
         self.object_of_solid(solid).kind == "solid"
     }
 
-    /// The lights that the scene declares; without any, those of the 3D view for the camera.
+    /// Returns the lights that the scene declares; if there are none, those of the 3D view for the camera.
     pub fn lights(&self, camera: &LensCamera, standard: &StandardLights) -> Vec<Light> {
         if self.content.lights.is_empty() && self.content.has_standard_lights {
             standard.of(camera)
@@ -288,17 +289,17 @@ impl RayScene {
         }
     }
 
-    /// The cameras that the scene declares, in the order of the text, all instances of each.
+    /// Returns the cameras that the scene declares, with all their instances, in the order of the text.
     pub fn cameras(&self) -> &[DeclaredCamera] {
         &self.content.cameras
     }
 
-    /// The words of the images that attributes of faces name.
+    /// Returns the names of the images that attributes of faces use.
     pub fn images(&self) -> &[String] {
         &self.content.images
     }
 
-    /// A note for each of these objects, which have images of their own, whose image is not shown.
+    /// Returns a note for each of these objects that has its own image, which is not shown.
     pub fn unplaced(&self, images: impl Fn(ObjectId) -> bool) -> impl Iterator<Item = RayNote> {
         let objects = self.content.objects.iter();
         let is_unplaced = move |object: &&RayObject| {
@@ -311,18 +312,19 @@ impl RayScene {
         })
     }
 
-    /// The word of the image that the declared background states.
+    /// Returns the name of the image of the declared background.
     pub fn background_image(&self) -> Option<&str> {
         self.content.background.as_ref()?.image.as_deref()
     }
 
-    /// True if the scene declares a background.
+    /// Returns true if the scene declares a background.
     pub fn has_background(&self) -> bool {
         self.content.background.is_some()
     }
 
-    /// The linear light from a unit direction where nothing else is: that of the declared background or of its `image` at a
-    /// place from (0, 0), the top left, to (1, 1); without one, that of [`standard_sky`], which is `above` (sRGB) overhead.
+    /// Returns the linear light from a unit direction in which there is nothing else: that of the declared background, or
+    /// of its `image` at a point from (0, 0), the top left, to (1, 1); if none is declared, that of [`standard_sky`], which
+    /// is `above` (sRGB) overhead.
     pub fn background(
         &self,
         direction: DVec3,
@@ -338,40 +340,40 @@ impl RayScene {
         }
     }
 
-    /// True if a solid is left out because the work of reading shapes is used up.
+    /// Returns true if a solid is omitted because the work for reading shapes is used up.
     pub fn is_out_of_work(&self) -> bool {
         let mut notes = self.content.notes.iter();
         notes.any(|note| note.fault == RayFault::TooMuchWork)
     }
 
-    /// The formulas of the picture.
+    /// Returns the formulas of the picture.
     pub fn picture_look(&self) -> PictureLook {
         self.content.picture_look
     }
 
-    /// The sides from which the faces of each leaf are seen, as [`tracer::shade::Scenery`] has them.
+    /// Returns the sides from which the faces of each leaf are seen; see [`tracer::shade::Scenery`].
     pub fn sides(&self) -> &[FaceSides] {
         &self.content.sides
     }
 
-    /// The look of the faces that a leaf owns as expressions; `None` where [`RayScene::look`] is the same at all places of
-    /// them.
+    /// Returns the look of the faces that a leaf owns as expressions; `None` if [`RayScene::look`] is the same at all
+    /// their points.
     ///
     /// # Errors
-    /// If it states places of an image.
+    /// If it uses an image with stated positions.
     pub fn varying_look(&self, leaf: usize) -> Result<Option<VaryingLook<'_>>, VaryingImage> {
         let leaf = &self.content.leaves[leaf];
         let look = &self.content.looks[leaf.look as usize];
         look.varying(&leaf.uniforms, &leaf.place).transpose()
     }
 
-    /// True if the background, without an image, depends on nothing but the height z of a unit direction.
+    /// Returns true if the background, without an image, depends only on the height z of a unit direction.
     pub fn has_level_background(&self) -> bool {
         let background = self.content.background.as_ref();
         background.is_none_or(DeclaredBackground::is_level)
     }
 
-    /// The look of a face. `paint` gives the images of objects.
+    /// Returns the look of a face. `paint` provides the images of objects.
     pub fn look(&self, face: &Face, paint: &Paint<'_>) -> FaceLook {
         match face.of {
             FaceObject::Solid { leaf, entering, .. } => {
@@ -419,8 +421,8 @@ impl RayScene {
         }
     }
 
-    /// The leaves of the scene's solids in the order of the text, instances apart: the name of each, and the highest degree
-    /// of the polynomials that bound it, `None` if something else does.
+    /// Returns the leaves of the scene's solids in the order of the text, with instances separate: the name of each, and
+    /// the highest degree of its bounding polynomials, `None` if it is bounded otherwise.
     pub fn leaves(&self) -> Vec<(&str, Option<usize>)> {
         let mut degrees: Vec<Option<Option<usize>>> = vec![None; self.content.names.len()];
         for (k, leaf) in self.content.leaves.iter().enumerate() {
@@ -434,7 +436,7 @@ impl RayScene {
             .collect()
     }
 
-    /// A box that contains all that is bounded; `None` where nothing is.
+    /// Returns a box that contains everything bounded; `None` if nothing is.
     pub fn bounds(&self) -> Option<BoundingBox> {
         let solids = (0..self.world.solid_count()).filter_map(|solid| self.world.bounds(solid));
         let all = solids.chain([self.sheets.bounds()]);
@@ -442,13 +444,13 @@ impl RayScene {
         all.reduce(|a, b| a.union(&b))
     }
 
-    /// True if it is known that no point is in a solid of the world.
+    /// Returns true if a solid of the world is known to be empty.
     pub fn is_empty(&self, solid: usize) -> bool {
         let bounds = self.world.bounds(solid);
         bounds.is_some_and(|bounds| bounds.is_empty())
     }
 
-    /// Returns a note for each solid around which no box is found.
+    /// Returns a note for each solid without a bounding box.
     pub fn endless(&self) -> impl Iterator<Item = RayNote> {
         let solids = 0..self.world.solid_count();
         let endless = solids.filter(|&solid| self.world.bounds(solid).is_none());
@@ -458,7 +460,7 @@ impl RayScene {
         })
     }
 
-    /// Returns the notes on differences from what is declared. Those that depend on places are known once rays have met them.
+    /// Returns the notes on deviations from the declarations. Those that depend on points are known once rays have met them.
     pub fn notes(&self) -> Vec<RayNote> {
         let mut notes = self.content.notes.clone();
         let empty = (0..self.world.solid_count()).filter(|&solid| self.is_empty(solid));

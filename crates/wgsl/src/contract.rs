@@ -10,11 +10,11 @@ pub struct FunctionSignature {
     pub name: String,
     /// Name and type of each parameter.
     pub parameters: Vec<(String, String)>,
-    /// The type of its value, empty where it has none.
+    /// The type of its value; empty if it has none.
     pub result: String,
 }
 
-/// Checks that `written` holds every function of the contract, each with the contract's signature.
+/// Checks that `written` contains every function of the contract, each with the contract's signature.
 pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), InternalError> {
     let present = signatures(written.text);
     for wanted in signatures(contract.text) {
@@ -43,7 +43,7 @@ pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), Internal
     Ok(())
 }
 
-/// Checks that a generated text holds the functions of some contracts and nothing else.
+/// Checks that a generated text contains exactly the functions of some contracts.
 pub fn is_exactly(generated: &Piece<'_>, contracts: &[Piece<'_>]) -> Result<(), InternalError> {
     let mut wanted = Vec::new();
     for contract in contracts {
@@ -71,7 +71,7 @@ pub fn is_exactly(generated: &Piece<'_>, contracts: &[Piece<'_>]) -> Result<(), 
     Ok(())
 }
 
-/// The headers of the functions in a text, in order.
+/// Returns the signatures of the functions in a text, in order.
 pub fn signatures(text: &str) -> Vec<FunctionSignature> {
     items(text)
         .iter()
@@ -86,7 +86,7 @@ fn fault(piece: &Piece<'_>, message: String) -> InternalError {
     }
 }
 
-/// The top-level items of a text without comments and without what stands between braces.
+/// Returns the top-level items of a text without comments and without the contents of braces.
 fn items(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut item = String::new();
@@ -112,7 +112,7 @@ fn items(text: &str) -> Vec<String> {
     found
 }
 
-/// Moves a collected item, white space made single, to the list.
+/// Appends a collected item to the list, with white space collapsed.
 fn finish(item: &mut String, found: &mut Vec<String>) {
     let words: Vec<&str> = item.split_whitespace().collect();
     if !words.is_empty() {
@@ -121,8 +121,8 @@ fn finish(item: &mut String, found: &mut Vec<String>) {
     item.clear();
 }
 
-/// Reads `fn name(a: T, b: U) -> V`, attributes before it left out; parameters with attributes of their own
-/// (entry points) are no part of a contract.
+/// Parses `fn name(a: T, b: U) -> V`, skipping attributes before it; functions whose parameters have attributes (entry
+/// points) are not part of a contract.
 fn signature(item: &str) -> Option<FunctionSignature> {
     if item.starts_with('@') {
         return None;

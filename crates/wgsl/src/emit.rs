@@ -1,4 +1,4 @@
-//! Straight-line WGSL from expressions: what is used more than once becomes a `let`, the rest stays inline.
+//! Straight-line WGSL from expressions: shared subexpressions become a `let`, all others stay inline.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -8,20 +8,21 @@ use expr::number::{LiteralError, wgsl_literal};
 use expr::ops::Wgsl;
 use expr::{Graph, Input, NodeId};
 
-/// The depth of nesting at which a `let` breaks an expression up: parsers recurse, so generated text must not be deep.
+/// The depth of nesting at which a `let` breaks up an expression: parsers are recursive, so generated text must not be
+/// deep.
 const INLINE_DEPTH: u32 = 12;
-/// The length at which a `let` breaks an inline expression up, for readers.
+/// The length at which a `let` breaks up an inline expression, for readability.
 const INLINE_LENGTH: usize = 100;
 
 /// The body of a function: `let` lines, and one expression for each root.
 pub(crate) struct Body {
-    /// Indented, each line ended.
+    /// The `let` lines, indented, each with its line end.
     pub(crate) lets: String,
-    /// The roots' values, in order.
+    /// The expressions of the roots, in order.
     pub(crate) roots: Vec<String>,
 }
 
-/// The precedence of a text; a looser operand stands in parentheses.
+/// The precedence of a text; an operand with a lower one is parenthesised.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum Binding {
     Sum,
@@ -36,11 +37,11 @@ struct Text {
     depth: u32,
 }
 
-/// Writes the roots' expressions. `input` gives the text of an input: an identifier or a call.
+/// Writes the roots' expressions. `input` returns the text of an input: an identifier or a call.
 pub(crate) fn body(graph: &Graph, roots: &[NodeId], input: &dyn Fn(Input) -> String) -> Body {
     let uses = uses(graph, roots);
     let mut order: Vec<NodeId> = uses.keys().copied().collect();
-    // Operands come before what uses them, so ids in order are an order of evaluation.
+    // Operands come before their uses, so ascending ids are an evaluation order.
     order.sort_unstable();
     let mut texts: HashMap<NodeId, Text> = HashMap::new();
     let mut lets = String::new();
@@ -84,14 +85,14 @@ fn uses(graph: &Graph, roots: &[NodeId]) -> HashMap<NodeId, u32> {
         if let Node::Power(base, n) = node
             && (3..=WRITTEN_OUT).contains(&n.unsigned_abs())
         {
-            // Written as a product, its base stands there more than once.
+            // Written as a product, the base appears more than once.
             stack.push(base);
         }
     }
     uses
 }
 
-/// The text of one node over the texts of its operands.
+/// Returns the text of one node, given the texts of its operands.
 fn text(
     graph: &Graph,
     id: NodeId,
@@ -122,7 +123,7 @@ impl Text {
         }
     }
 
-    /// The text where at least `binding` is needed.
+    /// Returns the text, parenthesised unless its precedence is at least `binding`.
     fn at(&self, binding: Binding) -> String {
         if self.binding < binding {
             format!("({})", self.text)
@@ -132,7 +133,7 @@ impl Text {
     }
 }
 
-/// A constant. NaN and infinities have no literal: they are made at run time.
+/// Returns a constant. NaN and infinities have no literal: they are computed at run time.
 fn literal(value: f64) -> String {
     match wgsl_literal(value) {
         Ok(text) => text,
@@ -142,8 +143,8 @@ fn literal(value: f64) -> String {
     }
 }
 
-/// An operation as the table writes it. Nothing is reassociated: a right operand that binds no tighter than its
-/// operator stands in parentheses; so does a signed one, and `--x` is never written.
+/// Writes an operation as the table specifies. Nothing is reassociated: a right operand is parenthesised unless it
+/// binds tighter than its operator, and so is a signed one; `--x` is never written.
 fn written(wgsl: Wgsl, operands: &[&Text]) -> Text {
     let depth = operands
         .iter()
@@ -176,7 +177,7 @@ fn written(wgsl: Wgsl, operands: &[&Text]) -> Text {
                 .collect();
             (format!("{name}({})", operands.join(", ")), Binding::Atom)
         }
-        // The table has no sign for another number of operands.
+        // The table has no operator for another number of operands.
         (Wgsl::Prefix(_) | Wgsl::Infix(_), _) => ("undefined()".to_owned(), Binding::Atom),
     };
     Text {
@@ -186,10 +187,10 @@ fn written(wgsl: Wgsl, operands: &[&Text]) -> Text {
     }
 }
 
-/// Powers up to this one are written out as products.
+/// Powers up to this one are written as products.
 const WRITTEN_OUT: u32 = 4;
 
-/// A power with a known exponent: the same multiplications as `expr::ops::integer_power`.
+/// Writes a power with a known exponent: the same multiplications as `expr::ops::integer_power`.
 fn integer_power(base: &Text, n: i32) -> Text {
     let depth = base.depth + 2;
     let x = base.at(Binding::Atom);

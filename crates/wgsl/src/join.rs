@@ -1,4 +1,4 @@
-//! Joining: pieces of WGSL, one below the other, parsed and validated as a whole before a driver sees them.
+//! Joining: pieces of WGSL are concatenated, then parsed and validated as a whole before a driver sees them.
 
 use std::fmt;
 
@@ -14,17 +14,17 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// The whole text, with a marker line before each piece.
+    /// Returns the whole text, with a marker line before each piece.
     pub fn source(&self) -> &str {
         &self.source
     }
 
-    /// The module that naga parsed.
+    /// Returns the module parsed by naga.
     pub fn module(&self) -> &naga::Module {
         &self.module
     }
 
-    /// The names of its entry points, in the order of the text.
+    /// Returns the names of its entry points, in the order of the text.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
         self.module
             .entry_points
@@ -32,9 +32,9 @@ impl Joined {
             .map(|entry| entry.name.as_str())
     }
 
-    /// The byte offset and size of each member of a struct, in order; empty if there is no such struct.
+    /// Returns the name, byte offset and size of each member of a struct, in order; empty if there is no such struct.
     ///
-    /// Uniform structs exist twice, in WGSL and in Rust: tests compare the two by this.
+    /// Uniform structs exist twice, in WGSL and in Rust; tests compare the two with this.
     pub fn struct_layout(&self, name: &str) -> Vec<(String, u32, u32)> {
         let Some((_, ty)) = self
             .module
@@ -58,7 +58,7 @@ impl Joined {
             .collect()
     }
 
-    /// The size in bytes of a struct with its padding; 0 if there is no such struct.
+    /// Returns the size in bytes of a struct with its padding; 0 if there is no such struct.
     pub fn struct_size(&self, name: &str) -> u32 {
         self.module
             .types
@@ -68,11 +68,11 @@ impl Joined {
     }
 }
 
-/// Generated or hand-written WGSL is wrong: a fault of this program, never of its user. The text is kept so that
-/// it can be looked at.
+/// Generated or hand-written WGSL is wrong: a fault of this program, never of its user. The text is kept for
+/// inspection.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct InternalError {
-    /// The fault, with the piece and line in it where that is known.
+    /// The fault, with the piece and the line in it if known.
     pub message: String,
     /// The whole text.
     pub source: String,
@@ -86,7 +86,7 @@ impl fmt::Display for InternalError {
 
 impl std::error::Error for InternalError {}
 
-/// Puts the pieces one below the other, each under a line that names its origin; parses and validates the whole.
+/// Concatenates the pieces, each under a line that names its origin; parses and validates the whole.
 pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
     let mut source = String::new();
     for piece in pieces {
@@ -128,7 +128,7 @@ pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
 /// The start of a marker line.
 const MARKER: &str = "// ==== ";
 
-/// The message with the piece, and the line in it, that holds a line of the whole.
+/// Returns the message with the piece, and the line in it, that corresponds to a line of the whole.
 fn located(source: &str, line: Option<u32>, message: &str) -> String {
     let Some(line) = line else {
         return message.to_owned();

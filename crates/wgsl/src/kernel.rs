@@ -10,10 +10,10 @@ use crate::emit::{self, Body};
 use crate::join::{InternalError, Joined, join};
 use crate::library::{self, Piece};
 
-/// A generated function of more operations than this is refused: a driver would compile it for minutes.
+/// Generated functions with more operations than this are rejected: a driver would compile them for minutes.
 pub const OPERATION_LIMIT: usize = 20_000;
 
-/// A validated compute shader with one entry point, and what it reads.
+/// A validated compute shader with one entry point, and its inputs.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     joined: Joined,
@@ -23,39 +23,40 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// The whole text.
+    /// Returns the whole text.
     pub fn source(&self) -> &str {
         self.joined.source()
     }
-    /// The joined shader.
+    /// Returns the joined shader.
     pub fn joined(&self) -> &Joined {
         &self.joined
     }
-    /// The generated functions alone.
+    /// Returns the generated functions alone.
     pub fn generated(&self) -> &str {
         &self.generated
     }
-    /// The name of its entry point.
+    /// Returns the name of its entry point.
     pub fn entry_point(&self) -> &str {
         self.joined.entry_points().next().unwrap_or_default()
     }
-    /// The uniforms in use, `expr::Input::Uniform` numbers in order: a row of the uniforms' buffer holds these and
-    /// no others.
+    /// Returns the uniforms in use, the numbers of `expr::Input::Uniform` in ascending order: a row of the uniform
+    /// buffer contains exactly these.
     pub fn uniforms(&self) -> &[u32] {
         &self.uniforms
     }
-    /// The number of operations of one evaluation of the generated functions, shared subexpressions once.
+    /// Returns the number of operations in one evaluation of the generated functions, counting shared subexpressions
+    /// once.
     pub fn operations(&self) -> usize {
         self.operations
     }
 }
 
-/// The reason for which there is no kernel.
+/// The reason why there is no kernel.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum GenerateError {
     /// The expression, or its derivatives, are too large for a shader; they can still be evaluated in f64.
     TooLarge {
-        /// Operations, where they could be counted.
+        /// The number of operations, if they could be counted.
         operations: Option<usize>,
     },
     /// A fault of this program.
@@ -168,7 +169,7 @@ pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Ge
     )
 }
 
-/// Expressions over rows of inputs: for comparing what a GPU computes with f64.
+/// Expressions over rows of inputs: for comparing a GPU's results with f64.
 pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError> {
     let functions = [Function {
         header: "evaluate(row: u32)",
@@ -186,7 +187,7 @@ pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError
 
 /// A function to be generated.
 struct Function {
-    /// Its header after `fn`.
+    /// Its signature after `fn`.
     header: &'static str,
     roots: Vec<NodeId>,
     result: ResultForm,
@@ -196,9 +197,9 @@ struct Function {
 enum ResultForm {
     /// Three roots are a vec3f.
     Vector,
-    /// Each three roots are a vec3f, all of them the members of a struct.
+    /// Every three roots are a vec3f, each a member of this struct.
     Vectors(&'static str),
-    /// Each root is handed to `store_output`.
+    /// Each root is passed to `store_output`.
     Stored,
 }
 
@@ -219,7 +220,7 @@ impl Function {
             Input::Variable(0) => "u".to_owned(),
             Input::Variable(_) => "v".to_owned(),
             Input::Uniform(k) => {
-                // Every uniform that the roots depend on is in the list.
+                // The list contains every uniform on which the roots depend.
                 let slot = uniforms.partition_point(|&uniform| uniform < k);
                 format!("uniform_value({instance}, {slot}u)")
             }
@@ -249,7 +250,7 @@ impl Function {
     }
 }
 
-/// Writes the functions, compares them with their contract and the pass with what it has to offer, joins.
+/// Writes the functions, compares them with their contract and the pass with its provided functions, and joins them.
 fn generate(
     graph: &Graph,
     functions: &[Function],

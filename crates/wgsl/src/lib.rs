@@ -6,8 +6,8 @@
 //!                                                          one text, validated by naga ──▶ kernel.rs: a Kernel
 //! ```
 //!
-//! Generated text holds functions only; entry points and bindings are hand-written in `shaders/pass`. Joining is
-//! concatenation: no templates. A mistake in any text is an [`InternalError`] that keeps it, never a panic.
+//! Generated text contains functions only; entry points and bindings are hand-written in `shaders/pass`. Joining is
+//! concatenation, without templates. A mistake in any text is an [`InternalError`] that contains it, never a panic.
 
 pub mod contract;
 mod emit;

@@ -1,10 +1,10 @@
 //! The hand-written WGSL of `/shaders`, embedded.
 //!
-//! `contract/` holds a stub of every function that one side writes and the other calls: its specification.
-//! `lib/` holds pure functions and structs, `pass/` entry points and all bindings, and what
-//! reads these.
+//! `contract/` contains a stub of every function that one side defines and the other calls: its specification. `lib/`
+//! contains pure functions and structs; `pass/` contains entry points and all bindings, and the functions that read
+//! these.
 
-/// A piece of WGSL with the name that messages give for it.
+/// A piece of WGSL with the name used in messages.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Piece<'a> {
     /// Its origin, e.g. `lib/number.wgsl`.
@@ -22,7 +22,7 @@ macro_rules! piece {
     };
 }
 
-/// Numbers that are none, made and recognised by their bits.
+/// NaN and infinities, constructed and recognised by their bits.
 pub const NUMBER: Piece<'static> = piece!("lib/number.wgsl");
 /// Powers, and products that a zero factor annihilates.
 pub const POWER: Piece<'static> = piece!("lib/power.wgsl");
@@ -35,7 +35,7 @@ pub const VIEW: Piece<'static> = piece!("lib/view.wgsl");
 /// Strips and discs that face the eye.
 pub const GLYPH: Piece<'static> = piece!("lib/glyph.wgsl");
 
-/// Rays from a lens, and the places of samples.
+/// Rays from a lens, and the positions of samples.
 pub const LENS: Piece<'static> = piece!("lib/lens.wgsl");
 /// Reflection, refraction and lights.
 pub const OPTICS: Piece<'static> = piece!("lib/optics.wgsl");
@@ -46,15 +46,15 @@ pub const RANGE: Piece<'static> = piece!("lib/range.wgsl");
 /// Images on surfaces, filtered over a footprint.
 pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
-/// The step from the light that a pixel sees to its bytes.
+/// The conversion from the light that a pixel sees to its bytes.
 pub const PICTURE: Piece<'static> = piece!("lib/picture.wgsl");
 /// The hatching of pixels that see nothing.
 pub const HATCHING: Piece<'static> = piece!("lib/hatching.wgsl");
-/// The function that hatching calls: whether anything is seen at a pixel.
+/// The function called by hatching: whether anything is seen at a pixel.
 pub const CONTRACT_SEEN: Piece<'static> = piece!("contract/seen.wgsl");
-/// The function that generated functions call: a uniform's value.
+/// The function called by generated functions: a uniform's value.
 pub const CONTRACT_UNIFORMS: Piece<'static> = piece!("contract/uniforms.wgsl");
-/// The functions that the generated `evaluate` calls: its inputs and outputs.
+/// The functions called by the generated `evaluate`: its inputs and outputs.
 pub const CONTRACT_TABLE: Piece<'static> = piece!("contract/table.wgsl");
 /// A generated point.
 pub const CONTRACT_POINT: Piece<'static> = piece!("contract/point.wgsl");
@@ -71,11 +71,11 @@ pub const CONTRACT_EVALUATE: Piece<'static> = piece!("contract/evaluate.wgsl");
 pub const CONTRACT_LISTS: Piece<'static> = piece!("contract/lists.wgsl");
 /// Generated fields of pieces.
 pub const CONTRACT_FIELDS: Piece<'static> = piece!("contract/fields.wgsl");
-/// The function that generated attributes call: takes a number.
+/// The function called by generated attributes: stores a number.
 pub const CONTRACT_STORED: Piece<'static> = piece!("contract/stored.wgsl");
-/// The function that the pass of traced pictures calls: the look of a face at a place.
+/// The function called by the pass of traced pictures: the look of a face at a point.
 pub const CONTRACT_VARIED: Piece<'static> = piece!("contract/varied.wgsl");
-/// The functions that the pass of traced pictures calls: the sign changes of a field, and its gradient.
+/// The functions called by the pass of traced pictures: the sign changes of a field, and its gradient.
 pub const CONTRACT_SEARCHED: Piece<'static> = piece!("contract/searched.wgsl");
 
 /// Samples of a point.
@@ -88,23 +88,23 @@ pub const PASS_SAMPLE_CURVE: Piece<'static> = piece!("pass/sample_curve.wgsl");
 pub const PASS_SAMPLE_SURFACE: Piece<'static> = piece!("pass/sample_surface.wgsl");
 /// Expressions over rows of inputs.
 pub const PASS_EVALUATE: Piece<'static> = piece!("pass/evaluate.wgsl");
-/// A picture onto the target of somebody else.
+/// The copy of a picture onto a target owned by the caller.
 pub const PASS_BLIT: Piece<'static> = piece!("pass/blit.wgsl");
-/// Painter of points.
+/// The painter of points.
 pub const PASS_DRAW_POINTS: Piece<'static> = piece!("pass/draw_points.wgsl");
-/// Painter of vectors.
+/// The painter of vectors.
 pub const PASS_DRAW_VECTORS: Piece<'static> = piece!("pass/draw_vectors.wgsl");
-/// Painter of curves.
+/// The painter of curves.
 pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
-/// Painter of surfaces.
+/// The painter of surfaces.
 pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
-/// Painter of solids.
+/// The painter of solids.
 pub const PASS_DRAW_SOLIDS: Piece<'static> = piece!("pass/draw_solids.wgsl");
 /// The pass from a table of polynomials to colours.
 pub const PASS_RESOLVE_PIECEWISE: Piece<'static> = piece!("pass/resolve_piecewise.wgsl");
 /// The pass of traced pictures.
 pub const PASS_TRACE_SCENE: Piece<'static> = piece!("pass/trace_scene.wgsl");
-/// The part of it for faces whose attributes are expressions.
+/// Its part for faces whose attributes are expressions.
 pub const PASS_TRACE_VARIED: Piece<'static> = piece!("pass/trace_varied.wgsl");
-/// The part of it for pieces that fields bound.
+/// Its part for pieces bounded by fields.
 pub const PASS_TRACE_FIELDS: Piece<'static> = piece!("pass/trace_fields.wgsl");

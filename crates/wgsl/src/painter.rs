@@ -1,4 +1,4 @@
-//! Painters' shaders: hand-written passes joined with the library. Nothing in them is generated.
+//! Painters' shaders: hand-written passes joined with the library, without generated code.
 
 use crate::contract::fulfils;
 use crate::join::{InternalError, Joined, join};

@@ -1,4 +1,4 @@
-//! Straight-line WGSL that evaluates expressions on ranges, by the functions of `lib/range.wgsl`.
+//! Straight-line WGSL that evaluates expressions on ranges, with the functions of `lib/range.wgsl`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use expr::{Graph, Input, NodeId};
 
 use crate::emit::Body;
 
-/// Writes the roots' ranges. `input` gives the text of an input's range, `number` that of a uniform's number.
+/// Writes the roots' ranges. `input` returns the text of an input's range, `number` that of a uniform's number.
 pub(crate) fn body(
     graph: &Graph,
     roots: &[NodeId],
@@ -23,7 +23,7 @@ pub(crate) fn body(
         let name = |operand: NodeId| names[&operand].as_str();
         let text = match graph.node(node) {
             Node::Constant(value) => {
-                // What is no number, or too large for one, may be anything.
+                // A number that is NaN or too large may be anything.
                 let number = wgsl_literal(value).unwrap_or_else(|_| "3e38".to_owned());
                 format!("range_number({number})")
             }
@@ -33,7 +33,7 @@ pub(crate) fn body(
             Node::Binary(Binary::Pow, a, b) => {
                 let exact = match graph.node(b) {
                     Node::Input(Input::Uniform(k)) => number(k),
-                    // No whole number.
+                    // Not an integer.
                     _ => "0.5".to_owned(),
                 };
                 format!("range_power({}, {}, {exact})", name(a), name(b))

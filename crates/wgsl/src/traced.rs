@@ -1,12 +1,12 @@
 //! The pass of traced pictures with the expressions of a scene.
 //!
 //! ```text
-//! attributes of faces, fields of pieces ──▶ TracedFunctions ──▶ text, by which pipelines are kept ──▶ Joined
-//!                           └─▶ for each use the numbers that it reads: constants, and uniforms of the scene
+//! attributes of faces, fields of pieces ──▶ TracedFunctions ──▶ text, the key of cached pipelines ──▶ Joined
+//!                           └─▶ the numbers that each use reads: constants, and uniforms of the scene
 //! ```
 //!
-//! Constants are numbers in buffers as uniforms are, so that an edit of one gives the same text; equal expressions are one
-//! function.
+//! Constants are numbers in buffers, like uniforms, so that editing one leaves the text unchanged; equal expressions share
+//! one function.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::{self, Write};
@@ -22,9 +22,9 @@ use crate::join::{InternalError, Joined, join};
 use crate::library::{self, Piece};
 use crate::ranges;
 
-/// More operations of all functions of a scene are refused: on ranges each of them takes many instructions.
+/// More operations of all functions of a scene are rejected: on ranges each of them takes many instructions.
 pub const RANGE_OPERATION_LIMIT: usize = 2_000;
-/// The most numbers of a list of attributes.
+/// The maximum number of numbers in a list of attributes.
 pub const MOST_ATTRIBUTES: usize = 16;
 
 /// The functions that a scene's expressions need.
@@ -35,10 +35,10 @@ pub struct TracedFunctions {
     operations: usize,
 }
 
-/// A function with the numbers that it reads, in their order.
+/// A use of a function, with the numbers that it reads, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FunctionUse {
-    /// The number of the function among those of its kind.
+    /// The index of the function among those of its kind.
     pub function: u32,
     /// The numbers that it reads.
     pub numbers: Vec<UsedNumber>,
@@ -53,7 +53,7 @@ pub enum UsedNumber {
     Uniform(u32),
 }
 
-/// The functions of a scene have so many operations together, more than [`RANGE_OPERATION_LIMIT`].
+/// The functions of a scene have this many operations together, more than [`RANGE_OPERATION_LIMIT`].
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct TooManyOperations(pub usize);
 
@@ -73,7 +73,7 @@ impl TracedFunctions {
     /// Adds the numbers of attributes as one function of the variables 0, 1, 2.
     ///
     /// # Errors
-    /// If it is too large, alone or with those before it.
+    /// If it is too large, alone or together with earlier ones.
     pub fn list(
         &mut self,
         graph: &Graph,
@@ -94,7 +94,7 @@ impl TracedFunctions {
     /// Adds the value of a field, which bounds a piece, as a function of the variables 0, 1, 2.
     ///
     /// # Errors
-    /// If it is too large, alone or with those before it.
+    /// If it is too large, alone or together with earlier ones.
     pub fn field(&mut self, graph: &Graph, root: NodeId) -> Result<FunctionUse, TooManyOperations> {
         let lifted = Lifted::new(graph, &[root]);
         let body = lifted.body();
@@ -104,7 +104,7 @@ impl TracedFunctions {
         Ok(lifted.used(function))
     }
 
-    /// The generated functions: equal texts are the same pass. Empty for a scene without expressions.
+    /// Returns the generated functions: equal texts are the same pass. Empty for a scene without expressions.
     pub fn text(&self) -> String {
         let mut text = String::new();
         if !self.lists.is_empty() {
@@ -123,7 +123,7 @@ impl TracedFunctions {
     }
 }
 
-/// The pass of traced pictures with the functions of this text.
+/// Joins the pass of traced pictures with the functions of this text.
 ///
 /// # Errors
 /// A fault of this program.
@@ -160,7 +160,7 @@ pub fn trace_scene(functions: &str) -> Result<Joined, InternalError> {
     join(&pieces)
 }
 
-/// The number of a text in a list, to which it is added unless it is there.
+/// Returns the index of a text in a list, to which it is added if necessary.
 fn known_or_new(
     texts: &mut Vec<String>,
     text: String,
@@ -178,7 +178,7 @@ fn known_or_new(
     Ok(texts.len() as u32 - 1)
 }
 
-/// The choice of a body by a number.
+/// Returns a `switch` that selects a body by a number.
 fn switch(selector: &str, bodies: &[String]) -> String {
     let mut text = format!("    switch {selector} {{\n");
     for (k, body) in bodies.iter().enumerate() {
@@ -189,7 +189,7 @@ fn switch(selector: &str, bodies: &[String]) -> String {
     text
 }
 
-/// Expressions in which each constant and each uniform is a uniform of their own wherever it is used.
+/// Expressions in which each use of a constant or a uniform is a separate uniform.
 struct Lifted {
     graph: Graph,
     roots: Vec<NodeId>,
@@ -231,8 +231,8 @@ impl Lifted {
         lifted
     }
 
-    /// The node that stands for another one. A number is one of its own wherever it is used, since an edit may change one of
-    /// two that are equal.
+    /// Returns the copy of a node. Each use of a number gets its own copy, since an edit may change only one of two equal
+    /// constants.
     fn copy(&mut self, graph: &Graph, copies: &HashMap<NodeId, NodeId>, id: NodeId) -> NodeId {
         match graph.node(id) {
             Node::Constant(value) => self.number(UsedNumber::Constant(value)),
@@ -241,7 +241,7 @@ impl Lifted {
         }
     }
 
-    /// The text on ranges x, y, z.
+    /// Returns the text on ranges x, y, z.
     fn body(&self) -> Body {
         let input = |input: Input| match input {
             Input::Variable(0) => "x".to_owned(),
@@ -257,7 +257,7 @@ impl Lifted {
         operation_count(&self.graph, &self.roots)
     }
 
-    /// The function of this number with the numbers of these expressions.
+    /// Returns the use of the function with this index, with the numbers of these expressions.
     fn used(self, function: u32) -> FunctionUse {
         FunctionUse {
             function,
@@ -265,7 +265,7 @@ impl Lifted {
         }
     }
 
-    /// The input that stands for a number.
+    /// Returns the input that stands for a number.
     fn number(&mut self, number: UsedNumber) -> NodeId {
         self.numbers.push(number);
         let slot = self.numbers.len() as u32 - 1;
@@ -273,8 +273,8 @@ impl Lifted {
     }
 }
 
-/// The nodes that the roots need, operands before what uses them, in an order that depends on the expressions alone. The order
-/// of their ids depends on what was read before them, and so does that of the operands of sums and products.
+/// Returns the nodes that the roots need, operands before their uses, in an order that depends on the expressions alone. The
+/// order of their ids depends on earlier expressions, and so does that of the operands of sums and products.
 fn order_by_structure(graph: &Graph, roots: &[NodeId]) -> Vec<NodeId> {
     let mut structures: HashMap<NodeId, u64> = HashMap::new();
     for id in graph.order(roots) {

@@ -1,7 +1,7 @@
-//! Attributes: expressions that an object states, as numbers at a place.
+//! Attributes: expressions that an object states, as numbers at a point.
 //!
-//! Input: the attributes of an object or of a leaf, and the coordinates of a place. Output: numbers within their ranges,
-//! and what was out of range or undefined on the way.
+//! In: the attributes of an object or of a leaf, and the coordinates of a point. Out: numbers within their ranges, and
+//! the attributes that were out of range or undefined.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -41,7 +41,7 @@ pub(super) enum NumberAttribute {
 
 use NumberAttribute as A;
 
-/// All of them, each at its discriminant.
+/// All attributes, each at its discriminant.
 const ALL: [(A, &str); 22] = [
     (A::Color, "color"),
     (A::Mirror, "mirror"),
@@ -67,9 +67,9 @@ const ALL: [(A, &str); 22] = [
     (A::Turn, "turn"),
 ];
 
-/// The least number that counts as positive.
+/// The smallest number that counts as positive.
 const POSITIVE: f64 = 1e-12;
-/// The greatest opening of a camera that is not spherical: its picture is scaled by the tangent of half of it.
+/// The maximum opening angle of a camera that is not spherical: its picture is scaled by the tangent of half the angle.
 const WIDEST: f64 = std::f64::consts::PI * (1.0 - 1e-9);
 
 impl A {
@@ -83,7 +83,7 @@ impl A {
         1 << self as u8
     }
 
-    /// The range of an attribute of a set.
+    /// Returns the range of an attribute of a set.
     fn range(self, set: &AttributeSet) -> [f64; 2] {
         match self {
             A::Color if !set.bright => [0.0, 1.0],
@@ -102,7 +102,7 @@ pub(super) struct AttributeSet {
     groups: Vec<AttributeGroup>,
     /// True for colours that may exceed 1: those of lights and of backgrounds.
     bright: bool,
-    /// The greatest opening of a camera with its projection.
+    /// The maximum opening angle of a camera with its projection.
     widest: f64,
     faults: AttributeFaults,
 }
@@ -110,42 +110,42 @@ pub(super) struct AttributeSet {
 /// Attributes that are stated in the same coordinates.
 #[derive(Debug)]
 struct AttributeGroup {
-    /// From these coordinates to the scene's.
+    /// The map from these coordinates to the scene's.
     map: Option<AffineTape>,
     tape: Tape,
     slots: Vec<Slot>,
-    /// The roots of the tape, where one of them depends on the place.
+    /// The roots of the tape, if one of them depends on the point.
     varying: Option<(Graph, Vec<NodeId>)>,
 }
 
-/// The roots that belong to an attribute.
+/// The roots of an attribute.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     attribute: A,
     first: usize,
     width: usize,
-    /// True if a value depends on the place.
+    /// True if a value depends on the point.
     varies: bool,
 }
 
-/// The attributes of a group that depend on the place.
+/// The attributes of a group that depend on the point.
 pub(super) struct VaryingAttributes<'a> {
     /// The expressions' graph.
     pub(super) graph: &'a Graph,
-    /// The number of the group.
+    /// The index of the group.
     pub(super) group: usize,
-    /// Each with the roots that are its numbers.
+    /// Each attribute with the roots that are its numbers.
     pub(super) attributes: Vec<(A, &'a [NodeId])>,
 }
 
-/// Attributes that were out of range or undefined somewhere, by their bits.
+/// The attributes that were out of range or undefined somewhere, as bits.
 #[derive(Debug, Default)]
 struct AttributeFaults {
     clamped: AtomicU32,
     undefined: AtomicU32,
 }
 
-/// The numbers of an attribute at a place.
+/// The numbers of an attribute at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AttributeNumbers {
     pub(super) attribute: A,
@@ -170,7 +170,7 @@ struct Scratch {
     out: Vec<f64>,
 }
 
-/// Evaluates a tape over variables and uniforms, NaN where there is no such input.
+/// Evaluates a tape over variables and uniforms, with NaN for an input that does not exist.
 pub(super) fn evaluated<R>(
     tape: &Tape,
     variables: &[f64],
@@ -209,8 +209,8 @@ impl AffineTape {
 }
 
 impl AttributeSet {
-    /// Compiles attributes. `bright` is true for those of lights and backgrounds. A height whose gradient is too large is
-    /// left out.
+    /// Compiles attributes. `bright` is true for those of lights and backgrounds. A height with too large a gradient is
+    /// omitted.
     pub(super) fn new(graph: &Graph, attributes: &[Attribute], bright: bool) -> Self {
         let mut maps: Vec<Option<AffineNodes>> = Vec::new();
         let mut members: Vec<Vec<(A, &[NodeId])>> = Vec::new();
@@ -242,25 +242,25 @@ impl AttributeSet {
         }
     }
 
-    /// True if it states the attribute.
+    /// Returns true if the set states the attribute.
     pub(super) fn states(&self, attribute: A) -> bool {
         let mut slots = self.groups.iter().flat_map(|group| &group.slots);
         slots.any(|slot| slot.attribute == attribute)
     }
 
-    /// True if a value depends on the place.
+    /// Returns true if a value depends on the point.
     pub(super) fn varies(&self) -> bool {
         self.groups.iter().any(|group| group.varying.is_some())
     }
 
-    /// True if the values of the attribute depend on the place.
+    /// Returns true if the values of the attribute depend on the point.
     pub(super) fn varies_by(&self, attribute: A) -> bool {
         let varying = |group: &&AttributeGroup| group.varying.is_some();
         let mut groups = self.groups.iter().filter(varying);
         groups.any(|group| group.slots.iter().any(|slot| slot.attribute == attribute))
     }
 
-    /// The attributes that depend on the place.
+    /// Returns the attributes that depend on the point.
     pub(super) fn varying(&self) -> impl Iterator<Item = VaryingAttributes<'_>> {
         let groups = self.groups.iter().enumerate();
         groups.filter_map(|(number, group)| {
@@ -276,12 +276,12 @@ impl AttributeSet {
         })
     }
 
-    /// True if colours may exceed 1.
+    /// Returns true if colours may exceed 1.
     pub(super) fn is_bright(&self) -> bool {
         self.bright
     }
 
-    /// Hands the numbers of those attributes that are the same everywhere to `found`, as [`AttributeSet::at`] does.
+    /// Passes the numbers of the attributes that are the same everywhere to `found`, as [`AttributeSet::at`] does.
     pub(super) fn constant(&self, uniforms: &[f64], mut found: impl FnMut(&AttributeNumbers)) {
         for (k, group) in self.groups.iter().enumerate() {
             evaluated(&group.tape, &[], uniforms, |out| {
@@ -292,7 +292,7 @@ impl AttributeSet {
         }
     }
 
-    /// For each group, the map from the scene's coordinates to those in which it is stated.
+    /// Returns, for each group, the map from the scene's coordinates to those in which it is stated.
     pub(super) fn frames(&self, uniforms: &[f64]) -> Vec<DAffine3> {
         let frame = |group: &AttributeGroup| match &group.map {
             Some(map) => map.at(uniforms).inverse(),
@@ -301,8 +301,8 @@ impl AttributeSet {
         self.groups.iter().map(frame).collect()
     }
 
-    /// Hands each attribute's numbers, within their range, to `found`. `variables` gives the coordinates of the place for a
-    /// group; an attribute that is undefined there is left out.
+    /// Passes each attribute's numbers, within their range, to `found`. `variables` returns the coordinates of the point
+    /// for a group; an attribute that is undefined there is omitted.
     pub(super) fn at(
         &self,
         uniforms: &[f64],
@@ -325,7 +325,7 @@ impl AttributeSet {
         }
     }
 
-    /// The numbers of a slot; `None` where they are undefined.
+    /// Returns the numbers of a slot; `None` where they are undefined.
     fn read(&self, slot: &Slot, group: usize, out: &[f64]) -> Option<AttributeNumbers> {
         let attribute = slot.attribute;
         let given = &out[slot.first..slot.first + slot.width];
@@ -353,7 +353,7 @@ impl AttributeSet {
         })
     }
 
-    /// The attributes that were undefined somewhere, and those that were out of range.
+    /// Returns the attributes that were undefined somewhere, and those that were out of range.
     pub(super) fn faults(&self) -> [Vec<&'static str>; 2] {
         let words = |bits: &AtomicU32| {
             let bits = bits.load(Ordering::Relaxed);
@@ -413,19 +413,19 @@ impl AttributeGroup {
     }
 }
 
-/// True if an expression reads coordinates.
+/// Returns true if an expression reads coordinates.
 fn reads_place(graph: &Graph, roots: &[NodeId]) -> bool {
     let mut inputs = graph.inputs(roots).into_iter();
     inputs.any(|input| matches!(input, Input::Variable(_)))
 }
 
 impl AttributeNumbers {
-    /// The first of them.
+    /// Returns the first number.
     pub(super) fn number(&self) -> f64 {
         self.values[0]
     }
 
-    /// Three numbers, one number three times, or two and 0.
+    /// Returns three numbers, one number three times, or two and 0.
     pub(super) fn vector(&self) -> DVec3 {
         let [a, b, c, _] = self.values;
         if self.width == 1 {

@@ -1,7 +1,7 @@
 //! Points, arrows and curves as bodies.
 //!
-//! Input: an object of a scene. Output: balls, cylinders and cones whose union it is: a point is a ball, an arrow a cylinder
-//! with a cone, a curve or a geodesic cylinders that balls join.
+//! In: an object of a scene. Out: balls, cylinders and cones whose union is its body. A point is a ball, an arrow a cylinder
+//! with a cone, a curve or a geodesic a chain of cylinders joined by balls.
 
 use expr::tape::Tape;
 use expr::{Graph, Input, NodeId};
@@ -13,7 +13,7 @@ use super::attributes::{AttributeSet, NumberAttribute, evaluated};
 use crate::breaks::Breaks;
 use crate::declared::follow_declared;
 
-/// The most balls, cylinders and cones of all points, arrows and curves of a scene; what is beyond is not drawn.
+/// The maximum number of balls, cylinders and cones of all points, arrows and curves of a scene; the rest is not drawn.
 pub const MAX_BODIES: usize = 400_000;
 
 /// The sizes of points, arrows and curves that state no `radius`, in the scene's units.
@@ -27,11 +27,11 @@ pub struct Thickness {
     pub head_length: f64,
     /// The radius of an arrow's head, in radii of its shaft.
     pub head_radius: f64,
-    /// The most that an arrow's head takes of its length.
+    /// The maximum length of an arrow's head as a fraction of the arrow's length.
     pub head_share: f64,
 }
 
-/// A shape that bodies consist of.
+/// A shape of which bodies consist.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum BodyShape {
     /// The unit ball.
@@ -46,15 +46,15 @@ pub(super) enum BodyShape {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyPart {
     pub(super) shape: BodyShape,
-    /// From the shape's coordinates to the scene's.
+    /// The map from the shape's coordinates to the scene's.
     pub(super) map: DAffine3,
     /// The parameter of its curve at z = −1 and at z = 1.
     pub(super) parameter: [f64; 2],
-    /// The instance of its object.
+    /// The index of the instance of its object.
     pub(super) instance: u64,
 }
 
-/// The shapes in a world; they are added when the first body has them.
+/// The shapes in a world; each is added with the first body that uses it.
 #[derive(Debug, Default)]
 pub(super) struct BodyShapes {
     nodes: Option<[NodeId; 3]>,
@@ -77,7 +77,7 @@ impl BodyShapes {
         self.nodes = Some([ball, cylinder, cone]);
     }
 
-    /// The steps of the union of parts.
+    /// Returns the steps of the union of parts.
     pub(super) fn steps(
         &mut self,
         builder: &mut WorldBuilder<'_>,
@@ -110,8 +110,8 @@ impl BodyShapes {
     }
 }
 
-/// The parts of all instances of a point, a vector, a curve or a geodesic in space; at most `room`, and true if there would
-/// be more. The result is empty for other objects.
+/// Returns the parts of all instances of a point, a vector, a curve or a geodesic in space, at most `room`; and true if
+/// there would be more. The result is empty for other objects.
 pub(super) fn parts(
     scene: &Scene,
     params: &ParamValues,
@@ -203,7 +203,7 @@ pub(super) fn parts(
     (body.parts, more)
 }
 
-/// The next instance, while there is room.
+/// Returns the next instance, while there is room.
 fn next(instances: &mut std::ops::Range<u64>, body: &Body<'_>, room: usize) -> Option<u64> {
     (body.parts.len() <= room).then(|| instances.next())?
 }
@@ -213,12 +213,12 @@ struct Body<'a> {
     instance: u64,
     thickness: &'a Thickness,
     attributes: &'a AttributeSet,
-    /// The radius where none is stated.
+    /// The radius if none is stated.
     usual: f64,
 }
 
 impl Body<'_> {
-    /// The radius at a parameter.
+    /// Returns the radius at a parameter.
     fn radius(&self, uniforms: &[f64], t: f64) -> f64 {
         let mut radius = self.usual;
         let place = |_| [t, f64::NAN, f64::NAN];
@@ -247,7 +247,7 @@ impl Body<'_> {
         self.push(BodyShape::Ball, map, [t; 2]);
     }
 
-    /// A shape whose axis goes from a place along a vector.
+    /// Adds a shape whose axis runs from a point along a vector.
     fn along(&mut self, shape: BodyShape, from: DVec3, axis: DVec3, radius: f64, t: [f64; 2]) {
         let Some(unit) = axis.try_normalize() else {
             return;
@@ -273,7 +273,7 @@ impl Body<'_> {
             head_share,
             ..
         } = *self.thickness;
-        // A short arrow is smaller in all its parts.
+        // A short arrow is scaled down in all its parts.
         let radius = radius.min(head_share * length / head_length);
         let shaft = direction * (1.0 - head_length * radius / length);
         self.along(BodyShape::Cylinder, origin, shaft, radius, [0.0; 2]);

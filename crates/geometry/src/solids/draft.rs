@@ -1,4 +1,4 @@
-//! Reads what is shown of a scene, object by object, into a [`RayScene`].
+//! Reads the shown objects of a scene, one by one, into a [`RayScene`].
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use super::{
     MAX_SHEETS, RayContent, RayLeaf, RayObject, RayScene, RaySceneOptions, RaySolid, SheetFace,
 };
 
-/// A scene for rays that is being made.
+/// A scene for rays under construction.
 pub(super) struct Draft<'a> {
     scene: &'a Scene,
     params: &'a ParamValues,
@@ -68,7 +68,7 @@ impl<'a> Draft<'a> {
         self.content.objects.len() - 1
     }
 
-    /// The image of faces with these attributes.
+    /// Returns the image of faces with these attributes.
     fn image(&mut self, id: Option<ObjectId>, attributes: &[Attribute]) -> Option<FaceImage> {
         let images = &mut self.content.images;
         let stated = stated_word(attributes, "image").map(|word| {
@@ -330,8 +330,8 @@ impl<'a> Draft<'a> {
 
     pub(super) fn finish(mut self, builder: WorldBuilder<'_>) -> RayScene {
         let world = builder.build().unwrap_or_else(|_| {
-            // Not to be expected: each shape has been read, and what bounds it in its frame is a part of that. Surfaces are
-            // drawn all the same.
+            // Not expected: each shape has been read, and its bounds in its frame are a part of that. Surfaces are drawn
+            // all the same.
             let objects = self.content.solids.iter();
             let notes = objects.map(|solid| RayNote {
                 object: self.content.objects[solid.object].name.clone(),

@@ -1,7 +1,7 @@
 //! Sets with their instances.
 //!
-//! Input: a solid of a scene and the uniforms of one of its instances. Output: the steps of its set in postfix order, where
-//! each union over the values of grids is written out, and each leaf has numbers for its uniforms.
+//! In: a solid of a scene and the uniforms of one of its instances. Out: the steps of its set in postfix order, in which
+//! each union over the values of grids is expanded, and each leaf has numbers for its uniforms.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,13 +16,13 @@ use super::attributes::AffineTape;
 /// A leaf with its numbers.
 #[derive(Clone, Debug)]
 pub(super) struct ExpandedLeaf {
-    /// Its position in the solid's leaves.
+    /// Its index in the solid's leaves.
     pub(super) leaf: u32,
     pub(super) uniforms: Arc<[f64]>,
     pub(super) map: DAffine3,
 }
 
-/// A step of a set whose leaves are positions in a list of expanded leaves.
+/// A step of a set whose leaves are indices into a list of expanded leaves.
 #[derive(Clone, Copy, Debug)]
 enum ExpandedStep {
     Leaf(u32),
@@ -38,7 +38,7 @@ pub(super) struct ExpandedSolid {
     pub(super) leaves: Vec<ExpandedLeaf>,
 }
 
-/// The reason for which a solid, or an instance of it, is not drawn.
+/// The reason why a solid, or an instance of it, is not drawn.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum Omission {
     Singular { leaf: u32 },
@@ -58,16 +58,16 @@ impl From<BuildError> for Omission {
     }
 }
 
-/// Work that is left, the next last.
+/// The remaining work, the next item last.
 enum Work {
     /// The operand that ends at a step.
     Operand(usize, Arc<[f64]>),
-    /// The instances of the operand that ends before a step, from this one on.
+    /// The instances of the operand that ends before a step, beginning with this one.
     Instances(usize, u64, Arc<[f64]>),
     Join(ExpandedStep),
 }
 
-/// Writes out a solid.
+/// Expands a solid.
 pub(super) struct Expansion<'a> {
     pub(super) scene: &'a Scene,
     pub(super) params: &'a ParamValues,
@@ -75,11 +75,11 @@ pub(super) struct Expansion<'a> {
     pub(super) solid: &'a Solid,
     /// The maps of its leaves.
     pub(super) maps: Vec<AffineTape>,
-    /// The number of leaves that are left.
+    /// The number of leaves that may still be added.
     pub(super) room: usize,
 }
 
-/// The grids over whose values a solid as a whole is a union.
+/// Returns the grids over whose values a solid as a whole is a union.
 pub fn instance_grids(solid: &Solid) -> &[BoundGrid] {
     match solid.steps.last() {
         Some(SolidStep::Instances(grids)) => grids,
@@ -88,8 +88,8 @@ pub fn instance_grids(solid: &Solid) -> &[BoundGrid] {
 }
 
 impl Expansion<'_> {
-    /// Adds the instance with these uniforms and this combination of the solid's own grids to what has been written out; the
-    /// union of all is the solid.
+    /// Adds the instance with these uniforms and this combination of the solid's own grids; the solid is the union of all
+    /// instances added.
     pub(super) fn add(
         &mut self,
         into: &mut ExpandedSolid,
@@ -115,7 +115,7 @@ impl Expansion<'_> {
 
     fn written(&mut self, into: &mut ExpandedSolid, uniforms: Arc<[f64]>) -> Result<(), Omission> {
         let steps = &self.solid.steps;
-        // Where the operand that ends at each step begins.
+        // The start of the operand that ends at each step.
         let mut begins: Vec<usize> = Vec::with_capacity(steps.len());
         let before =
             |begins: &[usize], k: usize| begins[k].checked_sub(1).ok_or(Omission::Unbalanced);
@@ -204,7 +204,7 @@ impl Expansion<'_> {
     }
 }
 
-/// The shapes of a world by what they are made of, so that equal ones are one.
+/// The shapes of a world by their definition, so that equal ones are shared.
 #[derive(Default)]
 pub(super) struct ShapeTable(HashMap<ShapeKey, Result<ShapeId, BuildError>>);
 
@@ -238,7 +238,7 @@ impl ShapeTable {
 }
 
 impl ExpandedSolid {
-    /// The smallest length of a mesh cell that the intervals of its leaves state, as it is in the scene.
+    /// Returns the minimum length of a mesh cell that the intervals of its leaves state, in the scene's units.
     pub(super) fn stated_cell(&self, solid: &Solid) -> Option<f64> {
         let cells = self.leaves.iter().flat_map(|expanded| {
             let cuts = &solid.leaves[expanded.leaf as usize].cuts;

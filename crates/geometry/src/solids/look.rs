@@ -1,6 +1,6 @@
 //! The looks of faces.
 //!
-//! Input: the attributes of an object or of a leaf, and a place on one of its faces. Output: colours, mirror, glass and
+//! In: the attributes of an object or of a leaf, and a point on one of its faces. Out: colours, mirror, glass and
 //! slopes there, linear and within their ranges.
 
 use std::sync::OnceLock;
@@ -14,19 +14,19 @@ use tracer::shade::{Face, FaceLook, Glass};
 
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 
-/// Gives the linear colour of an image at a place of it, from (0, 0), the top left, to (1, 1); `None` where there is none.
+/// Returns the linear colour of an image at a point of it, from (0, 0), the top left, to (1, 1); `None` without an image.
 /// It multiplies the colour of the object.
 pub type Paint<'a> = dyn Fn(FaceImage, [f64; 2]) -> Option<DVec3> + Sync + 'a;
 
-/// Gives the linear colour of the background's image at a place of it, as [`Paint`] does for faces.
+/// Returns the linear colour of the background's image at a point of it, as [`Paint`] does for faces.
 pub type BackgroundImage<'a> = dyn Fn([f64; 2]) -> DVec3 + Sync + 'a;
 
 /// The image of a face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceImage {
-    /// The object, which may have an image of its own.
+    /// The object, which may have its own image.
     pub object: ObjectId,
-    /// The image that the face's attributes name, by its position in [`RayScene::images`](super::RayScene::images).
+    /// The image that the face's attributes name, as an index into [`RayScene::images`](super::RayScene::images).
     pub stated: Option<usize>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct LookProgram {
     pub(super) object: String,
     image: Option<FaceImage>,
     picture_look: PictureLook,
-    /// Linear.
+    /// The linear colour.
     color: DVec3,
     pub(super) attributes: AttributeSet,
     /// σu and σv of a parametric surface that has a height.
@@ -44,20 +44,20 @@ pub(super) struct LookProgram {
     is_glass: bool,
 }
 
-/// The place of a face in the coordinates of its attributes.
+/// A point of a face in the coordinates of its attributes.
 #[derive(Debug)]
 pub(super) enum FacePlace {
-    /// The look is the same everywhere, once it is known, and so is the place in an image.
+    /// The look, and the position in an image, are the same everywhere, once known.
     Anywhere(OnceLock<Box<(FaceLook, Option<DVec3>)>>),
     /// For each group of attributes, the map from the scene's coordinates.
     Within(Box<[DAffine3]>),
-    /// On a part of a curve: the map from the scene's coordinates to those in which z goes from −1 to 1, and the parameter
-    /// there.
+    /// On a part of a curve: the map from the scene's coordinates to those in which z runs from −1 to 1, and the parameter
+    /// at both ends.
     Along(Box<(DAffine3, [f64; 2])>),
 }
 
 impl LookProgram {
-    /// The look of the faces of an object whose colour is `color`, sRGB, where it states none.
+    /// Creates the look of the faces of an object whose colour is `color`, in sRGB, unless it states one.
     pub(super) fn new(
         object: &str,
         image: Option<FaceImage>,
@@ -81,7 +81,7 @@ impl LookProgram {
         }
     }
 
-    /// With what the slopes of a height need on a parametric surface.
+    /// Adds what the slopes of a height need on a parametric surface.
     pub(super) fn on_surface(mut self, graph: &Graph, position: &[NodeId; 3]) -> Self {
         if self.attributes.states(A::Bump) {
             let (mut graph, roots) = graph.extract(position);
@@ -98,7 +98,7 @@ impl LookProgram {
         self
     }
 
-    /// The place of the faces of an instance of a solid's leaf.
+    /// Returns the coordinates for the faces of an instance of a solid's leaf.
     pub(super) fn place(&self, uniforms: &[f64]) -> FacePlace {
         if self.attributes.varies() {
             FacePlace::Within(self.attributes.frames(uniforms).into())
@@ -107,7 +107,7 @@ impl LookProgram {
         }
     }
 
-    /// The glass that the leaf makes of its solid; `None` where it is opaque.
+    /// Returns the glass that the leaf makes of its solid; `None` if it is opaque.
     pub(super) fn glass(&self, uniforms: &[f64]) -> Option<Glass> {
         if !self.is_glass {
             return None;
@@ -124,17 +124,17 @@ impl LookProgram {
                 _ => {}
             },
         );
-        // What depends on the place may be glass elsewhere.
+        // An attribute that depends on the point may be glass elsewhere.
         let opaque = share == Some(0.0) && !self.attributes.varies_by(A::Glass);
         (!opaque).then_some(glass)
     }
 
-    /// True if it lets no light through anywhere.
+    /// Returns true if it is opaque everywhere.
     pub(super) fn is_opaque(&self) -> bool {
         !self.is_glass
     }
 
-    /// The attributes that depend on the place, but count for a whole solid.
+    /// Returns the attributes that depend on the point but apply to a whole solid.
     pub(super) fn uneven(&self) -> impl Iterator<Item = &'static str> + '_ {
         let words = [(A::Ior, "ior"), (A::Depth, "depth")];
         let uneven = words
@@ -143,7 +143,7 @@ impl LookProgram {
         uneven.map(|(_, word)| word)
     }
 
-    /// The look of a solid's face; `entering` is true where it is seen from outside.
+    /// Returns the look of a solid's face; `entering` is true where it is seen from outside.
     pub(super) fn solid(
         &self,
         uniforms: &[f64],
@@ -191,7 +191,7 @@ impl LookProgram {
         self.painted(look, image.map(|at| [at.x, at.y]), paint)
     }
 
-    /// The look of a parametric surface's face at its parameters.
+    /// Returns the look of a parametric surface's face at its parameters.
     pub(super) fn sheet(
         &self,
         uniforms: &[f64],
@@ -255,14 +255,14 @@ impl LookProgram {
 }
 
 impl FacePlace {
-    /// The place of what looks the same everywhere.
+    /// Returns the coordinates of a look that is the same everywhere.
     pub(super) fn anywhere() -> Self {
         Self::Anywhere(OnceLock::new())
     }
 }
 
-/// The gradient on a surface of a height with these derivatives by u and v, on the side of a normal; 0 where the surface
-/// has no tangent plane.
+/// Returns the gradient on a surface of a height with these derivatives by u and v, on the side of a normal; 0 where the
+/// surface has no tangent plane.
 fn slope(along_u: DVec3, along_v: DVec3, [by_u, by_v]: [f64; 2], normal: DVec3) -> DVec3 {
     let (e, f, g) = (
         along_u.length_squared(),

@@ -1,53 +1,53 @@
-//! Notes on what of a scene is not as it is declared.
+//! Notes on the deviations of a scene from its declarations.
 
 use scene::limits::MAX_LEAVES;
 
 use super::{MAX_BODIES, MAX_SHEETS};
 
-/// Something that is not as it is declared.
+/// A deviation from a declaration.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct RayNote {
     /// The object.
     pub object: String,
-    /// The way in which it differs from what is declared.
+    /// The kind of deviation.
     pub fault: RayFault,
 }
 
-/// The ways in which something is not as it is declared.
+/// The kinds of deviations from a declaration.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum RayFault {
     /// `skipped` of `instances` instances are not drawn, because the map of `leaf` is singular.
     SingularMap {
-        /// The number of those that are not drawn.
+        /// The number of instances that are not drawn.
         skipped: u64,
-        /// The number of all.
+        /// The total number of instances.
         instances: u64,
         /// The name of the leaf.
         leaf: String,
     },
-    /// Not seen: no point is in it.
+    /// Invisible: the object contains no point.
     Empty,
-    /// No box around it is found.
+    /// No bounding box was found.
     Endless,
     /// Not drawn: there are more than [`MAX_LEAVES`] leaves.
     TooManyLeaves,
     /// Not drawn: its derivatives are too large.
     TooLarge,
-    /// Not drawn: with it, reading the shapes of the solids takes more work than there is.
+    /// Not drawn: with it, reading the shapes of the solids exceeds the limit on work.
     TooMuchWork,
-    /// Not drawn whole: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
+    /// Not completely drawn: there are more than [`MAX_BODIES`] pieces of points, arrows and curves.
     TooManyBodies,
     /// Not all instances of a surface are drawn: there are more than [`MAX_SHEETS`].
     TooManySheets,
-    /// This many instances of a light or a camera have no place or no direction.
+    /// This many instances of a light or a camera have no position or no direction.
     UndefinedStage(u64),
-    /// The attribute is undefined somewhere: its default is taken.
+    /// The attribute is undefined somewhere: its default is used there.
     UndefinedAttribute(&'static str),
-    /// The attribute is out of its range somewhere: the nearest number in it is taken.
+    /// The attribute is out of its range somewhere: the nearest number in the range is used.
     ClampedAttribute(&'static str),
-    /// The attribute is one number for a whole solid: its value at the origin is taken.
+    /// The attribute is one number for a whole solid: its value at the origin is used.
     NotUniform(&'static str),
-    /// An image is not shown: no `uv` says where.
+    /// An image is not shown: no `uv` specifies its position.
     UnplacedImage,
 }
 

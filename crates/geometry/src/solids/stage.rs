@@ -1,6 +1,6 @@
 //! Lights, cameras and the background.
 //!
-//! Input: those that a scene declares, and where it declares none, the 3D view's. Output: what rays need of them.
+//! In: the declarations of a scene, and the 3D view's defaults where there are none. Out: the data that rays need.
 
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
 
@@ -15,32 +15,32 @@ use tracer::light::{Light, LightKind};
 use super::attributes::{AttributeNumbers, AttributeSet, NumberAttribute as A, evaluated};
 use super::look::BackgroundImage;
 
-/// A camera that a scene declares, for one instance.
+/// One instance of a camera that a scene declares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeclaredCamera {
     /// Its name.
     pub name: String,
-    /// The instance, from 0.
+    /// The index of the instance, from 0.
     pub instance: u64,
     /// The camera.
     pub lens: LensCamera,
 }
 
-/// The lights of a scene that declares none: they turn with the camera, as those of the 3D view do.
+/// The lights of a scene that declares none: they move with the camera, like those of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandardLights {
     /// The strength of light from everywhere.
     pub ambient: f64,
     /// The strength of the light at the eye, which casts no shadows.
     pub fill: f64,
-    /// The strength of the parallel light.
+    /// The strength of the directional light.
     pub key: f64,
     /// The unit direction towards that light: to the picture's right, up, and towards the eye.
     pub key_direction: DVec3,
 }
 
 impl StandardLights {
-    /// The lights for a camera.
+    /// Returns the lights for a camera.
     pub fn of(&self, camera: &LensCamera) -> Vec<Light> {
         let [right, up, forward] = camera.axes();
         let [x, y, z] = self.key_direction.to_array();
@@ -65,14 +65,14 @@ impl StandardLights {
     }
 }
 
-/// So many apertures of the look `crt` are one unit of length.
+/// The number of apertures of the look `crt` per unit of length.
 const CRT_APERTURES: f64 = 720.0;
 
 /// The horizon of a scene that declares no background, sRGB.
 const HORIZON: DVec3 = DVec3::new(96.0 / 255.0, 104.0 / 255.0, 120.0 / 255.0);
 
-/// The sky of a scene that declares no background, sRGB, from a unit direction: `above` overhead and underfoot, lighter
-/// towards the horizon.
+/// Returns the sky of a scene that declares no background, in sRGB, in a unit direction: `above` overhead and
+/// underfoot, lighter towards the horizon.
 pub fn standard_sky(above: DVec3, direction: DVec3) -> DVec3 {
     let share = (1.0 - direction.z.abs()).powi(4);
     above + share * (HORIZON - above)
@@ -82,13 +82,13 @@ pub fn standard_sky(above: DVec3, direction: DVec3) -> DVec3 {
 #[derive(Debug)]
 pub(super) struct DeclaredBackground {
     pub(super) name: String,
-    /// The image that it states.
+    /// The image that it names.
     pub(super) image: Option<String>,
     color: Tape,
     /// The linear light of a colour that is the same in all directions.
     constant: Option<DVec3>,
     uniforms: Vec<f64>,
-    /// The turn of its image about z, in radians.
+    /// The rotation of its image about z, in radians.
     turn: f64,
     attributes: AttributeSet,
     picture_look: PictureLook,
@@ -134,8 +134,8 @@ impl DeclaredBackground {
         Some(found)
     }
 
-    /// The linear light from a unit direction: that of `image` at a place of it, from (0, 0), the top left, to (1, 1), where
-    /// there is one; black where the colour is undefined.
+    /// Returns the linear light from a unit direction: that of `image` at a point of it, from (0, 0), the top left, to (1,
+    /// 1), if there is one; black where the colour is undefined.
     pub(super) fn light(&self, direction: DVec3, image: Option<&BackgroundImage<'_>>) -> DVec3 {
         let Some(image) = image else {
             return self.constant.unwrap_or_else(|| self.shining(direction));
@@ -149,13 +149,13 @@ impl DeclaredBackground {
         image([u, v])
     }
 
-    /// True if the colour depends on nothing but the height of a direction.
+    /// Returns true if the colour depends only on the height of a direction.
     pub(super) fn is_level(&self) -> bool {
         let mut inputs = self.color.inputs().iter();
         inputs.all(|input| !matches!(input, Input::Variable(0 | 1)))
     }
 
-    /// The linear light of the colour in a unit direction.
+    /// Returns the linear light of the colour in a unit direction.
     fn shining(&self, direction: DVec3) -> DVec3 {
         let color = evaluated(
             &self.color,
@@ -175,7 +175,7 @@ impl DeclaredBackground {
     }
 }
 
-/// All instances of a light. One whose place or direction is undefined does not shine, and is counted.
+/// Returns all instances of a light. One whose position or direction is undefined does not shine, and is counted.
 pub(super) fn lights(
     scene: &Scene,
     params: &ParamValues,
@@ -247,7 +247,7 @@ pub(super) fn lights(
     (found, undefined)
 }
 
-/// All instances of a camera. One whose place or direction is undefined is left out, and counted.
+/// Returns all instances of a camera. One whose position or direction is undefined is omitted, and counted.
 pub(super) fn cameras(
     scene: &Scene,
     params: &ParamValues,

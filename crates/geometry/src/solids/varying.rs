@@ -1,7 +1,7 @@
-//! Looks that depend on the place, as expressions.
+//! Looks that depend on the point, as expressions.
 //!
-//! Input: the look of a leaf's faces. Output: what of it is the same everywhere, and expressions in coordinates of their own
-//! for the rest, for evaluators other than [`RayScene::look`](super::RayScene::look).
+//! In: the look of a leaf's faces. Out: the attributes that are the same everywhere, and expressions for the others, each in
+//! its own coordinates, for evaluators other than [`RayScene::look`](super::RayScene::look).
 
 use expr::{Graph, NodeId};
 use glam::DAffine3;
@@ -10,12 +10,12 @@ use tracer::shade::FaceLook;
 use super::attributes::NumberAttribute as A;
 use super::look::{FacePlace, LookProgram};
 
-/// The look of the faces of a leaf, which depends on the place.
+/// The look of the faces of a leaf, which depends on the point.
 #[derive(Debug)]
 pub struct VaryingLook<'a> {
-    /// The look without the attributes that depend on the place.
+    /// The look without the attributes that depend on the point.
     pub base: FaceLook,
-    /// The attributes that do.
+    /// The attributes that depend on the point.
     pub lists: Vec<VaryingList<'a>>,
     /// The numbers of the uniforms.
     pub uniforms: &'a [f64],
@@ -34,16 +34,16 @@ pub struct VaryingList<'a> {
     pub bright: bool,
 }
 
-/// An attribute of a face that may depend on the place.
+/// An attribute of a face that may depend on the point.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum VaryingAttribute {
     /// The stated colour.
     Color,
-    /// The share that is reflected, by colour.
+    /// The fraction that is reflected, by colour.
     Mirror,
-    /// The share that is reflected or refracted.
+    /// The fraction that is reflected or refracted.
     Glass,
-    /// The share that is scattered.
+    /// The fraction that is scattered.
     Diffuse,
     /// The strength of the highlight.
     Specular,
@@ -56,15 +56,16 @@ pub enum VaryingAttribute {
 /// The coordinates of expressions.
 #[derive(Clone, Copy, Debug)]
 pub enum VaryingPlace {
-    /// Those of this map from the scene's coordinates.
+    /// The image of the scene's coordinates under this map.
     Within(DAffine3),
-    /// The parameter of a curve, which goes from the first number to the second one where z, by this map from the scene's
-    /// coordinates, goes from −1 to 1.
+    /// The parameter of a curve, which runs from the first number to the second one while z, after this map from the
+    /// scene's coordinates, runs from −1 to 1.
     Along(DAffine3, [f64; 2]),
 }
 
 impl LookProgram {
-    /// The look as expressions; `None` if it is the same everywhere. `Err` if it states places of an image.
+    /// Returns the look as expressions; `None` if it is the same everywhere. `Err` if it uses an image with stated
+    /// positions.
     pub(super) fn varying<'a>(
         &'a self,
         uniforms: &'a [f64],
@@ -120,6 +121,6 @@ impl LookProgram {
     }
 }
 
-/// The look states places of an image.
+/// The look uses an image with stated positions.
 #[derive(Clone, Copy, Debug)]
 pub struct VaryingImage;
