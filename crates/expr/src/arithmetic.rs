@@ -1,13 +1,13 @@
-//! The operations that `std` does not have: powers, the annihilating product, the sign.
+//! The operations that `std` does not provide: powers, the annihilating product, the sign.
 //!
-//! Input and output: numbers. These are definitions: shaders follow them step by step.
+//! In: numbers. Out: numbers. These are the definitions that shaders follow step by step.
 
-/// The largest exponent, in absolute value, for which [`power`] multiplies. The rounding error of repeated
-/// squaring grows with the exponent; beyond this the library's function is better.
+/// The maximum absolute value of an exponent for which [`power`] multiplies. The rounding error of repeated squaring
+/// grows with the exponent; beyond this the library's function is more accurate.
 pub const LARGEST_INTEGER_POWER: i32 = 1024;
 
-/// x^n by repeated squaring from the lowest bit of |n| up, the same multiplications in every evaluator. 0^0 is
-/// 1; a negative exponent gives the reciprocal of the positive power.
+/// Returns x^n by repeated squaring from the lowest bit of |n| up, with the same multiplications in every evaluator.
+/// 0^0 is 1; a negative exponent gives the reciprocal of the positive power.
 #[inline]
 pub fn integer_power(x: f64, n: i32) -> f64 {
     let mut remaining = n.unsigned_abs();
@@ -46,10 +46,10 @@ pub fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64;
     }
 }
 
-/// x^y. An exponent whose value is an integer up to [`LARGEST_INTEGER_POWER`] multiplies
-/// ([`integer_power`]), so 0^0 is 1 and negative bases have their powers; larger integers take negative bases
-/// too. Other powers of a negative base are undefined. In f32 the exponent is first rounded to f32, which knows
-/// every integer up to 2^24 and only even ones beyond; shaders multiply for all of the former.
+/// Returns x^y. For an integer exponent up to [`LARGEST_INTEGER_POWER`] in absolute value this is [`integer_power`], so
+/// 0^0 is 1 and negative bases have powers; larger integers also accept negative bases. Other powers of a negative base
+/// are undefined. In f32 the exponent is first rounded to f32, which represents every integer up to 2^24 and only even
+/// ones beyond; shaders multiply for all of the former.
 #[inline]
 pub fn power(x: f64, y: f64) -> f64 {
     match small_integer(y) {
@@ -58,14 +58,14 @@ pub fn power(x: f64, y: f64) -> f64 {
     }
 }
 
-/// The product that a zero first factor annihilates: 0 where `a` is 0, whatever `b` is. Derivative rules use
-/// it: n·x^(n−1) is 0 for n = 0, also at x = 0.
+/// The product that a zero first factor annihilates: 0 where `a` is 0, whatever `b` is. Derivative rules use it:
+/// n·x^(n−1) is 0 for n = 0, even at x = 0.
 #[inline(always)]
 pub fn zmul(a: f64, b: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a * b }
 }
 
-/// −1, 0 or 1; 0 for both zeros, NaN for NaN.
+/// Returns −1, 0 or 1; 0 for both zeros, NaN for NaN.
 #[inline(always)]
 pub fn sign(x: f64) -> f64 {
     if x > 0.0 {
@@ -79,7 +79,7 @@ pub fn sign(x: f64) -> f64 {
     }
 }
 
-/// The lesser of two numbers, the first where they are equal; undefined where one of them is.
+/// Returns the smaller of two numbers, the first if they are equal; undefined if either is.
 #[inline(always)]
 pub fn least(a: f64, b: f64) -> f64 {
     if a <= b {
@@ -91,7 +91,7 @@ pub fn least(a: f64, b: f64) -> f64 {
     }
 }
 
-/// The greater of two numbers, the first where they are equal; undefined where one of them is.
+/// Returns the larger of two numbers, the first if they are equal; undefined if either is.
 #[inline(always)]
 pub fn greatest(a: f64, b: f64) -> f64 {
     if a >= b {
@@ -103,7 +103,7 @@ pub fn greatest(a: f64, b: f64) -> f64 {
     }
 }
 
-/// 1 where a ≤ b, else 0; undefined where one of them is.
+/// Returns 1 where a ≤ b, else 0; undefined if either is.
 #[inline(always)]
 pub fn at_most(a: f64, b: f64) -> f64 {
     if a <= b {
@@ -115,7 +115,7 @@ pub fn at_most(a: f64, b: f64) -> f64 {
     }
 }
 
-/// The exponent by which [`power`] multiplies, if `y` is one.
+/// Returns the exponent with which [`power`] multiplies, if `y` is one.
 #[inline]
 pub(crate) fn small_integer(y: f64) -> Option<i32> {
     let is_small = y.abs() <= f64::from(LARGEST_INTEGER_POWER) && y == y.trunc();

@@ -1,8 +1,8 @@
-//! The cases that every evaluator of expressions is held to.
+//! The cases that every evaluator of expressions must satisfy.
 //!
-//! Output: operations with operands and values. The f64 tape, its blocks, jets and generated WGSL are each run over
+//! Out: operations with operands and values. The f64 tape, its blocks, jets and generated WGSL are each run over
 //! [`cases`], whose values come from the table's definition; this crate's tests compare that definition with
-//! [`anchors`], whose values were found independently.
+//! [`anchors`], whose values were computed independently.
 
 pub use crate::ops::Operation;
 use crate::ops::{Binary, Unary};
@@ -12,23 +12,23 @@ use crate::ops::{Binary, Unary};
 pub struct Case {
     /// The operation.
     pub operation: Operation,
-    /// The operands; the second counts for two operands only. Numbers of f32, so that a shader starts from
-    /// the same ones.
+    /// The operands; the second is used only by operations on two numbers. Representable in f32, so that a shader
+    /// starts from the same numbers.
     pub operands: [f64; 2],
     /// The value in f64, always finite.
     pub expected: f64,
 }
 
-/// Operands, each a number of f32.
+/// Operands, each representable in f32.
 const NUMBERS: [f64; 11] = [
     -2.5, -2.0, -1.0, -0.75, -0.125, 0.0, 0.125, 0.5, 1.0, 1.5, 3.0,
 ];
 
-/// Exponents of integer powers: each length of binary expansion, both signs, and those that are other nodes.
+/// Exponents of integer powers: each length of binary expansion, both signs, and those that become other nodes.
 const EXPONENTS: [i32; 11] = [-5, -3, -2, -1, 0, 1, 2, 3, 4, 7, 13];
 
-/// Powers beyond those that [`crate::ops::power`] multiplies: integers take negative bases there too, odd ones
-/// keep the sign. In f32 all numbers beyond 2^24 are even; bases are exact in f32.
+/// Powers beyond those that [`crate::ops::power`] multiplies: integers accept negative bases there too, and odd ones
+/// preserve the sign. In f32 all numbers beyond 2^24 are even; bases are exact in f32.
 const LARGE_POWERS: [(f64, f64); 12] = [
     (-1.0, 1025.0),
     (-1.0, 1026.0),
@@ -44,7 +44,7 @@ const LARGE_POWERS: [(f64, f64); 12] = [
     (0.0, 4e9),
 ];
 
-/// Every operation at every operand, or pair of operands, where it is finite.
+/// Returns every operation at every operand, or pair of operands, where it is finite.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut push = |operation: Operation, a: f64, b: f64| {
@@ -77,9 +77,8 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Values of every operation that do not come from the table: exact ones, and true values computed with 40
-/// digits and rounded once. An evaluator in f64 agrees to a relative
-/// 4·10⁻¹⁶.
+/// Returns values of every operation that do not come from the table: exact ones, and true values computed with 40
+/// digits and rounded once. An evaluator in f64 agrees to a relative error of 4·10⁻¹⁶.
 pub fn anchors() -> Vec<Case> {
     ANCHORS
         .iter()
@@ -91,7 +90,7 @@ pub fn anchors() -> Vec<Case> {
         .collect()
 }
 
-// Decimals of true values, some of which are constants of std.
+// Decimals of true values, some of which are constants of `std`.
 #[allow(clippy::approx_constant)]
 const ANCHORS: &[(Operation, [f64; 2], f64)] = &[
     (Operation::Unary(Unary::Neg), [1.5, 0.0], -1.5),
@@ -220,7 +219,7 @@ const ANCHORS: &[(Operation, [f64; 2], f64)] = &[
     (Operation::Binary(Binary::Pow), [-1.0, 4e9], 1.0),
     (Operation::Binary(Binary::Zmul), [1.5, -2.5], -3.75),
     (Operation::Binary(Binary::Zmul), [0.0, 3.0], 0.0),
-    // Zero annihilates what is not a number of any kind.
+    // Zero annihilates infinities and NaN.
     (Operation::Binary(Binary::Zmul), [0.0, f64::INFINITY], 0.0),
     (Operation::Binary(Binary::Zmul), [0.0, f64::NAN], 0.0),
     (Operation::Binary(Binary::Min), [1.5, -2.5], -2.5),

@@ -1,11 +1,11 @@
-//! The places at which the value of an expression may jump, or has no bound.
+//! The points at which the value of an expression may jump, or is unbounded.
 
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{Binary, Unary};
 
 impl Graph {
-    /// Returns numbers at whose zeros alone the roots, as functions of the variables, may jump or grow without bound:
-    /// divisors, cosines for tangents, what logarithms are taken of. Where none of them is zero, the roots are
+    /// Returns expressions at whose zeros alone the roots, as functions of the variables, may jump or grow without
+    /// bound: divisors, cosines for tangents, arguments of logarithms. Where none of them is zero, the roots are
     /// continuous wherever they are defined.
     pub fn guards(&mut self, roots: &[NodeId]) -> Vec<NodeId> {
         let mut guards = Vec::new();

@@ -1,20 +1,20 @@
-//! Elementary functions over lanes of f64, free of branches so that loops over them become vector instructions.
+//! Elementary functions over lanes of f64, free of branches so that loops over them are vectorised.
 //!
-//! Input: an array of numbers. Output: an array of values. Only additions, products, quotients and comparisons are
-//! used, none of them fused, so that the bits are the same on every processor. Polynomials are minimax (Remez, relative
-//! to the function), rounded to f64. The reductions of arguments are those of Cody and Waite, *Software Manual for the
-//! Elementary Functions*, 1980. Greatest errors found over millions of arguments, in units in the last place of the
-//! true value: `sin`, `cos`, `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh` 3. The sign of a zero is not kept.
+//! In: an array of numbers. Out: an array of values. Only additions, products, quotients and comparisons are used, none
+//! of them fused, so that the bits are the same on every processor. Polynomials are minimax (Remez, relative to the
+//! function), rounded to f64. Argument reduction follows Cody and Waite, *Software Manual for the Elementary
+//! Functions*, 1980. The largest errors found over millions of arguments, in ulps of the true value: `sin`, `cos`,
+//! `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh` 3. The sign of a zero is not preserved.
 //!
-//! Angles beyond [`LARGEST_ANGLE`] are handed to `std` lane by lane; so are the inverse functions of angles.
+//! Angles beyond [`LARGEST_ANGLE`] are passed to `std` lane by lane; so are the inverse trigonometric functions.
 
 /// The largest angle, in absolute value, that is reduced here.
 pub const LARGEST_ANGLE: f64 = 1e5;
 
-/// 1.5·2⁵²: added to a number of moderate size, it leaves its nearest integer in the lowest bits.
+/// 1.5·2⁵²: added to a number of moderate magnitude, it leaves the nearest integer in the lowest bits.
 pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// π/2 in three parts: the first two have 36 bits, so that their products with a quarter turn's number are exact.
+/// π/2 in three parts: the first two have 36 bits, so that their products with the number of quarter turns are exact.
 const QUARTER: [f64; 3] = [
     1.5707963267923333,
     2.5633441515839558e-12,
@@ -70,7 +70,7 @@ const LOG: [f64; 7] = [
     0.14810677229018768,
 ];
 
-/// (sinh x − x)/x³ in x², up to x = 1.
+/// (sinh x − x)/x³ in x², for |x| ≤ 1.
 const SINH: [f64; 7] = [
     0.16666666666666669,
     0.008333333333333174,
@@ -142,7 +142,7 @@ pub fn sinh_cosh<const W: usize>(x: &[f64; W]) -> ([f64; W], [f64; W]) {
 #[inline(always)]
 pub fn tanh<const W: usize>(x: &[f64; W]) -> [f64; W] {
     each(x, |x| {
-        // Beyond, the tangent is ±1, and the quotient of two infinities must not be formed.
+        // Beyond, the result is ±1, and the quotient of two infinities must be avoided.
         let x = clamp(x, 40.0);
         let (sinh, cosh) = hyperbolic(x);
         sinh / cosh
@@ -158,7 +158,7 @@ fn each<const W: usize>(x: &[f64; W], f: impl Fn(f64) -> f64) -> [f64; W] {
     out
 }
 
-/// False for NaN, which the reduction hands on, true for infinities.
+/// False for NaN, which the reduction propagates, true for infinities.
 #[inline(always)]
 fn is_large_angle(x: f64) -> bool {
     x.abs() > LARGEST_ANGLE
@@ -173,8 +173,8 @@ fn has_large_angle<const W: usize>(x: &[f64; W]) -> bool {
     any
 }
 
-/// A polynomial, the constant first: even and odd powers by Horner's scheme in x², so that a processor can work on
-/// both at a time.
+/// Evaluates a polynomial, the constant first: even and odd powers separately by Horner's scheme in x², so that a
+/// processor can compute both at a time.
 #[inline(always)]
 fn polynomial<const K: usize>(coefficients: &[f64; K], x: f64) -> f64 {
     let square = x * x;
@@ -194,14 +194,14 @@ fn select(condition: bool, yes: f64, no: f64) -> f64 {
     if condition { yes } else { no }
 }
 
-/// Within ±`limit`; NaN stays.
+/// Clamps to ±`limit`; NaN is unchanged.
 #[inline(always)]
 fn clamp(x: f64, limit: f64) -> f64 {
     let x = select(x > limit, limit, x);
     select(x < -limit, -limit, x)
 }
 
-/// Cody and Waite's reduction to |y| ≤ π/4, with the rounding error of y beside it.
+/// Cody and Waite's reduction to |y| ≤ π/4, with the rounding error of y as the second result.
 #[inline(always)]
 fn reduced_sin_cos(x: f64) -> (f64, f64) {
     let turns = x * std::f64::consts::FRAC_2_PI + ROUND;
@@ -235,7 +235,7 @@ fn reduced_sin_cos(x: f64) -> (f64, f64) {
 /// eˣ·2^`doublings`.
 #[inline(always)]
 fn scaled_exp(x: f64, doublings: f64) -> f64 {
-    // Far beyond both ends of the range: the scaling over- or underflows by itself.
+    // Far beyond both ends of the range: the scaling itself overflows or underflows.
     let x = clamp(x, 800.0);
     let k = (x * std::f64::consts::LOG2_E + ROUND) - ROUND;
     let high = x - k * LN_2[0];
@@ -244,7 +244,7 @@ fn scaled_exp(x: f64, doublings: f64) -> f64 {
     let rest = (high - r) - low;
     let tail = r * r * polynomial(&EXP, r) + (rest + rest * r);
     let value = 1.0 + (r + tail);
-    // In two factors, since 2^k itself may be out of range.
+    // In two factors, since 2^k itself may overflow or underflow.
     let k = k + doublings;
     let half = (0.5 * k + ROUND) - ROUND;
     value * power_of_two(half) * power_of_two(k - half)
@@ -257,17 +257,17 @@ fn power_of_two(k: f64) -> f64 {
     f64::from_bits(bits.wrapping_add(1023) << 52)
 }
 
-/// x = 2^k·m with m from √½ to √2, and ln m by s = (m − 1)/(m + 1).
+/// x = 2^k·m with m from √½ to √2, and ln m as a series in s = (m − 1)/(m + 1).
 #[inline(always)]
 fn ln(x: f64) -> f64 {
     const TWO_54: f64 = 18_014_398_509_481_984.0;
     /// The bits of √½.
     const LEAST: u64 = 0x3FE6_A09E_667F_3BCD;
-    /// 2⁵²: or-ed onto an integer below it, it makes the f64 of their sum.
+    /// 2⁵²: or-ed onto the bits of a smaller integer, it yields the f64 of their sum.
     const TWO_52: f64 = 4_503_599_627_370_496.0;
     let subnormal = x < f64::MIN_POSITIVE;
     let normal = select(subnormal, x * TWO_54, x);
-    // Moved up by 2048 exponents, so that the difference is not negative.
+    // Shifted up by 2048 exponents, so that the difference is not negative.
     let moved = normal
         .to_bits()
         .wrapping_sub(LEAST)
@@ -290,7 +290,7 @@ fn ln(x: f64) -> f64 {
 
     let value = select(x == 0.0, f64::NEG_INFINITY, value);
     let value = select(x < 0.0, f64::NAN, value);
-    // Infinity and NaN hand themselves on.
+    // Infinity and NaN propagate.
     select(x < f64::INFINITY, value, x)
 }
 

@@ -1,25 +1,25 @@
 //! The graph of expressions: an arena of nodes in which equal expressions are one node.
 //!
-//! Input: operations on nodes (their constructors stand in `simplify.rs`). Output: handles, and for each handle the
-//! [`Node`] that it names. Derivatives and substitution stand in `rewrite.rs`.
+//! In: operations on nodes (their constructors are in `simplify.rs`). Out: handles, and for each handle the [`Node`]
+//! that it names. Derivatives and substitution are in `rewrite.rs`.
 //!
-//! A graph never grows past its limit. A constructor that finds it full gives an undefined constant instead
-//! and raises [`Graph::overflowed`]; [`Graph::derivatives`] and [`Graph::substitute`] give [`TooLarge`] and
-//! leave the graph as it was. No function here recurses: expressions may be as deep as the graph is large.
+//! A graph never exceeds its limit. A constructor that finds it full returns an undefined constant instead and sets
+//! [`Graph::overflowed`]; [`Graph::derivatives`] and [`Graph::substitute`] return [`TooLarge`] and leave the graph
+//! unchanged. No function here is recursive: expressions may be as deep as the graph is large.
 
 use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 use crate::ops::{Binary, Unary};
 
-/// Names a node of a [`Graph`]. Operands have smaller ids than what uses them, so ids in ascending order are
-/// an order of evaluation.
+/// The handle of a node of a [`Graph`]. Operands have smaller ids than their uses, so ascending ids are an evaluation
+/// order.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct NodeId(u32);
 
 /// The source of a number in an expression.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Input {
-    /// A parameter of a function, curve or surface: what derivatives are taken by and what an application
+    /// A parameter of a function, curve or surface, by which derivatives are computed and for which an application
     /// substitutes. Numbered from 0 over the components of all parameters.
     Variable(u32),
     /// A number that is fixed while a picture is drawn: a component of a param or of a grid.
@@ -31,7 +31,7 @@ pub enum Input {
 pub enum Node {
     /// A number; NaN where an expression of constants is undefined.
     Constant(f64),
-    /// A number from outside.
+    /// A number from outside the expression.
     Input(Input),
     /// An operation on one number.
     Unary(Unary, NodeId),
@@ -46,11 +46,11 @@ pub enum Node {
 #[derive(Clone, Debug)]
 pub struct Operands([Option<NodeId>; 2]);
 
-/// The expression has grown past [`Graph::limit`] nodes, or has taken too much work.
+/// The expression has more than [`Graph::limit`] nodes, or requires too much work.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct TooLarge;
 
-/// Hash-consed expressions: equal expressions have equal ids, and operands come before what uses them.
+/// Hash-consed expressions: equal expressions have equal ids, and operands come before their uses.
 #[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -66,14 +66,14 @@ pub struct Graph {
 /// The default limit on the number of nodes of a graph: about 100 MB.
 pub const DEFAULT_LIMIT: usize = 1_000_000;
 
-/// The number of nodes that may be made or visited in all, for each node that may be held: what bounds the time that
-/// rewriting takes even where its results are given up.
+/// The number of nodes that may be created or visited in total, per node that may be stored. It bounds the time of
+/// rewriting even where its results are discarded.
 const WORK_PER_NODE: u64 = 40;
 
 /// The number of nodes that the body of a function usually has.
 const USUAL_BODY: usize = 48;
 
-/// A node by its bits, so that equality is exact: 0 and −0 are two constants, all NaN are one.
+/// A node by its bits, so that equality is exact: 0 and −0 are different constants, all NaN are the same.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 enum Key {
     Constant(u64),
@@ -83,12 +83,11 @@ enum Key {
     Power(NodeId, i32),
 }
 
-/// A set of inputs that may hold more than was put in, never less: one bit for each of the first inputs of a
-/// kind, one for all others.
+/// A superset of a set of inputs: one bit for each of the first inputs of a kind, and one for all others of the kind.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct InputSet(u32);
 
-/// A state of a graph that it can be brought back to.
+/// A state of a graph that can be restored.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark(usize);
 
@@ -99,7 +98,7 @@ impl Default for Graph {
 }
 
 impl Graph {
-    /// An empty graph that holds at most `limit` nodes (at least one, and less than 2³²).
+    /// Creates an empty graph that stores at most `limit` nodes (at least one, and less than 2³²).
     pub fn with_limit(limit: usize) -> Self {
         Self {
             nodes: Vec::new(),
@@ -112,38 +111,38 @@ impl Graph {
         }
     }
 
-    /// The number of nodes that it may hold.
+    /// Returns the maximum number of nodes.
     pub fn limit(&self) -> usize {
         self.limit
     }
 
-    /// The number of nodes that it holds.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// True if nothing has been put in.
+    /// Returns true if the graph has no nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// True once a constructor has found the graph full: from then on some nodes are undefined constants that
-    /// should be something else, and all rewriting gives [`TooLarge`].
+    /// Returns true once a constructor has found the graph full: from then on some nodes are undefined constants in
+    /// place of other nodes, and all rewriting returns [`TooLarge`].
     pub fn overflowed(&self) -> bool {
         self.overflowed
     }
 
-    /// A constant. All NaN are one.
+    /// Returns a constant. All NaN are the same node.
     pub fn constant(&mut self, value: f64) -> NodeId {
         self.intern(Node::Constant(value))
     }
 
-    /// An input.
+    /// Returns an input.
     pub fn input(&mut self, input: Input) -> NodeId {
         self.intern(Node::Input(input))
     }
 
-    /// The node that a handle names.
+    /// Returns the node that a handle names.
     ///
     /// # Panics
     /// May panic on a handle of another graph.
@@ -151,7 +150,7 @@ impl Graph {
         self.nodes[id.index()]
     }
 
-    /// The value of a node that is a constant.
+    /// Returns the value of a node that is a constant.
     pub fn value(&self, node: NodeId) -> Option<f64> {
         match self.node(node) {
             Node::Constant(value) => Some(value),
@@ -159,7 +158,7 @@ impl Graph {
         }
     }
 
-    /// The inputs that the roots depend on, sorted.
+    /// Returns the inputs on which the roots depend, sorted.
     pub fn inputs(&self, roots: &[NodeId]) -> Vec<Input> {
         let read = roots.iter().fold(InputSet(0), |all, root| {
             InputSet(all.0 | self.dependencies(*root).0)
@@ -177,31 +176,31 @@ impl Graph {
         inputs
     }
 
-    /// The nodes that the roots need, themselves included, operands before what uses them.
+    /// Returns the nodes that the roots need, including themselves, operands before their uses.
     pub fn order(&self, roots: &[NodeId]) -> Vec<NodeId> {
         self.reachable(roots, |_| true)
     }
 
-    /// A graph that holds just what the roots need, and the roots in it, in their order. Its limit is this
-    /// one's.
+    /// Returns a graph that contains only the nodes that the roots need, and the roots in it, in their order. It has
+    /// the same limit.
     pub fn extract(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
         let mut graph = Graph::with_limit(self.limit);
         let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::default();
         for id in self.order(roots) {
-            // Ids keep their order, so a node in canonical form stays so.
+            // Ids keep their order, so a node in canonical form remains in it.
             let node = self.node(id).map(|operand| copies[&operand]);
             copies.insert(id, graph.intern(node));
         }
         (graph, roots.iter().map(|root| copies[root]).collect())
     }
 
-    /// The reachable nodes that `wanted` admits (and are reached through such nodes), ascending.
+    /// Returns the reachable nodes that `wanted` accepts (and that are reached through such nodes), in ascending order.
     pub(crate) fn reachable(
         &self,
         roots: &[NodeId],
         mut wanted: impl FnMut(NodeId) -> bool,
     ) -> Vec<NodeId> {
-        // Room for a usual body, so that none of its thousands of uses grows a table step by step.
+        // Room for a usual body, so that its thousands of uses do not grow a table step by step.
         let mut seen: FxHashSet<NodeId> =
             FxHashSet::with_capacity_and_hasher(USUAL_BODY, FxBuildHasher);
         let mut stack: Vec<NodeId> = Vec::with_capacity(USUAL_BODY);
@@ -224,7 +223,7 @@ impl Graph {
     /// Counts work.
     ///
     /// # Errors
-    /// If it exceeds the limit, or the graph is full already.
+    /// If it exceeds the limit, or the graph is already full.
     pub(crate) fn charge(&mut self, nodes: usize) -> Result<(), TooLarge> {
         self.work = self.work.saturating_add(nodes as u64);
         if self.overflowed || self.exhausted() {
@@ -237,19 +236,19 @@ impl Graph {
         Mark(self.nodes.len())
     }
 
-    /// Forgets all nodes made since the mark, and that the graph was full.
+    /// Removes all nodes created since the mark, and resets the overflow.
     pub(crate) fn roll_back(&mut self, mark: Mark) {
         for &node in &self.nodes[mark.0..] {
             self.ids.remove(&Key::new(node));
         }
         self.nodes.truncate(mark.0);
         self.dependencies.truncate(mark.0);
-        // Derivatives name the nodes that have gone.
+        // Derivatives refer to the removed nodes.
         self.derivatives.clear();
         self.overflowed = false;
     }
 
-    /// The handle of a node in canonical form, which only the constructors know how to make.
+    /// Returns the handle of a node in canonical form, which only the constructors can create.
     pub(crate) fn intern(&mut self, node: Node) -> NodeId {
         let key = Key::new(node);
         if let Some(&id) = self.ids.get(&key) {
@@ -257,7 +256,7 @@ impl Graph {
         }
         if self.nodes.len() >= self.limit || self.exhausted() {
             self.overflowed = true;
-            // One more than the limit: the constant that stands for all that has no room.
+            // One more than the limit: the constant that replaces all nodes beyond it.
             let undefined = Node::Constant(f64::NAN);
             return match self.ids.get(&Key::new(undefined)) {
                 Some(&id) => id,
@@ -288,14 +287,14 @@ impl Graph {
 }
 
 impl NodeId {
-    /// Its position in the graph.
+    /// Returns its index in the graph.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
 impl Node {
-    /// The operands, from left to right; none for a leaf.
+    /// Returns the operands, from left to right; none for a leaf.
     pub fn operands(self) -> Operands {
         match self {
             Self::Constant(_) | Self::Input(_) => Operands([None, None]),
@@ -304,7 +303,7 @@ impl Node {
         }
     }
 
-    /// True for what is computed, false for constants and inputs.
+    /// Returns true for operations, false for constants and inputs.
     pub fn is_operation(self) -> bool {
         !matches!(self, Self::Constant(_) | Self::Input(_))
     }
@@ -330,11 +329,11 @@ impl Iterator for Operands {
 }
 
 impl InputSet {
-    /// The number of variables with a bit of their own. All others share the bit behind those.
+    /// The number of variables with their own bit. All others share the next bit.
     const VARIABLES: u32 = 23;
-    /// The number of uniforms with a bit of their own.
+    /// The number of uniforms with their own bit.
     const UNIFORMS: u32 = 7;
-    /// The inputs that share a bit.
+    /// The bits that are shared by several inputs.
     const OTHERS: Self = Self(1 << Self::VARIABLES | 1 << (Self::VARIABLES + 1 + Self::UNIFORMS));
 
     pub(crate) fn of(input: Input) -> Self {
@@ -344,7 +343,7 @@ impl InputSet {
         })
     }
 
-    /// The inputs of the set that have a bit of their own.
+    /// Returns the inputs of the set that have their own bit.
     fn known(self) -> Vec<Input> {
         let variables = (0..Self::VARIABLES).map(Input::Variable);
         let uniforms = (0..Self::UNIFORMS).map(Input::Uniform);
@@ -357,7 +356,7 @@ impl InputSet {
         self.0 == 0
     }
 
-    /// False only if the sets have nothing in common.
+    /// Returns false only if the sets are disjoint.
     pub(crate) fn may_meet(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }

@@ -1,15 +1,15 @@
 //! Interval arithmetic, rounded outward.
 //!
-//! Input: intervals of operands. Output: an interval that contains every value that the operation has on them, in exact
-//! arithmetic and in f64, and a flag that is set where it may be undefined. The functions of one number stand in
+//! In: intervals of operands. Out: an interval that contains every value of the operation on them, in exact arithmetic
+//! and in f64, and a flag that is set if it may be undefined. The functions of one number are in
 //! `interval/functions.rs`, values with slopes along a line in `interval/slope.rs`.
 //!
-//! Sums, products, quotients and roots, which f64 rounds correctly, are widened by one unit in the last place; functions
-//! of the mathematical library by four. The library `inari` has tighter bounds, but needs a processor of 2013 or
-//! newer chosen at build time, and MPFR for the functions; `fidget` evaluates intervals in f32.
+//! Sums, products, quotients and roots, which f64 rounds correctly, are widened by one ulp; functions of the
+//! mathematical library by four. The library `inari` has tighter bounds, but requires a processor of 2013 or newer to be
+//! chosen at build time, and MPFR for the functions; `fidget` evaluates intervals in f32.
 //!
 //! A lower bound of 0 that is written −0 may be the value −0, whose reciprocal is −∞; +0 may not. For upper bounds the
-//! signs are the other way round.
+//! signs are reversed.
 
 use crate::ops::{Arithmetic, Binary, Operation, Unary};
 
@@ -25,13 +25,13 @@ pub struct Interval {
     partial: bool,
 }
 
-/// The arithmetic of intervals, in which the rules of the table of operations are run.
+/// Interval arithmetic as an [`Arithmetic`], in which the rules of the table of operations are evaluated.
 #[derive(Debug, Default)]
 struct Rules {
     names: u32,
 }
 
-/// An interval with a name, so that a number times itself is known for a square.
+/// An interval with an identity, so that the product of a number with itself is recognised as a square.
 #[derive(Clone, Copy, Debug)]
 struct Named {
     interval: Interval,
@@ -60,7 +60,7 @@ impl Interval {
         partial: true,
     };
 
-    /// The numbers from `lower` to `upper`; undefined if they are not in this order, or one is NaN.
+    /// Returns the numbers from `lower` to `upper`; undefined if they are not in this order, or either is NaN.
     pub fn new(lower: f64, upper: f64) -> Self {
         if lower <= upper {
             Self::hull(lower, upper)
@@ -69,32 +69,32 @@ impl Interval {
         }
     }
 
-    /// One number; undefined if it is NaN.
+    /// Returns one number; undefined if it is NaN.
     pub fn point(x: f64) -> Self {
         Self::new(x, x)
     }
 
-    /// The least number.
+    /// Returns the lower bound.
     pub fn lower(self) -> f64 {
         self.lower
     }
 
-    /// The greatest number.
+    /// Returns the upper bound.
     pub fn upper(self) -> f64 {
         self.upper
     }
 
-    /// True if it may be undefined somewhere.
+    /// Returns true if it may be undefined somewhere.
     pub fn is_partial(self) -> bool {
         self.partial
     }
 
-    /// True if no value is defined.
+    /// Returns true if no value is defined.
     pub fn is_empty(self) -> bool {
         self.lower > self.upper
     }
 
-    /// True if the number is among its values; for NaN, if it may be undefined.
+    /// Returns true if the number is among its values; for NaN, if it may be undefined.
     pub fn contains(self, x: f64) -> bool {
         if x.is_nan() {
             self.partial
@@ -103,12 +103,12 @@ impl Interval {
         }
     }
 
-    /// The difference of its bounds.
+    /// Returns the difference of its bounds.
     pub fn width(self) -> f64 {
         self.upper - self.lower
     }
 
-    /// The least interval that contains both.
+    /// Returns the smallest interval that contains both.
     pub fn union(self, other: Self) -> Self {
         Self {
             lower: lower_bound(f64::min, self.lower, other.lower),
@@ -117,7 +117,7 @@ impl Interval {
         }
     }
 
-    /// The value of any operation; of one number, `b` does not count.
+    /// Returns the values of any operation; for an operation on one number, `b` is ignored.
     pub fn operation(operation: Operation, a: Self, b: Self) -> Self {
         match operation {
             Operation::Unary(op) => Self::unary(op, a),
@@ -126,14 +126,14 @@ impl Interval {
         }
     }
 
-    /// The value of an operation on two numbers.
+    /// Returns the values of an operation on two numbers.
     pub fn binary(op: Binary, a: Self, b: Self) -> Self {
         let result = match op {
             Binary::Add => a.plus(b),
             Binary::Sub => a.plus(b.negative()),
             Binary::Mul => a.times(b),
             Binary::Div => a.over(b),
-            // A power is defined where only one of its operands is, so what `of` adds does not hold.
+            // A power may be defined where only one of its operands is, so the rule of `of` does not hold.
             Binary::Pow => return a.power(b).partially(a.partial || b.partial),
             Binary::Zmul => return a.annihilating(b),
             Binary::Min => Self::exact(
@@ -152,7 +152,7 @@ impl Interval {
         result.of([a, b])
     }
 
-    /// a².
+    /// Returns a².
     pub fn square(self) -> Self {
         let (least, most) = self.sizes();
         let lower = if least == 0.0 {
@@ -163,7 +163,7 @@ impl Interval {
         Self::exact(lower, (most * most).next_up()).of([self, self])
     }
 
-    /// a^n, see [`crate::ops::integer_power`].
+    /// Returns a^n, see [`crate::ops::integer_power`].
     pub fn integer_power(self, n: i32) -> Self {
         let count = n.unsigned_abs();
         let positive = match count {
@@ -171,7 +171,7 @@ impl Interval {
             1 => self,
             2 => self.square(),
             _ => {
-                // Each multiplication adds at most one rounding of what is multiplied.
+                // Each multiplication adds at most one rounding, in addition to those of its operands.
                 let power = |x: f64| {
                     let mut power = 1.0;
                     let mut square = x;
@@ -207,14 +207,14 @@ impl Interval {
 
     fn hull(lower: f64, upper: f64) -> Self {
         Self {
-            // A bound that is a zero may have either sign.
+            // A zero bound may have either sign.
             lower: if lower == 0.0 { -0.0 } else { lower },
             upper: if upper == 0.0 { 0.0 } else { upper },
             partial: false,
         }
     }
 
-    /// The bounds as they are, with the signs of zeros.
+    /// Returns the bounds unchanged, including the signs of zeros.
     fn exact(lower: f64, upper: f64) -> Self {
         Self {
             lower,
@@ -230,7 +230,7 @@ impl Interval {
         }
     }
 
-    /// The result of an operation on these operands: undefined where they are.
+    /// Returns the result of an operation on these operands: undefined where they are.
     #[inline]
     fn of(self, operands: [Self; 2]) -> Self {
         let [a, b] = operands;
@@ -240,7 +240,7 @@ impl Interval {
         self.partially(a.partial || b.partial)
     }
 
-    /// The least and the greatest absolute value.
+    /// Returns the smallest and the largest absolute value.
     fn sizes(self) -> (f64, f64) {
         let (a, b) = (self.lower.abs(), self.upper.abs());
         let least = if self.contains(0.0) { 0.0 } else { a.min(b) };
@@ -286,13 +286,13 @@ impl Interval {
         .partially(opposed(self.lower, other.upper) || opposed(self.upper, other.lower))
     }
 
-    /// The sum, undefined where an operand is.
+    /// Returns the sum, undefined where an operand is.
     #[inline]
     fn sum(self, other: Self) -> Self {
         self.plus(other).of([self, other])
     }
 
-    /// The product, undefined where an operand is.
+    /// Returns the product, undefined where an operand is.
     #[inline]
     fn product(self, other: Self) -> Self {
         self.times(other).of([self, other])
@@ -315,7 +315,7 @@ impl Interval {
         let most = |a: f64, b: f64| if a > b { a } else { b };
         let lower = least(least(a, b), least(c, d));
         let upper = most(most(a, b), most(c, d));
-        // A bound that is 0 is exact if a factor is 0, and else too small for a number.
+        // A bound of 0 is exact if a factor is 0, and otherwise an underflow.
         let exact =
             (lower == 0.0 || upper == 0.0) && (self.has_zero_bound() || other.has_zero_bound());
         Self::hull(
@@ -332,9 +332,9 @@ impl Interval {
         )
     }
 
-    /// The product where a bound is infinite, or too large for a sum.
+    /// Returns the product where a bound is infinite, or too large for a sum.
     fn times_unbounded(self, other: Self) -> Self {
-        // A zero annihilates, an infinite bound too: that what is infinite there is undefined is noted.
+        // A zero annihilates even an infinite bound; that the product may be undefined there is recorded.
         let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
         let [a, b] = [self.lower, self.upper].map(|x| [x, other.lower, other.upper]);
         let corners = [
@@ -347,7 +347,7 @@ impl Interval {
         let most = |a: f64, b: f64| if a > b { a } else { b };
         let lower = least(least(corners[0], corners[1]), least(corners[2], corners[3]));
         let upper = most(most(corners[0], corners[1]), most(corners[2], corners[3]));
-        // A bound that is 0 is exact if a factor is 0, and else too small for a number.
+        // A bound of 0 is exact if a factor is 0, and otherwise an underflow.
         let exact = self.has_zero_bound() || other.has_zero_bound();
         let lower = if lower == 0.0 && exact {
             lower
@@ -386,7 +386,7 @@ impl Interval {
         result.partially(partial || zero_over_zero || infinities)
     }
 
-    /// The quotient by what is positive, or +0.
+    /// Returns the quotient by an interval that is positive, or +0.
     fn over_positive(self, other: Self) -> Self {
         let quotient = |a: f64, b: f64| match (a == 0.0, b == 0.0) {
             (true, _) => 0.0,
@@ -411,7 +411,7 @@ impl Interval {
         Self::hull(lower, upper).partially(self.is_unbounded() && other.is_unbounded())
     }
 
-    /// The product that a zero first factor annihilates, see [`crate::ops::zmul`].
+    /// Returns the product that a zero first factor annihilates, see [`crate::ops::zmul`].
     fn annihilating(self, other: Self) -> Self {
         if self.is_zero() {
             return self;
@@ -427,10 +427,10 @@ impl Interval {
         product.union(zero)
     }
 
-    /// a^b, see [`crate::ops::power`].
+    /// Returns a^b, see [`crate::ops::power`].
     fn power(self, exponent: Self) -> Self {
         if self.is_empty() || exponent.is_empty() {
-            // 1^y and x^0 are 1, whatever the other is.
+            // 1^y and x^0 are 1, whatever the other operand is.
             return Self::WHOLE.partially(true);
         }
         if exponent.lower == exponent.upper
@@ -454,16 +454,16 @@ impl Interval {
             result.partial |= self.lower < 0.0;
         }
         if self.lower == f64::NEG_INFINITY {
-            // Any power of −∞ is taken for one of ∞.
+            // Any power of −∞ is treated as a power of ∞.
             result = result.union(Self::exact(0.0, f64::INFINITY));
         }
         result.partially(self.is_unbounded() || exponent.is_unbounded())
     }
 
-    /// The bounds of a^b for a ≥ 0: monotone in either operand, so attained at corners.
+    /// Returns the bounds of a^b for a ≥ 0: monotone in either operand, so attained at corners.
     fn corner_powers(self, exponent: Self) -> (f64, f64) {
         let (mut lower, mut upper) = (f64::INFINITY, f64::NEG_INFINITY);
-        // What multiplies rounds up to 2·1024 times.
+        // Repeated multiplication rounds up to 2·1024 times.
         let multiplies = exponent.lower.ceil() <= exponent.upper;
         let ulps = if multiplies { 2048.0 } else { 8.0 };
         for a in [self.lower.abs(), self.upper] {
@@ -473,7 +473,7 @@ impl Interval {
                 upper = upper.max(above(value, ulps));
             }
         }
-        // Where the exponent passes 0 the power is 1 there; at the base 1 too.
+        // Where the exponent passes 0 the power is 1; at the base 1 too.
         if exponent.contains(0.0) || self.contains(1.0) {
             (lower, upper) = (lower.min(1.0), upper.max(1.0));
         }
@@ -481,7 +481,7 @@ impl Interval {
     }
 }
 
-/// The number by so many units in the last place lower.
+/// Returns the number lowered by `ulps` units in the last place.
 fn below(x: f64, ulps: f64) -> f64 {
     if x.is_infinite() {
         return x.next_down();
@@ -489,7 +489,7 @@ fn below(x: f64, ulps: f64) -> f64 {
     (x - x.abs() * (ulps * f64::EPSILON)).next_down()
 }
 
-/// The number by so many units in the last place higher.
+/// Returns the number raised by `ulps` units in the last place.
 fn above(x: f64, ulps: f64) -> f64 {
     -below(-x, ulps)
 }
@@ -534,7 +534,7 @@ impl Arithmetic for Rules {
     }
 }
 
-/// One of two lower bounds. Of two zeros it is the negative one: the library may choose either.
+/// Returns one of two lower bounds. Of two zeros it is the negative one: the library may choose either.
 #[inline]
 fn lower_bound(choice: fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
     match a == 0.0 && b == 0.0 {
@@ -544,7 +544,7 @@ fn lower_bound(choice: fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
     }
 }
 
-/// One of two upper bounds. Of two zeros it is the positive one.
+/// Returns one of two upper bounds. Of two zeros it is the positive one.
 #[inline]
 fn upper_bound(choice: fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
     match a == 0.0 && b == 0.0 {

@@ -4,12 +4,12 @@
 //! roots ──expand.rs──▶ one coefficient for each node and derivative ──assemble.rs──▶ code ──run.rs──▶ numbers
 //! ```
 //!
-//! Input: roots and the two variables to derive by, then points. Output: the coefficients of each root. Derivatives are
-//! carried along with the values (truncated Taylor arithmetic in two variables), nothing is derived symbolically, and
-//! each operation costs a bounded number of instructions. The arithmetic is unrolled before any point is seen: a
+//! In: roots and two variables, then points. Out: the coefficients of each root. Derivatives are computed along with
+//! the values (truncated Taylor arithmetic in two variables); nothing is differentiated symbolically, and each
+//! operation costs a bounded number of instructions. The arithmetic is unrolled before any point is given: a
 //! coefficient that is zero everywhere, because its node does not depend on a variable or is linear in it, costs
-//! nothing; equal coefficients (the derivative of a sine, and the cosine) are computed once; what depends on uniforms
-//! alone is computed once for their values ([`JetTape::fix`]).
+//! nothing; equal coefficients (the derivative of a sine, and the cosine) are computed once; coefficients that depend
+//! only on uniforms are computed once per set of their values ([`JetTape::fix`]).
 //!
 //! ```
 //! use expr::jets::{JetRegisters, JetTape, Order};
@@ -37,10 +37,10 @@ mod run;
 mod terms;
 pub use run::JetRegisters;
 
-/// The number of points that are evaluated at once where many are: a vector of eight, or two of four.
+/// The number of points that are evaluated at once in bulk: a vector of eight, or two of four.
 pub const LANES: usize = 8;
 
-/// Up to which order derivatives are computed.
+/// The order up to which derivatives are computed.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Order {
     /// The value alone.
@@ -52,7 +52,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// The number of coefficients that a root has: 1, 3 or 6.
+    /// Returns the number of coefficients of a root: 1, 3 or 6.
     pub fn coefficients(self) -> usize {
         match self {
             Self::Value => 1,
@@ -71,7 +71,7 @@ pub struct JetTape {
     identity: u64,
 }
 
-/// The numbers of a [`JetTape`] that are the same at every point: constants, and what follows from uniforms.
+/// The numbers of a [`JetTape`] that are the same at every point: constants, and values that depend only on uniforms.
 #[derive(Clone, Debug)]
 pub struct Fixed {
     /// The contents of the registers, then the factors of the results.
@@ -80,14 +80,14 @@ pub struct Fixed {
     identity: u64,
 }
 
-/// Names tapes and their fixed numbers, so that registers know whose numbers they hold.
+/// Returns an identity for tapes and their fixed numbers, so that registers record whose numbers they contain.
 fn next_identity() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 impl JetTape {
-    /// Compiles the roots, to be derived by `variables`; every other input is a uniform.
+    /// Compiles the roots, to be differentiated by `variables`; every other input is a uniform.
     ///
     /// # Errors
     /// [`TooLarge`] where there are more coefficients than the graph may hold nodes.
@@ -107,30 +107,30 @@ impl JetTape {
         })
     }
 
-    /// The inputs other than the two variables, in the order in which [`JetTape::fix`] takes them.
+    /// Returns the inputs other than the two variables, in the order that [`JetTape::fix`] expects.
     pub fn uniforms(&self) -> &[Input] {
         &self.expansion.uniforms
     }
 
-    /// Up to which order it derives.
+    /// Returns the order up to which it differentiates.
     pub fn order(&self) -> Order {
         self.order
     }
 
-    /// The number of roots that it evaluates.
+    /// Returns the number of roots.
     pub fn root_count(&self) -> usize {
         self.code.program.place_count() / self.order.coefficients()
     }
 
-    /// The number of instructions that one evaluation runs.
+    /// Returns the number of instructions of one evaluation.
     pub fn instruction_count(&self) -> usize {
         self.code.program.instruction_count()
     }
 
-    /// Computes what is the same at every point. `uniforms` follows [`JetTape::uniforms`].
+    /// Computes the numbers that are the same at every point. `uniforms` are in the order of [`JetTape::uniforms`].
     ///
     /// # Panics
-    /// If `uniforms` is not of this length.
+    /// If `uniforms` has a different length.
     pub fn fix(&self, uniforms: &[f64]) -> Fixed {
         assert_eq!(
             uniforms.len(),
@@ -155,12 +155,12 @@ impl JetTape {
         }
     }
 
-    /// Evaluates at `N` points: `at` holds the two variables. `out` receives the values of all roots, then their ∂u,
-    /// ∂v, ∂uu, ∂uv and ∂vv, as far as the order goes: coefficient k of a root stands at k·[`JetTape::root_count`] +
-    /// root. The bits do not depend on `N`, nor on the processor.
+    /// Evaluates at `N` points: `at` contains the two variables. `out` receives the values of all roots, then their ∂u,
+    /// ∂v, ∂uu, ∂uv and ∂vv, up to the order: coefficient k of a root is at k·[`JetTape::root_count`] + root. The bits
+    /// depend neither on `N` nor on the processor.
     ///
     /// # Panics
-    /// If `fixed` is another tape's, or `out` has not one place per root and coefficient.
+    /// If `fixed` is from another tape, or `out` does not have one element per root and coefficient.
     pub fn eval<const N: usize>(
         &self,
         registers: &mut JetRegisters,

@@ -10,9 +10,9 @@
 //!
 //! `polynomial.rs` reads the set where an expression is not positive as a combination of polynomials.
 //!
-//! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
-//! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs` and `processor.rs` make jets,
-//! and other loops over lanes, fast.
+//! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these expressions,
+//! here or elsewhere, must satisfy the cases of [`conformance`]. `elementary.rs` and `processor.rs` speed up jets and
+//! other loops over lanes.
 //!
 //! ```
 //! use expr::tape::{Registers, Tape};

@@ -1,6 +1,6 @@
 //! Numbers as text: for people, and for WGSL.
 
-/// The shortest decimal text that reads back as this f64: `0.1`, `2`, `1e300`, `6.283185307179586`; `undefined`
+/// Returns the shortest decimal text that reads back as this f64: `0.1`, `2`, `1e300`, `6.283185307179586`; `undefined`
 /// for NaN, `infinity` or `-infinity`.
 pub fn text(value: f64) -> String {
     if value.is_nan() {
@@ -16,7 +16,7 @@ pub fn text(value: f64) -> String {
     }
 }
 
-/// A number that has no WGSL literal, since it is not finite in f32.
+/// The number has no WGSL literal, since it is not finite in f32.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum LiteralError {
     /// The number is NaN.
@@ -27,7 +27,7 @@ pub enum LiteralError {
     MinusInfinite,
 }
 
-/// A WGSL literal for this number rounded to f32: the shortest decimal text that reads back as that f32, always
+/// Returns a WGSL literal for this number rounded to f32: the shortest decimal text that reads back as that f32, always
 /// with a point or an exponent: `1.0`, `6.2831855`, `1e-7`. A negative number has its sign before the literal.
 ///
 /// # Errors

@@ -1,8 +1,8 @@
 //! The one table of scalar operations.
 //!
-//! Input: nothing. Output: for each operation its name, documentation, exact f64 meaning (one number and blocks of
-//! lanes, from one expression), derivative rule, first and second derivative at a number, WGSL text, and the name under
-//! which programs know it. The rows stand in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
+//! In: nothing. Out: for each operation its name, documentation, exact f64 meaning (for one number and for blocks of
+//! lanes, from one expression), derivative rule, first and second derivative at a number, WGSL text, and the name by
+//! which programs call it. The rows are in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
 //! cases to [`crate::conformance`].
 //!
 //! f64 functions are those of `std`, which round as the system's mathematical library does.
@@ -51,7 +51,7 @@ pub enum Operation {
 /// The WGSL of an integer power: a function of the shader library that takes the base and an `i32`.
 pub const INTEGER_POWER_WGSL: Wgsl = Wgsl::Library("integer_power");
 
-/// The constants that programs know by name: name, value, and what it is for readers.
+/// The named constants of programs: name, value, and description.
 pub const CONSTANTS: [(&str, f64, &str); 2] = [
     (
         "pi",
@@ -65,8 +65,8 @@ pub const CONSTANTS: [(&str, f64, &str); 2] = [
     ),
 ];
 
-/// The operation that programs write as the function `name`. (`id`, which the language has too, is not one: it hands
-/// its operand on, a number or a vector.)
+/// Returns the operation that programs call as the function `name`. (The language's `id` is not one: it returns its
+/// operand, a number or a vector.)
 pub fn builtin(name: &str) -> Option<Unary> {
     Unary::ALL
         .iter()
@@ -79,7 +79,7 @@ pub fn builtin(name: &str) -> Option<Unary> {
 pub struct Row {
     /// Its name in listings.
     pub name: &'static str,
-    /// The name under which programs know it as a function.
+    /// The name of the function in programs, if it has one.
     pub builtin: Option<&'static str>,
     /// Its WGSL.
     pub wgsl: Wgsl,
@@ -90,7 +90,7 @@ pub struct Row {
 }
 
 impl Operation {
-    /// Every operation of the table; for the integer power, exponents of every kind.
+    /// Returns every operation of the table; for the integer power, exponents of every kind.
     pub fn all() -> impl Iterator<Item = Self> {
         let powers = [3, 4, 7, -2, -3].into_iter().map(Self::Power);
         let unary = Unary::ALL.iter().copied().map(Self::Unary);
@@ -99,7 +99,7 @@ impl Operation {
             .chain(powers)
     }
 
-    /// The number of operands that it takes.
+    /// Returns the number of operands.
     pub fn arity(self) -> usize {
         match self {
             Self::Unary(_) | Self::Power(_) => 1,
@@ -125,7 +125,7 @@ impl Operation {
         }
     }
 
-    /// Its value; `None` if the number of operands is not its arity.
+    /// Returns its value; `None` if the number of operands is not its arity.
     pub fn eval(self, operands: &[f64]) -> Option<f64> {
         match (self, operands) {
             (Self::Unary(op), &[x]) => Some(op.eval(x)),
@@ -135,7 +135,7 @@ impl Operation {
         }
     }
 
-    /// The operation on nodes; `b` counts for two operands only.
+    /// Builds the operation on nodes; `b` is used only by operations on two numbers.
     pub fn node<B: ExpressionBuilder>(
         self,
         graph: &mut B,
@@ -149,7 +149,7 @@ impl Operation {
         }
     }
 
-    /// The operation on nodes; `None` if the number of operands is not its arity.
+    /// Builds the operation on nodes; `None` if the number of operands is not its arity.
     pub fn build<B: ExpressionBuilder>(
         self,
         graph: &mut B,

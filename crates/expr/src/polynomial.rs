@@ -1,8 +1,8 @@
-//! Polynomials in x, y, z, and sets that they bound.
+//! Polynomials in x, y, z, and sets bounded by them.
 //!
-//! Input: an expression, and what its inputs are as polynomials. Output: a [`Region`], the set where the expression is not
-//! positive, as unions and intersections of sets where polynomials are not positive (`polynomial/region.rs`).
-//! Coefficients that are nothing but rounding are zero.
+//! In: an expression, and its inputs as polynomials. Out: a [`Region`], the set where the expression is not positive, as
+//! unions and intersections of sets where polynomials are not positive (`polynomial/region.rs`). Coefficients that are
+//! only rounding errors are set to zero.
 
 use std::cmp::Ordering;
 
@@ -10,13 +10,13 @@ mod lattice;
 mod region;
 pub use region::{LARGEST_DEGREE, MOST_PIECES, Region, region};
 
-/// A polynomial: its terms by their exponents, ascending, none of them zero.
+/// A polynomial: its terms by exponents, in ascending order, none of them zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polynomial {
     terms: Vec<([u8; 3], f64)>,
 }
 
-/// A sum that is smaller than its largest part by this factor is zero: about eight roundings.
+/// A sum that is smaller than its largest summand by this factor is zero: about eight roundings.
 const CANCELLATION: f64 = 8.0 * f64::EPSILON;
 
 impl Polynomial {
@@ -32,7 +32,7 @@ impl Polynomial {
         Self::from_terms(linear.chain([([0; 3], constant)]))
     }
 
-    /// The sum of terms, each by the exponents of x, y and z.
+    /// Returns the sum of terms, each given by the exponents of x, y and z.
     pub fn from_terms(terms: impl IntoIterator<Item = ([u8; 3], f64)>) -> Self {
         let mut sum = Self::default();
         for (exponents, coefficient) in terms {
@@ -41,18 +41,18 @@ impl Polynomial {
         sum
     }
 
-    /// The terms in the order of their exponents, x first.
+    /// Returns the terms in the order of their exponents, x first.
     pub fn terms(&self) -> impl ExactSizeIterator<Item = ([u8; 3], f64)> + '_ {
         self.terms.iter().copied()
     }
 
-    /// The highest sum of exponents; 0 for a constant.
+    /// Returns the highest sum of exponents; 0 for a constant.
     pub fn degree(&self) -> usize {
         let sum = |(e, _): ([u8; 3], f64)| e.iter().map(|&e| usize::from(e)).sum();
         self.terms().map(sum).max().unwrap_or(0)
     }
 
-    /// The value of a constant; `None` for any other polynomial.
+    /// Returns the value of a constant; `None` for any other polynomial.
     pub fn value(&self) -> Option<f64> {
         match self.degree() {
             0 => Some(self.terms().map(|(_, c)| c).sum()),
@@ -60,17 +60,17 @@ impl Polynomial {
         }
     }
 
-    /// The greatest absolute value of a coefficient.
+    /// Returns the largest absolute value of a coefficient.
     pub fn largest(&self) -> f64 {
         self.terms().fold(0.0, |most, (_, c)| most.max(c.abs()))
     }
 
-    /// True if all coefficients are numbers.
+    /// Returns true if all coefficients are finite.
     pub fn is_finite(&self) -> bool {
         self.terms().all(|(_, c)| c.is_finite())
     }
 
-    /// The value at a point.
+    /// Returns the value at a point.
     pub fn at(&self, [x, y, z]: [f64; 3]) -> f64 {
         let powers = |e: [u8; 3]| {
             let [a, b, c] = e.map(i32::from);
@@ -79,7 +79,7 @@ impl Polynomial {
         self.terms().map(|(e, c)| c * powers(e)).sum()
     }
 
-    /// The derivative by the variable `k`.
+    /// Returns the derivative by the variable `k`.
     pub fn derivative(&self, k: usize) -> Self {
         let terms = self.terms().filter(|(e, _)| e[k] > 0);
         Self::from_terms(terms.map(|(mut e, c)| {
@@ -89,7 +89,7 @@ impl Polynomial {
         }))
     }
 
-    /// The product with a number.
+    /// Returns the product with a number.
     pub fn scaled(&self, factor: f64) -> Self {
         let terms = self.terms().map(|(e, c)| (e, c * factor));
         Self {
@@ -97,7 +97,7 @@ impl Polynomial {
         }
     }
 
-    /// The sum.
+    /// Returns the sum.
     pub fn plus(&self, other: &Self) -> Self {
         let mut terms = Vec::with_capacity(self.terms.len() + other.terms.len());
         let (mut own, mut others) = (self.terms().peekable(), other.terms().peekable());
@@ -116,9 +116,10 @@ impl Polynomial {
         Self { terms }
     }
 
-    /// The product.
+    /// Returns the product.
     ///
-    /// Takes memory for all exponents up to the highest of each variable, which together are to be less than 256.
+    /// Allocates memory for all exponents up to the highest of each variable; the sum of two exponents must be less
+    /// than 256.
     pub fn times(&self, other: &Self) -> Self {
         let of = |k: usize, p: &Self| p.terms().map(|(e, _)| usize::from(e[k])).max().unwrap_or(0);
         let [_, ny, nz] = [0, 1, 2].map(|k| of(k, self) + of(k, other) + 1);
@@ -126,7 +127,8 @@ impl Polynomial {
             let [x, y, z] = e.map(usize::from);
             (x * ny + y) * nz + z
         };
-        // The sum of each exponent's parts, and the size of the largest, so that cancellation is seen whatever the order.
+        // Accumulate each exponent's sum together with its largest summand, so that cancellation is detected in any
+        // order.
         let mut sums: Vec<(f64, f64)> = Vec::new();
         for (e, c) in self.terms() {
             for (f, d) in other.terms() {
@@ -147,7 +149,7 @@ impl Polynomial {
         }
     }
 
-    /// The polynomial of other polynomials in the places of x, y and z.
+    /// Substitutes polynomials for x, y and z.
     pub fn compose(&self, inner: &[Self; 3]) -> Self {
         let powers = [0, 1, 2].map(|k| {
             let most = self.terms().map(|(e, _)| e[k]).max().unwrap_or(0);
@@ -180,12 +182,12 @@ impl Polynomial {
     }
 }
 
-/// The sum; `None` if it is zero but for rounding.
+/// Returns the sum; `None` if it is zero up to rounding.
 fn sum_of(a: f64, b: f64) -> Option<f64> {
     (!is_rounding(a + b, a.abs().max(b.abs()))).then_some(a + b)
 }
 
-/// True for a sum that is zero but for the rounding of its parts, the largest of which has this size.
+/// Returns true for a sum that is zero up to the rounding of its summands, the largest of which has this magnitude.
 fn is_rounding(sum: f64, largest: f64) -> bool {
     sum.abs() <= CANCELLATION * largest
 }

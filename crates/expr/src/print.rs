@@ -7,8 +7,8 @@ use rustc_hash::FxHashMap;
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::number;
 
-/// The roots as a listing, one operation a line, shared subexpressions once: as long as the graph, whatever its
-/// depth. Inputs are `v0`, `v1`, … and `k0`, `k1`, … (uniforms).
+/// Returns the roots as a listing, one operation per line, shared subexpressions once: as long as the graph, whatever
+/// its depth. Inputs are `v0`, `v1`, … and `k0`, `k1`, … (uniforms).
 ///
 /// ```text
 /// t0 = mul v0 v0
@@ -41,8 +41,8 @@ pub fn listing(graph: &Graph, roots: &[NodeId]) -> String {
     listing
 }
 
-/// A root as one s-expression, `(add 1 (sin v0))`, shared subexpressions written out each time; cut off with `…`
-/// after about `longest` bytes.
+/// Returns a root as one s-expression, `(add 1 (sin v0))`, with shared subexpressions repeated; cut off with `…` after
+/// about `longest` bytes.
 pub fn expression(graph: &Graph, root: NodeId, longest: usize) -> String {
     enum Task {
         Node(NodeId),
@@ -79,7 +79,7 @@ pub fn expression(graph: &Graph, root: NodeId, longest: usize) -> String {
     text
 }
 
-/// The text of a constant or an input.
+/// Returns the text of a constant or an input.
 fn leaf(node: Node) -> Option<String> {
     match node {
         Node::Constant(value) => Some(number::text(value)),
@@ -89,7 +89,7 @@ fn leaf(node: Node) -> Option<String> {
     }
 }
 
-/// An operation's name, with a power's exponent.
+/// Returns an operation's name, with the exponent of a power.
 fn head(node: Node) -> String {
     match node {
         Node::Unary(op, _) => op.name().to_owned(),

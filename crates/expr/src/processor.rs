@@ -1,13 +1,13 @@
-//! The vector instructions of this processor, found at run time.
+//! The vector instructions of this processor, detected at run time.
 //!
-//! Input: work over arrays of numbers, written as plain loops. Output: its result, from a copy of the work that was
-//! compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with AVX-512). Nothing
-//! is contracted or reordered, so that every copy gives the same bits.
+//! In: work over arrays of numbers, written as plain loops. Out: its result, from a copy of the work that was compiled
+//! for the widest available vectors (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with AVX-512). Nothing is
+//! contracted or reordered, so that every copy gives the same bits.
 
 use crate::vectors::VectorWork;
 
-/// Something to compute. Mark [`Work::run`] and all that it calls in its inner loops `#[inline(always)]`: only what is
-/// inlined is compiled anew for each kind of processor.
+/// A computation. Mark [`Work::run`] and everything that its inner loops call `#[inline(always)]`: only inlined code is
+/// compiled separately for each kind of processor.
 pub trait Work {
     /// The result.
     type Output;
@@ -15,17 +15,17 @@ pub trait Work {
     fn run(self) -> Self::Output;
 }
 
-/// A kind of processor. Cheap to copy and to keep.
+/// A kind of processor. Cheap to copy and to store.
 #[derive(Clone, Copy, Debug)]
 pub struct Processor(pulp::Arch);
 
 impl Processor {
-    /// The processor that this runs on.
+    /// Returns the processor that this code is running on.
     pub fn here() -> Self {
         Self(pulp::Arch::new())
     }
 
-    /// The instructions that every processor of the architecture has.
+    /// Returns the instructions that every processor of the architecture has.
     pub fn least() -> Self {
         Self(pulp::Arch::Scalar)
     }

@@ -1,20 +1,20 @@
-//! Derivatives and substitution: new expressions from old ones, each shared subexpression once.
+//! Derivatives and substitution: new expressions from old ones, visiting each shared subexpression once.
 //!
-//! Input: roots. Output: as many roots, in the same graph. Nodes are visited in the order of their ids, operands first,
-//! so nothing recurses. Where the graph has no room it is left as it was.
+//! In: roots. Out: the same number of roots, in the same graph. Nodes are visited in the order of their ids, operands
+//! first, without recursion. If the graph is full, it is left unchanged.
 
 use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, Input, InputSet, Node, NodeId, TooLarge};
 
 impl Graph {
-    /// The exact derivative of each root by `input`, all roots sharing their work, also with earlier calls. A node that
-    /// does not depend on `input` has the derivative 0, at no cost.
+    /// Returns the exact derivative of each root by `input`. All roots share their work, also with earlier calls. A
+    /// node that does not depend on `input` has the derivative 0, at no cost.
     ///
-    /// The rules stand in [`crate::ops`]. At a kink of `abs` the derivative is 0.
+    /// The rules are in [`crate::ops`]. At a kink of `abs` the derivative is 0.
     ///
     /// # Errors
-    /// [`TooLarge`] where the graph has no room; it is then as it was before.
+    /// [`TooLarge`] if the graph is full; it is then unchanged.
     pub fn derivatives(&mut self, roots: &[NodeId], input: Input) -> Result<Vec<NodeId>, TooLarge> {
         self.whole(|graph| {
             let mut known = graph.derivatives.remove(&input).unwrap_or_default();
@@ -39,11 +39,11 @@ impl Graph {
         })
     }
 
-    /// Replaces inputs, all at once: what `replace` gives is not looked into again. An input for which it gives
-    /// `None` stays.
+    /// Replaces inputs simultaneously: substitution does not apply to the results of `replace`. An input for which it
+    /// returns `None` stays.
     ///
     /// # Errors
-    /// [`TooLarge`] where the graph has no room; it is then as it was before.
+    /// [`TooLarge`] if the graph is full; it is then unchanged.
     pub fn substitute(
         &mut self,
         roots: &[NodeId],
@@ -52,7 +52,8 @@ impl Graph {
         self.whole(|graph| {
             let order = graph.reachable(roots, |id| !graph.dependencies(id).is_empty());
             graph.charge(order.len() + roots.len())?;
-            // The copy of `order[k]` at k. Bodies are short: a search in the sorted order beats a table of its own.
+            // The copy of `order[k]` is at k. Bodies are short: a search in the sorted order is faster than a separate
+            // table.
             let mut copies: Vec<NodeId> = Vec::with_capacity(order.len());
             let copy_in = |copies: &[NodeId], operand: NodeId| match order.binary_search(&operand) {
                 Ok(place) => copies[place],
@@ -76,7 +77,7 @@ impl Graph {
         })
     }
 
-    /// All of a rewriting, or nothing of it.
+    /// Performs a rewriting completely, or not at all.
     fn whole<T>(
         &mut self,
         rewrite: impl FnOnce(&mut Self) -> Result<T, TooLarge>,
@@ -92,7 +93,7 @@ impl Graph {
         result
     }
 
-    /// The derivative of one node, those of its operands being known.
+    /// Returns the derivative of one node, given those of its operands.
     fn derivative(
         &mut self,
         id: NodeId,
@@ -112,7 +113,7 @@ impl Graph {
                 }
             }
             Node::Unary(op, a) => match of(a) {
-                // f(a) is constant, also where f' is infinite.
+                // f(a) is constant, even where f' is infinite.
                 da if da == zero => zero,
                 da => op.derivative(self, a, id, da),
             },

@@ -1,16 +1,16 @@
 //! The constructors of operations, which simplify as they go.
 //!
-//! Input: operands. Output: a node with the operation's value. Constants are folded by the same f64 operations that
+//! In: operands. Out: a node with the operation's value. Constants are folded by the same f64 operations that
 //! evaluation uses, operands of sums and products are ordered, and identities that hold exactly in floating point are
-//! applied. Nothing is reassociated or distributed, for that would round differently.
+//! applied. Nothing is reassociated or distributed, since that would round differently.
 //!
-//! A value changes in these cases only, which sparse derivatives cannot do without:
+//! A value changes only in the following cases, which sparse derivatives require:
 //!
-//! - `0·x`, `x − x` and the product that zero annihilates are 0, also where x is infinite or NaN: a NaN may become
+//! - `0·x`, `x − x` and the product that zero annihilates are 0, even where x is infinite or NaN: a NaN may become
 //!   0. (`0/x` is kept: 0/0 is undefined, and a program gets a diagnostic.)
-//! - `x + 0` is x and `0 − x` is −x, also where x is a zero: a result that is zero may have the other sign. So
-//!   may those of the rules above. The sign of a zero is seen only in the sign of an infinity that something
-//!   divided by it gives.
+//! - `x + 0` is x and `0 − x` is −x, even where x is a zero: a zero result may have the other sign. So may those
+//!   of the rules above. The sign of a zero is visible only in the sign of an infinity that results from dividing by
+//!   it.
 
 use crate::graph::{Graph, Node, NodeId};
 use crate::ops::{self, Arithmetic, Binary, ExpressionBuilder, Unary};
@@ -81,7 +81,7 @@ impl Graph {
         }
     }
 
-    /// a/b. By a power of two it is the product with the reciprocal, which rounds alike.
+    /// a/b. Division by a power of two becomes multiplication by its reciprocal, which rounds identically.
     pub fn div(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x / y),
@@ -119,7 +119,7 @@ impl Graph {
             Node::Constant(x) => self.constant(-x),
             Node::Unary(Unary::Neg, a) => a,
             Node::Binary(op @ (Binary::Mul | Binary::Div), c, b) => match self.value(c) {
-                // The sign goes to the constant: one operation less.
+                // The sign moves to the constant: one operation less.
                 Some(c) => {
                     let minus = self.constant(-c);
                     self.binary(op, minus, b)
@@ -155,14 +155,14 @@ impl Graph {
         }
     }
 
-    /// a^b, see [`ops::power`]. A constant exponent that is an integer of moderate size gives an integer power.
+    /// a^b, see [`ops::power`]. A constant exponent that is an integer of moderate magnitude gives an integer power.
     pub fn power(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match (self.value(a), self.value(b)) {
             (_, Some(y)) if ops::small_integer(y).is_some() => {
                 self.integer_power(a, ops::small_integer(y).unwrap_or(0))
             }
             (Some(x), Some(y)) => self.constant(ops::power(x, y)),
-            // 1^y is 1, for NaN too.
+            // 1^y is 1, even for NaN.
             (Some(1.0), None) => self.constant(1.0),
             _ => self.intern(Node::Binary(Binary::Pow, a, b)),
         }
@@ -206,7 +206,7 @@ impl Graph {
         }
     }
 
-    /// The lesser or greater of two numbers, or their comparison.
+    /// The smaller or larger of two numbers, or their comparison.
     fn compared(&mut self, op: Binary, a: NodeId, b: NodeId) -> NodeId {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => self.constant(op.eval(x, y)),
@@ -215,7 +215,7 @@ impl Graph {
         }
     }
 
-    /// The b of a node that is −b.
+    /// Returns the b of a node −b.
     fn negated(&self, a: NodeId) -> Option<NodeId> {
         match self.node(a) {
             Node::Unary(Unary::Neg, b) => Some(b),
@@ -223,14 +223,14 @@ impl Graph {
         }
     }
 
-    /// The operands of a commutative operation in their one order: constants first, then by age.
+    /// Returns the operands of a commutative operation in canonical order: constants first, then by age.
     fn ordered(&self, a: NodeId, b: NodeId) -> (NodeId, NodeId) {
         let rank = |id| (self.value(id).is_none(), id);
         if rank(b) < rank(a) { (b, a) } else { (a, b) }
     }
 }
 
-/// The rules of derivatives build with the same constructors.
+/// The rules of derivatives use the same constructors.
 impl Arithmetic for Graph {
     type Number = NodeId;
 
@@ -289,7 +289,7 @@ impl ExpressionBuilder for Graph {
     }
 }
 
-/// True for ±2^k where 2^−k is exact too.
+/// Returns true for ±2^k where 2^−k is exact too.
 fn has_exact_reciprocal(x: f64) -> bool {
     let mantissa = x.to_bits() & ((1 << 52) - 1);
     mantissa == 0 && x.is_normal() && (1.0 / x).is_normal()

@@ -4,8 +4,8 @@ use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, NodeId};
 
-/// The number of operations that the roots need when every shared subexpression is computed once. Constants and inputs
-/// are not counted.
+/// Returns the number of operations that the roots need when every shared subexpression is computed once. Constants and
+/// inputs are not counted.
 pub fn operation_count(graph: &Graph, roots: &[NodeId]) -> usize {
     graph
         .order(roots)
@@ -14,8 +14,8 @@ pub fn operation_count(graph: &Graph, roots: &[NodeId]) -> usize {
         .count()
 }
 
-/// The number of operations that the roots need when each is written out as a tree, nothing shared: what an evaluator of
-/// trees would run. Saturates at the largest `u64`.
+/// Returns the number of operations that the roots need when each is written out as a tree without sharing, as an
+/// evaluator of trees would run. Saturates at `u64::MAX`.
 pub fn tree_size(graph: &Graph, roots: &[NodeId]) -> u64 {
     let mut sizes: FxHashMap<NodeId, u64> = FxHashMap::default();
     for id in graph.order(roots) {

@@ -1,12 +1,12 @@
 //! Evaluation in f64: a graph's roots as straight-line code over registers.
 //!
-//! Input: roots, then numbers for their inputs. Output: a number for each root. A register is used again as soon as its
-//! value has been used for the last time, so that the registers in use stay in the processor's cache. Constants and
-//! inputs are read where they are, without a register.
+//! In: roots, then numbers for their inputs. Out: a number for each root. A register is reused after the last use of
+//! its value, so that the registers in use stay in the processor's cache. Constants and inputs are read in place,
+//! without a register.
 //!
-//! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
-//! ([`crate::ops`]). `tape/vectors.rs` runs them on vectors; `tape/ranges.rs` on intervals, and leaves out what a box does
-//! not need; `tape/lines.rs` on intervals of several lines at once.
+//! Evaluation at one point and at blocks of [`LANES`] points run the same instructions from the same table
+//! ([`crate::ops`]). `tape/vectors.rs` runs them on vectors; `tape/ranges.rs` on intervals; `tape/lines.rs` on intervals
+//! of several lines at once.
 
 use rustc_hash::FxHashMap;
 
@@ -35,11 +35,11 @@ pub struct Tape {
     register_count: usize,
 }
 
-/// Registers; reused between evaluations so that none allocates. One per thread, for any tapes.
+/// Registers, reused between evaluations to avoid allocations. One set per thread, for any tapes.
 #[derive(Clone, Debug, Default)]
 pub struct Registers {
     numbers: Vec<f64>,
-    // Boxed, so that a result changes places with a register by its pointer alone.
+    // Boxed, so that a result is exchanged with a register by swapping pointers.
     #[allow(clippy::vec_box)]
     blocks: Vec<Box<Block>>,
     intervals: Vec<Interval>,
@@ -52,12 +52,12 @@ pub struct Registers {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operand {
     Constant(f64),
-    /// A position in [`Tape::inputs`].
+    /// An index into [`Tape::inputs`].
     Input(u32),
     Register(u32),
 }
 
-/// One operation; its result goes to the register `out`.
+/// One operation; its result is stored in the register `out`.
 #[derive(Clone, Copy, Debug)]
 struct Instruction {
     out: u32,
@@ -86,7 +86,7 @@ impl Tape {
         let order = post_order(graph, roots);
         let mut uses: FxHashMap<NodeId, u32> = FxHashMap::default();
         for &root in roots {
-            // A root's register is never free again.
+            // A root's register is never freed.
             uses.insert(root, u32::MAX);
         }
         for &id in &order {
@@ -131,22 +131,22 @@ impl Tape {
         }
     }
 
-    /// The inputs in the order in which evaluation takes them: sorted, variables before uniforms.
+    /// Returns the inputs in the order that evaluation expects: sorted, variables before uniforms.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// The number of roots that it evaluates.
+    /// Returns the number of roots.
     pub fn root_count(&self) -> usize {
         self.roots.len()
     }
 
-    /// The number of operations that one evaluation runs.
+    /// Returns the number of operations of one evaluation.
     pub fn operation_count(&self) -> usize {
         self.instructions.len()
     }
 
-    /// The work of one evaluation, in sums and products: a function of one number counts as four.
+    /// Returns the work of one evaluation, in sums and products: a function of one number counts as four.
     pub fn work(&self) -> u64 {
         let work = |instruction: &Instruction| match instruction.operation {
             TapeOperation::Unary(op, _) if op != Unary::Neg => 4,
@@ -155,15 +155,15 @@ impl Tape {
         self.instructions.iter().map(work).sum()
     }
 
-    /// The number of registers that an evaluation uses.
+    /// Returns the number of registers that an evaluation uses.
     pub fn register_count(&self) -> usize {
         self.register_count
     }
 
-    /// Evaluates at one point. `inputs` follows [`Tape::inputs`]; `out` has one place per root.
+    /// Evaluates at one point. `inputs` are in the order of [`Tape::inputs`]; `out` has one element per root.
     ///
     /// # Panics
-    /// If `inputs` or `out` is not of this length.
+    /// If `inputs` or `out` has a different length.
     pub fn eval(&self, registers: &mut Registers, inputs: &[f64], out: &mut [f64]) {
         assert_eq!(inputs.len(), self.inputs.len(), "one number per input");
         assert_eq!(out.len(), self.roots.len(), "one place per root");
@@ -188,17 +188,17 @@ impl Tape {
         }
     }
 
-    /// Evaluates at [`LANES`] points: the same operations in the same order as [`Tape::eval`], so the same
-    /// results to the last bit (a NaN's sign and payload apart).
+    /// Evaluates at [`LANES`] points: the same operations in the same order as [`Tape::eval`], so the results are equal
+    /// to the last bit (except for a NaN's sign and payload).
     ///
     /// # Panics
-    /// If `inputs` does not follow [`Tape::inputs`] or `out` has not one place per root.
+    /// If the length of `inputs` differs from that of [`Tape::inputs`], or `out` does not have one element per root.
     pub fn eval_block(&self, registers: &mut Registers, inputs: &[Block], out: &mut [Block]) {
         assert_eq!(inputs.len(), self.inputs.len(), "one block per input");
         assert_eq!(out.len(), self.roots.len(), "one place per root");
         let blocks = &mut registers.blocks;
-        // One more than the registers: where the next result goes. It then changes places with the register
-        // of the result, which may also be one of its operands.
+        // One more than the registers: the destination of the next result. It is then swapped with the register of the
+        // result, which may also be one of its operands.
         while blocks.len() <= self.register_count {
             blocks.push(Box::new([0.0; LANES]));
         }
@@ -230,17 +230,17 @@ impl Tape {
     }
 }
 
-/// Hands out registers.
+/// Allocates registers.
 struct Compiler {
     places: FxHashMap<NodeId, Operand>,
     free: Vec<u32>,
     register_count: u32,
-    /// The number of uses of each node that are still to come.
+    /// The number of remaining uses of each node.
     uses: FxHashMap<NodeId, u32>,
 }
 
 impl Compiler {
-    /// The place of a node's value; after its last use its register is free.
+    /// Returns the location of a node's value; after its last use its register is freed.
     fn take(&mut self, id: NodeId) -> Operand {
         let place = self.places[&id];
         if let (Operand::Register(register), Some(uses)) = (place, self.uses.get_mut(&id))
@@ -254,7 +254,7 @@ impl Compiler {
         place
     }
 
-    /// A register for a node's value.
+    /// Returns a register for a node's value.
     fn give(&mut self, id: NodeId) -> u32 {
         let register = self.free.pop().unwrap_or_else(|| {
             self.register_count += 1;
@@ -265,8 +265,8 @@ impl Compiler {
     }
 }
 
-/// The nodes that the roots need, each right after its operands where possible: values are used soon, which
-/// keeps the registers few.
+/// Returns the nodes that the roots need, each right after its operands where possible: values are used soon, which
+/// requires few registers.
 fn post_order(graph: &Graph, roots: &[NodeId]) -> Vec<NodeId> {
     let mut seen = rustc_hash::FxHashSet::default();
     let mut order = Vec::new();

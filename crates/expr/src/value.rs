@@ -1,4 +1,4 @@
-//! Values of the language: a number, or a tuple of numbers, with the meaning of every operator on them.
+//! Values of the language: a number, or a tuple of numbers; and the meaning of every operator on them.
 
 use std::fmt;
 
@@ -15,12 +15,12 @@ pub enum Value {
 }
 
 impl Value {
-    /// 1 for a number, else how many components there are.
+    /// Returns 1 for a number, else the number of components.
     pub fn dimension(&self) -> usize {
         self.components().len()
     }
 
-    /// The components; a number is its own.
+    /// Returns the components; the only component of a number is itself.
     pub fn components(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
@@ -29,7 +29,7 @@ impl Value {
     }
 }
 
-/// A mismatch of dimensions. Its text is a sentence in the user's words that names the dimensions; 1 stands for a
+/// A mismatch of dimensions. Its text is a sentence in the user's terms that names the dimensions; 1 stands for a
 /// number.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum DimensionError {
@@ -75,36 +75,36 @@ pub enum DimensionError {
         /// The dimension of the exponent.
         exponent: usize,
     },
-    /// `/a` for a vector.
+    /// `/a` for a vector a.
     Reciprocal {
         /// The vector's dimension.
         dimension: usize,
     },
     /// `a_n` for a number.
     ComponentOfNumber {
-        /// The number of the component, from 1.
+        /// The index of the component, from 1.
         index: u32,
     },
     /// `a_n` past the last component.
     Component {
-        /// The number of the component, from 1.
+        /// The index of the component, from 1.
         index: u32,
         /// The vector's dimension.
         dimension: usize,
     },
     /// A vector inside a tuple.
     Nested {
-        /// The number of the tuple's component, from 1.
+        /// The index of the tuple's component, from 1.
         position: usize,
         /// The vector's dimension.
         dimension: usize,
     },
-    /// A builtin function of vectors, of a number.
+    /// A builtin function of vectors, applied to a number.
     Components {
         /// The function's name.
         name: &'static str,
     },
-    /// A builtin function of a vector.
+    /// A builtin function applied to a vector.
     Builtin {
         /// The function's name.
         name: &'static str,
@@ -184,7 +184,7 @@ impl fmt::Display for DimensionError {
 impl std::error::Error for DimensionError {}
 
 impl DimensionError {
-    /// A correction, if one is known.
+    /// Returns a suggested correction, if there is one.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Cross { left, right } if left == right => {
@@ -331,7 +331,7 @@ pub fn divide(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 /// `a ^ b`.
 ///
 /// # Errors
-/// [`DimensionError::Power`] where one is a vector.
+/// [`DimensionError::Power`] where either is a vector.
 pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
@@ -347,7 +347,7 @@ pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 /// `*a`: a·a, for a vector too.
 pub fn square(graph: &mut Graph, a: &Value) -> Value {
     let square = juxtapose(graph, a, a);
-    // A value has its own dimension: the product cannot fail.
+    // A value has the same dimension as itself: the product cannot fail.
     square.unwrap_or_else(|_| a.clone())
 }
 
@@ -408,7 +408,8 @@ pub fn tuple(values: &[Value]) -> Outcome {
     Ok(Value::Vector(nodes))
 }
 
-/// The component of a vector that [`Binary::Min`] or [`Binary::Max`] leaves, from the first to the last.
+/// Returns the smallest or largest component of a vector, by [`Binary::Min`] or [`Binary::Max`] from the first to the
+/// last.
 ///
 /// # Errors
 /// [`DimensionError::Components`] for a number.
@@ -421,7 +422,7 @@ pub fn extreme(graph: &mut Graph, op: Binary, a: &Value) -> Outcome {
     }
 }
 
-/// A builtin function of a number.
+/// Applies a builtin function to a number.
 ///
 /// # Errors
 /// [`DimensionError::Builtin`] for a vector.

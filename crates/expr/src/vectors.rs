@@ -1,9 +1,9 @@
-//! Vectors of numbers, for work whose loops do not become vectors by themselves.
+//! Vectors of numbers, for work whose loops the compiler does not vectorise.
 //!
-//! Input: work written with [`Vector`] and [`Mask`]. Output: its result, from a copy of the work for the widest vectors at
-//! hand. Loops that choose between places by comparisons stay scalar where LLVM cannot tell that a branch is as good as a
-//! choice; with these types every operation is one on vectors. Each lane is computed as a number alone would be: every
-//! kind of processor gives the same bits.
+//! In: work written with [`Vector`] and [`Mask`]. Out: its result, from a copy of the work for the widest available
+//! vectors. Loops that choose between variables by comparisons stay scalar if LLVM cannot tell that a branch is equivalent
+//! to a selection; with these types every operation is a vector operation. Each lane is computed like a single number:
+//! every kind of processor gives the same bits.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -16,11 +16,11 @@ pub trait Instructions: Simd {}
 
 impl<S: Simd> Instructions for S {}
 
-/// The most lanes of a vector, a multiple of the lanes of any vector.
+/// The maximum number of lanes of a vector, a multiple of the lanes of any vector.
 pub const MOST_LANES: usize = 8;
 
-/// Something to compute with vectors. Mark [`VectorWork::run`] and all that it calls `#[inline(always)]`: only what is inlined
-/// is compiled anew for each kind of processor.
+/// A computation with vectors. Mark [`VectorWork::run`] and everything that it calls `#[inline(always)]`: only inlined code is
+/// compiled separately for each kind of processor.
 pub trait VectorWork {
     /// The result.
     type Output;
@@ -28,12 +28,12 @@ pub trait VectorWork {
     fn run<S: Instructions>(self, instructions: S) -> Self::Output;
 }
 
-/// Some of the lanes of a block.
+/// A set of lanes of a block.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Lanes(u8);
 
 impl Lanes {
-    /// Those for which this is true.
+    /// Returns the lanes for which `is_one` is true.
     #[inline]
     pub fn of(is_one: impl Fn(usize) -> bool) -> Self {
         let mut lanes = Self::default();
@@ -43,32 +43,32 @@ impl Lanes {
         lanes
     }
 
-    /// Adds a lane, if this is true.
+    /// Adds a lane if `is_one` is true.
     #[inline]
     pub fn add(&mut self, lane: usize, is_one: bool) {
         self.0 |= u8::from(is_one) << lane;
     }
 
-    /// True for one of them.
+    /// Returns true if the set contains the lane.
     #[inline]
     pub fn has(self, lane: usize) -> bool {
         self.0 >> lane & 1 == 1
     }
 
-    /// True if there is one.
+    /// Returns true if the set is not empty.
     #[inline]
     pub fn any(self) -> bool {
         self.0 != 0
     }
 
-    /// Those that are none of the others.
+    /// Returns the lanes that are not in the other set.
     #[inline]
     #[must_use]
     pub fn without(self, others: Self) -> Self {
         Self(self.0 & !others.0)
     }
 
-    /// Each of them, ascending.
+    /// Returns the lanes in ascending order.
     #[inline]
     pub fn each(self) -> impl Iterator<Item = usize> {
         let mut left = self.0;
@@ -95,7 +95,7 @@ pub struct Vector<S: Instructions> {
     lanes: S::f64s,
 }
 
-/// Sine and cosine of the first numbers.
+/// Returns sine and cosine of the first `W` numbers.
 #[inline(always)]
 fn first_sin_cos<const W: usize>(x: &[f64; MOST_LANES]) -> ([f64; MOST_LANES], [f64; MOST_LANES]) {
     let mut first = [0.0; W];
@@ -115,10 +115,10 @@ pub struct Mask<S: Instructions> {
 }
 
 impl<S: Instructions> Vector<S> {
-    /// The number of parts of a block: a vector has one of them.
+    /// The number of parts of a block, each the size of a vector.
     pub const PARTS: usize = MOST_LANES / S::F64_LANES;
 
-    /// The number in all lanes.
+    /// Returns a vector with the number in all lanes.
     #[inline(always)]
     pub fn splat(instructions: S, number: f64) -> Self {
         Self {
@@ -127,10 +127,10 @@ impl<S: Instructions> Vector<S> {
         }
     }
 
-    /// The part with this index of a block.
+    /// Reads the part with this index of a block.
     ///
     /// # Panics
-    /// If there are not so many parts.
+    /// If there are not that many parts.
     #[inline(always)]
     pub fn load(instructions: S, block: &[f64; MOST_LANES], part: usize) -> Self {
         Self {
@@ -142,27 +142,27 @@ impl<S: Instructions> Vector<S> {
     /// Writes the part with this index of a block.
     ///
     /// # Panics
-    /// If there are not so many parts.
+    /// If there are not that many parts.
     #[inline(always)]
     pub fn store(self, block: &mut [f64; MOST_LANES], part: usize) {
         S::as_mut_simd_f64s(block).0[part] = self.lanes;
     }
 
-    /// The square roots, NaN below 0.
+    /// Returns the square roots, NaN below 0.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
         self.with(self.instructions.sqrt_f64s(self.lanes))
     }
 
-    /// The absolute values.
+    /// Returns the absolute values.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         self.with(self.instructions.abs_f64s(self.lanes))
     }
 
-    /// The absolute values with the signs of others.
+    /// Returns the absolute values with the signs of `signs`.
     #[inline(always)]
     #[must_use]
     pub fn copysign(self, signs: Self) -> Self {
@@ -171,7 +171,7 @@ impl<S: Instructions> Vector<S> {
         self.with(s.or_f64s(self.abs().lanes, sign))
     }
 
-    /// Sines and cosines, see [`elementary::sin_cos`].
+    /// Returns sines and cosines, see [`elementary::sin_cos`].
     #[inline(always)]
     pub fn sin_cos(self) -> (Self, Self) {
         let mut x = [0.0; MOST_LANES];
@@ -186,7 +186,7 @@ impl<S: Instructions> Vector<S> {
         (Self::load(s, &sine, 0), Self::load(s, &cosine, 0))
     }
 
-    /// Another function of each lane.
+    /// Applies another function to each lane.
     #[inline(always)]
     #[must_use]
     pub fn map(self, function: impl Fn(f64) -> f64) -> Self {
@@ -198,7 +198,7 @@ impl<S: Instructions> Vector<S> {
         Self::load(self.instructions, &x, 0)
     }
 
-    /// A function of each lane and that of another.
+    /// Applies a function to each pair of corresponding lanes.
     #[inline(always)]
     #[must_use]
     pub fn map_with(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
@@ -211,39 +211,39 @@ impl<S: Instructions> Vector<S> {
         Self::load(self.instructions, &x, 0)
     }
 
-    /// The lesser of two numbers; the second one where they do not compare.
+    /// Returns the smaller of two numbers; the second one where they are unordered.
     #[inline(always)]
     #[must_use]
     pub fn least(self, other: Self) -> Self {
         self.lt(other).choose(self, other)
     }
 
-    /// The greater of two numbers; the second one where they do not compare.
+    /// Returns the larger of two numbers; the second one where they are unordered.
     #[inline(always)]
     #[must_use]
     pub fn greatest(self, other: Self) -> Self {
         other.lt(self).choose(self, other)
     }
 
-    /// The least of its lanes, which are numbers.
+    /// Returns the smallest of its lanes, none of which is NaN.
     #[inline(always)]
     pub fn least_lane(self) -> f64 {
         self.instructions.reduce_min_f64s(self.lanes)
     }
 
-    /// The greatest of its lanes, which are numbers.
+    /// Returns the largest of its lanes, none of which is NaN.
     #[inline(always)]
     pub fn greatest_lane(self) -> f64 {
         self.instructions.reduce_max_f64s(self.lanes)
     }
 
-    /// True where it is less than the other.
+    /// Returns true where it is less than the other.
     #[inline(always)]
     pub fn lt(self, other: Self) -> Mask<S> {
         self.mask(self.instructions.less_than_f64s(self.lanes, other.lanes))
     }
 
-    /// True where it is not greater than the other.
+    /// Returns true where it is less than or equal to the other.
     #[inline(always)]
     pub fn le(self, other: Self) -> Mask<S> {
         let lanes = self
@@ -252,13 +252,13 @@ impl<S: Instructions> Vector<S> {
         self.mask(lanes)
     }
 
-    /// True where both are equal.
+    /// Returns true where both are equal.
     #[inline(always)]
     pub fn equals(self, other: Self) -> Mask<S> {
         self.mask(self.instructions.equal_f64s(self.lanes, other.lanes))
     }
 
-    /// True where it is neither infinite nor NaN.
+    /// Returns true where it is neither infinite nor NaN.
     #[inline(always)]
     pub fn is_finite(self) -> Mask<S> {
         self.abs().lt(Self::splat(self.instructions, f64::INFINITY))
@@ -279,28 +279,28 @@ impl<S: Instructions> Vector<S> {
 }
 
 impl<S: Instructions> Mask<S> {
-    /// The same in all lanes.
+    /// Returns a mask with the same value in all lanes.
     #[inline(always)]
     pub fn splat(instructions: S, value: bool) -> Self {
         let number = Vector::splat(instructions, f64::from(u8::from(value)));
         Vector::splat(instructions, 0.0).lt(number)
     }
 
-    /// The first where it is true, else the second.
+    /// Returns the first where the mask is true, else the second.
     #[inline(always)]
     pub fn choose(self, yes: Vector<S>, no: Vector<S>) -> Vector<S> {
         let s = self.instructions;
         yes.with(s.select_f64s(self.lanes, yes.lanes, no.lanes))
     }
 
-    /// True where it is not what the other is.
+    /// Returns true where exactly one of both is true.
     #[inline(always)]
     #[must_use]
     pub fn differs(self, other: Self) -> Self {
         self.with(self.instructions.xor_m64s(self.lanes, other.lanes))
     }
 
-    /// Those of the lanes that are in the part with this index of a block.
+    /// Returns the mask of the given lanes for the part with this index of a block.
     #[inline(always)]
     pub fn of(instructions: S, lanes: Lanes, part: usize) -> Self {
         let mut block = [0.0; MOST_LANES];
@@ -311,7 +311,7 @@ impl<S: Instructions> Mask<S> {
         zero.lt(Vector::load(instructions, &block, 0))
     }
 
-    /// True if it is true in a lane.
+    /// Returns true if any lane is true.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.instructions.first_true_m64s(self.lanes) < S::F64_LANES

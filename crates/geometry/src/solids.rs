@@ -165,7 +165,7 @@ struct SheetFace {
 pub struct FaceOwner<'a> {
     /// The object.
     pub object: &'a RayObject,
-    /// Its instance, from 0.
+    /// The index of the instance, from 0.
     pub instance: u64,
     /// The values of the grids that give the object instances, each with its name: one number for each axis.
     pub grids: Vec<(&'a str, &'a [f64])>,

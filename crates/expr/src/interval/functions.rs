@@ -1,6 +1,6 @@
 //! Functions of one number on intervals.
 //!
-//! Input: an interval. Output: the values of the function on it, widened by what the mathematical library may round.
+//! In: an interval. Out: the values of the function on it, widened by the rounding of the mathematical library.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
@@ -8,11 +8,11 @@ use crate::arithmetic::sign;
 use crate::interval::{Interval, above, below};
 use crate::ops::Unary;
 
-/// The number of units in the last place by which values of the mathematical library are widened.
+/// The number of ulps by which values of the mathematical library are widened.
 const ULPS: f64 = 4.0;
 
 impl Interval {
-    /// The value of an operation on one number.
+    /// Returns the values of an operation on one number.
     pub fn unary(op: Unary, x: Self) -> Self {
         let result = match op {
             Unary::Neg => return x.negative(),
@@ -25,7 +25,7 @@ impl Interval {
             Unary::Cos => x.waves()[1],
             Unary::Tan => x.tangent(),
             Unary::Exp => x.rising(f64::exp).at_least(0.0),
-            // The root of −0, which is in every interval from below zero, is −0.
+            // The root of −0, which is in every interval that extends below zero, is −0.
             Unary::Sqrt => x.restricted(-0.0, f64::INFINITY, |x| {
                 let root = |x: f64| if x == 0.0 { x } else { x.sqrt().next_down() };
                 Self::exact(root(x.lower), x.upper.sqrt().next_up())
@@ -57,7 +57,7 @@ impl Interval {
         result.of([x, x])
     }
 
-    /// The values of a function that rises.
+    /// Returns the values of an increasing function.
     fn rising(self, f: impl Fn(f64) -> f64) -> Self {
         Self::new(below(f(self.lower), ULPS), above(f(self.upper), ULPS))
     }
@@ -66,7 +66,7 @@ impl Interval {
         Self::exact(self.lower.max(least), self.upper)
     }
 
-    /// The values of a function that is defined from `least` to `most`.
+    /// Returns the values of a function that is defined from `least` to `most`.
     fn restricted(self, least: f64, most: f64, f: impl Fn(Self) -> Self) -> Self {
         let domain = Self::exact(
             if self.lower < least {
@@ -82,7 +82,7 @@ impl Interval {
         f(domain).partially(self.lower < least || self.upper > most)
     }
 
-    /// The values of sine and cosine.
+    /// Returns the values of sine and cosine.
     pub(crate) fn waves(self) -> [Self; 2] {
         if self.is_empty() {
             return [Self::UNDEFINED; 2];
@@ -92,7 +92,7 @@ impl Interval {
         if !short {
             return [all.partially(self.is_unbounded()); 2];
         }
-        // In quarters of a turn, the sine has its crests at 1 + 4k and its troughs at 3 + 4k, the cosine at 4k and 2 + 4k.
+        // In quarter turns, the sine has its maxima at 1 + 4k and its minima at 3 + 4k, the cosine at 4k and 2 + 4k.
         let [from, to] = [self.lower, self.upper].map(|x| x * FRAC_2_PI);
         let slack = 4.0 * f64::EPSILON * (1.0 + from.abs().max(to.abs()));
         let (from, to) = (from - slack, to + slack);
@@ -139,12 +139,12 @@ impl Interval {
         self.rising(f64::tan)
     }
 
-    /// False only if no place + k·period, k an integer, lies in the interval.
+    /// Returns false only if no `place` + k·period, k an integer, is in the interval.
     pub(super) fn meets(self, place: f64, period: f64) -> bool {
         let turns = |x: f64| (x - place) / period;
         let (from, to) = (turns(self.lower), turns(self.upper));
         let slack = 4.0 * f64::EPSILON * (1.0 + from.abs().max(to.abs()));
-        // Also for NaN and infinities.
+        // Also true for NaN and infinities.
         let between = (from - slack).ceil() > to + slack;
         !between
     }

@@ -1,8 +1,8 @@
-//! Values on an interval of a line with their derivatives along it.
+//! Values on an interval of a line, with their derivatives along it.
 //!
-//! Input: for each input its values on an interval of t, and its derivatives by t. Output: the same for the operations.
-//! Where a slope excludes 0 and the value is defined throughout, the function is continuous and strictly monotone there:
-//! the slope of what jumps is everything.
+//! In: for each input its values on an interval of t, and its derivatives by t. Out: the same for the operations. Where
+//! a slope excludes 0 and the value is defined throughout, the function is continuous and strictly monotone: the slope
+//! of a jump is the whole line.
 
 use crate::interval::{Interval, Rules};
 use crate::ops::{Binary, Unary};
@@ -25,7 +25,7 @@ impl Slope {
         }
     }
 
-    /// `origin` + t·`direction` for t in `t`.
+    /// Returns `origin` + t·`direction` for t in `t`.
     pub fn line(origin: f64, direction: f64, t: Interval) -> Self {
         let step = t.product(Interval::point(direction));
         Self {
@@ -34,7 +34,7 @@ impl Slope {
         }
     }
 
-    /// True if the function is defined, continuous and strictly monotone on the interval.
+    /// Returns true if the function is defined, continuous and strictly monotone on the interval.
     pub fn is_monotone(self) -> bool {
         let steep = self.slope.lower > 0.0 || self.slope.upper < 0.0;
         steep && !self.slope.is_empty() && !self.value.partial && !self.value.is_empty()
@@ -44,7 +44,7 @@ impl Slope {
         self.slope.is_zero()
     }
 
-    /// The value of an operation on one number.
+    /// Returns the values and slopes of an operation on one number.
     pub fn unary(op: Unary, x: Self) -> Self {
         match op {
             Unary::Sin => return x.waves()[0],
@@ -80,7 +80,7 @@ impl Slope {
         }
     }
 
-    /// Sine and cosine, each the other's slope.
+    /// Returns sine and cosine, each of which determines the other's slope.
     pub(crate) fn waves(self) -> [Self; 2] {
         let [sine, cosine] = self.value.waves();
         let slope = |first: Interval| match self.is_constant() {
@@ -91,7 +91,7 @@ impl Slope {
         [(sine, slopes[0]), (cosine, slopes[1])].map(|(value, slope)| Self { value, slope })
     }
 
-    /// The value of an operation on two numbers.
+    /// Returns the values and slopes of an operation on two numbers.
     pub fn binary(op: Binary, a: Self, b: Self) -> Self {
         let value = match op {
             Binary::Add => a.value.sum(b.value),
@@ -125,7 +125,7 @@ impl Slope {
         Self { value, slope }
     }
 
-    /// a².
+    /// Returns a².
     pub fn square(self) -> Self {
         let slope = product(self.value, self.slope);
         Self {
@@ -134,7 +134,7 @@ impl Slope {
         }
     }
 
-    /// a^n, see [`crate::ops::integer_power`].
+    /// Returns a^n, see [`crate::ops::integer_power`].
     pub fn integer_power(self, n: i32) -> Self {
         let value = self.value.integer_power(n);
         if n < 0 && self.value.contains(0.0) && !self.is_constant() {
@@ -155,7 +155,7 @@ impl Slope {
     }
 }
 
-/// A product in which zero annihilates: what does not vary has no slope.
+/// Returns a product in which zero annihilates: a constant has no slope.
 fn product(a: Interval, b: Interval) -> Interval {
     if a.is_zero() || b.is_zero() {
         return Interval::point(0.0);
@@ -163,7 +163,7 @@ fn product(a: Interval, b: Interval) -> Interval {
     a.product(b)
 }
 
-/// b a^(b−1) a' + a^b log a b'.
+/// Returns b a^(b−1) a' + a^b log a b'.
 fn power_slope(a: Slope, b: Slope, value: Interval) -> Interval {
     let integer =
         b.is_constant() && b.value.lower == b.value.upper && b.value.lower == b.value.lower.trunc();

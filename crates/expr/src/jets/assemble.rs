@@ -1,9 +1,9 @@
-//! From coefficients to code: what the roots need, in an order that keeps registers few, sums of products as one
-//! instruction, sine and cosine of one angle as one.
+//! From coefficients to code: only those that the roots need, in an order that uses few registers. Sums of products are
+//! one instruction, and so are sine and cosine of the same angle.
 //!
-//! Input: an [`Expansion`]. Output: [`StraightLineCode`] over registers: first the two variables, then fixed numbers,
-//! then what is computed. A register is used again as soon as its value has been used for the last time; those of fixed
-//! numbers never are, so that they stay filled from one evaluation to the next.
+//! In: an [`Expansion`]. Out: [`StraightLineCode`] over registers: first the two variables, then fixed numbers, then
+//! computed values. A register is reused after the last use of its value; those of fixed numbers never are, so that
+//! they stay filled between evaluations.
 
 use crate::jets::expand::Expansion;
 use crate::jets::terms::{Micro, Term};
@@ -13,14 +13,14 @@ use crate::ops::{Binary, Unary};
 #[derive(Clone, Debug)]
 pub(super) struct StraightLineCode {
     pub(super) program: Instructions,
-    /// The coefficients that the registers from [`FIRST_FIXED`] on hold.
+    /// The coefficients in the registers from [`FIRST_FIXED`] on.
     pub(super) fixed: Vec<u32>,
-    /// The coefficient that is the factor of each place of the program, and true if that is negated.
+    /// The coefficient that is the factor of each element of `places`, and true if it is negated.
     pub(super) factors: Vec<(u32, bool)>,
     pub(super) register_count: usize,
 }
 
-/// Instructions, and where their results are: over few registers, which is usual, or over many.
+/// Instructions and the registers of their results: over few registers, which is usual, or over many.
 #[derive(Clone, Debug)]
 pub(super) enum Instructions {
     /// All registers are among the first [`FEW`].
@@ -28,10 +28,10 @@ pub(super) enum Instructions {
     Many(Steps<u32>),
 }
 
-/// The number of registers that a byte can name.
+/// The number of registers that a byte can address.
 pub(super) const FEW: usize = 256;
 
-/// A program whose registers are named by `R`.
+/// A program whose registers are addressed by `R`.
 #[derive(Clone, Debug)]
 pub(super) struct Steps<R> {
     pub(super) instructions: Vec<Instruction<R>>,
@@ -39,15 +39,15 @@ pub(super) struct Steps<R> {
     pub(super) places: Vec<R>,
 }
 
-/// The register of the first fixed number; before it stand the variables.
+/// The register of the first fixed number; the variables come before it.
 pub(super) const FIRST_FIXED: usize = 2;
 
-/// One instruction: registers in, registers out. An out register may be one of those read.
+/// One instruction: registers in, registers out. A result may overwrite an operand.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instruction<R> {
     pub(super) op: Op,
     pub(super) out: R,
-    /// The register of the second result, if there are two.
+    /// The register of the second result, if there is one.
     pub(super) second: R,
     pub(super) operands: [R; 4],
 }
@@ -100,7 +100,7 @@ struct Plan {
     count: usize,
 }
 
-/// Makes the code for roots of so many coefficients each.
+/// Generates the code for roots of this many coefficients each.
 pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> StraightLineCode {
     let uses = count_uses(expansion);
     let plans = Plans {
@@ -116,7 +116,7 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> StraightLi
         for (place, &operand) in operands.iter_mut().zip(&plan.operands[..plan.count]) {
             *place = registers.take(operand);
         }
-        // A pair's results are the sine and the cosine; one without uses frees its register at once.
+        // A pair's results are the sine and the cosine; an unused one frees its register at once.
         let pair = partners[id as usize];
         let results = match expansion.micros[id as usize] {
             Micro::Unary(Unary::Sin | Unary::Sinh, _) => vec![id, pair],
@@ -180,7 +180,7 @@ impl Instructions {
 }
 
 impl<R: Copy> Steps<R> {
-    /// Returns the steps with other names of registers.
+    /// Returns the steps with registers renamed.
     fn named<S>(self, name: impl Fn(R) -> S) -> Steps<S> {
         let instructions = self.instructions.into_iter().map(|i| Instruction {
             op: i.op,
@@ -196,11 +196,11 @@ impl<R: Copy> Steps<R> {
     }
 }
 
-/// Returns the number of uses of each coefficient in what the roots need; what they do not need has no uses.
+/// Returns the number of uses of each coefficient in those that the roots need; all others have no uses.
 fn count_uses(expansion: &Expansion) -> Vec<u32> {
     let mut uses = vec![0u32; expansion.micros.len()];
     for root in &expansion.roots {
-        // A root's register is never free again.
+        // A root's register is never freed.
         uses[root.id as usize] = u32::MAX;
     }
     for id in (0..expansion.micros.len()).rev() {
@@ -220,7 +220,7 @@ struct Plans<'a> {
 }
 
 impl Plans<'_> {
-    /// The factors of a product that is used here only, and so need not stand in a register.
+    /// Returns the factors of a product that is used only here, and so does not need a register.
     fn absorbed(&self, id: u32) -> Option<(u32, u32)> {
         match self.expansion.micros[id as usize] {
             Micro::Binary(Binary::Mul, a, b)
@@ -243,7 +243,7 @@ impl Plans<'_> {
             }
         };
         match self.expansion.micros[id as usize] {
-            // Leaves have no plan; they are not requested.
+            // Leaves have no plan; this is never requested.
             Micro::Constant(_) | Micro::Uniform(_) | Micro::Variable(_) => plan(Op::Neg, &[id]),
             Micro::Neg(a) => plan(Op::Neg, &[a]),
             Micro::Unary(op, a) => plan(unary_op(op), &[a]),
@@ -263,7 +263,7 @@ impl Plans<'_> {
         }
     }
 
-    /// An operand of a coefficient by its position.
+    /// Returns an operand of a coefficient by its index.
     fn same(&self, id: u32, position: usize) -> u32 {
         self.expansion.micros[id as usize]
             .operands()
@@ -271,8 +271,8 @@ impl Plans<'_> {
             .unwrap_or(id)
     }
 
-    /// The computations, operands first, each as late as possible; and for sines and cosines, circular or hyperbolic,
-    /// the other one that comes with it if it is wanted.
+    /// Returns the computations, operands first, each as late as possible; and for sines and cosines, circular or
+    /// hyperbolic, the partner that is computed along with it if it is needed.
     fn schedule(&self) -> (Vec<u32>, Vec<u32>) {
         let count = self.expansion.micros.len();
         let partners = self.partners();
@@ -309,7 +309,7 @@ impl Plans<'_> {
 
     fn partners(&self) -> Vec<u32> {
         let mut partners = vec![NOWHERE; self.expansion.micros.len()];
-        // For each operand the sine, and the hyperbolic sine, or their cosine, that came first.
+        // For each operand, the first sine and hyperbolic sine, or their cosine.
         let mut first: [rustc_hash::FxHashMap<u32, u32>; 2] = Default::default();
         for (id, micro) in self.expansion.micros.iter().enumerate() {
             if self.uses[id] == 0 {
@@ -366,11 +366,11 @@ fn binary_op(op: Binary) -> Op {
     }
 }
 
-/// Hands out registers.
+/// Allocates registers.
 struct Allocation {
     /// The register of each coefficient that has one.
     places: Vec<u32>,
-    /// The number of reads of each that are still to come; [`u32::MAX`] for one that stays.
+    /// The number of remaining reads of each; [`u32::MAX`] for a permanent one.
     reads: Vec<u32>,
     free: Vec<u32>,
     fixed: Vec<u32>,
@@ -402,7 +402,7 @@ impl Allocation {
         allocation
     }
 
-    /// Gives variables and fixed numbers their registers, for good.
+    /// Gives variables and fixed numbers permanent registers.
     fn fix(&mut self, expansion: &Expansion, id: u32) {
         let place = &mut self.places[id as usize];
         if *place != NOWHERE {

@@ -1,11 +1,11 @@
 //! From roots to coefficients: truncated Taylor arithmetic (A. Griewank, A. Walther, *Evaluating Derivatives*, 2008,
 //! chapter 13), unrolled.
 //!
-//! Input: nodes of a graph. Output: a list of operations on coefficients, in which equal ones are one and constants are
-//! folded (`terms.rs`).
+//! In: nodes of a graph. Out: a list of operations on coefficients, without duplicates and with constants folded
+//! (`terms.rs`).
 //!
-//! The rules are those of symbolic derivatives ([`crate::ops`]), also at kinks and where something is undefined: what
-//! is zero everywhere annihilates, what is zero at a point does not.
+//! The rules are those of symbolic derivatives ([`crate::ops`]), also at kinks and where something is undefined: an
+//! operand that is zero everywhere annihilates, one that is zero at a point does not.
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
@@ -14,7 +14,7 @@ use crate::jets::Order;
 use crate::jets::terms::{Micro, Term, TermBuilder, ZERO};
 use crate::ops::{Arithmetic, Binary, Unary};
 
-/// The coefficients that the roots need, and more.
+/// The coefficients that the roots need, and others.
 #[derive(Clone, Debug)]
 pub(super) struct Expansion {
     pub(super) micros: Vec<Micro>,
@@ -28,7 +28,7 @@ pub(super) struct Expansion {
 /// Value, ∂u, ∂v, ∂uu, ∂uv, ∂vv of a node.
 type Coefficients = [Term; 6];
 
-/// The position of each second derivative, and those of the two first derivatives that it comes from.
+/// The index of each second derivative, and those of the two first derivatives from which it is computed.
 const SECOND: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
 
 /// Expands the roots.
@@ -60,7 +60,7 @@ pub(super) fn expand(
             Node::Input(input) => {
                 if let Some(k) = variables.iter().position(|variable| *variable == input) {
                     jet[0] = builder.leaf(Micro::Variable(k as u32));
-                    // Both, where the two variables are the same.
+                    // Both, if the two variables are the same.
                     for (k, variable) in variables.iter().enumerate() {
                         if *variable == input {
                             jet[1 + k] = builder.constant(1.0);
@@ -92,7 +92,7 @@ pub(super) fn expand(
 }
 
 impl Expansion {
-    /// The values of some coefficients that do not vary.
+    /// Returns the values of some coefficients that do not vary.
     pub(super) fn fixed_numbers(&self, uniforms: &[f64], wanted: &[u32]) -> Vec<f64> {
         let mut needed = vec![false; self.micros.len()];
         for &id in wanted {
@@ -112,7 +112,7 @@ impl Expansion {
                 values[id] = match self.micros[id] {
                     Micro::Constant(bits) => f64::from_bits(bits),
                     Micro::Uniform(position) => uniforms[position as usize],
-                    // Not requested.
+                    // Never requested.
                     Micro::Variable(_) => f64::NAN,
                     Micro::Neg(a) => -value(a),
                     Micro::Unary(op, a) => op.eval(value(a)),
@@ -125,7 +125,7 @@ impl Expansion {
 }
 
 impl TermBuilder {
-    /// The chain rule: f(a) with the first and second derivative of f at a's value.
+    /// The chain rule: f(a), given the first and second derivatives of f at a's value.
     fn chain(
         &mut self,
         value: Term,
@@ -167,7 +167,7 @@ impl TermBuilder {
         let exponent = self.constant(f64::from(n));
         let less = self.constant(f64::from(n) - 1.0);
         let (lower, lowest) = if n < 0 {
-            // One division more for both, rather than one for each.
+            // One more division for both, rather than one for each.
             let one = self.constant(1.0);
             let reciprocal = self.div(one, a[0]);
             let lower = self.mul(value, reciprocal);
@@ -214,8 +214,8 @@ impl TermBuilder {
         jet
     }
 
-    /// The lesser or greater operand, with the derivatives of the first where `least` is at most `most`, else of the
-    /// second.
+    /// Returns the smaller or larger operand, with the derivatives of the first if `least` is at most `most`, else of
+    /// the second.
     fn chosen(
         &mut self,
         op: Binary,
@@ -262,7 +262,7 @@ impl TermBuilder {
                 let right = mul(self, a[0], b[k]);
                 let outer = self.add(left, right);
                 let (first, second) = (mul(self, a[i], b[j]), mul(self, a[j], b[i]));
-                // For i = j both are one, and their sum its double.
+                // For i = j both are the same node, and their sum is its double.
                 let inner = self.add(first, second);
                 jet[k] = self.add(outer, inner);
             }
@@ -298,8 +298,8 @@ impl TermBuilder {
         jet
     }
 
-    /// The first derivatives of a^b, whose value is y and whose base's logarithm is l, for given slopes of a and b:
-    /// b a^(b−1) a' + b' y l. Also gives b a^(b−1).
+    /// Returns the first derivatives of a^b, given its value y, the logarithm l of its base, and the slopes of a and b:
+    /// b a^(b−1) a' + b' y l. Also returns b a^(b−1).
     fn power_slope(&mut self, y: Term, lower: Term, b: Term, l: Term, [da, db]: [Term; 2]) -> Term {
         let by_base = if da == ZERO {
             ZERO

@@ -1,7 +1,7 @@
 //! From code to numbers: an interpreter over lanes.
 //!
-//! Input: code, fixed numbers, points. Output: coefficients. An instruction is decoded once for all lanes; lanes are
-//! worked on in lines of eight numbers, which is what one processor's vectors hold, one line of another's cache. All
+//! In: code, fixed numbers, points. Out: coefficients. An instruction is decoded once for all lanes; lanes are
+//! processed in lines of eight numbers, which fit one vector of some processors and one cache line of others. All
 //! arithmetic is that of [`crate::ops`] and [`crate::elementary`], the same for any number of lanes.
 
 use crate::arithmetic::{at_most, greatest, least, power, sign, zmul};
@@ -11,22 +11,22 @@ use crate::jets::assemble::{
 };
 use crate::processor::{Processor, Work};
 
-/// Registers, reused between evaluations so that none allocates. One per thread, for any tapes.
+/// Registers, reused between evaluations to avoid allocations. One set per thread, for any tapes.
 #[derive(Clone, Debug, Default)]
 pub struct JetRegisters {
     numbers: Vec<f64>,
-    /// The owner of the fixed numbers in the registers, and the number of lanes; 0 for no owner.
+    /// The owner of the fixed numbers in the registers (0 for none), and the number of lanes.
     filled: (u64, usize),
     processor: Processor,
 }
 
-/// The number of numbers that a line holds.
+/// The number of numbers in a line.
 const LINE: usize = 8;
-/// The number of bytes that a line of cache holds.
+/// The number of bytes in a cache line.
 const CACHE_LINE: usize = 64;
 
 impl JetRegisters {
-    /// Registers for a kind of processor that is not this one's best.
+    /// Creates registers for another kind of processor than the best for this one.
     pub fn on(processor: Processor) -> Self {
         Self {
             processor,
@@ -51,7 +51,7 @@ impl JetRegisters {
             self.numbers = vec![0.0; length + slack];
             self.filled = (0, 0);
         }
-        // Registers begin where a line does, so that no vector straddles two.
+        // Align registers to cache lines, so that no vector straddles two.
         let start = self.numbers.as_ptr().align_offset(CACHE_LINE);
         let start = if start < slack { start } else { 0 };
         let registers = &mut self.numbers[start..start + length];
@@ -71,7 +71,7 @@ impl JetRegisters {
             out,
         };
         match N {
-            // One point is no vector.
+            // One point does not need vectors.
             1 => run.lines::<1, 1, { FEW }>(),
             8 => self.processor.run(Eight(run)),
             64 => self.processor.run(SixtyFour(run)),
@@ -90,10 +90,10 @@ struct Run<'a, const N: usize> {
     out: &'a mut [[f64; N]],
 }
 
-/// One line to a register.
+/// One line per register.
 struct Eight<'a, const N: usize>(Run<'a, N>);
 
-/// Eight lines to a register.
+/// Eight lines per register.
 struct SixtyFour<'a, const N: usize>(Run<'a, N>);
 
 impl<const N: usize> Work for Eight<'_, N> {
@@ -151,7 +151,7 @@ impl<const W: usize> Lines<W> for [[f64; W]] {
     }
 }
 
-/// A byte cannot name a line outside of these many, so that the compiler leaves out the checks of bounds.
+/// A byte cannot exceed this number of lines, so the compiler omits the bounds checks.
 impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
     #[inline(always)]
     fn get(&self, line: usize) -> [f64; W] {
@@ -165,7 +165,7 @@ impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
 }
 
 impl<const N: usize> Run<'_, N> {
-    /// Evaluates with `COUNT` lines of `W` lanes to a register, N = W·COUNT; `ALL` are the lines of [`FEW`]
+    /// Evaluates with `COUNT` lines of `W` lanes per register, N = W·COUNT; `ALL` is the number of lines of [`FEW`]
     /// registers.
     #[inline(always)]
     fn lines<const W: usize, const COUNT: usize, const ALL: usize>(self) {
@@ -186,7 +186,7 @@ impl<const N: usize> Run<'_, N> {
     }
 }
 
-/// Runs the instructions, and copies coefficients to where the caller wants them, with their factors.
+/// Runs the instructions, and copies coefficients, multiplied by their factors, to the caller's output.
 #[inline(always)]
 fn evaluate<const W: usize, const COUNT: usize, const N: usize, R, L>(
     steps: &Steps<R>,
@@ -211,8 +211,8 @@ fn evaluate<const W: usize, const COUNT: usize, const N: usize, R, L>(
     }
 }
 
-/// Runs one instruction, line by line. Macros rather than closures: what is not inlined is not compiled for the
-/// processor at hand.
+/// Runs one instruction, line by line. Uses macros rather than closures: functions that are not inlined are not
+/// compiled for the processor at hand.
 #[inline(always)]
 fn step<const W: usize, const COUNT: usize, R, L>(i: &Instruction<R>, registers: &mut L)
 where

@@ -1,9 +1,9 @@
-//! Coefficients: what the arithmetic of expansion makes.
+//! Coefficients: the results of the arithmetic of expansion.
 //!
-//! Input: operations on [`Term`]s. Output: a list of [`Micro`] operations in which equal ones are one and constants are
-//! folded. A term has a sign, and a factor that is the same at every point: neither negation nor scaling is an
-//! operation as long as only products and equally scaled sums follow. So all derivatives of a sine of 2πu are the same
-//! two numbers. Factors that are gathered round in another order than they were written in.
+//! In: operations on [`Term`]s. Out: a list of [`Micro`] operations, without duplicates and with constants folded. A
+//! term has a sign, and a factor that is the same at every point: neither negation nor scaling is an operation as long
+//! as only products and equally scaled sums follow. So all derivatives of a sine of 2πu share the same two numbers.
+//! Collected factors round in a different order than as written.
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
@@ -13,21 +13,21 @@ use crate::ops::{self, Arithmetic, Binary, Unary};
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(super) struct Term {
     pub(super) id: u32,
-    /// A coefficient that does not vary; 1 where the other one does not either.
+    /// A coefficient that does not vary; 1 if the other one does not vary either.
     pub(super) factor: u32,
     pub(super) negative: bool,
 }
 
-/// The computation of a coefficient from others, which come before it.
+/// The computation of a coefficient from earlier ones.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(super) enum Micro {
-    /// Its bits. Never negative.
+    /// The bits of a number that is never negative.
     Constant(u64),
-    /// A position in the uniforms.
+    /// An index into the uniforms.
     Uniform(u32),
     /// The first or the second variable.
     Variable(u32),
-    /// A negation, where a sign cannot be carried along.
+    /// A negation, where a sign cannot be propagated.
     Neg(u32),
     /// Any other operation on one number.
     Unary(Unary, u32),
@@ -43,7 +43,7 @@ pub(super) const ZERO: Term = Term {
 };
 const ONE: u32 = 1;
 
-/// Constant factors are gathered between this and its reciprocal, so that none over- or underflows.
+/// Collected constant factors must be between this and its reciprocal, so that none overflows or underflows.
 const LARGEST_FACTOR: f64 = 1e150;
 
 impl Micro {
@@ -57,7 +57,7 @@ impl Micro {
     }
 }
 
-/// Makes coefficients; as an [`Arithmetic`], what the table's rules are run in.
+/// Creates coefficients; as an [`Arithmetic`], it evaluates the table's rules.
 pub(super) struct TermBuilder {
     pub(super) micros: Vec<Micro>,
     pub(super) varying: Vec<bool>,
@@ -110,7 +110,7 @@ impl Arithmetic for TermBuilder {
                     .signed(negative)
             }
         };
-        // That of both, or 1 where they have been carried out.
+        // The common factor, or 1 if factors have been multiplied out.
         let factor = a.factor;
         Term {
             factor,
@@ -164,7 +164,7 @@ impl Arithmetic for TermBuilder {
             let quotient = self.positive(Micro::Binary(Binary::Div, a.id, b.id));
             self.scaled(quotient, a.factor)
         } else {
-            // Numbers over the same denominator share their division.
+            // Quotients with the same denominator share their division.
             let quotient = self.positive(Micro::Binary(Binary::Div, ONE, b.id));
             self.scaled(quotient, a.id)
         };
@@ -181,7 +181,7 @@ impl Arithmetic for TermBuilder {
         }
         match op {
             Unary::Neg => self.neg(a),
-            // Odd ones hand the sign on.
+            // Odd functions propagate the sign.
             Unary::Sin
             | Unary::Tan
             | Unary::Asin
@@ -192,7 +192,7 @@ impl Arithmetic for TermBuilder {
                 let a = self.whole(a);
                 self.positive(Micro::Unary(op, a.id)).signed(a.negative)
             }
-            // Even ones drop it.
+            // Even functions drop it.
             Unary::Cos | Unary::Cosh | Unary::Abs => {
                 let a = self.whole(a);
                 self.positive(Micro::Unary(op, a.id))
@@ -261,14 +261,14 @@ impl TermBuilder {
         self.positive(Micro::Binary(Binary::Mul, a.min(b), a.max(b)))
     }
 
-    /// 1/a for what does not vary.
+    /// Returns 1/a for a coefficient that does not vary.
     fn reciprocal(&mut self, a: u32) -> Term {
         let one = Term { id: ONE, ..ZERO };
         let a = Term { id: a, ..ZERO };
         if a == one { one } else { self.div(one, a) }
     }
 
-    /// A term that varies, by a factor that does not.
+    /// Returns a varying term multiplied by a factor that does not vary.
     fn scaled(&mut self, term: Term, factor: u32) -> Term {
         if factor == ONE {
             return term;
@@ -289,7 +289,7 @@ impl TermBuilder {
         }
     }
 
-    /// The term with its factor carried out.
+    /// Returns the term with its factor multiplied out.
     fn whole(&mut self, term: Term) -> Term {
         if term.factor == ONE {
             return term;
@@ -309,7 +309,7 @@ impl TermBuilder {
         }
     }
 
-    /// The coefficient with its sign and factor carried out.
+    /// Returns the coefficient with its sign and factor multiplied out.
     fn unsigned(&mut self, term: Term) -> u32 {
         let term = self.whole(term);
         if term.negative {
@@ -319,7 +319,7 @@ impl TermBuilder {
         }
     }
 
-    /// The multiplications of [`crate::ops::integer_power`], as far as they are not by 1.
+    /// The multiplications of [`crate::ops::integer_power`], except those by 1.
     pub(super) fn positive_power(&mut self, x: Term, n: u32) -> Term {
         let mut remaining = n;
         let mut square = x;
@@ -363,7 +363,7 @@ impl TermBuilder {
             .signed(a.negative != b.negative)
     }
 
-    /// The lesser or greater of two numbers, or their comparison.
+    /// Returns the smaller or larger of two numbers, or their comparison.
     pub(super) fn compared(&mut self, op: Binary, a: Term, b: Term) -> Term {
         if let (Some(x), Some(y)) = (self.value(a), self.value(b)) {
             return self.constant(op.eval(x, y));

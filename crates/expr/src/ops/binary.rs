@@ -1,6 +1,6 @@
 //! The rows of operations on two numbers.
 //!
-//! Input: nothing, or operands. Output: the enum [`Binary`], and each column as a function.
+//! In: nothing, or operands. Out: the enum [`Binary`], and each column as a function.
 
 use crate::arithmetic::{at_most, greatest, least, power, zmul};
 use crate::ops::lanes::{Lanes, each_pair};
@@ -72,8 +72,8 @@ macro_rules! binary_operations {
                 match self { $(Self::$variant => each_pair(a, b, out, |$a, $b| $value),)+ }
             }
 
-            /// The derivative of `y`, which is this operation on `operands`, where those of the operands are
-            /// `d`.
+            /// Returns the derivative of `y`, which is this operation on `operands`, given the derivatives `d` of the
+            /// operands.
             pub(crate) fn derivative<B: ExpressionBuilder>(
                 self,
                 graph: &mut B,
@@ -109,7 +109,7 @@ binary_operations! {
     derivative: "a' b + a b'", |g, [a, b], _y, [da, db]| {
         let first = g.mul(da, b);
         let second = g.mul(a, db);
-        // For a square both are one node, and their sum is its double.
+        // For a square both are the same node, and their sum is its double.
         g.add(first, second)
     };
 
@@ -163,7 +163,7 @@ binary_operations! {
     derivative: "0", |g, _, _y, _d| g.constant(0.0);
 }
 
-/// da where `first` is 1, db where it is 0; what is not chosen may be undefined.
+/// Returns da where `first` is 1, db where it is 0; the other one may be undefined.
 fn chosen<B: ExpressionBuilder>(
     graph: &mut B,
     first: B::Number,

@@ -1,11 +1,11 @@
 //! One operation in all lanes of a block.
 //!
-//! Input: operands, a number for each lane or one for all. Output: a number for each lane.
+//! In: operands, each a number per lane or one for all. Out: a number per lane.
 
 /// An operand of a block operation.
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes<'a, const N: usize> {
-    /// A number for each lane.
+    /// A number per lane.
     Each(&'a [f64; N]),
     /// One number for all lanes.
     Same(f64),

@@ -1,7 +1,7 @@
 //! The derivative rules of powers.
 //!
-//! Input: base, exponent and their derivatives. Output: the terms of the power's derivative, written so that a factor
-//! that is zero annihilates what is undefined.
+//! In: base, exponent and their derivatives. Out: the terms of the power's derivative, written so that a zero factor
+//! annihilates undefined ones.
 
 use crate::ops::{ExpressionBuilder, Unary};
 

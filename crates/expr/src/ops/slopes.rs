@@ -1,11 +1,11 @@
-//! Arithmetics that the rules of derivatives are written for: numbers, code for them, and expressions.
+//! Arithmetics in which the rules of derivatives are written: numbers, code for them, and expressions.
 
 use crate::arithmetic::at_most;
 use crate::ops::{Binary, Unary};
 
-/// The arithmetic that a rule is written in.
+/// The arithmetic in which a rule is written.
 pub trait Arithmetic {
-    /// A number, or what stands for one.
+    /// A number, or its representation.
     type Number: Copy;
     /// A constant.
     fn constant(&mut self, value: f64) -> Self::Number;
@@ -25,10 +25,10 @@ pub trait Arithmetic {
     fn unary(&mut self, op: Unary, a: Self::Number) -> Self::Number;
 }
 
-/// An arithmetic whose numbers are expressions: what the rules of symbolic derivatives ask for. The graph implements it,
-/// so that the table does not depend on the graph.
+/// An arithmetic whose numbers are expressions: the interface that symbolic differentiation needs. The graph implements
+/// it, so that the table does not depend on the graph.
 pub trait ExpressionBuilder: Arithmetic {
-    /// The value of a constant; `None` for any other expression.
+    /// Returns the value of a constant; `None` for any other expression.
     fn value(&self, a: Self::Number) -> Option<f64>;
     /// a^n, see [`crate::ops::integer_power`].
     fn integer_power(&mut self, a: Self::Number, n: i32) -> Self::Number;

@@ -1,6 +1,6 @@
 //! The rows of operations on one number.
 //!
-//! Input: nothing, or an operand. Output: the enum [`Unary`], and each column as a function.
+//! In: nothing, or an operand. Out: the enum [`Unary`], and each column as a function.
 
 use crate::arithmetic::sign;
 use crate::ops::lanes::each;
@@ -37,7 +37,7 @@ macro_rules! unary_operations {
                 match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
             }
 
-            /// The name under which programs know it as a function.
+            /// The name of the function in programs, if it has one.
             pub fn builtin(self) -> Option<&'static str> {
                 match self { $(Self::$variant => $builtin,)+ }
             }
@@ -74,8 +74,8 @@ macro_rules! unary_operations {
                 match self { $(Self::$variant => each(x, out, |$x| $value),)+ }
             }
 
-            /// Its first and second derivative at `x`, where its value is `y`, in any arithmetic. What is zero
-            /// everywhere is the constant 0.
+            /// Returns its first and second derivative at `x`, where its value is `y`, in any arithmetic. A derivative
+            /// that is zero everywhere is the constant 0.
             pub fn slopes<A: Arithmetic>(
                 self,
                 arithmetic: &mut A,
@@ -90,7 +90,7 @@ macro_rules! unary_operations {
                 }
             }
 
-            /// The derivative of `y`, which is this operation on `x`, where that of `x` is `dx`.
+            /// Returns the derivative of `y`, which is this operation on `x`, given the derivative `dx` of `x`.
             pub(crate) fn derivative<B: ExpressionBuilder>(
                 self,
                 graph: &mut B,

@@ -1,7 +1,7 @@
-//! Piecewise polynomials: least and greatest values of polynomials, with one square root at most in each.
+//! Piecewise polynomials: minima and maxima of polynomials, each with at most one square root.
 //!
-//! Input: operands. Output: their sum, product, power or root as a lattice of pieces, or `None` where it has none of this
-//! form, or too many pieces.
+//! In: operands. Out: their sum, product, power or root as a lattice of pieces, or `None` if it does not have this form,
+//! or has too many pieces.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub(super) struct RootedPolynomial {
     pub(super) rational: Polynomial,
     /// b and p.
     pub(super) root: Option<(Polynomial, Arc<Polynomial>)>,
-    /// Of a product, polynomials whose product has its sign, but for surfaces on which it is 0.
+    /// For a product, polynomials whose product has the same sign, except on surfaces where the original is 0.
     pub(super) factors: Option<Factors>,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct Factors {
 }
 
 impl Factors {
-    /// Those of a square root.
+    /// Returns the factors of a square root.
     fn of_root() -> Self {
         Self {
             odd: Vec::new(),
@@ -75,7 +75,7 @@ impl Factors {
         }
     }
 
-    /// A polynomial of the sign of the product; `None` where the product itself will do.
+    /// Returns a polynomial with the sign of the product; `None` if the product itself will do.
     pub(super) fn sign(&self) -> Option<Polynomial> {
         let one = Polynomial::constant(1.0);
         let product = || self.odd.iter().fold(one, |product, p| product.times(p));
@@ -83,7 +83,7 @@ impl Factors {
     }
 }
 
-/// Nested least and greatest values.
+/// Nested minima and maxima.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Lattice {
     Piece(RootedPolynomial),
@@ -100,7 +100,7 @@ impl RootedPolynomial {
         }
     }
 
-    /// Its factors; `None` for a sum with a square root.
+    /// Returns the factors; `None` for a sum with a square root.
     fn factors(&self) -> Option<Factors> {
         let itself = || {
             self.root.is_none().then(|| Factors {
@@ -175,7 +175,7 @@ impl Lattice {
         }
     }
 
-    /// The product with a number; a negative one exchanges least and greatest.
+    /// Returns the product with a number; a negative one exchanges minima and maxima.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let all = |parts: &[Self]| parts.iter().map(|part| part.scaled(factor)).collect();
         match self {
@@ -205,7 +205,7 @@ impl Lattice {
         }
     }
 
-    /// The product, where both are single pieces, or both one absolute value.
+    /// Returns the product, if both are single pieces, or both the same absolute value.
     pub(super) fn times(&self, other: &Self) -> Option<Self> {
         if let (Self::Piece(a), Self::Piece(b)) = (self, other) {
             return a.times(b).map(Self::Piece);
@@ -223,7 +223,7 @@ impl Lattice {
                 }
                 Some(Self::Piece(power))
             }
-            // An even power of |p| is that of p; odd powers rise.
+            // An even power of |p| is that of p; odd powers are increasing.
             _ if n.is_multiple_of(2) => {
                 let size = self.absolute()?.clone();
                 Self::Piece(size).power(n)
@@ -270,7 +270,7 @@ impl Lattice {
         joined.map(Self::Max)
     }
 
-    /// The p of max(p, −p).
+    /// Returns the p of max(p, −p).
     fn absolute(&self) -> Option<&RootedPolynomial> {
         match self {
             Self::Max(parts) => match &parts[..] {
@@ -282,7 +282,7 @@ impl Lattice {
     }
 }
 
-/// The parts of two of one kind in one list.
+/// Joins the parts of two lattices of the same kind in one list.
 fn join(
     a: &Lattice,
     b: &Lattice,

@@ -1,8 +1,8 @@
 //! The set where an expression is not positive, as a combination of polynomials.
 //!
-//! Input: a node, and each input as a polynomial or a number. Output: a [`Region`]. Nodes are read in the order of their
-//! ids: numbers, then lattices of polynomials (`lattice.rs`), and of the rest the outermost `max`, `min`, signs and
-//! products, as far as what they contain is defined everywhere.
+//! In: a node, and each input as a polynomial or a number. Out: a [`Region`]. Nodes are read in the order of their ids:
+//! first numbers, then lattices of polynomials (`lattice.rs`), and of the rest the outermost `max`, `min`, signs and
+//! products, as far as their operands are defined everywhere.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use crate::ops::{Binary, Unary, small_integer};
 use crate::polynomial::Polynomial;
 use crate::polynomial::lattice::{Factors, Lattice, RootedPolynomial};
 
-/// The number of pieces that a region has at most.
+/// The maximum number of pieces of a region.
 pub const MOST_PIECES: usize = 64;
-/// The highest degree of a polynomial that is expanded.
+/// The maximum degree of a polynomial that is expanded.
 pub const LARGEST_DEGREE: usize = 12;
 
-/// The number of levels of `max`, `min` and products that are read around what is no polynomial.
+/// The maximum depth of `max`, `min` and products around nodes that are not polynomials.
 const DEEPEST: usize = 16;
-/// The number of terms that expanding may make in all.
+/// The maximum number of terms that expansion may create in total.
 const MOST_WORK: usize = 1 << 20;
 
 /// A set of points.
@@ -28,11 +28,11 @@ const MOST_WORK: usize = 1 << 20;
 pub enum Region {
     /// The points where the polynomial is not positive.
     Polynomial(Polynomial),
-    /// The points where an expression is not positive; with `true`, where its negative is not.
+    /// The points where an expression is not positive; with `true`, where its negative is not positive.
     Field(NodeId, bool),
-    /// The intersection; of nothing, all points.
+    /// The intersection; of no sets, all points.
     All(Vec<Region>),
-    /// The union; of nothing, no point.
+    /// The union; of no sets, no points.
     Any(Vec<Region>),
 }
 
@@ -48,9 +48,9 @@ enum NodeForm {
 #[derive(Clone, Debug)]
 struct ReadNode {
     form: NodeForm,
-    /// It is a number everywhere.
+    /// The node is a number everywhere.
     total: bool,
-    /// It is not negative where it is defined, by its form.
+    /// The node is not negative where it is defined, by its form.
     nonnegative: bool,
 }
 
@@ -62,8 +62,8 @@ struct RegionReader<'a> {
     work: usize,
 }
 
-/// Reads the set where `root` is defined and not positive. `meaning` gives each input as a polynomial; NaN makes what
-/// depends on it undefined. Returns the number of terms, too, that were made on the way, about.
+/// Reads the set where `root` is defined and not positive. `meaning` returns each input as a polynomial; NaN makes its
+/// uses undefined. Also returns the approximate number of terms created.
 pub fn region(
     graph: &Graph,
     root: NodeId,
@@ -96,7 +96,7 @@ pub fn region(
 }
 
 impl Region {
-    /// The number of polynomials and expressions in it.
+    /// Returns the number of polynomials and expressions in it.
     pub fn pieces(&self) -> usize {
         match self {
             Self::Polynomial(_) | Self::Field(..) => 1,
@@ -104,7 +104,7 @@ impl Region {
         }
     }
 
-    /// True if its polynomials are of moderate degree, with numbers as coefficients.
+    /// Returns true if its polynomials are of moderate degree with finite coefficients.
     fn is_moderate(&self) -> bool {
         match self {
             Self::Polynomial(p) => p.degree() <= LARGEST_DEGREE && p.is_finite(),
@@ -113,7 +113,7 @@ impl Region {
         }
     }
 
-    /// The region without constants, and without sets of one.
+    /// Returns the region without constants, and without unions and intersections of a single set.
     fn simplified(self) -> Self {
         match self {
             Self::Polynomial(p) => match p.value() {
@@ -148,7 +148,7 @@ impl Region {
     }
 }
 
-/// The set of some parts, of which neighbours that are equal count once; a part that is alone is the set.
+/// Returns the set of some parts, where equal neighbours count once; a single part is itself the set.
 fn one_or(mut parts: Vec<Region>, set: impl FnOnce(Vec<Region>) -> Region) -> Region {
     parts.dedup();
     match parts.pop() {
@@ -221,7 +221,7 @@ impl RegionReader<'_> {
             (NodeForm::Number(x), _) => return ReadNode::number(crate::ops::integer_power(x, n)),
             (NodeForm::Pieces(lattice), Ok(n)) if n > 0 && n <= LARGEST_DEGREE as u32 => {
                 let power = self.affordable(|| lattice.power(n));
-                // The last product of n − 1 is the largest.
+                // The last of the n − 1 products is the largest.
                 let last = power.as_ref().map_or(0, Lattice::size) * lattice.size();
                 self.work += (n as usize - 1) * last / 2;
                 power
@@ -291,7 +291,7 @@ impl RegionReader<'_> {
         if self.work > MOST_WORK { None } else { make() }
     }
 
-    /// The set where the node, or its negative, is not positive.
+    /// Returns the set where the node, or its negative, is not positive.
     fn set(&self, id: NodeId, negated: bool, depth: usize) -> Region {
         let known = &self.known[&id];
         let field = Region::Field(id, negated);
@@ -308,7 +308,7 @@ impl RegionReader<'_> {
             NodeForm::Pieces(lattice) => return lattice.scaled(-1.0).region(),
             NodeForm::Other => {}
         }
-        // What is undefined in one part makes all undefined: only of an intersection, that is what the parts say.
+        // A part that is undefined makes the whole undefined; the parts express that only in an intersection.
         let total = known.total && self.domain.is_empty();
         if depth == 0 || !total {
             return field;
@@ -321,7 +321,7 @@ impl RegionReader<'_> {
             Node::Binary(Binary::Min, a, b) if negated => Region::All(both(a, b)),
             Node::Binary(Binary::Max | Binary::Min, a, b) => Region::Any(both(a, b)),
             Node::Binary(Binary::Mul, a, b) if a != b => {
-                // Of unlike signs, or of like ones.
+                // Of different signs, or of the same sign.
                 Region::Any(vec![
                     Region::All(vec![set(a, false), set(b, !negated)]),
                     Region::All(vec![set(a, true), set(b, negated)]),
@@ -354,7 +354,7 @@ impl ReadNode {
 }
 
 impl Lattice {
-    /// The number of terms.
+    /// Returns the number of terms.
     fn size(&self) -> usize {
         match self {
             Self::Piece(piece) => {
@@ -377,9 +377,9 @@ impl Lattice {
 }
 
 impl RootedPolynomial {
-    /// The set where a + b√p ≤ 0, where p is not negative: a ≤ 0 and a² ≥ b²p where b is not negative, a ≤ 0 or a² ≤ b²p
-    /// where it is not positive. What occurs an even number of times in a product, and a root alone, do not change its sign,
-    /// and squared they would have double zeros: the set is read without the surfaces on which they are 0.
+    /// Returns the set where a + b√p ≤ 0, given that p is not negative: a ≤ 0 and a² ≥ b²p where b is not negative, a ≤ 0 or
+    /// a² ≤ b²p where it is not positive. Factors that occur an even number of times in a product, and a root alone, do not
+    /// change the sign, and squared they would have double zeros: the set omits the surfaces on which they are 0.
     fn region(&self) -> Region {
         if let Some(sign) = self.factors.as_ref().and_then(Factors::sign) {
             return Region::Polynomial(sign);

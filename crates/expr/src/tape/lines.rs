@@ -1,9 +1,9 @@
 //! Evaluation with slopes along several lines at once.
 //!
-//! Input: for each input a number, or the starts and rates of a coordinate along the lines of a block; and a part of each
-//! line. Output: for each line values and slopes, as [`Tape::eval_slopes`] has them for one, in bounds that may be wider by a
-//! few units in the last place. Tapes with powers by numbers, or with other operations that are rare, are left to
-//! [`Tape::eval_slopes`], and so are lines on which something on the way is not bounded.
+//! In: for each input a number, or the starts and rates of a coordinate along the lines of a block; and an interval of each
+//! line. Out: values and slopes for each line, as [`Tape::eval_slopes`] returns them for one, in bounds that may be wider by
+//! a few ulps. Tapes with powers by numbers, or with other rare operations, must use [`Tape::eval_slopes`], and so must lines
+//! with an unbounded intermediate result.
 
 use crate::interval::{Interval, Slope};
 use crate::ops::{Binary, Unary};
@@ -26,7 +26,7 @@ pub enum LineInput<'a> {
         /// The rates.
         direction: &'a [f64; MOST_LANES],
     },
-    /// On each line all of `origin` + t·`direction`, where both are anything between two bounds, the lower one first.
+    /// On each line any of `origin` + t·`direction`, where both are between two bounds, the lower one first.
     Bundle {
         /// The starts.
         origin: [f64; 2],
@@ -36,7 +36,7 @@ pub enum LineInput<'a> {
 }
 
 impl Tape {
-    /// True if [`Tape::eval_slopes_on_lines`] knows all operations, and no constant is NaN.
+    /// Returns true if [`Tape::eval_slopes_on_lines`] supports all operations, and no constant is NaN.
     pub fn is_of_vectors(&self) -> bool {
         let is_number = |operand: Operand| match operand {
             Operand::Constant(x) => !x.is_nan(),
@@ -70,11 +70,11 @@ impl Tape {
     }
 
     /// Evaluates the first root with slopes along the lines of a block, for t on each line from a first bound to a second one
-    /// that is not less; `None` for a line on which something on the way is not bounded. The tape is one of which
-    /// [`Tape::is_of_vectors`] is true.
+    /// that is not less; `None` for a line with an unbounded intermediate result. [`Tape::is_of_vectors`] must be true for
+    /// the tape.
     ///
     /// # Panics
-    /// If there is no root, or not one input for each of [`Tape::inputs`].
+    /// If there are no roots, or not exactly one input for each of [`Tape::inputs`].
     pub fn eval_slopes_on_lines(
         &self,
         processor: Processor,
@@ -101,7 +101,7 @@ struct FoundOnLines {
     /// The lower and the upper values, then the lower and the upper slopes. For values: NaN means unknown; lower > upper means
     /// that every value is undefined. For slopes: NaN means unbounded.
     bounds: [[f64; MOST_LANES]; 4],
-    /// Not 0 where a value may be undefined.
+    /// Non-zero where a value may be undefined.
     partial: [f64; MOST_LANES],
 }
 

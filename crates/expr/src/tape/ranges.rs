@@ -1,7 +1,7 @@
 //! Evaluation on intervals.
 //!
-//! Input: an interval for each input. Output: for each root an interval that its values do not leave, by the same
-//! instructions that evaluate numbers; with slopes, their derivatives along a line too.
+//! In: an interval for each input. Out: for each root an interval that contains its values, by the same instructions
+//! that evaluate numbers; with slopes, also their derivatives along a line.
 
 use crate::interval::{Interval, Slope};
 use crate::ops::{Binary, Unary};
@@ -25,7 +25,7 @@ impl Tape {
     /// Evaluates on a box: an interval for each of [`Tape::inputs`], and one for each root.
     ///
     /// # Panics
-    /// If `inputs` or `out` is not of this length.
+    /// If `inputs` or `out` has a different length.
     pub fn eval_intervals(
         &self,
         registers: &mut Registers,
@@ -43,7 +43,7 @@ impl Tape {
     /// Evaluates with slopes along a line.
     ///
     /// # Panics
-    /// If `inputs` or `out` is not of the length of [`Tape::inputs`] or of the roots.
+    /// If the length of `inputs` differs from that of [`Tape::inputs`], or that of `out` from the number of roots.
     pub fn eval_slopes(&self, registers: &mut Registers, inputs: &[Slope], out: &mut [Slope]) {
         let Registers {
             slopes,

@@ -1,8 +1,8 @@
 //! Evaluation at as many points as a vector has lanes.
 //!
-//! Input: a vector for each input. Output: the values of the first root. Sums, products, quotients, roots, sines and cosines
-//! are computed in vectors, other operations lane by lane. Sine and cosine are those of [`crate::elementary`], so that their
-//! values may differ from those of [`Tape::eval`] in the last place; the other operations are the same to the last bit.
+//! In: a vector for each input. Out: the values of the first root. Sums, products, quotients, roots, sines and cosines are
+//! computed in vectors, other operations lane by lane. Sine and cosine are those of [`crate::elementary`], so their values
+//! may differ from those of [`Tape::eval`] in the last place; the other operations agree to the last bit.
 
 use crate::ops::{Binary, Unary};
 use crate::tape::{Operand, Tape, TapeOperation};
@@ -17,7 +17,7 @@ pub struct VectorRegisters<S: Instructions> {
 }
 
 impl<S: Instructions> VectorRegisters<S> {
-    /// Memory for evaluations of the tape.
+    /// Creates registers for evaluations of the tape.
     #[inline(always)]
     pub fn new(instructions: S, tape: &Tape) -> Self {
         Self {
@@ -30,9 +30,8 @@ impl<S: Instructions> VectorRegisters<S> {
 impl Tape {
     /// Evaluates the first root at a point in each lane.
     ///
-    /// # Panics
-    /// If there is no root, if there is not one vector for each of [`Tape::inputs`], or if the registers are those of another
-    /// tape.
+    /// If there are no roots, if there is not exactly one vector for each of [`Tape::inputs`], or if the registers are those
+    /// of another tape.
     #[inline(always)]
     pub fn eval_vector<S: Instructions>(
         &self,

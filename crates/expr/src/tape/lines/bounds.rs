@@ -1,7 +1,7 @@
-//! Values and slopes on several lines, in bounds.
+//! Bounds of values and slopes on several lines.
 //!
-//! Input: bounds of operands on as many lines as a vector has lanes. Output: bounds of the operation's values and slopes, wider
-//! than exact ones by a few units in the last place, and what is known of the lines after each operation.
+//! In: bounds of operands on as many lines as a vector has lanes. Out: bounds of the operation's values and slopes, wider than
+//! exact ones by a few ulps, and the state of the lines after each operation.
 
 use crate::elementary;
 use crate::ops::Unary;
@@ -10,7 +10,7 @@ use crate::vectors::{Instructions, MOST_LANES, Mask, Vector};
 /// Values and slopes on as many lines as a vector has lanes.
 #[derive(Clone, Copy)]
 pub(super) struct LineRanges<S: Instructions> {
-    /// The wrong way round where the value is undefined throughout.
+    /// Lower > upper where the value is undefined throughout.
     pub(super) value: LaneBounds<S>,
     pub(super) slope: LaneBounds<S>,
     /// True if the slopes are 0 on all lines.
@@ -23,7 +23,7 @@ pub(super) struct LaneBounds<S: Instructions> {
     pub(super) upper: Vector<S>,
 }
 
-/// The knowledge of the lines, from all operations so far: the root depends on each of them, and none is defined where an
+/// The state of the lines after all operations so far: the root depends on each of them, and none is defined where an
 /// operand is not.
 #[derive(Clone, Copy)]
 pub(super) struct KnownLines<S: Instructions> {
@@ -49,7 +49,7 @@ impl<S: Instructions> KnownLines<S> {
         }
     }
 
-    /// Reads a result.
+    /// Records a result.
     #[inline(always)]
     pub(super) fn note(&mut self, found: &LineRanges<S>) {
         let LineRanges { value, slope, .. } = found;
@@ -62,7 +62,7 @@ impl<S: Instructions> KnownLines<S> {
         self.sloped = self.sloped & slope.lower.is_finite() & slope.upper.is_finite();
     }
 
-    /// The values that are in a domain, which may be those from −∞ on; what is outside is undefined.
+    /// Restricts values to a domain, which may begin at −∞; values outside are undefined.
     #[inline(always)]
     fn restrict(&mut self, s: S, value: LaneBounds<S>, [least, most]: [f64; 2]) -> LaneBounds<S> {
         let (least, most) = (Vector::splat(s, least), Vector::splat(s, most));
@@ -87,7 +87,7 @@ impl<S: Instructions> LineRanges<S> {
         }
     }
 
-    /// `from` + t·`rate` for t in `times`.
+    /// Returns `from` + t·`rate` for t in `times`.
     #[inline(always)]
     pub(super) fn coordinate(
         s: S,
@@ -204,7 +204,7 @@ impl<S: Instructions> LineRanges<S> {
         }
     }
 
-    /// The absolute value.
+    /// Returns the absolute value.
     #[inline(always)]
     pub(super) fn size(self, s: S) -> Self {
         let zero = Vector::splat(s, 0.0);
@@ -227,8 +227,8 @@ impl<S: Instructions> LineRanges<S> {
         }
     }
 
-    /// A function that is monotone where it is defined: an exponential, a logarithm, a root, or the inverse of a function of
-    /// angles. NaN for another one.
+    /// Applies a function that is monotone where it is defined: an exponential, a logarithm, a root, or an inverse
+    /// trigonometric function. NaN for any other.
     #[inline(always)]
     pub(super) fn elementary(self, s: S, op: Unary, known: &mut KnownLines<S>) -> Self {
         let number = |x: f64| Vector::splat(s, x);
@@ -296,7 +296,7 @@ impl<S: Instructions> LineRanges<S> {
         }
     }
 
-    /// The greater one.
+    /// Returns the larger one.
     #[inline(always)]
     pub(super) fn greatest(self, other: Self) -> Self {
         let first = other.value.upper.le(self.value.lower);
@@ -315,7 +315,7 @@ impl<S: Instructions> LineRanges<S> {
         }
     }
 
-    /// Sine and cosine, each the other's slope.
+    /// Returns sine and cosine, each of which determines the other's slope.
     #[inline(always)]
     pub(super) fn waves(&self, s: S) -> [Self; 2] {
         let (sine, cosine) = self.value.waves(s);
@@ -364,13 +364,13 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// Wider by at least a unit in the last place, and by more than the least normal number.
+    /// Widens by at least one ulp, and by more than the smallest normal number.
     #[inline(always)]
     fn widened(self, s: S) -> Self {
         self.widened_by(s, 1.0)
     }
 
-    /// Wider by so many units in the last place, and by more than the least normal number.
+    /// Widens by `units` ulps, and by more than the smallest normal number.
     #[inline(always)]
     fn widened_by(self, s: S, units: f64) -> Self {
         let unit = Vector::splat(s, units * f64::EPSILON);
@@ -381,7 +381,7 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// The reciprocals; NaN where 0 is among the values.
+    /// Returns the reciprocals; NaN where 0 is among the values.
     #[inline(always)]
     fn reciprocal(self, s: S) -> Self {
         let (zero, one) = (Vector::splat(s, 0.0), Vector::splat(s, 1.0));
@@ -408,7 +408,7 @@ impl<S: Instructions> LaneBounds<S> {
         self.nearest_product(other).widened(s)
     }
 
-    /// The product, rounded to the nearest numbers in place of outward.
+    /// Returns the product, rounded to nearest instead of outward.
     #[inline(always)]
     fn nearest_product(self, other: Self) -> Self {
         let a = self.lower * other.lower;
@@ -421,7 +421,7 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// The sum of two products that are rounded to the nearest numbers.
+    /// Returns the sum of two products that are rounded to nearest.
     #[inline(always)]
     fn sum_of_products(self, s: S, other: Self) -> Self {
         let units = Vector::splat(s, 2.0 * f64::EPSILON);
@@ -434,7 +434,7 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// The absolute values.
+    /// Returns the absolute values.
     #[inline(always)]
     fn size(self, s: S) -> Self {
         let zero = Vector::splat(s, 0.0);
@@ -446,8 +446,8 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// The values of sine and cosine. In quarters of a turn, the sine has its crests at 1 + 4k and its troughs at 3 + 4k, the
-    /// cosine at 4k and 2 + 4k.
+    /// Returns the values of sine and cosine. In quarter turns, the sine has its maxima at 1 + 4k and its minima at 3 + 4k,
+    /// the cosine at 4k and 2 + 4k.
     #[inline(always)]
     fn waves(self, s: S) -> (Self, Self) {
         let number = |x: f64| Vector::splat(s, x);
@@ -459,7 +459,7 @@ impl<S: Instructions> LaneBounds<S> {
             lower: from - slack,
             upper: to + slack,
         };
-        // Where the reduction is not precise, all values are taken: large angles, which take long, are not read.
+        // Where the reduction is not accurate, assume all values: large angles, which are slow, are not evaluated.
         let far = !size.lt(number(elementary::LARGEST_ANGLE));
         let near = Self {
             lower: far.choose(number(0.0), self.lower),
@@ -489,7 +489,7 @@ impl<S: Instructions> LaneBounds<S> {
         (sine, cosine)
     }
 
-    /// The values of a wave with these values at its ends, to four units in the last place, and these extremes between.
+    /// Returns the values of a wave with these values at its ends, to four ulps, and these extrema between.
     #[inline(always)]
     fn wave(s: S, ends: Self, crest: Mask<S>, trough: Mask<S>) -> Self {
         let one = Vector::splat(s, 1.0);
@@ -504,7 +504,7 @@ impl<S: Instructions> LaneBounds<S> {
         }
     }
 
-    /// False only where no place + 4k, k an integer, lies between.
+    /// Returns false only where no `place` + 4k, k an integer, is between the bounds.
     #[inline(always)]
     fn meets(self, s: S, place: f64) -> Mask<S> {
         let round = Vector::splat(s, elementary::ROUND);
