@@ -306,7 +306,7 @@ fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
     }
 }
 
-/// Returns the result at the share `t` between two rays, at the arc length `s`.
+/// Returns the result at the fraction `t` of the way between two rays, at the arc length `s`.
 #[inline(always)]
 pub(super) fn look(
     layout: &ChartLayout,

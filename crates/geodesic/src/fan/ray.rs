@@ -1,12 +1,12 @@
-//! A ray with dense output: knots of an integration in; position, Jacobi field and their derivatives at any arc
-//! length out.
+//! A ray with dense output. In: knots of an integration. Out: position, Jacobi field and their derivatives at any arc
+//! length.
 
 use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile, most};
 use crate::interpolate::quintic;
 use crate::status::Status;
 
-/// A ray's state at a step's end.
+/// A ray's state at the end of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Knot<const D: usize = 2> {
     pub(crate) s: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Knot<const D: usize = 2> {
 }
 
 impl<const D: usize> Knot<D> {
-    /// The k-th component of the field J = m·N, and of J'.
+    /// Returns the k-th component of the field J = m·N, and of J'.
     fn jacobi(&self, k: usize) -> [f64; 2] {
         let [m, m1] = self.m;
         let ([n, n1], k) = ([self.normal[0], self.normal[1]], k);
@@ -35,51 +35,51 @@ pub(crate) struct Segment<const D: usize = 2> {
     pub(crate) knots: Vec<Knot<D>>,
 }
 
-/// The end of a ray before its length.
+/// The end of a ray before its full length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) s: f64,
     pub(crate) status: Status,
-    /// The edge that it leaves through.
+    /// The edge through which it leaves.
     pub(crate) edge: Option<(usize, usize)>,
-    /// ds/dθ along the edge; NaN where it is not known.
+    /// ds/dθ along the edge; NaN where unknown.
     pub(crate) slope: f64,
-    /// True if the slope follows from the ray itself, and not from its neighbours.
+    /// True if the slope follows from the ray itself, not from its neighbours.
     pub(crate) told: bool,
 }
 
-/// Between two knots: polynomials in the share x ∈ [0,1].
+/// The interpolation between two knots: polynomials in the fraction x ∈ [0,1].
 #[derive(Clone, Debug)]
 struct Interval<const D: usize> {
     from: f64,
     length: f64,
     chart: FanChart,
-    /// `[power][γ, J]`.
+    /// `[power]` of `[γ, J]`.
     main: [[[f64; D]; 2]; 6],
     /// `[power]` of N.
     normal: [[f64; D]; 4],
 }
 
-/// A whole ray.
+/// A complete ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Ray<const D: usize = 2> {
-    /// In the frame's plane, from X towards Y.
+    /// The angle in the frame's plane, from X towards Y.
     pub(crate) angle: f64,
     /// The arc lengths at which the intervals begin.
     starts: Vec<f64>,
     intervals: Vec<Interval<D>>,
-    /// For each of equal parts of the way the last interval that begins before it.
+    /// For each of equal parts of the length, the last interval that begins before it.
     parts: Vec<u32>,
     by_part: f64,
-    /// The arc length up to which the intervals reach.
+    /// The arc length at the end of the last interval.
     pub(crate) end: f64,
-    /// The length beyond that up to which they are reliable.
+    /// The length beyond that up to which the intervals are reliable.
     pub(crate) slack: f64,
     pub(crate) stop: Option<Stop>,
-    /// The estimated error of its position in each range of radius, but for a factor that is much the same for all rays
+    /// The estimated error of its position in each range of radius, up to a factor that is nearly the same for all rays
     /// of a fan.
     pub(crate) off: Profile,
-    /// The share of the usual error that it was allowed.
+    /// The fraction of the usual error that it was allowed.
     pub(crate) tolerance_share: f64,
 }
 
@@ -94,7 +94,7 @@ pub(crate) struct Sample<const D: usize = 2> {
     pub(crate) normal: [f64; D],
 }
 
-/// The most steps of a ray in which it is compared with others.
+/// The maximum number of a ray's steps in which it is compared with others.
 const PROBES: usize = 24;
 
 impl<const D: usize> Ray<D> {
@@ -119,7 +119,7 @@ impl<const D: usize> Ray<D> {
         }
         let last = intervals.last();
         let end = last.map_or(0.0, |last| last.from + last.length);
-        // A step that was cut short says little about how far it may be gone beyond.
+        // A step that was cut short does not indicate how far it may be extrapolated.
         let slack = 0.05 * last.map_or(0.0, |last| last.length);
         let count = 2 * intervals.len();
         let by_part = count as f64 / end.max(f64::MIN_POSITIVE);
@@ -147,7 +147,7 @@ impl<const D: usize> Ray<D> {
         }
     }
 
-    /// Radii at which to compare it with others: these shares of its steps, and its end.
+    /// Returns the radii at which to compare it with others: these fractions of its steps, and its end.
     pub(crate) fn probes(&self, shares: &[f64]) -> impl Iterator<Item = f64> {
         let reach = self.stop.map_or(self.end, |stop| stop.s.min(self.end));
         let stride = self.intervals.len().div_ceil(PROBES).max(1);
@@ -159,18 +159,18 @@ impl<const D: usize> Ray<D> {
         inside.filter(move |s| *s < reach).chain([reach])
     }
 
-    /// The estimated error of its position where it is the largest, but for the factor.
+    /// Returns the largest estimated error of its position, up to the factor.
     pub(crate) fn error(&self) -> f64 {
         f64::from(most(&self.off))
     }
 
-    /// The arc length for which it goes on the surface.
+    /// Returns the arc length for which it is on the surface.
     #[inline(always)]
     pub(crate) fn limit(&self) -> f64 {
         self.stop.map_or(f64::INFINITY, |stop| stop.s)
     }
 
-    /// The arc length up to which places beside it follow from it: beyond an edge as far as it was followed.
+    /// Returns the arc length up to which points next to it follow from it: beyond an edge as far as it was continued.
     pub(crate) fn reach(&self) -> f64 {
         match &self.stop {
             None => f64::INFINITY,
@@ -179,7 +179,7 @@ impl<const D: usize> Ray<D> {
         }
     }
 
-    /// The ray at an arc length; `None` where it is not known.
+    /// Returns the ray at an arc length; `None` where it is not known.
     #[inline(always)]
     pub(crate) fn at(&self, s: f64) -> Option<Sample<D>> {
         if s > self.end + self.slack {
@@ -270,8 +270,8 @@ impl<const D: usize> Interval<D> {
     }
 }
 
-/// J'' at a knot. At the centre m'' = 0, so that it is 2N'; elsewhere that of the quintic through J and J' at three
-/// knots, as it takes the derivative of the curvature.
+/// Returns J'' at a knot. At the centre m'' = 0, so that it is 2N'; elsewhere it is that of the quintic through J and
+/// J' at three knots, since it involves the derivative of the curvature.
 fn second<const D: usize>(knots: &[Knot<D>], n: usize) -> [f64; D] {
     let knot = &knots[n];
     if knot.s == 0.0 {
@@ -294,7 +294,7 @@ fn second<const D: usize>(knots: &[Knot<D>], n: usize) -> [f64; D] {
         if last == 0 {
             0.0
         } else if last == 1 {
-            // Of the cubic through both.
+            // From the cubic through both knots.
             let h = p.0 - t.0;
             (6.0 * (p.1 - t.1) / h - 4.0 * t.2 - 2.0 * p.2) / h
         } else {
@@ -303,8 +303,8 @@ fn second<const D: usize>(knots: &[Knot<D>], n: usize) -> [f64; D] {
     })
 }
 
-/// The second derivative at t of the quintic through (node, value, derivative) of t, p, q, by divided differences with
-/// double nodes (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
+/// Returns the second derivative at t of the quintic through (node, value, derivative) of t, p, q, by divided
+/// differences with double nodes (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
 fn confluent(t: (f64, f64, f64), p: (f64, f64, f64), q: (f64, f64, f64)) -> f64 {
     let (tp, pq, tq) = (p.0 - t.0, q.0 - p.0, q.0 - t.0);
     let first = [t.2, (p.1 - t.1) / tp, p.2, (q.1 - p.1) / pq, q.2];

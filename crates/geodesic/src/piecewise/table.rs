@@ -1,6 +1,6 @@
 //! A piecewise map as an array of 32-bit words, as a fixed pass on the GPU reads it. Numbers are the bits of an `f32`.
 //!
-//! | words | what |
+//! | words | meaning |
 //! | --- | --- |
 //! | 0, 1 | the picture's width and height in pixels |
 //! | 2, 3 | its width and height in blocks of [`BLOCK`]² pixels |
