@@ -6,7 +6,7 @@
 //! ```text
 //! frame ──start.rs──▶ active rays ──driver.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
 //! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs)──▶ sectors
-//! places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
+//! points of the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
 mod active_ray;

@@ -211,7 +211,7 @@ impl Frame {
     /// Through a flip, X and Y change their handedness.
     ///
     /// # Errors
-    /// [`TraceError`] where the geodesic cannot be begun, or the surface has no tangent plane at its end.
+    /// [`TraceError`] where the geodesic cannot be started, or the surface has no tangent plane at its end.
     pub fn advance(
         &self,
         surface: &dyn Surface,

@@ -24,7 +24,7 @@ use crate::topology::Topology;
 /// uniforms' values fixed.
 ///
 /// Opposite sides of the domain at which E, F, G and their first derivatives agree are glued: the metric du² + dv² of
-/// a rectangle is a flat torus. If they agree only with one side turned over (E and G even, F odd), they are glued
+/// a rectangle is a flat torus. If they agree only with one side reversed (E and G even, F odd), they are glued
 /// with a flip. A side along which the length is zero is the tip of a cone, or a smooth point where its angle is 2π.
 /// It is degenerate where E ≤ 0 or EG − F² ≤ 0. The position of its jets is (u, v, 0), which is not a point in space.
 #[derive(Clone, Debug)]

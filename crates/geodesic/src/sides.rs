@@ -10,7 +10,7 @@ pub enum Side {
     Edge,
     /// The opposite side: σ(u₀,v) = σ(u₁,v).
     Wrap,
-    /// The opposite side, turned over: σ(u₀,v) = σ(u₁,v₀+v₁−v). Handedness flips.
+    /// The opposite side, reversed: σ(u₀,v) = σ(u₁,v₀+v₁−v). Handedness flips.
     WrapFlip,
     /// The side is one point, passed by continuing half a period further along the other, wrapping, parameter.
     Pole,

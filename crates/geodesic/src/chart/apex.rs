@@ -11,7 +11,7 @@ const ENTER: f64 = 0.25;
 /// A ray leaves an apex's chart beyond this fraction of its reach. It exceeds [`ENTER`] so that a ray does not alternate
 /// between charts.
 const LEAVE: f64 = 0.3;
-/// The factor on [`ENTER`] and [`LEAVE`] for a single ray where the surface does not bend within the reach.
+/// The factor on [`ENTER`] and [`LEAVE`] for a single ray about a smooth pole that is as round as a sphere's, or flatter.
 const ROUND: f64 = 1.4;
 /// An apex's chart is never used beyond this fraction of its reach.
 const REACH: f64 = 0.5;

@@ -54,9 +54,9 @@ struct Interval<const D: usize> {
     from: f64,
     length: f64,
     chart: FanChart,
-    /// `[power]` of `[γ, J]`.
+    /// `[power][γ, J]`: the coefficients of position and Jacobi field.
     main: [[[f64; D]; 2]; 6],
-    /// `[power]` of N.
+    /// `[power]`: the coefficients of the normal N.
     normal: [[f64; D]; 4],
 }
 

@@ -33,7 +33,7 @@ pub(super) struct Sector {
     pub(super) edge: f64,
     /// True if the errors are derived from a wider sector that interpolates in the same way.
     pub(super) proven: bool,
-    /// True if a more exact ray has measured the errors.
+    /// True if a more accurate ray has measured the errors.
     pub(super) measured: bool,
     /// True if the errors have been raised because measured ones were larger.
     pub(super) doubted: bool,
