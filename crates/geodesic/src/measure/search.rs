@@ -56,7 +56,7 @@ const SURE_WIDTH: f64 = 4e-4;
 const MOST_RINGS: f64 = 256.0;
 /// Guesses whose angles and lengths (relative to the reach) differ by less than this are the same …
 const SAME: f64 = 2e-3;
-/// … or whose angles differ by less than this, where the tip of a cone may be between them.
+/// … where the tip of a cone may be between them, only if their angles differ by less than this.
 const SAME_BESIDE_TIP: f64 = 1e-6;
 
 /// A part of the disc of directions and lengths.
