@@ -6,7 +6,7 @@ mod spheres;
 
 use std::time::Duration;
 
-use geodesic::map::{Map, MapOptions, Method, exponential_map};
+use geodesic::map::{Map, MapMethod, MapOptions, exponential_map};
 use geodesic::reference::{Errors, Reference};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use testing::draw::scene;
@@ -117,7 +117,7 @@ fn measure(example: &Example, size: u32) -> Option<Row> {
     let mut reference = Reference::new(surface, &frame, [size; 2], SAMPLE);
     let make = |tolerance: f64| {
         let options = MapOptions {
-            method: Method::Fan,
+            method: MapMethod::Fan,
             tolerance,
             by_pixel: false,
             ..MapOptions::default()

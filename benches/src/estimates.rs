@@ -1,6 +1,6 @@
 //! The estimated error of the geodesic view against the truth, over random scenes.
 
-use geodesic::map::Method;
+use geodesic::map::MapMethod;
 use rayon::prelude::*;
 use testing::inside::{Held, held, random_view};
 
@@ -10,7 +10,7 @@ const SCENES: u64 = 10_000;
 pub(crate) fn run() {
     let all: Vec<(u64, Held)> = (0..SCENES)
         .into_par_iter()
-        .filter_map(|number| Some((number, held(&random_view(number)?, Method::Fan)?)))
+        .filter_map(|number| Some((number, held(&random_view(number)?, MapMethod::Fan)?)))
         .collect();
     let mut ratios: Vec<(f64, u64)> = all
         .iter()

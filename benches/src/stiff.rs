@@ -2,7 +2,7 @@
 //! geodesics part chaotically, and whose fault it is where one is off by more than was asked.
 
 use geodesic::frame::Frame;
-use geodesic::map::{MapOptions, Method, exponential_map};
+use geodesic::map::{MapMethod, MapOptions, exponential_map};
 use geodesic::reference::Reference;
 use geodesic::trace::Status;
 use testing::draw::scene;
@@ -62,9 +62,9 @@ fn chaos() {
         };
         let mut reference = Reference::new(surface, &frame, [SIDE; 2], TRACED);
         for (name, method, tolerance) in [
-            ("fan", Method::Fan, 0.1),
-            ("fan", Method::Fan, 0.03),
-            ("adaptive", Method::Adaptive, 0.1),
+            ("fan", MapMethod::Fan, 0.1),
+            ("fan", MapMethod::Fan, 0.03),
+            ("adaptive", MapMethod::Adaptive, 0.1),
         ] {
             let options = MapOptions {
                 method,

@@ -159,7 +159,7 @@ fn rows<T: Real, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geodesic::map::{MapOptions, Method, exponential_map};
+    use geodesic::map::{MapMethod, MapOptions, exponential_map};
     use testing::examples;
     use testing::inside::opening;
 
@@ -172,7 +172,7 @@ mod tests {
             let equations = Equations::of(&scene).expect("equations");
             let (surface, frame, size) = (view.surface(), view.frame(), [27, 11]);
             let options = MapOptions {
-                method: Method::Rk4 { steps: 32 },
+                method: MapMethod::Rk4 { steps: 32 },
                 ..MapOptions::default()
             };
             let one = exponential_map(surface, &frame, size, &options, &|_| {});

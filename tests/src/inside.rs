@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use geodesic::frame::Frame;
-use geodesic::map::{Map, MapOptions, Method, bring_back, exponential_map};
+use geodesic::map::{Map, MapMethod, MapOptions, bring_back, exponential_map};
 use geodesic::reference::Reference;
 use geodesic::surface::Surface;
 use geodesic::trace::Status;
@@ -192,10 +192,10 @@ const WORST: usize = 16;
 
 /// A method's estimate for a view against the truth. A far more exact picture shows at which of all the pixels it is off
 /// the most; how much it is there, geodesics traced one by one say. `None` where nearly nothing is seen.
-pub fn held(view: &RandomView, method: Method) -> Option<Held> {
+pub fn held(view: &RandomView, method: MapMethod) -> Option<Held> {
     let (surface, frame) = (view.opening.surface(), &view.frame);
     let size = [SIDE; 2];
-    let map = |method: Method, tolerance: f64| {
+    let map = |method: MapMethod, tolerance: f64| {
         let options = MapOptions {
             method,
             tolerance,
@@ -204,7 +204,7 @@ pub fn held(view: &RandomView, method: Method) -> Option<Held> {
         exponential_map(surface, frame, size, &options, &|_| {})
     };
     let picture = map(method, view.tolerance);
-    let exact = map(Method::Fan, (0.02 * view.tolerance).min(1e-3));
+    let exact = map(MapMethod::Fan, (0.02 * view.tolerance).min(1e-3));
     let position = |map: &Map, index: usize| {
         let (uv, _) = bring_back(surface.domain(), surface.sides(), map.uv(index));
         surface.jet(uv).position

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use geodesic::frame::Frame;
-use geodesic::map::{Map, MapOptions, Method, exponential_map, pixel_place};
+use geodesic::map::{Map, MapMethod, MapOptions, exponential_map, pixel_place};
 use geodesic::metric::{Metric, speed};
 use geodesic::reference::{Errors, Reference};
 use geodesic::surface::Surface;
@@ -17,7 +17,7 @@ use testing::inside::{Held, Opening, RandomView, held, opening, random_view};
 
 fn fan() -> MapOptions {
     MapOptions {
-        method: Method::Fan,
+        method: MapMethod::Fan,
         ..MapOptions::default()
     }
 }
@@ -167,10 +167,10 @@ fn every_example_is_exact_to_a_tenth_of_a_pixel_as_it_opens() {
 #[test]
 fn all_methods_find_the_same_ends() {
     let methods = [
-        (Method::Fan, 0.1, 0.12),
-        (Method::FanLinear, 0.1, 0.2),
-        (Method::Adaptive, 0.1, 0.1),
-        (Method::Rk4 { steps: 64 }, 0.1, 0.05),
+        (MapMethod::Fan, 0.1, 0.12),
+        (MapMethod::FanLinear, 0.1, 0.2),
+        (MapMethod::Adaptive, 0.1, 0.1),
+        (MapMethod::Rk4 { steps: 64 }, 0.1, 0.05),
     ];
     for name in ["torus", "monkey", "klein", "halfplane"] {
         let example = examples::one(name);
@@ -197,7 +197,7 @@ fn estimates_are_within_twice_the_truth_on_random_surfaces() {
         .into_par_iter()
         .filter_map(|number| {
             let view = random_view(number)?;
-            let held = held(&view, Method::Fan)?;
+            let held = held(&view, MapMethod::Fan)?;
             Some((view, held))
         })
         .collect();
@@ -235,7 +235,10 @@ fn estimates_hold_where_they_were_a_third_of_the_truth() {
         .into_par_iter()
         .map(|number| {
             let view = random_view(number).expect("a camera");
-            (number, held(&view, Method::Fan).expect("something is seen"))
+            (
+                number,
+                held(&view, MapMethod::Fan).expect("something is seen"),
+            )
         })
         .collect();
     for (number, held) in all {
@@ -250,7 +253,7 @@ fn each_pixel_by_itself_is_as_true_as_is_asked_on_random_surfaces() {
         .into_par_iter()
         .filter_map(|number| {
             let view = random_view(number)?;
-            let held = held(&view, Method::Adaptive)?;
+            let held = held(&view, MapMethod::Adaptive)?;
             Some((view, held))
         })
         .collect();

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use geodesic::frame::Frame;
-use geodesic::map::{MapOptions, Method, exponential_map};
+use geodesic::map::{MapMethod, MapOptions, exponential_map};
 use geodesic::reference::{Errors, Reference};
 use geodesic::surface::Surface;
 
@@ -125,7 +125,7 @@ pub(super) fn measure(
 /// The library's own, one pixel at a time.
 fn one_by_one(surface: &dyn Surface, frame: &Frame, steps: u32) -> Picture {
     let options = MapOptions {
-        method: Method::Rk4 { steps },
+        method: MapMethod::Rk4 { steps },
         max_evaluations: u64::MAX,
         by_pixel: false,
         ..MapOptions::default()

@@ -1,6 +1,6 @@
 //! The thesis' sphere from many places: pixels that are off by more than a pixel, against great circles.
 
-use geodesic::map::{MapOptions, Method, exponential_map};
+use geodesic::map::{MapMethod, MapOptions, exponential_map};
 use rayon::prelude::*;
 use testing::great_circles::{Sphere, wrong_pixels};
 
@@ -13,7 +13,7 @@ const SIZE: u32 = 64;
 pub(super) fn run() {
     let sphere = Sphere::new();
     let options = MapOptions {
-        method: Method::Fan,
+        method: MapMethod::Fan,
         by_pixel: false,
         ..MapOptions::default()
     };

@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use render::figure::Figure;
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
-use render::request::{Overlays, Spacing, Theme};
+use render::request::{Overlays, Spacing};
 use render::shared::Shared;
+use render::style::Theme;
 use render::texture::Texture;
 use render::trail::{Trail, TrailKind};
 use render::view::View;

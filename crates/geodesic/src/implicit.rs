@@ -51,6 +51,8 @@ pub struct ImplicitSurface {
 #[derive(Clone, Debug)]
 struct Kink {
     node: NodeId,
+    /// Twice the same where it has one.
+    operands: [NodeId; 2],
     below: [Vec<u32>; 2],
 }
 
@@ -281,8 +283,7 @@ impl ImplicitSurface {
         let (kinks, outermost) = kinks(&graph, root);
         let mut read = vec![root];
         for kink in &kinks {
-            let [a, b] = operands(graph.node(kink.node));
-            read.extend([a, b]);
+            read.extend(kink.operands);
         }
         let usable = |size: &f64| *size > 0.0 && size.is_finite();
         Ok(Self {
@@ -521,38 +522,29 @@ impl ImplicitSurface {
     }
 }
 
-/// Returns the operands of a kink; both equal for a unary operation.
-fn operands(node: Node) -> [NodeId; 2] {
-    let mut all = node.operands();
-    let first = all.next();
-    let second = all.next().or(first);
-    match (first, second) {
-        (Some(a), Some(b)) => [a, b],
-        // No kink is a leaf of the expression.
-        _ => unreachable!("a kink has operands"),
+/// Returns the operands of an operation that is not smooth, twice the same of one with a single operand; `None` for any other.
+fn kink_operands(node: Node) -> Option<[NodeId; 2]> {
+    match node {
+        Node::Binary(Binary::Max | Binary::Min, a, b) => Some([a, b]),
+        Node::Unary(Unary::Abs, a) => Some([a, a]),
+        _ => None,
     }
 }
 
 /// Returns the kinks of an expression, and those on which its root depends without another kink between.
 fn kinks(graph: &Graph, root: NodeId) -> (Vec<Kink>, Vec<u32>) {
     let order = graph.order(&[root]);
-    let is_kink = |id: NodeId| {
-        matches!(
-            graph.node(id),
-            Node::Binary(Binary::Max | Binary::Min, ..) | Node::Unary(Unary::Abs, _)
-        )
-    };
     let mut numbers: HashMap<NodeId, u32> = HashMap::new();
     let mut kinks: Vec<Kink> = Vec::new();
     // The kinks on which a node depends without another between; itself if it is one.
     let mut nearest: HashMap<NodeId, Vec<u32>> = HashMap::new();
     for id in order {
-        if is_kink(id) {
-            let [a, b] = operands(graph.node(id));
+        if let Some([a, b]) = kink_operands(graph.node(id)) {
             let of = |operand: NodeId| nearest.get(&operand).cloned().unwrap_or_default();
             let number = kinks.len() as u32;
             kinks.push(Kink {
                 node: id,
+                operands: [a, b],
                 below: [of(a), of(b)],
             });
             numbers.insert(id, number);

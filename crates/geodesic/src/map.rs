@@ -23,7 +23,7 @@ pub use crate::pixels::{Map, pixel_place};
 
 /// A method of finding the ends of a picture's pixels.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Method {
+pub enum MapMethod {
     /// Rays shared by all pixels, interpolated by their Jacobi fields.
     #[default]
     Fan,
@@ -43,7 +43,7 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
     /// The method.
-    pub method: Method,
+    pub method: MapMethod,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
     /// The maximum number of evaluations of all pixels together; lower for a surface that is expensive to evaluate
@@ -63,7 +63,7 @@ pub const MOST_FOR_PIXEL: u64 = 20_000;
 impl Default for MapOptions {
     fn default() -> Self {
         Self {
-            method: Method::default(),
+            method: MapMethod::default(),
             tolerance: 0.1,
             max_evaluations: 40_000_000,
             by_pixel: true,
@@ -98,7 +98,7 @@ pub fn exponential_map(
     options: &MapOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
-    if !matches!(options.method, Method::Rk4 { .. })
+    if !matches!(options.method, MapMethod::Rk4 { .. })
         && let Some((moved, camera)) = Moved::for_camera(surface, frame, size)
     {
         let mut map = by_method(&moved, &camera, size, options, progress);
@@ -119,11 +119,11 @@ pub fn exponential_map(
 }
 
 /// Returns the interpolation of a method whose rays the pixels share.
-fn shared(method: Method) -> Option<Interpolation> {
+fn shared(method: MapMethod) -> Option<Interpolation> {
     match method {
-        Method::Fan => Some(Interpolation::Hermite),
-        Method::FanLinear => Some(Interpolation::Linear),
-        Method::Adaptive | Method::Rk4 { .. } => None,
+        MapMethod::Fan => Some(Interpolation::Hermite),
+        MapMethod::FanLinear => Some(Interpolation::Linear),
+        MapMethod::Adaptive | MapMethod::Rk4 { .. } => None,
     }
 }
 

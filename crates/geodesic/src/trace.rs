@@ -14,7 +14,7 @@ pub use crate::status::Status;
 
 /// A method of integration.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Method {
+pub enum TraceMethod {
     /// Steps as long as the tolerance allows: DOP853, or Dormand–Prince 5(4) where the tolerance is loose. Poles and
     /// tips of cones are passed in their own charts.
     #[default]
@@ -34,7 +34,7 @@ pub struct Options {
     /// The error allowed per step, relative to the step's length, measured on the surface; at least 50 ε.
     pub tolerance: f64,
     /// The method of integration.
-    pub method: Method,
+    pub method: TraceMethod,
     /// The maximum number of evaluations of the surface and its derivatives, whatever the method.
     pub max_evaluations: usize,
     /// True if the error is estimated by integrating the geodesic again with higher accuracy, where the remaining
@@ -58,7 +58,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerance: 1.5e-10,
-            method: Method::Adaptive,
+            method: TraceMethod::Adaptive,
             max_evaluations: 20_000,
             compare: false,
             keep_path: false,
@@ -259,7 +259,7 @@ pub(crate) fn trace_from(
         keep_path: options.keep_path,
     };
     let end = match options.method {
-        Method::Adaptive => {
+        TraceMethod::Adaptive => {
             let loose = tolerance >= LOOSE;
             let plan = IntegrationPlan {
                 tableau: if loose { &DOPRI5 } else { &DOP853 },
@@ -278,7 +278,7 @@ pub(crate) fn trace_from(
             }
             end
         }
-        Method::Rk4 { steps } => {
+        TraceMethod::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
             let fine = IntegrationPlan {
                 tableau: &RK4,
@@ -408,7 +408,8 @@ pub(crate) fn unit_start(
         })
     });
     let usable = at_apex || sine > PARALLEL;
-    if !(speed > 0.0 && speed.is_finite()) || !usable {
+    let is_speed = speed > 0.0 && speed.is_finite();
+    if !is_speed || !usable {
         return Err(TraceError::DegenerateStart { at: start });
     }
     let moved = if at == given {

@@ -3,7 +3,7 @@
 mod shapes;
 
 use geodesic::surface::{Side, Surface};
-use geodesic::trace::{Method, Options, Status, Trace, TraceError, trace};
+use geodesic::trace::{Options, Status, Trace, TraceError, TraceMethod, trace};
 use shapes::*;
 
 fn go(surface: &dyn Surface, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
@@ -368,7 +368,7 @@ fn the_method_of_the_thesis_converges_with_order_four() {
     let s = torus(0.4);
     let run = |steps| {
         let options = Options {
-            method: Method::Rk4 { steps },
+            method: TraceMethod::Rk4 { steps },
             ..Options::default()
         };
         trace(&s, [0.3, 0.2], [1.0, 0.5], 5.0, &options).expect("a start")

@@ -5,7 +5,7 @@ mod shapes;
 
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::Surface;
-use geodesic::trace::{Method, Options, Status, trace};
+use geodesic::trace::{Options, Status, TraceMethod, trace};
 use random::Random;
 use shapes::*;
 
@@ -275,7 +275,7 @@ fn steps_that_are_too_long_to_converge_claim_little() {
         let truth = run(&Options::default()).expect("a start");
         for steps in [64, 512] {
             let end = run(&Options {
-                method: Method::Rk4 { steps },
+                method: TraceMethod::Rk4 { steps },
                 ..Options::default()
             });
             let end = end.expect("a start");

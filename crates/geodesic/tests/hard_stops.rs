@@ -4,7 +4,7 @@ mod shapes;
 
 use expr::ops::Unary;
 use geodesic::surface::Surface;
-use geodesic::trace::{Method, Options, Status, Trace, trace};
+use geodesic::trace::{Options, Status, Trace, TraceMethod, trace};
 use shapes::*;
 
 fn go(surface: &dyn Surface, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
@@ -147,7 +147,7 @@ fn beside_a_corner_a_ray_leaves_through_the_side_that_it_meets_first() {
 #[test]
 fn the_limit_on_evaluations_bounds_every_method() {
     let s = torus(0.4);
-    for method in [Method::Adaptive, Method::Rk4 { steps: 1_000_000 }] {
+    for method in [TraceMethod::Adaptive, TraceMethod::Rk4 { steps: 1_000_000 }] {
         for max_evaluations in [0, 1, 50, 1000, 20_000] {
             let options = Options {
                 method,

@@ -5,7 +5,7 @@ mod shapes;
 use geodesic::frame::Frame;
 use geodesic::metric::{Metric, christoffel, gaussian_curvature};
 use geodesic::surface::{Side, Surface};
-use geodesic::trace::{Method, Options, Status, Trace, TraceError, trace};
+use geodesic::trace::{Options, Status, Trace, TraceError, TraceMethod, trace};
 use shapes::*;
 
 fn go(surface: &dyn Surface, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
@@ -286,7 +286,7 @@ fn a_metric_is_degenerate_where_it_is_not_positive() {
 fn the_fixed_method_estimates_its_error_without_positions() {
     let s = half_plane();
     let options = Options {
-        method: Method::Rk4 { steps: 64 },
+        method: TraceMethod::Rk4 { steps: 64 },
         ..Options::default()
     };
     let end = trace(&s, [0.0, 1.0], [1.0, 0.5], 2.0, &options).expect("a start");

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use expr::ops::Unary;
 use geodesic::frame::Frame;
 use geodesic::intrinsic::MetricSurface;
-use geodesic::map::{MapOptions, Method, exponential_map, pixel_place};
+use geodesic::map::{MapMethod, MapOptions, exponential_map, pixel_place};
 use geodesic::metric::Metric;
 use geodesic::point::Uv;
 use geodesic::reference::Reference;
@@ -100,12 +100,12 @@ fn a_frame_passes_a_moebius_strips_seam_mirrored_and_returns_as_it_was() {
 
 #[test]
 fn every_pixel_of_a_sphere_is_right_with_the_pole_in_the_picture() {
-    for method in [Method::Fan, Method::Adaptive] {
+    for method in [MapMethod::Fan, MapMethod::Adaptive] {
         every_pixel_of_a_sphere_is_right(method);
     }
 }
 
-fn every_pixel_of_a_sphere_is_right(method: Method) {
+fn every_pixel_of_a_sphere_is_right(method: MapMethod) {
     let s = spheroid(1.0, 1.0);
     let frame = Frame::new(&s, [0.3, 1.2], 0.5, 2.0).expect("a frame");
     let size = [40, 24];
@@ -141,7 +141,12 @@ fn every_pixel_of_a_sphere_is_right(method: Method) {
 fn the_middle_of_an_odd_picture_is_the_camera_itself() {
     let s = torus(0.4);
     let frame = Frame::new(&s, [0.3, 1.2], 0.0, 2.0).expect("a frame");
-    for method in [Method::Fan, Method::FanLinear, Method::Adaptive, RK4] {
+    for method in [
+        MapMethod::Fan,
+        MapMethod::FanLinear,
+        MapMethod::Adaptive,
+        RK4,
+    ] {
         let options = MapOptions {
             method,
             ..MapOptions::default()
@@ -151,14 +156,19 @@ fn the_middle_of_an_odd_picture_is_the_camera_itself() {
     }
 }
 
-const RK4: Method = Method::Rk4 { steps: 8 };
+const RK4: MapMethod = MapMethod::Rk4 { steps: 8 };
 
 #[test]
 fn pictures_of_no_and_of_one_pixel_and_without_zoom_are_finite() {
     let s = torus(0.4);
     let frame = Frame::new(&s, [0.3, 1.2], 0.0, 0.0).expect("a frame");
     for size in [[0, 0], [1, 1], [3, 2]] {
-        for method in [Method::Fan, Method::FanLinear, Method::Adaptive, RK4] {
+        for method in [
+            MapMethod::Fan,
+            MapMethod::FanLinear,
+            MapMethod::Adaptive,
+            RK4,
+        ] {
             let options = MapOptions {
                 method,
                 ..MapOptions::default()
@@ -183,13 +193,13 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
     ];
     for ((s, at, zoom), method) in cases
         .into_iter()
-        .flat_map(|case| [Method::Fan, Method::Adaptive].map(|method| (case, method)))
+        .flat_map(|case| [MapMethod::Fan, MapMethod::Adaptive].map(|method| (case, method)))
     {
         let frame = Frame::new(s, at, 0.5, zoom).expect("a frame");
         let size = [65, 65];
         let options = MapOptions {
             method,
-            tolerance: if method == Method::Fan { 1e-2 } else { 1e-5 },
+            tolerance: if method == MapMethod::Fan { 1e-2 } else { 1e-5 },
             ..MapOptions::default()
         };
         let map = exponential_map(s, &frame, size, &options, &|_| {});
@@ -252,7 +262,7 @@ fn a_picture_s_work_is_bounded_whatever_an_evaluation_takes() {
         let s = Dear(torus(0.4), instructions);
         // So far that no pixel's geodesic can be followed.
         let frame = Frame::new(&s, [0.3, 0.2], 0.0, 1e6).expect("a frame");
-        for method in [Method::Fan, Method::Adaptive] {
+        for method in [MapMethod::Fan, MapMethod::Adaptive] {
             let options = MapOptions {
                 method,
                 max_evaluations: 300_000,
@@ -320,7 +330,7 @@ fn the_thesis_method_ends_where_the_adaptive_one_does() {
     ];
     for (s, at, zoom) in cases {
         let frame = Frame::new(s, at, 0.5, zoom).expect("a frame");
-        let [one, exact] = [Method::Rk4 { steps: 32 }, Method::Adaptive].map(|method| {
+        let [one, exact] = [MapMethod::Rk4 { steps: 32 }, MapMethod::Adaptive].map(|method| {
             let options = MapOptions {
                 method,
                 tolerance: 1e-4,
@@ -395,7 +405,7 @@ fn each_pixel_by_itself_is_as_true_as_is_asked() {
         let frame = Frame::new(s, at, 0.3, zoom).expect("a frame");
         let size = [72, 72];
         let options = MapOptions {
-            method: Method::Adaptive,
+            method: MapMethod::Adaptive,
             tolerance,
             ..MapOptions::default()
         };

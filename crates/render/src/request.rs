@@ -15,8 +15,7 @@ use crate::bounds::ObjectCloud;
 use crate::closed::ClosedSurface;
 use crate::error::{MAX_SIDE, RenderError, SCALES};
 use crate::shared::Shared;
-use crate::style;
-pub use crate::style::Theme;
+use crate::style::{self, Theme};
 use crate::texture::Texture;
 use crate::trail::Trail;
 

@@ -116,13 +116,15 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         }
     }
 
-    /// Passes everything up to the next header at or behind `from`, as far as the buffer goes.
+    /// Skips everything up to the next header at or behind `from`. At the end of the buffer, the beginning of one is kept.
     fn skip_to_header(&mut self, from: usize) {
-        let rest = &self.buffer[from.min(self.buffer.len())..];
-        self.used = match find(rest, LENGTH) {
-            Some(at) => from + at,
-            None => self.buffer.len(),
+        let from = from.min(self.buffer.len());
+        let rest = &self.buffer[from..];
+        let begins_header = |at: &usize| {
+            let mut name = rest[*at..].iter().zip(LENGTH);
+            name.all(|(byte, expected)| byte.eq_ignore_ascii_case(expected))
         };
+        self.used = from + (0..rest.len()).find(begins_header).unwrap_or(rest.len());
     }
 
     /// Reads more; false at the end of the stream.
@@ -240,6 +242,32 @@ mod tests {
                 frames.iter().any(|f| matches!(f, Frame::Bad(_))),
                 "{fault:?}"
             );
+        }
+    }
+
+    #[tokio::test]
+    async fn a_header_that_is_cut_behind_a_fault_is_read() {
+        use tokio::io::AsyncWriteExt;
+        let message = r#"{"jsonrpc":"2.0","method":"b"}"#;
+        for name in ["Content-Length", "content-length"] {
+            let header = format!("{name}: {}\r\n\r\n", message.len());
+            let fault = b"Content-Lenth: 5\r\n\r\n{\"a\"}";
+            for cut in 0..=header.len() {
+                let (mut writer, reader) = tokio::io::duplex(1024);
+                let mut reader = FrameReader::new(reader);
+                let first = [&fault[..], &header.as_bytes()[..cut]].concat();
+                writer.write_all(&first).await.expect("room");
+                let bad = reader.next().await;
+                assert!(matches!(bad, Some(Frame::Bad(_))), "{cut}: {bad:?}");
+                let rest = format!("{}{message}", &header[cut..]);
+                writer.write_all(rest.as_bytes()).await.expect("room");
+                drop(writer);
+                let mut frames = Vec::new();
+                while let Some(frame) = reader.next().await {
+                    frames.push(frame);
+                }
+                assert_eq!(good(&frames), [message], "{name} {cut}");
+            }
         }
     }
 

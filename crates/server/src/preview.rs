@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! handlers ──[Previews]──▶ mailbox ──process.rs──▶ window      never waits; the latest text wins
-//! the window's task ◀──── what was heard ◀──process.rs──┘
+//! the window's task ◀──── what it writes ◀──process.rs──┘
 //! ```
 //!
 //! A window closes a little after its document, since an editor that reads a file anew closes it and opens it again; and
@@ -100,7 +100,7 @@ pub(crate) struct Left(u64);
 pub(crate) struct Started {
     pub(crate) id: u64,
     pub(crate) process: Arc<Process>,
-    pub(crate) heard: Receiver<WindowOutput>,
+    pub(crate) outputs: Receiver<WindowOutput>,
 }
 
 impl Previews {
@@ -119,7 +119,7 @@ impl Previews {
             self.open.remove(uri);
             return false;
         }
-        preview.process.tell(Command::Show {
+        preview.process.send(Command::Show {
             view: view.cloned(),
         });
         true
@@ -137,7 +137,7 @@ impl Previews {
         view: Option<View>,
         cursor: Option<u32>,
     ) -> std::io::Result<Started> {
-        let (process, heard) = Process::start(program)?;
+        let (process, outputs) = Process::start(program)?;
         self.counter += 1;
         let preview = Preview {
             id: self.counter,
@@ -149,12 +149,12 @@ impl Previews {
             cursor: None,
             left: None,
         };
-        process.tell(Command::Hello(Hello::own()));
+        process.send(Command::Hello(Hello::own()));
         self.open.insert(snapshot.uri.clone(), preview);
         self.text(&snapshot.uri, snapshot.version, snapshot.text().string());
         // Without a view that is named the window opens as it was left.
         if view.is_some() {
-            process.tell(Command::Show { view });
+            process.send(Command::Show { view });
         }
         if let Some(offset) = cursor {
             self.cursor(&snapshot.uri, snapshot.version, offset);
@@ -162,7 +162,7 @@ impl Previews {
         Ok(Started {
             id: self.counter,
             process,
-            heard,
+            outputs,
         })
     }
 
@@ -175,7 +175,7 @@ impl Previews {
         let changes = preview.closed_text.take();
         let changes = changes.map(|old| Changes::between(&old, &text));
         let number = preview.sent.put(version, changes.as_ref());
-        preview.tell_text(uri, number, text);
+        preview.send_text(uri, number, text);
     }
 
     /// Sends an edit to a document's window, if it has one; the whole text, where that is shorter than the edits that the
@@ -189,14 +189,14 @@ impl Previews {
         let length = changes.weight() + preview.process.waiting_edits();
         match base {
             Some(base) if length < open.text().len() as usize => {
-                let overtaken = preview.process.tell(Command::Edit {
+                let overtaken = preview.process.send(Command::Edit {
                     version: number,
                     base,
                     changes: changes.clone(),
                 });
                 preview.never_read(&overtaken);
             }
-            _ => preview.tell_text(uri, number, open.text().string()),
+            _ => preview.send_text(uri, number, open.text().string()),
         }
     }
 
@@ -212,7 +212,7 @@ impl Previews {
         if let Some(preview) = self.of(uri, id)
             && let Some(number) = preview.sent.last()
         {
-            preview.tell_text(uri, number, open.text().string());
+            preview.send_text(uri, number, open.text().string());
         }
     }
 
@@ -223,7 +223,7 @@ impl Previews {
         };
         let version = preview.sent.number(version);
         if preview.cursor.replace((version, offset)) != Some((version, offset)) {
-            preview.process.tell(Command::Cursor { version, offset });
+            preview.process.send(Command::Cursor { version, offset });
         }
     }
 
@@ -235,7 +235,7 @@ impl Previews {
         if let Some((version, offset)) = preview.cursor
             && version == number
         {
-            preview.process.tell(Command::Cursor { version, offset });
+            preview.process.send(Command::Cursor { version, offset });
         }
         preview.sent.version(number)
     }
@@ -270,7 +270,7 @@ impl Previews {
 
     fn dismiss(&mut self, process: Arc<Process>) {
         process.close();
-        self.leaving.retain(|process| !process.has_been_told());
+        self.leaving.retain(|process| !process.is_all_written());
         self.leaving.push(process);
     }
 
@@ -293,8 +293,8 @@ impl Previews {
 }
 
 impl Preview {
-    fn tell_text(&mut self, uri: &str, number: i32, text: String) {
-        let overtaken = self.process.tell(Command::Text {
+    fn send_text(&mut self, uri: &str, number: i32, text: String) {
+        let overtaken = self.process.send(Command::Text {
             uri: uri.to_owned(),
             path: self.path.clone(),
             version: number,

@@ -45,7 +45,7 @@ pub(crate) struct Editor {
     /// Creates files with edits that the server sends.
     pub(crate) creates_files: bool,
     /// Wants to hear of each picture: `experimental.geotrace.shown`.
-    pub(crate) hears_shown: bool,
+    pub(crate) wants_shown: bool,
 }
 
 /// The state of a session: changed only by handlers, before they wait for anything, so in the order of the messages.

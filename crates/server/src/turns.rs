@@ -15,29 +15,29 @@ use crate::tasks;
 /// A server for one editor, whose messages are JSON texts without a header.
 #[derive(Debug)]
 pub struct ServerByTurns {
-    heard: mpsc::UnboundedSender<Frame>,
-    said: Rc<RefCell<Vec<String>>>,
+    incoming: mpsc::UnboundedSender<Frame>,
+    outgoing: Rc<RefCell<Vec<String>>>,
 }
 
 impl ServerByTurns {
     /// A server for documents in these languages. It has no windows.
     pub fn new(languages: Languages) -> Self {
-        let (heard, frames) = mpsc::unbounded();
-        let said = Rc::<RefCell<Vec<String>>>::default();
-        let output = sink::unfold(said.clone(), |said, body: Vec<u8>| {
+        let (incoming, frames) = mpsc::unbounded();
+        let outgoing = Rc::<RefCell<Vec<String>>>::default();
+        let output = sink::unfold(outgoing.clone(), |outgoing, body: Vec<u8>| {
             let text = String::from_utf8_lossy(&body).into_owned();
-            said.borrow_mut().push(text);
-            future::ready(Ok::<_, std::convert::Infallible>(said))
+            outgoing.borrow_mut().push(text);
+            future::ready(Ok::<_, std::convert::Infallible>(outgoing))
         });
         let session = Arc::new(Mutex::new(Session::new(languages, None)));
         tasks::spawn(crate::start(frames, output, Arc::default(), session));
-        Self { heard, said }
+        Self { incoming, outgoing }
     }
 
     /// Takes a message of the editor.
-    pub fn hear(&self, message: &str) {
+    pub fn receive(&self, message: &str) {
         let frame = frames::message(message.as_bytes()).unwrap_or(Frame::Invalid);
-        let _ = self.heard.unbounded_send(frame);
+        let _ = self.incoming.unbounded_send(frame);
         tasks::run();
     }
 
@@ -47,7 +47,7 @@ impl ServerByTurns {
     }
 
     /// The messages to the editor since the last time.
-    pub fn take_said(&self) -> Vec<String> {
-        std::mem::take(&mut self.said.borrow_mut())
+    pub fn take_outgoing(&self) -> Vec<String> {
+        std::mem::take(&mut self.outgoing.borrow_mut())
     }
 }

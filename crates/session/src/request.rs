@@ -2,8 +2,9 @@
 //! where its request has changed.
 
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
-use render::request::{Overlays, Spacing, Theme};
+use render::request::{Overlays, Spacing};
 use render::shared::Shared;
+use render::style::Theme;
 use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
 use scene::{Object, ObjectId};

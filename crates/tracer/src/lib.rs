@@ -77,6 +77,7 @@ mod sheet;
 mod sheets;
 mod surface;
 pub mod tables;
+mod threads;
 mod tree;
 mod world;
 

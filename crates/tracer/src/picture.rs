@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::camera::{CameraFrame, LensCamera, SampleAxes};
 use crate::shade::{LightTracer, Scenery};
+use crate::threads::run_on;
 
 /// The side of a tile in pixels; its rays of one sample are read together.
 const TILE: u32 = 8;
@@ -149,12 +150,7 @@ impl LightSums {
                 .unwrap_or_else(PoisonError::into_inner)
                 .extend(own);
         };
-        std::thread::scope(|scope| {
-            for _ in 1..threads.clamp(1, tiles.max(1)) {
-                scope.spawn(work);
-            }
-            work();
-        });
+        run_on(threads.min(tiles), work);
         if stopped.load(Ordering::Relaxed) {
             return false;
         }
@@ -220,26 +216,24 @@ pub fn sample_light(
     let axes = SampleAxes::of(scenery, camera, grid);
     let frame = camera.frame(size);
     let mut light = vec![DVec3::ZERO; samples.len()];
-    let share = samples.len().div_ceil(threads.max(1)).max(1);
-    std::thread::scope(|scope| {
-        for (samples, light) in samples.chunks(share).zip(light.chunks_mut(share)) {
-            scope.spawn(move || {
-                let mut tracer = LightTracer::new(scenery);
-                let at_once = (TILE * TILE) as usize;
-                let mut rays = Vec::new();
-                for (samples, light) in samples.chunks(at_once).zip(light.chunks_mut(at_once)) {
-                    tracer.begin_tile(samples.len());
-                    let samples = samples.iter();
-                    let samples: Vec<_> = samples
-                        .map(|&(pixel, sample)| (pixel, axes.sample(pixel, sample)))
-                        .collect();
-                    rays.clear();
-                    frame.add_rays(tracer.processor(), &samples, &mut rays);
-                    for (((_, sample), ray), light) in samples.iter().zip(&rays).zip(light) {
-                        *light = tracer.light(ray, sample.light);
-                    }
-                }
-            });
+    let at_once = (TILE * TILE) as usize;
+    let tiles = samples.chunks(at_once).zip(light.chunks_mut(at_once));
+    let tiles = Mutex::new(tiles);
+    run_on(threads, || {
+        let mut tracer = LightTracer::new(scenery);
+        let mut rays = Vec::new();
+        let next = || tiles.lock().unwrap_or_else(PoisonError::into_inner).next();
+        while let Some((samples, light)) = next() {
+            tracer.begin_tile(samples.len());
+            let samples = samples.iter();
+            let samples: Vec<_> = samples
+                .map(|&(pixel, sample)| (pixel, axes.sample(pixel, sample)))
+                .collect();
+            rays.clear();
+            frame.add_rays(tracer.processor(), &samples, &mut rays);
+            for (((_, sample), ray), light) in samples.iter().zip(&rays).zip(light) {
+                *light = tracer.light(ray, sample.light);
+            }
         }
     });
     light

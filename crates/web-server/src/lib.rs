@@ -33,7 +33,7 @@ impl LanguageServer {
 
     /// Takes a message of the editor.
     pub fn hear(&self, message: &str) {
-        self.0.hear(message);
+        self.0.receive(message);
     }
 
     /// Does the work that has waited longest; false if none waits.
@@ -44,6 +44,6 @@ impl LanguageServer {
     /// The messages to the editor since the last time.
     #[wasm_bindgen(js_name = takeSaid)]
     pub fn take_said(&self) -> Vec<String> {
-        self.0.take_said()
+        self.0.take_outgoing()
     }
 }

@@ -14,7 +14,7 @@ pub mod spheroids;
 mod whole;
 
 use geodesic::surface::Surface;
-use geodesic::trace::{MOST_OF_ONE, Method, Options, Status, Trace, trace};
+use geodesic::trace::{MOST_OF_ONE, Options, Status, Trace, TraceMethod, trace};
 
 /// What one run of a case gave.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +134,7 @@ fn with_more_work(options: &Options) -> Options {
 /// The thesis' method.
 pub fn thesis() -> Options {
     Options {
-        method: Method::Rk4 { steps: 512 },
+        method: TraceMethod::Rk4 { steps: 512 },
         ..Options::default()
     }
 }

@@ -3,10 +3,10 @@
 use super::shapes::*;
 use super::{Case, Measured, Random, complete, go, worst};
 use geodesic::frame::Frame;
-use geodesic::map::{self, MapOptions, exponential_map, pixel_place};
+use geodesic::map::{MapMethod, MapOptions, exponential_map, pixel_place};
 use geodesic::metric::{acceleration, speed};
 use geodesic::surface::Surface;
-use geodesic::trace::{Method, Options, Status};
+use geodesic::trace::{Options, Status, TraceMethod};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -121,8 +121,8 @@ fn deep(zoom: f64, options: &Options) -> Measured {
     let size = [512, 4];
     let unit = zoom * 4.0 / 512.0;
     let method = match options.method {
-        Method::Adaptive => map::Method::Fan,
-        Method::Rk4 { steps } => map::Method::Rk4 { steps },
+        TraceMethod::Adaptive => MapMethod::Fan,
+        TraceMethod::Rk4 { steps } => MapMethod::Rk4 { steps },
     };
     let options = MapOptions {
         method,

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use geodesic::frame::Frame;
-use geodesic::map::Method;
+use geodesic::map::MapMethod;
 use geodesic::surface::Surface;
 use render::geodesic_view::PlacedCamera;
 use render::viewpoint::GeodesicCamera;
@@ -232,7 +232,7 @@ fn growth(view: &mut MeasuredView<'_>, threads: &Threads) -> Vec<MethodRow> {
             break;
         }
     }
-    for method in [Method::Adaptive, Method::Fan] {
+    for method in [MapMethod::Adaptive, MapMethod::Fan] {
         let setting = Setting::with_tolerance(method, 0.1);
         rows.push(MethodRow::new(setting, view.measure(&setting, threads)));
     }

@@ -12,7 +12,7 @@ use clap::Args;
 use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
-use render::request::Theme;
+use render::style::Theme;
 use render::view::{Interrupt, space, traced};
 use render::{
     Backend, Note, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views,

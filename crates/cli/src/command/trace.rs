@@ -7,7 +7,7 @@ use geodesic::frame::trace_heading;
 use geodesic::implicit::{SpaceFrame, SpaceTrace, SpaceTraceError};
 use geodesic::point::Uv;
 use geodesic::surface::Surface;
-use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
+use geodesic::trace::{self, Options, Status, Trace, TraceError, TraceMethod};
 use geometry::SolidSurface;
 use render::PictureMethod;
 use scene::{ObjectId, ParamValues, Shape};
@@ -204,7 +204,7 @@ fn on_solid(
     length: f64,
     options: &Options,
 ) -> Result<([f64; 3], SpaceTrace), Failure> {
-    if options.method != Method::Adaptive {
+    if options.method != TraceMethod::Adaptive {
         return Err(Failure::usage(
             "--method: rk4-pixel takes steps in (u, v), and a solid has no parameters",
         ));
@@ -332,11 +332,11 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
             ));
         }
         (PictureMethod::Rk4Pixel, steps) => {
-            options.method = Method::Rk4 {
+            options.method = TraceMethod::Rk4 {
                 steps: steps.unwrap_or(512),
             };
         }
-        (_, None) => options.method = Method::Adaptive,
+        (_, None) => options.method = TraceMethod::Adaptive,
         (_, Some(_)) => {
             return Err(Failure::Usage {
                 message: "--steps belongs to rk4-pixel; the adaptive method chooses its own".into(),

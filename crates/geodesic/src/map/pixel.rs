@@ -1,6 +1,6 @@
 //! The methods that integrate a geodesic for each pixel. In: one row of a picture. Out: its ends.
 
-use super::{MOST_FOR_PIXEL, MapOptions, Method, pixel_place, rk4};
+use super::{MOST_FOR_PIXEL, MapMethod, MapOptions, pixel_place, rk4};
 use crate::chart::{Atlas, State};
 use crate::ends::{Coordinates, End, GeodesicWork};
 use crate::frame::Frame;
@@ -94,7 +94,7 @@ pub(super) fn row(
     let places = (0..size[0]).map(|column| pixel_place(size, column, row));
     let share = options.evaluations_per_pixel(size);
     match options.method {
-        Method::Rk4 { steps } => {
+        MapMethod::Rk4 { steps } => {
             // A fixed number of steps is its own limit, within reason.
             let affordable = share.max(MOST_FOR_PIXEL) / 4;
             let steps = u64::from(steps.max(1));

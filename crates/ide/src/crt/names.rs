@@ -441,8 +441,7 @@ impl Walk {
                     _ => None,
                 };
                 if let (Some(color), Some(call)) = (color, suffixes.first()) {
-                    let span = expression.span.to(call.span);
-                    let span = Span::new(span.start, call.span.end).moved(self.base);
+                    let span = Span::new(expression.span.start, call.span.end).moved(self.base);
                     self.names.colors.push((span, color));
                 }
             }

@@ -6,7 +6,7 @@ use expr::Input;
 use geodesic::ends::{Coordinates, Ends};
 use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
-use geodesic::map::{self, Map, MapOptions, exponential_map};
+use geodesic::map::{self, Map, MapMethod, MapOptions, exponential_map};
 use geodesic::moved::Moved;
 use geodesic::piecewise::PiecewiseMap;
 use geodesic::reparametrised::Reparametrised;
@@ -231,10 +231,10 @@ impl PlacedCamera {
     /// The ends of all pixels' geodesics pixel by pixel, in f64 on all cores. `progress` receives the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => (map::Method::Fan, self.tolerance),
-            PictureMethod::FanLinear => (map::Method::FanLinear, self.tolerance),
-            PictureMethod::Adaptive => (map::Method::Adaptive, self.tolerance),
-            PictureMethod::Rk4Pixel => (map::Method::Rk4 { steps: RK4_STEPS }, self.tolerance),
+            PictureMethod::Auto | PictureMethod::Fan => (MapMethod::Fan, self.tolerance),
+            PictureMethod::FanLinear => (MapMethod::FanLinear, self.tolerance),
+            PictureMethod::Adaptive => (MapMethod::Adaptive, self.tolerance),
+            PictureMethod::Rk4Pixel => (MapMethod::Rk4 { steps: RK4_STEPS }, self.tolerance),
         };
         let options = MapOptions {
             method,

@@ -10,7 +10,6 @@
 //! A request says how many samples each pixel has. The sums of the last picture are kept: a request for more samples of the
 //! same picture adds those that are missing, so that a window refines a picture at rest.
 
-use std::num::NonZero;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -320,7 +319,7 @@ fn steps(missing: u32, is_partial: bool, is_measured: bool) -> impl Iterator<Ite
 
 /// The threads that follow rays.
 fn threads() -> usize {
-    std::thread::available_parallelism().map_or(1, NonZero::get)
+    rayon::current_num_threads()
 }
 
 impl ViewRenderer for TracedRenderer {

@@ -20,12 +20,8 @@ impl Interpreter<'_> {
         span: Span,
     ) -> Result<ScriptValue, Stopped> {
         let known = self.known(name);
-        if let Some(ScriptValue::Macro(_)) = known {
-            return self.call_value(
-                &known.unwrap_or(ScriptValue::Boolean(false)),
-                arguments,
-                span,
-            );
+        if let Some(called @ ScriptValue::Macro(_)) = &known {
+            return self.call_value(called, arguments, span);
         }
         let Some((_, parameters, _)) = FUNCTIONS.iter().find(|row| *row.0 == **name) else {
             let value = match known {

@@ -33,14 +33,14 @@ pub(super) async fn convert(
     };
     let snapshot = snapshot.ok_or_else(|| not_open(&uri))?;
     if !(editor.applies_edits && editor.creates_files) {
-        return tell(
+        return show_message(
             &server.client,
             "this editor creates no files for its language server; `geotrace convert` writes one"
                 .to_owned(),
         );
     }
     if uri.as_str().starts_with("untitled:") {
-        return tell(
+        return show_message(
             &server.client,
             "only a script in a file is converted: save it first".to_owned(),
         );
@@ -66,7 +66,9 @@ pub(super) async fn convert(
     let client = server.client.clone();
     let (target, text) = match made {
         Ok(made) => made,
-        Err(reason) => return tell(&client, format!("the script is not converted: {reason}")),
+        Err(reason) => {
+            return show_message(&client, format!("the script is not converted: {reason}"));
+        }
     };
     // Requests to the editor are never waited for within a handler.
     tasks::spawn(async move {
@@ -121,7 +123,7 @@ fn exists(uri: &lsp::Uri) -> bool {
 }
 
 /// Shows a sentence to the user.
-fn tell(client: &Client, message: String) -> Result<Option<lsp::LSPAny>> {
+fn show_message(client: &Client, message: String) -> Result<Option<lsp::LSPAny>> {
     let client = client.clone();
     tasks::spawn(async move {
         client

@@ -135,7 +135,7 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
             .and_then(|window| window.show_document.as_ref())
             .is_some_and(|show| show.support),
         applies_edits: workspace.and_then(|w| w.apply_edit).unwrap_or(false),
-        hears_shown: experimental
+        wants_shown: experimental
             .and_then(|own| own.get("geotrace")?.get("shown")?.as_bool())
             .unwrap_or(false),
     }

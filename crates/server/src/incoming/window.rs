@@ -41,7 +41,11 @@ pub(super) fn open(
     match opened {
         Ok(None) => {}
         Ok(Some((started, version_timeout))) => {
-            let Started { id, process, heard } = started;
+            let Started {
+                id,
+                process,
+                outputs,
+            } = started;
             let window = Arc::new(PreviewWindow {
                 uri: uri.clone(),
                 id,
@@ -49,7 +53,7 @@ pub(super) fn open(
                 client,
                 session: session.clone(),
             });
-            tasks::spawn(run(window, heard, version_timeout));
+            tasks::spawn(run(window, outputs, version_timeout));
         }
         // Requests and notifications are never waited for within a handler.
         Err((kind, message)) => {
@@ -78,8 +82,8 @@ pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     }
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     for process in all {
-        let told = tokio::time::timeout_at(deadline, process.told()).await;
-        if told.is_err() {
+        let written = tokio::time::timeout_at(deadline, process.all_written()).await;
+        if written.is_err() {
             process.kill();
         }
     }
@@ -181,10 +185,10 @@ fn start(
 /// Listens to a window until it has ended.
 async fn run(
     window: Arc<PreviewWindow>,
-    mut heard: Receiver<WindowOutput>,
+    mut outputs: Receiver<WindowOutput>,
     version_timeout: Duration,
 ) {
-    match timeout(version_timeout, window.greeted(&mut heard)).await {
+    match timeout(version_timeout, window.greeted(&mut outputs)).await {
         Ok(Ok(())) => {}
         Ok(Err(None)) => return,
         Ok(Err(Some(message))) => {
@@ -208,8 +212,8 @@ async fn run(
     let mut deadline: Option<Instant> = None;
     let at = |time: Option<Instant>| sleep_until(time.unwrap_or_else(Instant::now));
     loop {
-        let heard = tokio::select! {
-            heard = heard.recv() => heard,
+        let output = tokio::select! {
+            output = outputs.recv() => output,
             () = window.process.closing(), if deadline.is_none() => {
                 deadline = Some(Instant::now() + CLOSE_TIMEOUT);
                 continue;
@@ -226,9 +230,9 @@ async fn run(
                 continue;
             }
         };
-        match heard {
+        match output {
             Some(WindowOutput::Event(event)) => {
-                if window.hear(event, &requests).await && hints.is_none() {
+                if window.take_event(event, &requests).await && hints.is_none() {
                     let now = Instant::now();
                     hints = Some(last_hints.map_or(now, |last| now.max(last + HINTS_EVERY)));
                 }
@@ -255,9 +259,9 @@ async fn run(
 
 impl PreviewWindow {
     /// Waits for the window's version. The error is a message for the user, if there is one.
-    async fn greeted(&self, heard: &mut Receiver<WindowOutput>) -> Result<(), Option<String>> {
+    async fn greeted(&self, outputs: &mut Receiver<WindowOutput>) -> Result<(), Option<String>> {
         loop {
-            match heard.recv().await {
+            match outputs.recv().await {
                 Some(WindowOutput::Line(line)) => self.log(line).await,
                 Some(WindowOutput::Event(event)) => {
                     return handshake::check(&event).map_err(|error| Some(error.to_string()));
@@ -331,7 +335,7 @@ impl PreviewWindow {
     }
 
     /// Takes what the window says; whether the hints have changed.
-    async fn hear(&self, event: Event, requests: &mpsc::Sender<WindowRequest>) -> bool {
+    async fn take_event(&self, event: Event, requests: &mpsc::Sender<WindowRequest>) -> bool {
         match event {
             Event::Shown {
                 version,
@@ -339,13 +343,13 @@ impl PreviewWindow {
                 milliseconds,
                 painting,
             } => {
-                let told = {
+                let shown = {
                     let mut session = lock(&self.session);
                     let uri = self.uri.as_str();
                     let version = session.previews.shown(uri, self.id, version, ok);
-                    version.filter(|_| session.editor.hears_shown)
+                    version.filter(|_| session.editor.wants_shown)
                 };
-                if let Some(version) = told {
+                if let Some(version) = shown {
                     let uri = self.uri.clone();
                     let params = ShownParams {
                         uri,

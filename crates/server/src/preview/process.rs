@@ -1,9 +1,9 @@
 //! The process of a window: threads that write to it and listen to it, and how it ended.
 //!
 //! ```text
-//! mailbox ──teller──▶ standard input        the only thread that a window which does not read can stop
-//! heard ◀──listener── standard output       events; then how it ended
-//! heard ◀──recorder── standard error        lines for the log
+//! mailbox ──writer──▶ standard input        the only thread that a window which does not read can stop
+//! outputs ◀──reader── standard output       events; then how it ended
+//! outputs ◀──logger── standard error        lines for the log
 //! ```
 
 use std::collections::VecDeque;
@@ -66,7 +66,7 @@ pub(crate) struct Process {
     /// It is to close.
     closing: Notify,
     /// Notified when all messages have been sent.
-    told: watch::Sender<bool>,
+    all_written: watch::Sender<bool>,
 }
 
 impl Process {
@@ -90,10 +90,10 @@ impl Process {
             child: Mutex::new(child),
             mailbox: Mailbox::new(),
             closing: Notify::new(),
-            told: watch::Sender::new(false),
+            all_written: watch::Sender::new(false),
         });
-        let (heard, receiver) = mpsc::channel(MOST_WAITING);
-        let started = process.clone().start_threads(input, output, error, heard);
+        let (outputs, receiver) = mpsc::channel(MOST_WAITING);
+        let started = process.clone().start_threads(input, output, error, outputs);
         if let Err(error) = started {
             process.kill();
             // A process that nobody waits for stays in the system's table.
@@ -104,7 +104,7 @@ impl Process {
     }
 
     /// Sends a message to the window, without waiting; returns the versions of the text that it has overtaken.
-    pub(crate) fn tell(&self, command: Command) -> Vec<i32> {
+    pub(crate) fn send(&self, command: Command) -> Vec<i32> {
         self.mailbox.put(command)
     }
 
@@ -125,14 +125,18 @@ impl Process {
     }
 
     /// Waits until all messages have been sent.
-    pub(crate) async fn told(&self) {
+    pub(crate) async fn all_written(&self) {
         // The sender lives as long as this process does.
-        let _ = self.told.subscribe().wait_for(|told| *told).await;
+        let _ = self
+            .all_written
+            .subscribe()
+            .wait_for(|written| *written)
+            .await;
     }
 
     /// Returns true if all messages have been sent.
-    pub(crate) fn has_been_told(&self) -> bool {
-        *self.told.borrow()
+    pub(crate) fn is_all_written(&self) -> bool {
+        *self.all_written.borrow()
     }
 
     /// Returns true if the process has ended, though its end may not have been heard yet.
@@ -156,7 +160,7 @@ impl Process {
         input: Option<ChildStdin>,
         output: Option<ChildStdout>,
         error: Option<ChildStderr>,
-        heard: mpsc::Sender<WindowOutput>,
+        outputs: mpsc::Sender<WindowOutput>,
     ) -> std::io::Result<()> {
         let (Some(input), Some(output), Some(error)) = (input, output, error) else {
             return Err(std::io::Error::other("the window has no standard streams"));
@@ -164,20 +168,20 @@ impl Process {
         let thread = |name: &str| std::thread::Builder::new().name(format!("window's {name}"));
         let last = Arc::new(Mutex::new(VecDeque::new()));
         let (recorded, all_recorded) = sync::channel::<()>();
-        thread("recorder").spawn({
-            let (last, heard) = (last.clone(), heard.clone());
+        thread("logger").spawn({
+            let (last, outputs) = (last.clone(), outputs.clone());
             move || {
-                record(error, &last, &heard);
+                record(error, &last, &outputs);
                 // The channel's end is the message.
                 drop(recorded);
             }
         })?;
-        thread("teller").spawn({
-            let (process, heard) = (self.clone(), heard.clone());
-            move || process.tell_all(input, &heard)
+        thread("writer").spawn({
+            let (process, outputs) = (self.clone(), outputs.clone());
+            move || process.write_all(input, &outputs)
         })?;
-        thread("listener").spawn(move || {
-            listen(output, &heard);
+        thread("reader").spawn(move || {
+            listen(output, &outputs);
             let status = self.wait();
             self.mailbox.close();
             let _ = all_recorded.recv_timeout(LINES_TIMEOUT);
@@ -188,29 +192,29 @@ impl Process {
                 reason: reason(lines.iter()),
             };
             drop(lines);
-            let _ = heard.blocking_send(WindowOutput::Gone(gone));
+            let _ = outputs.blocking_send(WindowOutput::Gone(gone));
         })?;
         Ok(())
     }
 
     /// Writes messages until the mailbox is closed, or the window does not read any more.
-    fn tell_all(&self, mut input: ChildStdin, heard: &mpsc::Sender<WindowOutput>) {
+    fn write_all(&self, mut input: ChildStdin, outputs: &mpsc::Sender<WindowOutput>) {
         while let Some(command) = self.mailbox.take() {
             match line::write(&mut input, &command) {
                 Ok(()) => {}
                 Err(error @ WriteError::TooLong { .. }) => {
                     let message = format!("the text is not shown in the preview: {error}");
-                    let _ = heard.blocking_send(WindowOutput::NotSent(message));
+                    let _ = outputs.blocking_send(WindowOutput::NotSent(message));
                 }
                 Err(WriteError::Stream(_)) => {
-                    // It has ended: the listener reports that.
+                    // It has ended: the reader reports that.
                     self.mailbox.close();
                     break;
                 }
             }
         }
         drop(input);
-        self.told.send_replace(true);
+        self.all_written.send_replace(true);
     }
 
     /// Waits for the end of a process that has closed its standard output.
@@ -231,13 +235,13 @@ impl Process {
     }
 }
 
-fn listen(output: ChildStdout, heard: &mpsc::Sender<WindowOutput>) {
+fn listen(output: ChildStdout, outputs: &mpsc::Sender<WindowOutput>) {
     let mut reader = line::Reader::<_, Event>::new(BufReader::new(output));
     let mut lines = 0;
     loop {
         match reader.read() {
             Ok(Some(event)) => {
-                if heard.blocking_send(WindowOutput::Event(event)).is_err() {
+                if outputs.blocking_send(WindowOutput::Event(event)).is_err() {
                     return;
                 }
             }
@@ -245,14 +249,18 @@ fn listen(output: ChildStdout, heard: &mpsc::Sender<WindowOutput>) {
             Err(error) => {
                 lines += 1;
                 if lines <= MOST_LINES {
-                    let _ = heard.try_send(WindowOutput::Line(error.to_string()));
+                    let _ = outputs.try_send(WindowOutput::Line(error.to_string()));
                 }
             }
         }
     }
 }
 
-fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Sender<WindowOutput>) {
+fn record(
+    error: ChildStderr,
+    last: &Mutex<VecDeque<String>>,
+    outputs: &mpsc::Sender<WindowOutput>,
+) {
     let mut reader = BufReader::new(error);
     let mut count = 0;
     let mut bytes = Vec::new();
@@ -278,7 +286,7 @@ fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Send
         drop(last);
         count += 1;
         if count <= MOST_LINES {
-            let _ = heard.try_send(WindowOutput::Line(line));
+            let _ = outputs.try_send(WindowOutput::Line(line));
         }
     }
 }
@@ -313,18 +321,18 @@ mod tests {
         };
         assert_eq!(reason(&[]), None);
         assert_eq!(reason(&["a", "b"]).as_deref(), Some("b"));
-        let told = reason(&[
+        let found = reason(&[
             "MESA: warning",
             "error: there is no display",
             "  help: use render",
         ]);
-        assert_eq!(told.as_deref(), Some("error: there is no display"));
-        let told = reason(&[
+        assert_eq!(found.as_deref(), Some("error: there is no display"));
+        let found = reason(&[
             "thread 'main' panicked at a.rs:1:2:",
             "no such thing",
             "note: run with …",
         ]);
         let wanted = "thread 'main' panicked at a.rs:1:2: no such thing";
-        assert_eq!(told.as_deref(), Some(wanted));
+        assert_eq!(found.as_deref(), Some(wanted));
     }
 }

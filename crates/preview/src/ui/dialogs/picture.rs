@@ -7,7 +7,7 @@ use export::command_line;
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
 use render::error::SCALES;
-use render::request::Theme;
+use render::style::Theme;
 use render::{Backend, PictureRequest, ViewId, style};
 use session::StatusMessage;
 

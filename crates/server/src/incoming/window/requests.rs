@@ -86,7 +86,7 @@ impl PreviewWindow {
                 format!(", line {}, column {}", start.line + 1, start.character + 1)
             });
             let message = format!("{}{place}", name(&self.uri));
-            self.tell(lsp::MessageType::INFO, message).await;
+            self.show_message(lsp::MessageType::INFO, message).await;
             return;
         }
         let params = lsp::ShowDocumentParams {
@@ -97,7 +97,7 @@ impl PreviewWindow {
         };
         if let Ok(false) | Err(_) = self.client.show_document(params).await {
             let message = format!("The editor does not show {}.", name(&self.uri));
-            self.tell(lsp::MessageType::WARNING, message).await;
+            self.show_message(lsp::MessageType::WARNING, message).await;
         }
     }
 
@@ -142,7 +142,7 @@ impl PreviewWindow {
                 "{subject} was not written into {}: {reason}",
                 name(&self.uri)
             );
-            self.tell(lsp::MessageType::WARNING, message).await;
+            self.show_message(lsp::MessageType::WARNING, message).await;
         }
     }
 
@@ -194,7 +194,7 @@ impl PreviewWindow {
         Err(reason.unwrap_or_else(|| "the editor has refused the edit".to_owned()))
     }
 
-    async fn tell(&self, kind: lsp::MessageType, message: String) {
+    async fn show_message(&self, kind: lsp::MessageType, message: String) {
         self.client.show_message(kind, message).await;
     }
 
