@@ -148,7 +148,7 @@ impl<'s> Fan<'s> {
 
     /// Returns the end at a point that is at this angle and distance in the picture.
     #[inline(always)]
-    fn look(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {
+    fn end_at(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {
         let s = start.zoom * distance;
         if s == 0.0 {
             return start.centre(&self.layout);
@@ -163,16 +163,16 @@ impl<'s> Fan<'s> {
         if s < sector.free_until
             && self.options.interpolation == Interpolation::Hermite
             && let Some(point) =
-                cell::look_free(&self.layout, self.periods, rays, sector.width, t, s)
+                cell::free_end_between(&self.layout, self.periods, rays, sector.width, t, s)
         {
             return point.end(&self.layout, s, sector.error_at(s, start.reach));
         }
-        self.look_closer(start, place, s, sector, t)
+        self.end_between_rays(start, place, s, sector, t)
     }
 
     /// Returns the end at a point between two rays, at the arc length `s`.
     #[inline(always)]
-    fn look_closer(
+    fn end_between_rays(
         &self,
         start: &FanStart,
         place: PicturePoint,
@@ -188,7 +188,7 @@ impl<'s> Fan<'s> {
             }
             return self.follow(start, place, s);
         }
-        match cell::look(
+        match cell::end_between(
             &self.layout,
             self.options.interpolation,
             rays,
@@ -288,7 +288,7 @@ impl processor::Work for Several<'_, '_> {
             }
             let (angles, distances) = polar(&x, &y);
             for ((place, angle), distance) in places.iter().zip(angles).zip(distances) {
-                let end = self.fan.look(self.start, *place, angle, distance);
+                let end = self.fan.end_at(self.start, *place, angle, distance);
                 self.out.push(end);
             }
         }
@@ -301,7 +301,7 @@ impl Ends for Fan<'_> {
             return self.ended(Status::Undefined);
         };
         let ([angle], [distance]) = polar(&[place[0]], &[place[1]]);
-        self.look(start, place, angle, distance)
+        self.end_at(start, place, angle, distance)
     }
 
     fn ends(&self, places: &[PicturePoint], out: &mut Vec<End>) {

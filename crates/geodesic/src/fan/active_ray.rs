@@ -124,7 +124,7 @@ impl ActiveRay {
             status,
             edge: None,
             slope: f64::NAN,
-            told: false,
+            has_own_slope: false,
         });
     }
 
@@ -143,7 +143,7 @@ impl ActiveRay {
         let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
         let mix = |x: f64, y: f64| x + share * (y - x);
         stop.slope = -mix(jacobi(a), jacobi(b)) / mix(a.velocity[axis], b.velocity[axis]);
-        stop.told = stop.slope.is_finite();
+        stop.has_own_slope = stop.slope.is_finite();
     }
 
     /// Returns the point and velocity.

@@ -268,14 +268,14 @@ impl Builder<'_> {
                 worst = worst.max(most(&profile));
             }
             let worst = f64::from(worst);
-            let told = self
+            let estimated = self
                 .rays
                 .iter()
                 .skip(1)
                 .step_by(2)
-                .fold(0.0_f64, |told, ray| told.max(ray.error()));
-            self.factor = if told > 0.0 {
-                (worst / told).min(10.0 / self.start.pixel)
+                .fold(0.0_f64, |largest, ray| largest.max(ray.error()));
+            self.factor = if estimated > 0.0 {
+                (worst / estimated).min(10.0 / self.start.pixel)
             } else {
                 0.0
             };
@@ -321,10 +321,10 @@ impl Builder<'_> {
                     edge / f64::from(order),
                 );
                 // Where rays do not end at an edge, its slope is not known yet.
-                let told = [a, b]
+                let have_slopes = [a, b]
                     .iter()
-                    .all(|&ray| self.rays[ray].stop.is_none_or(|stop| stop.told));
-                sector.proven = told && stretched(n, n + 1) == stretched(a, b);
+                    .all(|&ray| self.rays[ray].stop.is_none_or(|stop| stop.has_own_slope));
+                sector.proven = have_slopes && stretched(n, n + 1) == stretched(a, b);
                 sector
             })
             .collect()

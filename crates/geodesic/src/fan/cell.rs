@@ -276,7 +276,7 @@ pub(crate) fn hermite<const D: usize>(
 /// oblique edge: the same as [`look`] returns, at lower cost. `None` where they are not in the plain coordinates, or
 /// where the general case applies.
 #[inline(always)]
-pub(super) fn look_free(
+pub(super) fn free_end_between(
     layout: &ChartLayout,
     periods: [f64; 2],
     rays: [&Ray; 2],
@@ -308,7 +308,7 @@ fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
 
 /// Returns the result at the fraction `t` of the way between two rays, at the arc length `s`.
 #[inline(always)]
-pub(super) fn look(
+pub(super) fn end_between(
     layout: &ChartLayout,
     interpolation: Interpolation,
     rays: [&Ray; 2],
@@ -330,9 +330,9 @@ pub(super) fn look(
         ray.stop
             .is_none_or(|stop| stop.status == Status::LeftDomain)
     };
-    let told = !stretched && rays.into_iter().all(leaves);
+    let shows_its_end = !stretched && rays.into_iter().all(leaves);
     if s > first
-        && !told
+        && !shows_its_end
         && let Some((edge, status)) = edge(rays, width, t)
         && s > edge
     {

@@ -66,6 +66,21 @@ impl Work for StepWork<'_, '_> {
     }
 }
 
+/// What the lanes make of a trial step.
+struct Verdict {
+    /// The next step over this one, infinite for lanes that have no part in it.
+    factors: [f64; LANES],
+    failed: [bool; LANES],
+    accepted: u32,
+    rejected: u32,
+}
+
+impl Verdict {
+    fn least(&self) -> f64 {
+        self.factors.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+}
+
 impl<'a> Group<'a> {
     /// Creates a group of up to eight rays in the same coordinates; `None` without any.
     pub(super) fn of(
@@ -166,51 +181,76 @@ impl<'a> Group<'a> {
             local: &self.local,
             h,
         });
-        let mut factors = [f64::INFINITY; LANES];
-        let mut failed = [false; LANES];
-        let (mut good, mut bad) = (0, 0);
+        let verdict = self.judge(rays, &trial, h);
+        if verdict.rejected > 0
+            && (verdict.accepted < verdict.rejected || verdict.least() > SHARED_RETRY)
+        {
+            return self.retry(rays, &verdict, h);
+        }
+        let next = self.take(rays, &trial, &verdict, h);
+        let next = self.part_with_slow(rays, next);
+        self.state = trial.end;
+        // The Jacobi field of the next step begins with one in each of its two values.
+        for (row, start) in self.state[4..8].iter_mut().zip([0.0, 1.0, 1.0, 0.0]) {
+            *row = [start; LANES];
+        }
+        self.local = trial.local;
+        if next.is_finite() { next } else { h }
+    }
+
+    /// Returns which lanes accept a trial step. A lane beyond an edge needs no accuracy, and the group does not wait for it.
+    fn judge(&mut self, rays: &mut [ActiveRay], trial: &LaneStep, h: f64) -> Verdict {
+        let mut verdict = Verdict {
+            factors: [f64::INFINITY; LANES],
+            failed: [false; LANES],
+            accepted: 0,
+            rejected: 0,
+        };
         for (lane, ray) in rays.iter_mut().enumerate() {
             if !self.active[lane] {
                 continue;
             }
             ray.evaluations += STAGES;
-            let excess = self.excess(ray, &trial, lane, h);
+            let excess = self.excess(ray, trial, lane, h);
             if ray.stop.is_some() {
-                // Beyond an edge no accuracy is needed, and the group does not wait.
                 self.active[lane] = excess <= 1.0;
                 continue;
             }
-            // Single precision is enough for a factor.
+            // The method has order 5. Single precision is enough for a factor.
             let root = f64::from((excess as f32).powf(-0.2));
             match ray.control.judge(root, f64::INFINITY) {
                 Ok(factor) => {
-                    factors[lane] = factor;
-                    good += 1;
+                    verdict.factors[lane] = factor;
+                    verdict.accepted += 1;
                 }
                 Err(factor) => {
-                    factors[lane] = factor;
-                    failed[lane] = true;
-                    bad += 1;
+                    verdict.factors[lane] = factor;
+                    verdict.failed[lane] = true;
+                    verdict.rejected += 1;
                 }
             }
         }
-        let least = factors.iter().fold(f64::INFINITY, |least, x| least.min(*x));
-        if bad > 0 && (good < bad || least > SHARED_RETRY) {
-            for (lane, ray) in rays.iter_mut().enumerate() {
-                if self.active[lane] && ray.stop.is_none() {
-                    ray.rejected += 1;
-                    ray.h = h * least;
-                    if h * factors[lane] < self.plan.shortest
-                        || ray.evaluations + STAGES > self.plan.limit
-                    {
-                        self.active[lane] = false;
-                        self.stall(ray);
-                    }
+        verdict
+    }
+
+    /// Shortens the step for all lanes; returns its length.
+    fn retry(&mut self, rays: &mut [ActiveRay], verdict: &Verdict, h: f64) -> f64 {
+        let shorter = h * verdict.least();
+        for (lane, ray) in rays.iter_mut().enumerate() {
+            if self.active[lane] && ray.stop.is_none() {
+                ray.rejected += 1;
+                ray.h = shorter;
+                if self.is_at_end(ray, h * verdict.factors[lane]) {
+                    self.active[lane] = false;
+                    self.stall(ray);
                 }
             }
-            return h * least;
         }
-        // The step is accepted; the few lanes that failed continue in another group.
+        shorter
+    }
+
+    /// Accepts the step; the few lanes that failed continue in another group. Returns the shortest next step of the others.
+    fn take(&mut self, rays: &mut [ActiveRay], trial: &LaneStep, verdict: &Verdict, h: f64) -> f64 {
         let knots = self.knots(&trial.end, &trial.local);
         let mut next = f64::INFINITY;
         for (lane, ray) in rays.iter_mut().enumerate() {
@@ -218,51 +258,48 @@ impl<'a> Group<'a> {
                 continue;
             }
             if ray.stop.is_some() {
-                self.active[lane] = self.go_beyond(ray, &trial, lane, h, knots[lane]);
+                self.active[lane] = self.go_beyond(ray, trial, lane, h, knots[lane]);
                 continue;
             }
-            ray.h = h * factors[lane];
-            if failed[lane] {
+            ray.h = h * verdict.factors[lane];
+            if verdict.failed[lane] {
                 ray.rejected += 1;
                 self.active[lane] = false;
-                if ray.h < self.plan.shortest || ray.evaluations + STAGES > self.plan.limit {
+                if self.is_at_end(ray, ray.h) {
                     self.stall(ray);
                 }
                 continue;
             }
-            self.accept(ray, &trial, lane, h, knots[lane]);
+            self.accept(ray, trial, lane, h, knots[lane]);
             if self.active[lane] && ray.stop.is_none() {
                 next = next.min(ray.h);
             }
         }
-        // Lanes that would slow down the others leave as well.
+        next
+    }
+
+    /// Lets the lanes leave that would slow down the others; returns the next step of those that stay.
+    fn part_with_slow(&mut self, rays: &[ActiveRay], next: f64) -> f64 {
         let goes = |lane: usize| self.active[lane] && rays[lane].stop.is_none();
-        let going = (0..rays.len()).filter(|&lane| goes(lane)).count();
-        let slow = |ray: &ActiveRay| ray.h < SLOW_RATIO * next;
-        let slower = (0..rays.len())
-            .filter(|&lane| goes(lane) && slow(&rays[lane]))
-            .count();
-        let others = rays
+        let is_slow = |lane: usize| rays[lane].h < SLOW_RATIO * next;
+        let (slow, others): (Vec<usize>, Vec<usize>) = (0..rays.len())
+            .filter(|&lane| goes(lane))
+            .partition(|&lane| is_slow(lane));
+        let shortest = others
             .iter()
-            .enumerate()
-            .filter(|(lane, ray)| goes(*lane) && !slow(ray))
-            .map(|(_, ray)| ray)
-            .fold(f64::INFINITY, |least, ray| least.min(ray.h));
-        if slower * 2 <= going && others > SPLIT_RATIO * next {
-            for (lane, ray) in rays.iter().enumerate() {
-                if self.active[lane] && ray.stop.is_none() && slow(ray) {
-                    self.active[lane] = false;
-                }
-            }
-            next = others;
+            .fold(f64::INFINITY, |least, &lane| least.min(rays[lane].h));
+        if slow.len() > others.len() || shortest <= SPLIT_RATIO * next {
+            return next;
         }
-        self.state = trial.end;
-        self.state[4] = [0.0; LANES];
-        self.state[5] = [1.0; LANES];
-        self.state[6] = [1.0; LANES];
-        self.state[7] = [0.0; LANES];
-        self.local = trial.local;
-        if next.is_finite() { next } else { h }
+        for lane in slow {
+            self.active[lane] = false;
+        }
+        shortest
+    }
+
+    /// True for a ray whose next step would be too short, or whose evaluations are used up.
+    fn is_at_end(&self, ray: &ActiveRay, step: f64) -> bool {
+        step < self.plan.shortest || ray.evaluations + STAGES > self.plan.limit
     }
 
     /// Returns a lane's error over the allowed error; NaN where anything is undefined.

@@ -45,7 +45,7 @@ pub(crate) struct Stop {
     /// ds/dθ along the edge; NaN where unknown.
     pub(crate) slope: f64,
     /// True if the slope follows from the ray itself, not from its neighbours.
-    pub(crate) told: bool,
+    pub(crate) has_own_slope: bool,
 }
 
 /// The interpolation between two knots: polynomials in the fraction x ∈ [0,1].

@@ -261,7 +261,7 @@ impl Builder<'_> {
     /// Determines the derivative of the end's position by the angle from the neighbours, where rays do not end at an
     /// edge.
     fn slopes(&mut self, sectors: &mut [Sector]) {
-        let open = |ray: &Ray| ray.stop.is_some_and(|stop| !stop.told);
+        let open = |ray: &Ray| ray.stop.is_some_and(|stop| !stop.has_own_slope);
         if !self.rays.iter().any(open) {
             return;
         }
@@ -276,7 +276,7 @@ impl Builder<'_> {
             ) else {
                 continue;
             };
-            if b.told || a.status != b.status || b.status != c.status {
+            if b.has_own_slope || a.status != b.status || b.status != c.status {
                 continue;
             }
             let (h, k) = (before.width, after.width);

@@ -23,7 +23,7 @@ pub(super) struct Sector {
     /// The arc length from which its rays do not determine where geodesics end.
     pub(super) unknown_from: f64,
     /// The arc length up to which both rays continue and nothing else needs checking (see
-    /// [`look_free`](super::cell::look_free)). Set when the fan is complete.
+    /// [`free_end_between`](super::cell::free_end_between)). Set when the fan is complete.
     pub(super) free_until: f64,
     pub(super) errors: Profile,
     /// The visible fractions of the errors in the sector's middle, of its first and of its second ray, for each range of

@@ -54,7 +54,8 @@ impl UnknownAreas {
                 *area += ring(known, to);
                 let s = middle.min(known);
                 let is_unknown = |t: &&f64| {
-                    let found = cell::look(layout, interpolation, rays, sector.width, **t, s);
+                    let found =
+                        cell::end_between(layout, interpolation, rays, sector.width, **t, s);
                     matches!(found, Found::Unknown)
                 };
                 let count = SHARES.iter().filter(is_unknown).count();

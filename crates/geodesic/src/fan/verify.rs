@@ -129,7 +129,7 @@ impl Builder<'_> {
     /// Replaces the first rays of sectors by more accurate ones and compares the two; returns the factor by which the
     /// errors exceeded their estimates.
     fn compare_rays(&mut self, sectors: &mut [Sector], chosen: &[usize], again: Vec<Ray>) -> f64 {
-        let (mut found, mut told) = (0.0_f64, 0.0_f64);
+        let (mut found, mut estimated) = (0.0_f64, 0.0_f64);
         for (&n, exact) in chosen.iter().zip(&again) {
             let sector = &sectors[n];
             let rays = self.pair(sector);
@@ -142,10 +142,10 @@ impl Builder<'_> {
                 f64::from(shown.fold(0.0_f32, f32::max))
             };
             found = found.max(seen(&errors));
-            told = told.max(self.factor * seen(&rays[0].off));
+            estimated = estimated.max(self.factor * seen(&rays[0].off));
         }
-        let raised = if told > 0.0 {
-            (found / told).max(LOWERED)
+        let raised = if estimated > 0.0 {
+            (found / estimated).max(LOWERED)
         } else {
             1.0
         };
@@ -275,8 +275,8 @@ impl Builder<'_> {
         let mut chosen: Vec<usize> = (0..count)
             .map(|n| known[n * known.len() / SPREAD])
             .collect();
-        let told = self.expected(sectors);
-        known.sort_by_key(|&n| Reverse(magnitude(told[n])));
+        let estimated = self.expected(sectors);
+        known.sort_by_key(|&n| Reverse(magnitude(estimated[n])));
         // In whole groups of eight.
         let worst = (known.len() / 16).min(64).next_multiple_of(8);
         known.truncate(worst.max(8) - if first { SPREAD } else { 0 });
@@ -297,11 +297,13 @@ impl Builder<'_> {
             .map(|sector| f64::from(most(&self.along(sector))))
             .collect();
         let count = sectors.len();
-        let told = |n: usize| along[n].max(along[(n + count - 1) % count]);
+        let estimated = |n: usize| along[n].max(along[(n + count - 1) % count]);
         let mut chosen: Vec<usize> = (0..count)
-            .filter(|&n| RAY_DOUBTFUL * told(n) > known && !compared.contains(&sectors[n].rays[0]))
+            .filter(|&n| {
+                RAY_DOUBTFUL * estimated(n) > known && !compared.contains(&sectors[n].rays[0])
+            })
             .collect();
-        chosen.sort_by_key(|&n| Reverse(magnitude(told(n))));
+        chosen.sort_by_key(|&n| Reverse(magnitude(estimated(n))));
         chosen.truncate((beside + RAYS).next_multiple_of(8) - beside);
         chosen
     }

@@ -162,7 +162,7 @@ impl<'s> SpaceFan<'s> {
             status,
             edge: None,
             slope: f64::NAN,
-            told: false,
+            has_own_slope: false,
         });
         FollowedRay {
             angle,
@@ -338,7 +338,7 @@ impl<'s> SpaceFan<'s> {
         }
     }
 
-    fn look(&self, place: PicturePoint) -> End<3> {
+    fn end_at(&self, place: PicturePoint) -> End<3> {
         let PicturePoint([x, y]) = place;
         let distance = x.hypot(y);
         let s = self.zoom * distance;
@@ -502,7 +502,7 @@ fn end_of(point: &Point<3>, s: f64, error: f64) -> End<3> {
 
 impl Ends<3> for SpaceFan<'_> {
     fn end(&self, place: PicturePoint) -> End<3> {
-        self.look(place)
+        self.end_at(place)
     }
 
     fn zoom(&self) -> f64 {

@@ -67,9 +67,9 @@ struct DiscCell {
 }
 
 /// The state of a cell's rays, before it is examined.
-enum Outlook {
+enum CellState {
     /// They have ended, or the target is out of their reach.
-    Over,
+    Ended,
     /// They are too far apart for a few of them to represent all.
     Wide,
     /// They continue.
@@ -140,13 +140,13 @@ pub(super) fn guesses(
                 break 'rings;
             }
             let mut cell = DiscCell { angles, lengths };
-            match search.outlook(&cell) {
-                Outlook::Over => continue,
-                Outlook::Wide => {
+            match search.state(&cell) {
+                CellState::Ended => continue,
+                CellState::Wide => {
                     sectors.extend(halves(angles).into_iter().rev());
                     continue;
                 }
-                Outlook::Open {
+                CellState::Open {
                     curvature: here,
                     is_resolved,
                     has_over,
@@ -162,7 +162,7 @@ pub(super) fn guesses(
             }
             let mut cells = vec![cell];
             while let Some(cell) = cells.pop() {
-                search.look(&cell, &mut cells, &mut guesses.found);
+                search.search_cell(&cell, &mut cells, &mut guesses.found);
                 if is_spent() {
                     guesses.complete = false;
                     break 'rings;
@@ -203,7 +203,7 @@ impl TargetSearch<'_> {
     }
 
     /// Examines three rays of a cell that starts where the previous cells end.
-    fn outlook(&self, cell: &DiscCell) -> Outlook {
+    fn state(&self, cell: &DiscCell) -> CellState {
         let [a, b] = cell.angles;
         let [near, far] = cell.lengths;
         let at = |angle: f64, length: f64| (self.follow)(self.place(angle, length));
@@ -211,7 +211,7 @@ impl TargetSearch<'_> {
         let begin = [at(a, near), at(middle, near), at(b, near)];
         let end = [at(a, far), at(middle, far), at(b, far)];
         if begin.iter().all(Option::is_none) {
-            return Outlook::Over;
+            return CellState::Ended;
         }
         let all = || begin.iter().chain(&end).flatten();
         let width = b - a;
@@ -220,14 +220,14 @@ impl TargetSearch<'_> {
         let has_over = all().count() < begin.len() + end.len();
         let is_resolved = spread * spread * curvature <= BENT * BENT && spread <= EDGE * self.reach;
         if width > LEAST_WIDTH && !(is_resolved && (!has_over || spread <= TORN * self.reach)) {
-            return Outlook::Wide;
+            return CellState::Wide;
         }
         let left = self.reach - near + spread;
         let away = |it: &Arrival| self.target.distance_in_space(it).is_some_and(|d| d > left);
         if begin.iter().flatten().all(away) {
-            return Outlook::Over;
+            return CellState::Ended;
         }
-        Outlook::Open {
+        CellState::Open {
             curvature: greatest,
             is_resolved: is_resolved && (has_over || width > SURE_WIDTH),
             has_over,
@@ -246,7 +246,12 @@ impl TargetSearch<'_> {
     }
 
     /// Drops a cell, halves it, or searches for its solutions.
-    fn look(&self, cell: &DiscCell, cells: &mut Vec<DiscCell>, found: &mut Vec<PolarVector>) {
+    fn search_cell(
+        &self,
+        cell: &DiscCell,
+        cells: &mut Vec<DiscCell>,
+        found: &mut Vec<PolarVector>,
+    ) {
         let Self {
             target,
             reach,

@@ -137,7 +137,7 @@ impl<const N: usize> Subdivider<'_, N> {
     }
 
     /// Evaluates the ends of several points into `pieces.seen`.
-    fn look(&self, places: &[Place], pieces: &mut Pieces<N>) {
+    fn evaluate(&self, places: &[Place], pieces: &mut Pieces<N>) {
         pieces.samples += places.len() as u64;
         pieces.seen.clear();
         self.ends.ends(places, &mut pieces.seen);
@@ -214,7 +214,7 @@ impl<const N: usize> Subdivider<'_, N> {
     /// Samples the corners, then the nodes; `None` as soon as the ends have too little in common.
     fn sample(&self, square: &Square, pieces: &mut Pieces<N>) -> Option<SquareSamples<N>> {
         let places: [Place; CORNERS] = from_fn(|n| self.place(square, self.check_at(square, n)));
-        self.look(&places, pieces);
+        self.evaluate(&places, pieces);
         let corners = <[End<N>; CORNERS]>::try_from(pieces.seen.as_slice()).ok()?;
         let first = corners[0];
         let mut agreement = Agreement::Alike(first.status).with(&first, &corners)?;
@@ -226,7 +226,7 @@ impl<const N: usize> Subdivider<'_, N> {
         for group in 0..COUNT {
             let indices: [usize; COUNT] = from_fn(|n| order(COUNT * group + n));
             let places = indices.map(node);
-            self.look(&places, pieces);
+            self.evaluate(&places, pieces);
             agreement = agreement.with(&first, &pieces.seen)?;
             for ((index, place), end) in indices.into_iter().zip(places).zip(&pieces.seen) {
                 samples[index] = (place, *end);
@@ -288,7 +288,7 @@ impl<const N: usize> Subdivider<'_, N> {
                     .clone()
                     .map(|n| self.place(square, self.check_at(square, n)))
                     .collect();
-                self.look(&places, pieces);
+                self.evaluate(&places, pieces);
             }
             for (n, end) in part.zip(&pieces.seen) {
                 let error = self.discrepancy(end, polynomials, self.check_at(square, n));
@@ -436,7 +436,7 @@ impl<const N: usize> Subdivider<'_, N> {
         let pixels = (BLOCK * BLOCK) as usize;
         let index = |[column, row]: [u32; 2]| (row * BLOCK + column) as usize;
         let first = FIRST.map(|pixel| [0, 1].map(|k| pixel[k].min(square.extent[k] - 1)));
-        self.look(&first.map(place), pieces);
+        self.evaluate(&first.map(place), pieces);
         if let Some(end) = pieces.seen.first() {
             let status = end.status;
             let is_alike = pieces.seen.iter().all(|end| end.status == status);
@@ -473,7 +473,7 @@ impl<const N: usize> Subdivider<'_, N> {
             .filter(|pixel| !known[index(*pixel)])
             .collect();
         let places: Vec<Place> = rest.iter().copied().map(place).collect();
-        self.look(&places, pieces);
+        self.evaluate(&places, pieces);
         put(&rest, &places, &pieces.seen);
         Piece::Single {
             corner: square.corner,
