@@ -137,14 +137,14 @@ fn scripts() -> Vec<Limit> {
             "rounds of loops, calls and objects of a script, 256 bytes of a new string counted as one",
             grouped(crt::MAX_WORK),
             "a script ends",
-            "it takes more than {MAX_WORK} rounds, calls and objects",
+            "it takes more than {} rounds, calls and objects",
             "",
         ),
         limit(
             "expressions and statements that a script evaluates, elements of compared lists counted as such",
             grouped(crt::MAX_STEPS),
             "a script ends within seconds",
-            "it takes more than {MAX_STEPS} expressions and statements",
+            "it takes more than {} expressions and statements",
             "",
         ),
         limit(

@@ -33,7 +33,7 @@ pub(crate) enum Quantity {
     Expression(String),
 }
 
-/// `NAME=V` or `NAME=V1,V2`: a value for a param or a grid.
+/// `NAME=VALUE` or `NAME=V1,V2`: a value for a param or a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Assignment {
     /// The name of the param or grid.

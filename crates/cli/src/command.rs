@@ -126,7 +126,8 @@ fn with_show<W: Into<OsString>>(
     let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
     if let Some(word) = words.get(1) {
         let path = Path::new(word);
-        let is_file = registry.languages.by_extension(path).is_some() || path.is_file();
+        let is_file =
+            word == "-" || registry.languages.by_extension(path).is_some() || path.is_file();
         if is_file && command.find_subcommand(word).is_none() {
             words.insert(1, "show".into());
         }

@@ -1,5 +1,7 @@
 //! Numbers in the arguments and in texts for people.
 
+pub(crate) use expr::number::grouped;
+
 /// Parses a finite number of the command line.
 pub(crate) fn parse(text: &str) -> Result<f64, String> {
     let text = text.trim();
@@ -71,19 +73,6 @@ pub(crate) fn count(number: usize, noun: &str) -> String {
     format!("{} {noun}{plural}", grouped(number as u64))
 }
 
-/// Formats a whole number with its digits in groups of three: `10,000`.
-pub(crate) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (position, digit) in digits.chars().enumerate() {
-        if position > 0 && (digits.len() - position).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,7 +124,5 @@ mod tests {
     fn counts_have_plurals_and_groups() {
         assert_eq!(count(1, "error"), "1 error");
         assert_eq!(count(0, "error"), "0 errors");
-        assert_eq!(grouped(1_234_567), "1,234,567");
-        assert_eq!(grouped(999), "999");
     }
 }

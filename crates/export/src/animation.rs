@@ -37,7 +37,7 @@ pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
 /// A file format that holds many pictures.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum AnimationFormat {
-    /// GIF: 256 colours for each picture, dithered; a pixel is opaque or transparent.
+    /// GIF: 255 colours for each picture, dithered; a pixel is opaque or transparent.
     Gif,
     /// Animated PNG: all colours, partly transparent pixels.
     Apng,

@@ -16,6 +16,24 @@ pub fn text(value: f64) -> String {
     }
 }
 
+/// A whole number with its digits in groups of three.
+///
+/// ```
+/// assert_eq!(expr::number::grouped(1_234_567), "1,234,567");
+/// assert_eq!(expr::number::grouped(999), "999");
+/// ```
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (position, digit) in digits.chars().enumerate() {
+        if position > 0 && (digits.len() - position).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// The number has no WGSL literal, since it is not finite in f32.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum LiteralError {

@@ -60,7 +60,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "S")]
     surface: Option<String>,
     /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
-    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The picture's size in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = argument::size, allow_hyphen_values = true)]

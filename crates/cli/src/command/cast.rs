@@ -61,7 +61,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME")]
     solid: Option<String>,
     /// A value for a param or a grid; may be given several times
-    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// For people, or a JSON document for each ray
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]

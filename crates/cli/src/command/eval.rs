@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     #[arg(allow_hyphen_values = true, value_name = "EXPR")]
     expression: String,
     /// A value for a param or a grid; may be given several times
-    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// For people, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]

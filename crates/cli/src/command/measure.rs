@@ -70,7 +70,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
     triangle: Option<Vec<Pair>>,
     /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
-    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// For people, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]

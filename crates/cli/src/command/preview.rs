@@ -92,8 +92,10 @@ fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
 
     let source = match &arguments.file {
         Some(file) if file.as_os_str() == "-" => {
-            let message = "the window follows a file, and standard input is none";
-            return Err(NoWindow::Other(Failure::usage(message)));
+            return Err(NoWindow::Other(Failure::Usage {
+                message: "the window cannot show standard input".into(),
+                hint: Some("`geotrace render - -o OUT.png` draws a picture of it".into()),
+            }));
         }
         Some(file) => Source::File(file.clone()),
         None if arguments.attached => Source::Attached,

@@ -73,7 +73,7 @@ A number may be an expression in the program's names, such as pi/2. Params have 
 Above the pixels of an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors.
 
 An animation is one of
-  .gif                 256 colours
+  .gif                 255 colours
   .apng                all colours
   .mp4, .webm          a video, made by `ffmpeg` if it is installed
   .png with --frames   a picture for each frame: OUT-0001.png, OUT-0002.png and so on"

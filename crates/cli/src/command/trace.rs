@@ -63,7 +63,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true)]
     length: Quantity,
     /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
-    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The error allowed in a step, relative to the step's length, up to 0.01; 1.5e-10 unless given
     #[arg(long, value_name = "T", value_parser = argument::tolerance, allow_hyphen_values = true)]

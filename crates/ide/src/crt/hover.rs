@@ -1,7 +1,7 @@
 //! Descriptions of the words of a script.
 
 use scene::crt::{Assignment, EntityExtent};
-use syntax::crt::objects::{FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
+use syntax::crt::objects::{DefaultValue, FUNCTIONS, ObjectAttribute, ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
 use syntax::span::Span;
 
@@ -43,9 +43,9 @@ fn describe(code: &str, text: String) -> Description {
 /// The description of an object with its attributes.
 pub(super) fn object(object: ObjectName) -> Description {
     let rows = object.attributes().iter().map(|row| {
-        let note = match row.default.text() {
+        let note = match default_value(row.default) {
             None => "required".to_owned(),
-            Some(default) => format!("default `{default}`"),
+            Some(default) => format!("default: {default}"),
         };
         format!("- `{}`: {} ({note})", row.text, row.purpose)
     });
@@ -57,9 +57,9 @@ pub(super) fn object(object: ObjectName) -> Description {
 /// The description of an attribute: its type, range, unit and default.
 pub(super) fn attribute(row: &ObjectAttribute) -> Description {
     let code = format!("{} -> {}", row.text, value_type(row.value));
-    let mut text = format!("{} of `{}`.", capital(row.purpose), row.object.text());
+    let mut text = format!("Attribute of `{}`: {}.", row.object.text(), row.purpose);
     if !row.unit.is_empty() {
-        text.push_str(&format!(" In {}.", row.unit));
+        text.push_str(&format!(" Unit: {}.", row.unit));
     }
     let range = match row.value {
         ValueType::Number(range) | ValueType::Integer(range) => match range.text() {
@@ -77,11 +77,19 @@ pub(super) fn attribute(row: &ObjectAttribute) -> Description {
     description
         .text
         .extend(range.map(|range| format!("Range: {range}.")));
-    description.text.push(match row.default.text() {
+    description.text.push(match default_value(row.default) {
         None => "Required.".to_owned(),
-        Some(default) => format!("Default: `{default}`."),
+        Some(default) => format!("Default: {default}."),
     });
     description
+}
+
+/// Returns a default value as code, or the phrase that describes it; `None` if the attribute is required.
+fn default_value(default: DefaultValue) -> Option<String> {
+    match default {
+        DefaultValue::Phrase(phrase) => Some(phrase.to_owned()),
+        value => value.text().map(|text| format!("`{text}`")),
+    }
 }
 
 fn value_type(value: ValueType) -> &'static str {

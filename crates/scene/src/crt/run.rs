@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use expr::number::grouped;
 use syntax::crt::tree::{
     Arm, BinaryOperator, BlockKind, Body, Expression, ExpressionKind as E, Link, Script, Statement,
     StatementKind, Suffix, SuffixKind,
@@ -277,11 +278,13 @@ impl<'s> Interpreter<'s> {
         }
         let message = if self.work > MAX_WORK {
             format!(
-                "the script is stopped in {what}: it takes more than {MAX_WORK} rounds, calls and objects"
+                "the script is stopped in {what}: it takes more than {} rounds, calls and objects",
+                grouped(MAX_WORK.into())
             )
         } else if self.steps > MAX_STEPS {
             format!(
-                "the script is stopped in {what}: it takes more than {MAX_STEPS} expressions and statements"
+                "the script is stopped in {what}: it takes more than {} expressions and statements",
+                grouped(MAX_STEPS)
             )
         } else {
             return Ok(());

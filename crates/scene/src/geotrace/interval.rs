@@ -20,11 +20,35 @@ pub(crate) struct DeclaredInterval {
     count: Option<Expression>,
 }
 
-/// The owner of an interval, which decides how large its count may be.
+/// The owner of an interval, which determines the limit of its count and the hint of an error.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Purpose {
-    Axis,
+    Param,
+    Grid,
+    /// The domain of a curve, a surface, a metric or a geodesic.
     Domain,
+    /// A cut of a solid.
+    Cut,
+}
+
+impl Purpose {
+    /// Returns the hint for an interval that depends on a name.
+    fn constant_hint(self, name: &str) -> String {
+        match self {
+            Self::Param => format!(
+                "keep the interval constant and scale in a define, as in `param a : [0, 1]; define b = {name} a;`"
+            ),
+            Self::Grid => format!(
+                "keep the interval constant and scale in a define, as in `grid i : [0, 1, 5]; define j = {name} i;`"
+            ),
+            Self::Domain => {
+                format!("keep the interval constant and scale inside, as in `c({name} t)`")
+            }
+            Self::Cut => format!(
+                "keep the interval constant and cut the solid by a set, as in `solid part = s & slab;` with `solid slab(x, y, z) = abs x - {name};`"
+            ),
+        }
+    }
 }
 
 /// The numbers of an interval.
@@ -77,7 +101,7 @@ impl DeclaredInterval {
             if diagnostics.len() > before {
                 return None;
             }
-            match constant(lowerer, &lowered, role) {
+            match constant(lowerer, &lowered, role, purpose) {
                 Ok(value) => *number = Some(value?),
                 Err(error) => {
                     diagnostics.push(error.at(self.read.span));
@@ -136,6 +160,7 @@ fn constant(
     lowerer: &Lowerer,
     lowered: &Lowered,
     role: Role,
+    purpose: Purpose,
 ) -> Result<Option<f64>, SemanticError> {
     let role = role.name();
     if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
@@ -150,9 +175,7 @@ fn constant(
                 "an interval is constant, but the {role} of this one depends on the {word} `{name}`"
             ),
         )
-        .with_hint(format!(
-            "keep the interval constant and scale inside, as in `c({name} t)`"
-        )));
+        .with_hint(purpose.constant_hint(name)));
     }
     let node = match &lowered.value {
         None => return Ok(None),
@@ -205,8 +228,8 @@ fn in_order(min: f64, max: f64) -> Result<Range, SemanticError> {
 /// A count, rounded down.
 fn whole(count: f64, purpose: Purpose) -> Result<u32, SemanticError> {
     let largest = match purpose {
-        Purpose::Axis => MAX_AXIS,
-        Purpose::Domain => MAX_SAMPLES as u32,
+        Purpose::Param | Purpose::Grid => MAX_AXIS,
+        Purpose::Domain | Purpose::Cut => MAX_SAMPLES as u32,
     };
     let rounded = count.floor();
     if rounded < 2.0 {

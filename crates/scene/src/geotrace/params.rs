@@ -22,7 +22,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
-        let bounds = self.bounds(intervals, Purpose::Axis);
+        let bounds = self.bounds(intervals, Purpose::Param);
         let ranges: Option<Vec<_>> =
             bounds.map(|bounds| bounds.iter().map(|bounds| bounds.range).collect());
         // Errors in the value are reported even if the intervals are wrong.
@@ -53,7 +53,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
-        let bounds = self.bounds(intervals, Purpose::Axis);
+        let bounds = self.bounds(intervals, Purpose::Grid);
         let axes: Vec<_> = bounds?
             .iter()
             .map(|bounds| bounds.sampling(DEFAULT_SAMPLES))

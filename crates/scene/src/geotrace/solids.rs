@@ -183,7 +183,7 @@ impl Declarations {
         let mut is_sound = true;
         for interval in intervals {
             let lowerer = &mut self.lowerer;
-            let bounds = interval.bounds(lowerer, Purpose::Domain, &mut self.found);
+            let bounds = interval.bounds(lowerer, Purpose::Cut, &mut self.found);
             // An unknown tag has been reported.
             let place = interval.read.tag.and_then(|(position, span)| {
                 let position = position? as usize;

@@ -249,7 +249,7 @@ objects! {
         "position" VECTOR, "", Required, "its place";
         "pointing" VECTOR, "", Required, "the place that it looks at";
         "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 for a pinhole camera";
-        "aperture" NOT_NEGATIVE, "1/720", number(3.0), "the radius of the lens, in 720ths of the unit of length";
+        "aperture" NOT_NEGATIVE, "", number(3.0), "the radius of the lens, in 720ths of the unit of length";
         "focaldistance" POSITIVE, "", number(0.5), "the distance at which things are sharp";
         "apertureshape" SHAPES, "", DefaultValue::Text("circle"), "the shape of the lens";
         "roll" ANY, "degrees", number(0.0), "the angle by which the picture's up turns towards its right";

@@ -18,7 +18,7 @@ pub enum Syntax {
     Anchored,
     /// `id(IDS) = EXPR`.
     Function,
-    /// `id(IDS) = EXPR, TINTS`: a function over a domain.
+    /// `id(IDS) = EXPR, ITEMS`: a function over a domain.
     Parametrized,
     /// `id(IDS) = EXPR` or `id = SET`: a set of points, by a function or of others.
     Solid,
@@ -26,7 +26,7 @@ pub enum Syntax {
     Light,
     /// `id(IDS) = EXPR` or `id = EXPR`: a value, or a function of a direction.
     Background,
-    /// `id(IDS) : func = EXPR @ EXPR, TINTS`: a curve in the surface or metric `func`, from a start along a direction, or
+    /// `id(IDS) : func = EXPR @ EXPR, ITEMS`: a curve in the surface or metric `func`, from a start along a direction, or
     /// without `@` between two places.
     InSurface,
 }
