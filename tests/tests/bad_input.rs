@@ -1095,7 +1095,7 @@ fn a_walk_ends_on_an_edge_or_says_that_it_is_too_long() {
         draw(program, "20", "30").expect_status(0);
         let run = draw(program, "20", "1e6");
         assert_eq!(run.status, Some(2), "{run:?}");
-        run.expect_text("the camera cannot walk there: it takes too many steps, and comes to");
+        run.expect_text("the camera cannot walk there: it exceeds the limit of steps at length");
     }
 }
 

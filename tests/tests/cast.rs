@@ -198,7 +198,7 @@ solid disc = ball @ scale (1,1,a);
         &["--set", "a=0"],
     );
     assert_times(&flat, &[]);
-    let note = "`disc` is not drawn: the map of `ball` takes volumes to 0";
+    let note = "`disc` is not drawn: the map of `ball` is singular";
     assert_eq!(flat["notes"], serde_json::json!([note]));
 }
 
@@ -210,7 +210,7 @@ fn wrong_rays_and_names_are_refused_with_what_to_do() {
     };
     run(&["--from", "0,0,0", "--direction", "0,0,0"])
         .expect_status(2)
-        .expect_text("a ray of direction 0 leads nowhere");
+        .expect_text("the direction of a ray must not be zero");
     run(&["--from", "0,0,0", "--direction", "1,0,0", "--solid", "bal"])
         .expect_status(2)
         .expect_text("declares no solid `bal`")
@@ -238,7 +238,7 @@ fn human_output_is_in_sentences() {
     ];
     let run = geotrace(words).input(DIE).run();
     run.expect_status(0)
-        .expect_text("it meets first the solid `die`, face of `cube`: t = 2.5")
+        .expect_text("it first meets the solid `die`, face of `cube`: t = 2.5")
         .expect_text("enters `die` through `cube`")
         .expect_text("leaves `die` through `ball`");
 }
@@ -414,7 +414,7 @@ fn a_ray_that_is_cut_short_says_so() {
     ];
     let found = cast(program, from, along, &["--solid", "s"]);
     let notes = found["notes"].as_array().expect("a list");
-    let note = "the ray took more work than there may be: crossings may be missing";
+    let note = "the ray exceeds the work limit: crossings may be missing";
     assert!(notes.iter().any(|found| found == note), "{notes:?}");
     let short = cast(program, from, [0.0, 0.0, 1.0], &["--solid", "s"]);
     assert_eq!(short["notes"].as_array().map(Vec::len), Some(0));

@@ -268,8 +268,8 @@ Scene { m() }";
         (["a.gtr", "b.gtr"], 1, "only CRT scripts are converted"),
         (["wrong.crt", "b.gtr"], 1, "b"),
         (["many.crt", "b.gtr"], 1, "more than 10000 shapes"),
-        (["good.crt", "b.crt"], 2, "it ends in .gtr"),
-        (["good.crt", "b"], 2, "it ends in .gtr"),
+        (["good.crt", "b.crt"], 2, "ends in .gtr"),
+        (["good.crt", "b"], 2, "ends in .gtr"),
     ] {
         let [script, program] = words;
         let run = geotrace(["convert", script, "-o", program])

@@ -226,14 +226,14 @@ fn a_camera_that_has_no_place_is_refused_in_words() {
     };
     let two_balls = "solid two(x,y,z) = min((x-2)^2+(y-2)^2+z^2, (x+2)^2+(y+2)^2+z^2) - 1;";
     let beside = refused(two_balls, &[]);
-    assert!(beside.contains("needs a place"), "{beside}");
+    assert!(beside.contains("needs a position"), "{beside}");
     let empty = geotrace(["render", "-", "-o", "never.png", "--view", "geodesic"])
         .input("solid none(x,y,z) = x^2 + 1;")
         .run();
     empty.expect_status(1);
-    empty.expect_text("`none` has no surface: no point is in it");
+    empty.expect_text("`none` has no surface: it contains no point");
     let middle = refused(BALL, &["--at", "0,0,0"]);
-    assert!(middle.contains("not brought onto"), "{middle}");
+    assert!(middle.contains("cannot be projected onto"), "{middle}");
     let two = refused(BALL, &["--at", "0,0"]);
     assert!(two.contains("three numbers"), "{two}");
     let mirrored = refused(BALL, &["--mirrored"]);

@@ -243,7 +243,7 @@ fn human_output_is_in_sentences() {
             .expect_status(0)
             .expect_text(words);
     }
-    measure(HALF_PLANE, "--at 0,1").expect_text("a metric bends in no space");
+    measure(HALF_PLANE, "--at 0,1").expect_text("a metric has no embedding");
     measure(HALF_PLANE, "--at 0,1 --circle 5")
         .expect_status(0)
         .expect_text("no whole circle");
@@ -363,7 +363,7 @@ function den(u,v) = a - c cosu cosv;
 surface s(u, v) = (d (c - a cosu cosv) + b^2 cosu, b sinu (a - d cosv), b sinv (c cosu - d))/den(u,v), u : [0, 2pi, 120], v : [0, 2pi, 120];";
     measure(cyclide, "--at 0.3,2 --circle 20")
         .expect_status(0)
-        .expect_text("these numbers are not to be trusted")
+        .expect_text("these numbers are not reliable")
         .expect_text("area           15000,");
 }
 

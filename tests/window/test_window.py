@@ -625,7 +625,7 @@ class Gpu(OnScreen):
         begun = window.settle()["pictures"]
         window.hold("w")
         window.until("a new picture", lambda now: now["pictures"] > begun)
-        window.place("the GPU has refused the shader of `s`, which is computed without it")
+        window.place("the GPU rejected the shader of `s`, which is computed on the processor")
         self.screen.keep("refused")
         self.assertGreater(self.colours(window, "3d"), 100)
 

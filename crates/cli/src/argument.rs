@@ -113,7 +113,7 @@ pub(crate) fn choice<T: Copy + Send + Sync>(
     });
     PossibleValuesParser::new(words).try_map(move |word| {
         let found = table.iter().find(|choice| choice.word == word);
-        found.map(|choice| choice.value).ok_or("an unknown word")
+        found.map(|choice| choice.value).ok_or("unknown word")
     })
 }
 
@@ -200,10 +200,10 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
         }
         // All digits, so whatever does not fit is too large.
         match side.parse::<u32>() {
-            Ok(0) => Err("a picture has at least one pixel each way".into()),
+            Ok(0) => Err("a picture is at least one pixel wide and high".into()),
             Ok(pixels) if pixels <= MAX_SIDE => Ok(pixels),
             _ => Err(format!(
-                "a picture's sides may have up to {MAX_SIDE} pixels"
+                "a picture is at most {MAX_SIDE} pixels wide and high"
             )),
         }
     };
@@ -280,7 +280,7 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
     const MOST: f64 = 1000.0;
     match positive(text)? {
         value if (LEAST..=MOST).contains(&value) => Ok(value),
-        _ => Err(format!("it must lie between {LEAST} and {MOST}")),
+        _ => Err(format!("it must be between {LEAST} and {MOST}")),
     }
 }
 

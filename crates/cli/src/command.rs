@@ -40,11 +40,12 @@ point p = c(o);
 vector v = c'(o) @ p;
 ";
 
-/// See curves and surfaces written as text: in 3D, and from inside.
+/// Draw curves, surfaces and solids written as text: in 3D, traced, and from inside.
 ///
-/// A program declares params, grids, functions, points, vectors, curves and surfaces. `geotrace` draws them
-/// in 3D; of a surface it also draws the geodesic view: what an inhabitant of the surface sees, where
-/// light runs along the surface's straightest lines.
+/// A program declares params, grids and functions; points, vectors, curves, surfaces, metrics, geodesics and solids;
+/// lights, cameras and a background. `geotrace` draws them in 3D, or traced with lights, shadows, mirrors and glass.
+/// It also draws the geodesic view of a surface, a metric or a solid: what an inhabitant sees, where light runs along
+/// geodesics.
 #[derive(Debug, Parser)]
 #[command(
     name = "geotrace",
@@ -54,8 +55,7 @@ vector v = c'(o) @ p;
     after_help = after_help()
 )]
 pub(crate) struct Arguments {
-    /// The language of a program: geotrace, or crt for a CRT script; unless given, the one of the file's extension, and
-    /// for standard input geotrace
+    /// The language of programs: geotrace, or crt for CRT scripts [default: by the file's extension, else geotrace]
     #[arg(long, global = true, value_name = "NAME")]
     language: Option<String>,
     #[command(subcommand)]
@@ -89,7 +89,7 @@ impl Arguments {
         {
             Some(Command::Render(arguments)) => Ok(arguments),
             _ => Err(Failure::usage(
-                "these are not the words of `geotrace render`",
+                "these are not arguments of `geotrace render`",
             )),
         }
     }
@@ -204,7 +204,7 @@ fn after_help() -> String {
 What to do with it:
 
   geotrace show circle.gtr                         the live window; without a display, pictures
-  geotrace check circle.gtr                        what is wrong, where, and what to do about it
+  geotrace check circle.gtr                        errors with location and hint
   geotrace render circle.gtr -o circle.png         a picture
   geotrace render circle.gtr -o c.png --set o=1.5  a picture with another value of a param
   geotrace eval circle.gtr \"c'(0)\"                 the value of an expression
@@ -222,7 +222,7 @@ And with a surface s:
 
 FILE may be `-` for standard input, except for the window: `geotrace FILE`, `show`, `preview`.
 `geotrace help COMMAND` explains the options.
-Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.",
+Exit status: 0 success, 1 errors in the program or the input, 2 wrong usage or an unreadable file.",
     );
     text
 }

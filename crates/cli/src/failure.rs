@@ -89,7 +89,7 @@ impl Failure {
             Self::Unwritable { file, reason } => (format!("cannot write `{file}`: {reason}"), None),
             Self::Internal { message } => (
                 message.clone(),
-                Some("this is a mistake in geotrace, not in your program: please report it".into()),
+                Some("this is a bug in geotrace, not in your program: please report it".into()),
             ),
         };
         let internal = if matches!(self, Self::Internal { .. }) {

@@ -6,7 +6,7 @@
 //!                 └──▶ output.rs (standard output; whole files by `export`) ──▶ exit status
 //! ```
 //!
-//! Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.
+//! Exit status: 0 success, 1 errors in the program or the input, 2 wrong usage or an unreadable file.
 
 mod argument;
 mod command;

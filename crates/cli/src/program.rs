@@ -159,12 +159,12 @@ impl LoadedProgram {
                 Outcome::Single(Value::Number(None)) => {
                     Err(wrong("this number is undefined", None))
                 }
-                Outcome::Single(Value::Text(_)) => Err(wrong("this is no number", None)),
+                Outcome::Single(Value::Text(_)) => Err(wrong("this is not a number", None)),
                 Outcome::Single(Value::Vector(_)) => {
-                    Err(wrong("this is a vector, and a number is needed", None))
+                    Err(wrong("this is a vector, but a number is required", None))
                 }
                 Outcome::Instances(_) => Err(wrong(
-                    "this depends on a grid, and one number is needed",
+                    "this depends on a grid, but one number is required",
                     Some("`--set` gives a grid one value".into()),
                 )),
             },
@@ -208,7 +208,7 @@ impl LoadedProgram {
                 _ => "two numbers u,v",
             };
             return Err(Failure::usage(format!(
-                "{option}: `{name}` is a {kind} and takes {wanted}, found {}",
+                "{option}: `{name}` is a {kind} and requires {wanted}, found {}",
                 place.0.len()
             )));
         };
@@ -345,7 +345,7 @@ fn refused(scene: &Scene, error: &SetError) -> Failure {
             Some(if names.is_empty() {
                 "the program declares no param and no grid".into()
             } else {
-                format!("it may set {}", names.join(", "))
+                format!("`--set` accepts {}", names.join(", "))
             })
         }
         _ => None,

@@ -69,8 +69,11 @@ impl Context {
         languages.named(name).map(Some).ok_or_else(|| {
             let known = languages.all().map(|known| format!("`{}`", known.name()));
             Failure::Usage {
-                message: format!("--language: there is no language `{name}`"),
-                hint: Some(format!("there is {}", known.collect::<Vec<_>>().join(", "))),
+                message: format!("--language: unknown language `{name}`"),
+                hint: Some(format!(
+                    "the languages are {}",
+                    known.collect::<Vec<_>>().join(", ")
+                )),
             }
         })
     }

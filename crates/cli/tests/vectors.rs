@@ -189,7 +189,7 @@ fn a_figure_is_one_picture_and_has_its_own_backend() {
         None,
     );
     assert!(
-        told(&inside).contains("the file holds its pixels"),
+        told(&inside).contains("the file contains its pixels"),
         "{}",
         told(&inside)
     );

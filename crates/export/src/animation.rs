@@ -102,7 +102,7 @@ impl<W: Write> Recorder<W> {
     /// See [`RecordError`].
     pub fn new(format: AnimationFormat, clip: Clip, out: W) -> Result<Self, RecordError> {
         if !(clip.rate > 0.0 && clip.rate.is_finite()) {
-            let message = "the number of pictures a second must be positive";
+            let message = "the frame rate must be positive";
             return Err(RecordError::Format(message.to_owned()));
         }
         let [width, height] = clip.size;
@@ -111,7 +111,7 @@ impl<W: Write> Recorder<W> {
                 let side = |side: u32| {
                     let fits = u16::try_from(side);
                     fits.map_err(|_| {
-                        RecordError::Format(format!("a GIF has no {side} pixels a side"))
+                        RecordError::Format(format!("a GIF cannot have {side} pixels on a side"))
                     })
                 };
                 let mut encoder = gif::Encoder::new(out, side(width)?, side(height)?, &[])?;
@@ -140,7 +140,7 @@ impl<W: Write> Recorder<W> {
     /// See [`RecordError`].
     pub fn add(&mut self, image: &RgbaImage) -> Result<(), RecordError> {
         if <[u32; 2]>::from(image.dimensions()) != self.clip.size {
-            let message = "a picture is of another size than the animation";
+            let message = "a frame has another size than the animation";
             return Err(RecordError::Format(message.to_owned()));
         }
         match &mut self.encoder {
@@ -164,7 +164,10 @@ impl<W: Write> Recorder<W> {
     /// See [`RecordError`]; missing pictures are such an error.
     pub fn finish(self) -> Result<(), RecordError> {
         if self.added != self.clip.frames {
-            let message = format!("{} of {} pictures are there", self.added, self.clip.frames);
+            let message = format!(
+                "only {} of {} frames were written",
+                self.added, self.clip.frames
+            );
             return Err(RecordError::Format(message));
         }
         self.end()

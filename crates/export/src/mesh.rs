@@ -56,8 +56,7 @@ pub enum MeshFormat {
 pub struct Model {
     /// The objects, in the order of the scene; those of which nothing is defined are absent.
     pub parts: Vec<Part>,
-    /// Sentences for the user, such as "`s` is undefined at 3 of its 100 samples and is left
-    /// open there".
+    /// Sentences for the user, such as "`s` is undefined at 3 of its 100 samples and has holes there".
     pub notes: Vec<String>,
 }
 
@@ -255,7 +254,7 @@ impl Model {
             Vec::new()
         } else {
             vec![format!(
-                "{} has no place for what is not a surface: {} left out",
+                "{} holds surfaces only: {} left out",
                 format.name(),
                 listed(&left_out)
             )]
@@ -488,7 +487,7 @@ impl fmt::Display for ExportError {
                     [] => "nothing is drawn in space",
                     _ => &notes.join("; "),
                 };
-                write!(f, "there is nothing to be exported: {reason}")
+                write!(f, "there is nothing to export: {reason}")
             }
             Self::Nothing {
                 format,

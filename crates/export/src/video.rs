@@ -219,7 +219,7 @@ impl Video {
         let messages = self.messages.take().and_then(|thread| thread.join().ok());
         let messages = messages.unwrap_or_default();
         let last = messages.lines().rev().find(|line| !line.trim().is_empty());
-        VideoError::Refused(last.unwrap_or("it gave no reason").trim().to_owned())
+        VideoError::Refused(last.unwrap_or("it reported no reason").trim().to_owned())
     }
 
     fn end(&mut self) {
@@ -246,7 +246,7 @@ impl fmt::Display for VideoError {
             ),
             Self::Start(error) => write!(f, "`{PROGRAM}` cannot be started: {error}"),
             Self::Refused(words) => write!(f, "`{PROGRAM}` could not make the video: {words}"),
-            Self::OtherSize => write!(f, "a picture is of another size than the video"),
+            Self::OtherSize => write!(f, "a frame has another size than the video"),
         }
     }
 }

@@ -63,7 +63,7 @@ pub fn write_whole_at<E: From<io::Error>>(
     write: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<(), E> {
     if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
-        return Err(io::Error::other("it is no file, and needs to be one").into());
+        return Err(io::Error::other("it is not a file").into());
     }
     Ok(Unnamed::made(path, create_new, |_, temporary| write(temporary))?.persist()?)
 }

@@ -403,10 +403,7 @@ fn stl_without_a_surface_is_refused_and_lines_are_told() {
     let told = model
         .write(MeshFormat::Stl, &mut Vec::new())
         .expect("a file");
-    assert_eq!(
-        told,
-        ["STL has no place for what is not a surface: `c` is left out"]
-    );
+    assert_eq!(told, ["STL holds surfaces only: `c` is left out"]);
     let nothing = exported("param a : [0,1];").write(MeshFormat::Obj, &mut Vec::new());
     assert!(
         matches!(nothing, Err(ExportError::Nothing { ref left_out, .. }) if left_out.is_empty())
@@ -719,7 +716,7 @@ fn a_count_that_is_too_large_is_told() {
         (
             most,
             vec![
-                "`b` has 512 cells along its longest side, the most there may be: its counts ask for 4000"
+                "`b` has 512 cells along its longest side, the maximum: its counts request 4000"
                     .to_owned()
             ]
         )
@@ -731,14 +728,14 @@ fn what_is_thinner_than_a_cell_is_told() {
     let plate = "solid plate(x,y,z) = max(abs x - 5, abs y - 5, abs z - 0.02); \
         solid hole(x,y) = x^2+y^2-0.09; solid s = plate \\ hole @ (1,0,0)";
     let model = exported(&format!("{plate};"));
-    let told = "`s` has no mesh: it is thinner than a cell of 0.078 everywhere; counts make cells smaller: `x : [-5.1, 5.1, 512]`";
+    let told = "`s` has no mesh: it is thinner than a cell of 0.078 everywhere; make the cells smaller by counts: `x : [-5.1, 5.1, 512]`";
     assert_eq!(model.notes, [told]);
     let error = model
         .write(MeshFormat::Obj, &mut Vec::new())
         .expect_err("nothing");
     assert_eq!(
         error.to_string(),
-        format!("there is nothing to be exported: {told}")
+        format!("there is nothing to export: {told}")
     );
     // Smaller cells help.
     let model = exported(&format!("{plate}, x : [-5.1, 5.1, 300];"));
@@ -752,7 +749,7 @@ fn what_is_thinner_than_a_cell_is_told() {
     let empty = exported("solid none(x,y,z) = x^2+y^2+z^2+1, x : [0,1], y : [0,1], z : [0,1];");
     assert!(empty.notes[0].starts_with("`none` has no mesh: it is empty"));
     let unknown = exported("solid star(x,y,z) = x^(2/3) + y^(2/3) + z^(2/3) - 1;");
-    let told = "`star` has no mesh: no box around it was found, and it may be endless; ";
+    let told = "`star` has no mesh: no bounding box was found, and it may be unbounded; ";
     assert!(unknown.notes[0].starts_with(told), "{:?}", unknown.notes);
 
     for (source, is_partly_thin) in [

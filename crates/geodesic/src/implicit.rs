@@ -572,9 +572,7 @@ impl fmt::Display for PlaceError {
         f.write_str(match self {
             Self::NotFinite => "it is not three numbers",
             Self::Undefined => "the solid is undefined there",
-            Self::NoGradient => {
-                "the gradient that leads from there to the surface is 0 or undefined"
-            }
+            Self::NoGradient => "the gradient is 0 or undefined on the way to the surface",
             Self::NotFound => "no surface was found along the gradient from there",
         })
     }

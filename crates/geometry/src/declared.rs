@@ -32,7 +32,7 @@ pub fn evaluations_per_line(scene: &Scene, instances: u64) -> u64 {
 /// Returns the sentence about lines of a declared geodesic that end because their evaluations are used up.
 pub fn cut_note(name: &str) -> String {
     format!(
-        "`{name}` is not drawn to its end, which would take too much work: shorten its interval, or declare fewer geodesics"
+        "`{name}` is not drawn to its end, which exceeds the work limit: shorten its interval, or declare fewer geodesics"
     )
 }
 
@@ -177,7 +177,7 @@ fn all_instances(
     let mut notes = Vec::new();
     if drawn < instances {
         notes.push(format!(
-            "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
+            "only the first {drawn} of the {instances} instances of `{name}` are drawn: that is the limit"
         ));
     }
     let max_evaluations = evaluations_per_line(scene, drawn);

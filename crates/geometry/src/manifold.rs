@@ -129,10 +129,10 @@ impl fmt::Display for ManifoldError {
             Self::Flat { name, leaf } => {
                 write!(
                     f,
-                    "`{name}` has no surface: the map of `{leaf}` takes volumes to 0"
+                    "`{name}` has no surface: the map of `{leaf}` is singular"
                 )
             }
-            Self::Empty { name } => write!(f, "`{name}` has no surface: no point is in it"),
+            Self::Empty { name } => write!(f, "`{name}` has no surface: it contains no point"),
         }
     }
 }

@@ -466,7 +466,7 @@ fn singular_instances_are_left_out_and_noted() {
     );
     assert_eq!(
         notes[0].to_string(),
-        "1 of the 3 instances of `stack` are not drawn: the map of `flat` takes volumes to 0"
+        "1 of the 3 instances of `stack` are not drawn: the map of `flat` is singular"
     );
 }
 
@@ -487,7 +487,7 @@ fn an_empty_solid_is_noted() {
     writer.solid("union", vec![here, there], &union, &[]);
     let notes = writer.prepared().notes();
     let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
-    assert_eq!(told, ["`common` is not seen: no point is in it"]);
+    assert_eq!(told, ["`common` is not visible: it contains no point"]);
 }
 
 #[test]
@@ -533,7 +533,8 @@ fn the_work_of_reading_shapes_is_bounded_for_all_solids_together() {
     let mut work = 1_000_000;
     assert_eq!(alone("ball", &mut work).len(), 0);
     assert_eq!(work, 1_000_000 - BALL);
-    let said = "`waves` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less";
+    let said =
+        "`waves` is not drawn: locating the solids exceeds the work limit; use fewer instances";
     assert_eq!(alone("waves", &mut work), [said]);
     assert_eq!(work, 0);
     assert_eq!(alone("ball", &mut work), [said.replace("waves", "ball")]);

@@ -88,11 +88,11 @@ impl Camera {
         };
         let distance = back.length();
         if !distance.is_finite() {
-            let sentence = "the camera stands too far from its target";
+            let sentence = "the camera is too far from its target";
             return Err(RenderError::Camera(sentence.to_owned()));
         }
         if distance <= 1e-9 {
-            let sentence = "the camera stands on its target and has no direction";
+            let sentence = "the camera is at its target and has no direction";
             return Err(RenderError::Camera(sentence.to_owned()));
         }
         camera.look(back / distance);

@@ -77,7 +77,7 @@ impl RenderError {
     pub fn check_walk(status: Status, length: f64) -> Result<(), Self> {
         match status {
             Status::WorkLimit => Err(Self::cannot_walk(format_args!(
-                "it takes too many steps, and comes to {length:.6}"
+                "it exceeds the limit of steps at length {length:.6}"
             ))),
             _ => Ok(()),
         }
@@ -94,7 +94,7 @@ impl fmt::Display for RenderError {
             Self::UndefinedCamera { name, at: [u, v] } => {
                 write!(
                     f,
-                    "`{name}` has no tangent plane at (u, v) = ({u}, {v}), so the camera cannot stand there"
+                    "`{name}` has no tangent plane at (u, v) = ({u}, {v}), so the camera cannot be there"
                 )
             }
             Self::CameraOutside {
@@ -106,24 +106,24 @@ impl fmt::Display for RenderError {
                 "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
             ),
             Self::Camera(sentence) => write!(f, "{sentence}"),
-            Self::Interrupted => write!(f, "the picture was given up for a newer one"),
+            Self::Interrupted => write!(f, "the picture was abandoned for a newer one"),
             Self::Size([width, height]) => {
                 write!(
                     f,
-                    "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
+                    "a picture of {width}x{height} pixels is not possible: each side is from 1 to {MAX_SIDE}"
                 )
             }
             Self::TooMuchWork(limit) => {
                 write!(
                     f,
-                    "the picture takes more work than there may be: more than {limit} operations on solids, lights and surfaces"
+                    "the picture exceeds the work limit: more than {limit} operations on solids, lights and surfaces"
                 )
             }
             Self::Scale(scale) => {
                 let (least, most) = (SCALES.start(), SCALES.end());
                 write!(
                     f,
-                    "lines and words cannot be {scale} times as large as usual: the factor is from {least} to {most}"
+                    "lines and text cannot be scaled by {scale}: the factor is from {least} to {most}"
                 )
             }
             Self::Internal { message, .. } => {

@@ -143,7 +143,7 @@ pub fn notes(
         (Status::Undefined, "end where the surface is undefined"),
         (
             Status::WorkLimit,
-            "could not be followed within the limit of work",
+            "could not be traced within the work limit",
         ),
     ];
     let hatched: usize = UNSEEN.into_iter().map(&count).sum();
@@ -155,7 +155,7 @@ pub fn notes(
     };
     let mut notes: Vec<Note> = kinds.into_iter().filter_map(note).collect();
     if hatched as f64 > MOSTLY * pixels as f64 {
-        let advice = "`--at` chooses another place for the camera, and `--zoom` a nearer view";
+        let advice = "`--at` moves the camera, and `--zoom` shows a nearer view";
         notes.push(Note::Remark(advice.to_owned()));
     }
     if *work != GeodesicWork::default() {
@@ -163,10 +163,10 @@ pub fn notes(
     }
     let error = estimate.map(|Estimate { max, p99 }| match max > pixels as f64 {
         // Beside a place where the surface is singular, an estimate has no meaning.
-        true => "the error could not be estimated: at some pixels it may be any".to_owned(),
+        true => "the error could not be estimated: at some pixels it may be arbitrarily large".to_owned(),
         false => {
             let warning = match p99 > USELESS {
-                true => ": the picture is not to be trusted",
+                true => ": the picture is not reliable",
                 false => "",
             };
             format!(
@@ -184,7 +184,7 @@ fn cost(work: &GeodesicWork, pixels: usize) -> String {
         parts.push(format!("{} rays", work.rays));
     }
     if work.followed > 0 {
-        parts.push(format!("{} geodesics followed one by one", work.followed));
+        parts.push(format!("{} geodesics traced one by one", work.followed));
     }
     let evaluations = work.evaluations;
     let share = evaluations as f64 / pixels as f64;

@@ -236,7 +236,7 @@ pub(crate) fn samples(scene: &Scene, params: &ParamValues, object: &Object) -> u
         .saturating_mul(object.shape.sample_count())
 }
 
-/// Returns whether a kernel could give the samples of an object. A metric has no place in space, and what is followed has no
+/// Returns whether a kernel could give the samples of an object. A metric has no embedding, and what is followed has no
 /// expression. Where an object breaks off is found by intervals.
 pub(crate) fn may_have_kernel(scene: &Scene, params: &ParamValues, object: &Object) -> bool {
     let shape = &object.shape;

@@ -135,7 +135,7 @@ fn draw_for_file(
     };
     match backend {
         Backend::Gpu => Gpu::shared().and_then(on),
-        Backend::Software => by_software("as asked for".to_owned()),
+        Backend::Software => by_software("as requested".to_owned()),
         Backend::Auto => match Gpu::shared_real().and_then(on) {
             Err(RenderError::NoGpu { reason }) => by_software(format!("because {reason}")),
             // A driver that fails must not cost the picture; its message is not lost.

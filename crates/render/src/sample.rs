@@ -190,7 +190,7 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
             "`{name}` is undefined everywhere at the current params and is not drawn"
         )),
         (all, undefined) => Some(format!(
-            "`{name}` is undefined at {undefined} of its {all} samples and is left open there"
+            "`{name}` is undefined at {undefined} of its {all} samples and has holes there"
         )),
     }
 }
@@ -253,9 +253,7 @@ pub fn sample_with_notes(
 pub(crate) fn left_out(object: &Object) -> Option<String> {
     let name = &object.name;
     matches!(object.shape, Shape::Metric { .. }).then(|| {
-        format!(
-            "`{name}` is a metric without a shape in space: only its geodesic view can be drawn"
-        )
+        format!("`{name}` is a metric without an embedding: only its geodesic view can be drawn")
     })
 }
 

@@ -327,7 +327,7 @@ fn pixel_count([width, height]: [u32; 2]) -> u64 {
 pub(crate) fn cut_short_note(rays: u64) -> Option<String> {
     let noun = if rays == 1 { "ray" } else { "rays" };
     (rays > 0).then(|| {
-        format!("{rays} {noun} took more work than there may be: what is met there may be missing")
+        format!("{rays} {noun} exceeded the work limit: objects along them may be missing")
     })
 }
 

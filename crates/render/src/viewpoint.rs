@@ -93,12 +93,12 @@ impl Viewpoint {
             |place: &Option<WorldPoint>| place.is_none_or(|p| p.0.iter().all(|x| x.is_finite()));
         if !finite(&self.eye) || !finite(&self.target) {
             return Err(RenderError::Camera(
-                "the camera's place and target must be finite".into(),
+                "the camera's position and target must be finite".into(),
             ));
         }
         if self.eye.is_some() && self.eye == self.target {
             return Err(RenderError::Camera(
-                "the camera stands on its target and has no direction".into(),
+                "the camera is at its target and has no direction".into(),
             ));
         }
         Ok(())
@@ -162,14 +162,14 @@ impl GeodesicCamera {
             && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))
         {
             return Err(RenderError::Camera(
-                "the camera's place and angle must be finite".into(),
+                "the camera's position and angle must be finite".into(),
             ));
         }
         if let Pose::At { at, angle, .. } = self.pose
             && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))
         {
             return Err(RenderError::Camera(
-                "the camera's place and angle must be finite".into(),
+                "the camera's position and angle must be finite".into(),
             ));
         }
         if self
@@ -182,7 +182,7 @@ impl GeodesicCamera {
         }
         if self.zoom.is_some_and(|zoom| !ZOOMS.contains(&zoom)) {
             return Err(RenderError::Camera(format!(
-                "the zoom must lie between {:e} and {:e}",
+                "the zoom must be between {:e} and {:e}",
                 ZOOMS.start(),
                 ZOOMS.end()
             )));

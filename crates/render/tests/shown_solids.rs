@@ -481,8 +481,8 @@ fn an_image_that_is_chosen_for_a_solid_without_places_is_noted() {
 
 #[test]
 fn an_endless_solid_that_nothing_frames_is_noted() {
-    let note = "`s` may be endless: no box around it was found, so the picture does not frame it; intervals cut it, \
-                such as `x : [-3, 3]` behind it";
+    let note = "`s` may be unbounded: no bounding box was found, so the picture does not frame it; cut it by \
+                intervals, such as `x : [-3, 3]`";
     let endless = "solid s(x,y,z) = x^2 + y^2 - 1;";
     let cases = [
         (endless.to_owned(), true),

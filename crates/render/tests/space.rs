@@ -234,7 +234,7 @@ fn what_is_undefined_is_not_drawn_and_is_reported() {
     );
     assert_eq!(
         picture.notes[1].text(),
-        "`c` is undefined at 50 of its 100 samples and is left open there"
+        "`c` is undefined at 50 of its 100 samples and has holes there"
     );
     assert!(picture.image.pixels().any(|pixel| !is_background(pixel)));
 }

@@ -126,7 +126,7 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
                 format!("≤ {:.1e}", found.error_estimate),
             ));
             if found.overlaps {
-                let note = "the circle overlaps itself: what is swept twice counts twice";
+                let note = "the circle overlaps itself: regions swept twice count twice";
                 answer.note = Some(note.to_owned());
             }
         }

@@ -777,12 +777,9 @@ impl std::fmt::Display for BuildError {
         match self {
             Self::TooLarge => TooLarge.fmt(f),
             Self::SingularMap(solid) => {
-                write!(
-                    f,
-                    "a map of solid {solid} is singular: it takes volumes to 0"
-                )
+                write!(f, "a map of solid {solid} is singular")
             }
-            Self::TooMuchWork => write!(f, "to find where the shapes lie takes too much work"),
+            Self::TooMuchWork => write!(f, "locating the shapes exceeds the work limit"),
             Self::Unbalanced(solid) => {
                 write!(f, "the steps of solid {solid} do not join into one set")
             }

@@ -35,7 +35,7 @@ pub(crate) fn figure(text: &str) -> Result<FigureArgument, String> {
     let kind = FigureKind::ALL.into_iter().find(|kind| kind.name() == word);
     let kind = kind.ok_or_else(|| {
         let words = FigureKind::ALL.map(FigureKind::name).join(", ");
-        format!("`{word}` is no kind of figure: it is one of {words}")
+        format!("`{word}` is not a kind of figure; the kinds are {words}")
     })?;
     let mut parts: Vec<&str> = parts.collect();
     let mut radius = None;

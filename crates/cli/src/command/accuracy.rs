@@ -37,11 +37,11 @@ const LONGEST: u32 = 2048;
 /// The error at which methods are compared, in pixels.
 const EQUAL: f64 = 0.25;
 
-/// Measure every method of following geodesics on this program: error against run time.
+/// Compare the methods of geodesic tracing on a program: error against run time.
 ///
-/// Each method makes the geodesic view as it opens, with several settings. Their ends are compared
-/// with a reference, which is traced again and far more exactly at some thousands of pixels and uphill from the worst of
-/// them. Run times are of this machine; they are for the ends of all pixels, without their colours.
+/// Each method computes the initial geodesic view with several settings. The endpoints are compared with a reference:
+/// geodesics traced at a far smaller tolerance for some thousand pixels, and by hill climbing from the worst of them.
+/// Run times are for this machine and for the endpoints of all pixels, without their colours.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -56,19 +56,19 @@ Errors are distances on the surface, in pixels. The methods:
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The surface's name; without it, the program's first surface
+    /// The surface's name [default: the program's first surface]
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
+    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The picture's size in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = argument::size, allow_hyphen_values = true)]
     size: Size,
-    /// For people, or one JSON document
+    /// Human-readable text, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
-    /// A diagram of it, an SVG file
+    /// Write a diagram of the results, an SVG file
     #[arg(short, long, value_name = "PLOT.svg")]
     output: Option<PathBuf>,
 }

@@ -29,27 +29,27 @@ const NEITHER: [&str; 12] = [
 #[derive(Args, Debug)]
 #[group(skip)]
 pub(super) struct Arguments {
-    /// A param or a grid that runs from one value to another, ends included; may be given several times
+    /// Animate a param or a grid from one value to another, both included; may be given several times
     #[arg(long, value_name = "NAME=FROM:TO", value_parser = argument::animated, allow_hyphen_values = true, help_heading = "Animation")]
     animate: Vec<Animated>,
-    /// How far the geodesic camera walks along its X (backwards if negative), by parallel transport; in the 3D view
-    /// with --show-camera. A single picture shows where it arrives
+    /// The distance that the geodesic camera walks along its X axis (backwards if negative), by parallel transport;
+    /// in the 3D view with --show-camera. A single picture shows the end of the walk
     #[arg(long, value_name = "LENGTH", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Animation")]
     walk: Option<Quantity>,
-    /// The path that has been walked, and its length
+    /// Draw the path that has been walked, and its length
     #[arg(long, requires = "walk", help_heading = "Animation")]
     trail: bool,
-    /// Turns the camera of the 3D view once about the vertical line through its target
+    /// Turn the camera of the 3D view once about the vertical line through its target
     #[arg(long, help_heading = "Animation")]
     turntable: bool,
-    /// The way from the first picture to the last: `once`, to the end; `loop`, so that the picture behind the last is the
-    /// first; `back-and-forth` [default: once, loop with --turntable]
+    /// The course of the animation: `once`, to the end; `loop`: the frame after the last is the first;
+    /// `back-and-forth` [default: once, loop with --turntable]
     #[arg(long, value_name = "COURSE", value_parser = course, help_heading = "Animation")]
     course: Option<Course>,
-    /// How many pictures [default: 60]
+    /// The number of frames [default: 60]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
     frames: Option<u32>,
-    /// Pictures per second [default: 25]
+    /// Frames per second [default: 25]
     #[arg(long, value_name = "RATE", value_parser = argument::rate, help_heading = "Animation")]
     fps: Option<f64>,
 }
@@ -112,16 +112,15 @@ impl Arguments {
         }
         if self.turntable && request.view.space().is_none() {
             return Err(Failure::Usage {
-                message:
-                    "--turntable turns the camera of the 3D view, and the picture is from inside"
-                        .into(),
+                message: "--turntable turns the camera of the 3D view, but this is a geodesic view"
+                    .into(),
                 hint: Some("leave `--view` out, or add `--view 3d`".into()),
             });
         }
         if let Some(walk) = &self.walk {
             if request.view.shown_camera().is_none() {
                 return Err(Failure::Usage {
-                    message: "--walk moves a geodesic camera, and the picture has none".into(),
+                    message: "--walk moves a geodesic camera, but the picture has none".into(),
                     hint: Some("add `--view geodesic` or `--show-camera SURFACE`".into()),
                 });
             }
@@ -130,7 +129,7 @@ impl Arguments {
         let shown = request.view.shown_camera();
         if self.trail && shown.is_some_and(|camera| scene.is_solid(camera.surface)) {
             return Err(Failure::usage(
-                "--trail draws the way of a camera on a surface, and this one is on a solid",
+                "--trail draws the path of a camera on a surface, but this camera is on a solid",
             ));
         }
         Ok(script)
@@ -162,7 +161,7 @@ impl Arguments {
         let still = self.animate.is_empty() && self.walk.is_none() && !self.turntable;
         if still && (file.is_some() || self.frames.is_some() || self.fps.is_some()) {
             return Err(wrong(
-                format!("`{name}` would be an animation in which nothing moves"),
+                format!("`{name}` is an animation, but nothing moves"),
                 "`--animate NAME=FROM:TO` moves a param, `--walk LENGTH` the geodesic camera, `--turntable` the one in space"
                     .into(),
             ));
@@ -172,7 +171,7 @@ impl Arguments {
             let many = self.fps.is_some() || self.frames.is_some() || self.course.is_some();
             if !self.animate.is_empty() || self.turntable || many {
                 return Err(wrong(
-                    format!("`{name}` is one picture, and an animation has many"),
+                    format!("`{name}` is a single picture, but an animation has many"),
                     format!(
                         "write to `{}`, or {}",
                         output.with_extension("gif").display(),
@@ -181,7 +180,7 @@ impl Arguments {
                                 "with `--frames N` to `{}`",
                                 output.with_extension("png").display()
                             ),
-                            false => "give `--frames N` for a picture each".to_owned(),
+                            false => "give `--frames N` for one picture per frame".to_owned(),
                         }
                     ),
                 ));
@@ -217,7 +216,7 @@ impl Animation {
                 Err(Failure::Usage {
                     message: "--partial cannot keep a part of this format".to_owned(),
                     hint: Some(
-                        "write to a GIF, or give `--frames N` and a PNG for a picture each"
+                        "write to a GIF, or give `--frames N` and a PNG for one picture per frame"
                             .to_owned(),
                     ),
                 })
@@ -278,7 +277,7 @@ impl Animation {
         });
         if self.file == AnimationFile::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
             text.push_str(
-                "note: most viewers show a GIF of more than 50 pictures per second slowly\n",
+                "note: most viewers play a GIF of more than 50 frames per second slowly\n",
             );
         }
         if frames < self.frames {
@@ -312,7 +311,7 @@ impl Animation {
     fn failure(&self, error: AnimationError<Failure>) -> Failure {
         let hint = match &error {
             AnimationError::Video(VideoError::NoProgram) => Some(
-                "`ffmpeg` is free, at https://ffmpeg.org and in every system's packages; a .gif or .apng needs nothing"
+                "`ffmpeg` is free: https://ffmpeg.org, or your system's packages; .gif and .apng do not need it"
                     .to_owned(),
             ),
             _ => None,

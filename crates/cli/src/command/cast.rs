@@ -27,10 +27,10 @@ pub const MOST_RAYS: usize = 4_000_000;
 /// The longest line of a file of rays, in bytes.
 pub const LONGEST_LINE: u64 = 4096;
 
-/// Cast a ray into a program's solids: where it enters and leaves each, and what it meets first.
+/// Cast a ray into a program's solids: where it enters and leaves each, and what it hits first.
 ///
 /// Solids are solved, not sampled: up to degree 4 in closed form, any other function by interval arithmetic.
-/// A place within a ray's first 10⁻¹⁰ of its own size is as good as the numbers are.
+/// Crossings closer to the start than 10⁻¹⁰ of its coordinates are limited by rounding.
 #[derive(Args, Debug)]
 #[command(
     group = ArgGroup::new("rays_of").required(true).args(["from", "rays"]),
@@ -48,28 +48,28 @@ surface back to the start."
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// Where the ray starts
+    /// The ray's start
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, requires = "direction")]
     from: Option<Triple>,
-    /// Where it goes; its length does not matter
+    /// The ray's direction; its length does not matter
     #[arg(long, value_name = "A,B,C", value_parser = argument::triple, allow_hyphen_values = true, requires = "from")]
     direction: Option<Triple>,
-    /// A file of rays, one on each line: six numbers, the start and the direction; `-` is standard input
+    /// A file of rays, one per line: six numbers, the start and the direction; `-` is standard input
     #[arg(long, value_name = "FILE")]
     rays: Option<PathBuf>,
-    /// One solid alone, also one that is a part of others; without it, all that are drawn
+    /// The only solid to cast into, which may be a part of others [default: all that are drawn]
     #[arg(long, value_name = "NAME")]
     solid: Option<String>,
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// For people, or a JSON document for each ray
+    /// Human-readable text, or one JSON document per ray
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }
 
 /// The note on a ray on which a function was sampled in the end.
-const CUT_SHORT: &str = "the ray took more work than there may be: crossings may be missing";
+const CUT_SHORT: &str = "the ray exceeds the work limit: crossings may be missing";
 
 /// The JSON document of a ray.
 #[derive(Serialize)]
@@ -231,7 +231,10 @@ fn no_solid(program: &LoadedProgram, scene: &Scene, name: &str, found: Option<&O
     let names: Vec<String> = solids.map(|object| format!("`{}`", object.name)).collect();
     Failure::Usage {
         message: match found {
-            Some(object) => format!("--solid: `{name}` is a {}, no solid", object.shape.kind()),
+            Some(object) => format!(
+                "--solid: `{name}` is a {}, not a solid",
+                object.shape.kind()
+            ),
             None => format!("--solid: `{file}` declares no solid `{name}`"),
         },
         hint: Some(match &names[..] {
@@ -290,7 +293,7 @@ fn rays(
         }
         if rays.len() == MOST_RAYS {
             return Err(unreadable(format!(
-                "it has more than {MOST_RAYS} rays: cast it in parts"
+                "it has more than {MOST_RAYS} rays: split the file"
             )));
         }
         let ray = six_numbers(words).and_then(ray);
@@ -324,7 +327,7 @@ fn ray([origin, direction]: [[f64; 3]; 2]) -> Result<Ray, String> {
     let direction = DVec3::from_array(direction);
     let largest = direction.abs().max_element();
     if largest == 0.0 {
-        return Err("a ray of direction 0 leads nowhere".into());
+        return Err("the direction of a ray must not be zero".into());
     }
     Ok(Ray {
         origin: origin.into(),
@@ -405,7 +408,7 @@ fn text(found: &CastJson<'_>, ray: &Ray, number: Option<usize>) -> String {
             let leaf = leaf.map_or_else(String::new, |leaf| format!(", face of `{leaf}`"));
             let _ = writeln!(
                 text,
-                "it meets first the {} `{}`{leaf}{}: t = {}, at {}, normal {}",
+                "it first meets the {} `{}`{leaf}{}: t = {}, at {}, normal {}",
                 first.kind,
                 first.object,
                 first.grids.text(),

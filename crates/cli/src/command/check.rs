@@ -13,9 +13,9 @@ use crate::registry::Context;
 use crate::report::{self, SeverityCounts, json};
 use crate::style::TextColours;
 
-/// Say what is wrong with programs: where, what, and what to do about it.
+/// Check programs and report errors with location and hint.
 ///
-/// Prints one line `file:line:column: error[code]: sentence` for each finding, with the source below it.
+/// Prints one line `file:line:column: error[code]: sentence` for each diagnostic, followed by the source.
 /// All errors of a program are reported in one run. Warnings do not change the exit status.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// The programs; `-` is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// For people, or one JSON document {"diagnostics": [...]}
+    /// Human-readable text, or one JSON document {"diagnostics": [...]}
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }

@@ -11,10 +11,10 @@ use crate::output::{Inputs, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Turn a CRT script into a program in Geotrace's language that gives the same picture.
+/// Convert a CRT script to a program in Geotrace's language that draws the same picture.
 ///
-/// Loops, macros and random numbers have been run: what they leave is written out, for one value of t, with y and z
-/// swapped. The first comment of the program is the command that gives the script's picture.
+/// The script is run for one value of t. The program states the resulting objects without loops, macros and random
+/// numbers, with y and z swapped; its first comment is the command that draws the script's picture.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -25,7 +25,7 @@ Examples:
 pub(super) struct Arguments {
     /// The script; `-` is standard input, and needs `--language crt`
     file: PathBuf,
-    /// The program to be written; `-` is standard output
+    /// The program to write; `-` is standard output
     #[arg(short, long, value_name = "OUT.gtr")]
     output: PathBuf,
     /// A value for t
@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             .is_none_or(|it| it != extension)
     {
         return Err(Failure::usage(format!(
-            "{} is no name for a program in Geotrace's language: it ends in .{extension}",
+            "{} is not a valid program name: a program in Geotrace's language ends in .{extension}",
             arguments.output.display()
         )));
     }

@@ -17,8 +17,8 @@ use crate::source::SourceText;
 
 /// Print the value of an expression that may use everything the program declares.
 ///
-/// Where the expression depends on grids, there is one value for each combination of their values. A number
-/// that does not exist, such as 0/0, is `undefined`, in JSON null.
+/// Where the expression depends on grids, there is one value for each combination of their values. An undefined
+/// number, such as 0/0, is printed as `undefined`, in JSON as null.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -28,13 +28,13 @@ Examples:
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The expression, as it would stand at the program's end
+    /// The expression, as if written at the end of the program
     #[arg(allow_hyphen_values = true, value_name = "EXPR")]
     expression: String,
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// For people, or one JSON document
+    /// Human-readable text, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }

@@ -33,7 +33,7 @@ Examples:
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// For people, or one JSON document
+    /// Human-readable text, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }

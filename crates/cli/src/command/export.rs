@@ -17,8 +17,8 @@ use crate::registry::Context;
 
 /// Write a program's solids, surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
 ///
-/// Places are in the program's units, as exact as the format allows. Where a surface closes (a sphere's poles, a
-/// torus' seams) its triangles close too; where it is undefined they leave a hole. The mesh of a solid is closed and keeps
+/// Positions are in the program's units, as precise as the format allows. Where a surface closes (a sphere's poles, a
+/// torus' seams) the mesh closes too; where it is undefined the mesh has a hole. The mesh of a solid is closed and keeps
 /// sharp edges; OBJ, PLY and glTF have its colours.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -33,28 +33,28 @@ ply   binary: places in double precision, normals, the picture's colours at the 
 stl   binary: the triangles of surfaces, and nothing else
 gltf  JSON with everything in it: materials, images, lines and points; glb is the same, binary
 
-How fine a surface is, its intervals say: `u : [0, 1, 200]` takes 200 samples. Of a solid, `x : [0, 1, 200]` takes cells of
-1/200. The file is written whole or not at all.")]
+The intervals set the resolution of a surface: `u : [0, 1, 200]` has 200 samples. For a solid, `x : [0, 1, 200]` sets \
+cells of 1/200. The file is written whole or not at all.")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The file to be written, its format by its extension; `-` is standard output
+    /// The file to write, in the format of its extension; `-` is standard output
     #[arg(short, long, value_name = "OUT.{obj,ply,stl,gltf,glb}")]
     output: PathBuf,
-    /// The format, whatever the file is called
+    /// The format, overriding the file's extension
     #[arg(long, value_parser = argument::choice(&FORMATS), value_name = "FORMAT")]
     format: Option<MeshFormat>,
-    /// An object to be written; may be given several times. Without it, all are
+    /// An object to write; may be given several times [default: all objects]
     #[arg(long, value_name = "NAME")]
     object: Vec<String>,
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
+    /// An image (PNG or JPEG) for a surface: its left edge is at u min, its top edge at v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
-    /// A folder with the images that the program names, such as `image : earth`, unless they lie beside it
+    /// A folder with the images that the program names, such as `image : earth`, if they are not beside it
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
 }
@@ -148,11 +148,11 @@ fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
         let name = path.display();
         let (message, example) = if path.as_os_str() == "-" {
             (
-                "standard output has no extension that would tell the format".to_owned(),
+                "standard output has no extension that determines a format".to_owned(),
                 None,
             )
         } else {
-            let message = format!("`{name}` does not tell by its extension which format is meant");
+            let message = format!("the extension of `{name}` does not determine a format");
             (message, Some(path.with_extension("glb")))
         };
         let known = known.join(", ");
@@ -183,7 +183,7 @@ fn objects(scene: &Scene, names: &[String], file: &str) -> Result<Option<Vec<Obj
                 .map(|o| format!("`{}`", o.name))
                 .collect();
             Failure::Usage {
-                message: format!("`{file}` draws no `{name}`"),
+                message: format!("`{file}` draws no object `{name}`"),
                 hint: Some(match &all[..] {
                     [] => "it draws nothing".into(),
                     [only] => format!("its only object is {only}"),

@@ -10,10 +10,11 @@ use crate::output::{self, OutputTarget};
 use crate::registry::Context;
 use crate::source::SourceText;
 
-/// Bring programs into the canonical layout; what they mean never changes.
+/// Format programs in the canonical layout; their meaning never changes.
 ///
-/// Files are rewritten in place; `-` is read from standard input and written to standard output. Comments, line breaks
-/// within a declaration and the way words are joined stay. A program with errors is laid out as far as it can be read.
+/// Files are rewritten in place; `-` is read from standard input and written to standard output. Comments, line
+/// breaks within a declaration and the joining of words are preserved. A program with errors is formatted as far as
+/// it can be parsed.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -24,7 +25,7 @@ pub(super) struct Arguments {
     /// The programs; `-` is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Change nothing; list the programs that are laid out otherwise, and end with status 1 if there are any
+    /// Change nothing; list the programs that are not in the canonical layout, and exit with status 1 if there are any
     #[arg(long)]
     check: bool,
 }
@@ -57,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         let files = number::count(others, "program");
         return Err(Failure::Input {
             message: format!("{files} not in the canonical layout"),
-            hint: Some("`geotrace format FILE…` lays them out".to_owned()),
+            hint: Some("`geotrace format FILE…` formats them".to_owned()),
         });
     }
     Ok(())

@@ -9,15 +9,15 @@ use crate::failure::Failure;
 use crate::output;
 use crate::registry::Context;
 
-/// Serve an editor: the language server on standard input and output.
+/// Run the language server for an editor, on standard input and output.
 ///
-/// Editors start it by themselves. It ends with status 0 after `shutdown`, else with 1.
+/// Editors start it themselves. It exits with status 0 after `shutdown`, else with 1.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// Standard input and output, which is what it does anyway: some editors always add it
+    /// Use standard input and output, as always: accepted because some editors pass it
     #[arg(long, hide = true)]
     stdio: bool,
-    /// Another program, with its arguments, in the place of the preview window: for tests
+    /// Another program, with its arguments, in place of the preview window: for tests
     #[arg(long, hide = true, num_args = 1.., allow_hyphen_values = true, value_name = "PROGRAM")]
     window: Vec<OsString>,
 }

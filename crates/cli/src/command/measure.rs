@@ -20,10 +20,9 @@ use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Measure a surface or a metric: curvature at a place, a circle, geodesics between two places, a triangle.
+/// Measure a surface or a metric: curvature at a point, a circle, geodesics between two points, a triangle.
 ///
-/// All that is measured lies in the surface: distances run along its geodesics, angles are those of its tangent
-/// planes, areas are its own.
+/// All measurements are intrinsic: distances along geodesics, angles in tangent planes, areas of the surface.
 #[derive(Args, Debug)]
 #[command(
     group = ArgGroup::new("what").required(true).args(["at", "between", "triangle"]),
@@ -51,28 +50,28 @@ A number may be an expression in the program's names, such as pi/2.
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The surface's (or metric's) name; without it, the program's first
+    /// The name of the surface or metric [default: the program's first]
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// A place, in the surface's parameters
+    /// A point, in the surface's parameters
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true)]
     at: Option<Pair>,
-    /// The radius of a circle around the place
+    /// The radius of a circle around the point
     #[arg(long, value_name = "R", value_parser = argument::quantity, allow_hyphen_values = true, requires = "at", conflicts_with_all = ["between", "triangle"])]
     circle: Option<Quantity>,
-    /// Two places
+    /// Two points
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 2)]
     between: Option<Vec<Pair>>,
-    /// The greatest length of the geodesics that are listed; twice the distance unless given
+    /// The maximum length of the listed geodesics [default: twice the distance]
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true, requires = "between", conflicts_with_all = ["at", "triangle"])]
     within: Option<Quantity>,
-    /// Three places
+    /// Three points
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
     triangle: Option<Vec<Pair>>,
-    /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
+    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// For people, or one JSON document
+    /// Human-readable text, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }
@@ -169,7 +168,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         (_, Some(places), _) => measuring.between(places, arguments.within.as_ref()),
         (_, _, Some(corners)) => measuring.triangle(corners),
         (None, None, None) => Err(Failure::usage(
-            "one of --at, --between and --triangle is needed",
+            "one of --at, --between and --triangle is required",
         )),
     }
 }
@@ -348,15 +347,13 @@ fn note(found: &Connections) -> Option<String> {
     let within = show_measured(found.within);
     if found.found.is_empty() {
         return Some(if found.complete {
-            format!("no geodesic no longer than {within} joins the two places")
+            format!("no geodesic of length at most {within} joins the two points")
         } else {
-            format!(
-                "no geodesic was found; the search went as far as {within}, and may have missed some"
-            )
+            format!("no geodesic was found up to length {within}; the search may have missed some")
         });
     }
     (!found.complete).then(|| {
-        format!("the list may lack geodesics no longer than {within}: the search reached its limit")
+        format!("the list may be incomplete up to length {within}: the search reached its limit")
     })
 }
 
@@ -365,9 +362,9 @@ fn stopped(stop: &RayStop) -> String {
     let reason = match stop.status {
         Status::LeftDomain => "leaves the domain",
         Status::ConePoint => "runs into the tip of a cone",
-        Status::Degenerate => "comes to where σu and σv are parallel",
-        Status::Undefined => "comes to where the surface is undefined",
-        Status::Complete | Status::WorkLimit => "uses up its evaluations",
+        Status::Degenerate => "reaches a point where σu and σv are parallel",
+        Status::Undefined => "reaches a point where the surface is undefined",
+        Status::Complete | Status::WorkLimit => "reaches the limit of evaluations",
     };
     format!(
         "the ray {degrees:.0}° from σu towards σv {reason} after {}",

@@ -11,21 +11,21 @@ use crate::registry::Context;
 
 /// Open the live window on a program: its 3D view, and its surfaces from inside.
 ///
-/// Without a FILE the window offers new programs, those that were opened last, and examples. It follows the file as it
-/// changes on disk, and has a pane of its own to write in. Editors start it by themselves, attached to what is typed there.
-/// Without a display it ends with status 1: `geotrace show` makes pictures then, and `geotrace render` in any case.
+/// Without a FILE the window offers a new program, recent programs and examples. It follows changes of the file on
+/// disk, and has an editor of its own. Editors start it themselves, attached to the text that is typed there. Without
+/// a display it exits with status 1; `geotrace show` then draws pictures, and `geotrace render` always does.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
     #[arg(conflicts_with = "attached")]
     file: Option<PathBuf>,
-    /// Take the text from an editor's language server, over standard input and output: for editors
+    /// Receive the text from an editor's language server, over standard input and output: for editors
     #[arg(long)]
     attached: bool,
-    /// What draws the pictures: auto takes the GPU where it is a real one
+    /// The renderer: auto uses a hardware GPU if there is one
     #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND")]
     backend: Backend,
-    /// Where to write what the window has done, one JSON object a line: for tests
+    /// A log of the window's actions, one JSON object per line: for tests
     #[arg(long, value_name = "FILE", hide = true)]
     report: Option<PathBuf>,
 }
@@ -33,10 +33,14 @@ pub(super) struct Arguments {
 const BACKENDS: [Choice<Backend>; 3] = [
     Choice::new(
         "auto",
-        "The GPU where it is a real one, else the processor",
+        "A hardware GPU if there is one, else the processor",
         Backend::Auto,
     ),
-    Choice::new("gpu", "The GPU, whatever it is", Backend::Gpu),
+    Choice::new(
+        "gpu",
+        "Any GPU, even one emulated in software",
+        Backend::Gpu,
+    ),
     Choice::new(
         "software",
         "The processor's cores, in double precision",

@@ -38,10 +38,10 @@ pub(super) use images::textures;
 /// The name of the command.
 pub(super) const NAME: &str = "render";
 
-/// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
+/// Draw a picture or an animation of a program: in 3D, traced, or from inside.
 ///
-/// The geodesic view shows the surface as an inhabitant sees it, with the image that is painted on it:
-/// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
+/// The geodesic view shows a surface as an inhabitant sees it, with the image that is painted on it: each pixel shows
+/// the end of a geodesic that starts at the camera in the centre and is as long as the pixel's distance from it.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:
@@ -81,33 +81,33 @@ An animation is one of
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The picture, a .png, or for papers an .svg or .pdf; or an animation, a .gif, .apng, .mp4 or .webm; `-` is standard
-    /// output
+    /// The file to write: a picture (.png, or for papers .svg or .pdf) or an animation (.gif, .apng, .mp4 or .webm);
+    /// `-` is standard output
     #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
     /// 3d, or traced, or traced:CAMERA, or geodesic, or geodesic:SURFACE (or a metric, or a solid); without a name, the
     /// program's first
     #[arg(long, value_name = "VIEW", value_parser = argument::standard_view)]
     view: Option<ViewId>,
-    /// The picture's size in pixels; unless given 800x800, of a CRT script 800x600
+    /// The picture's size in pixels [default: 800x800, for a CRT script 800x600]
     #[arg(long, value_name = "WxH", value_parser = argument::size, allow_hyphen_values = true)]
     size: Option<Size>,
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// What draws: auto takes the GPU where it is a real one, else the software path, and says which
+    /// The renderer: auto uses a hardware GPU if there is one, else the software path, and reports which
     #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND", hide_short_help = true)]
     backend: Backend,
-    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
+    /// An image (PNG or JPEG) for a surface: its left edge is at u min, its top edge at v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature: blue, white at 0, red; `SURFACE=plain` shows its colour alone. A solid shows its image at
     /// its `uv`, a background all around
     #[arg(long, value_name = "OBJECT=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
-    /// A folder with the images that the program names, such as `image : earth`, unless they lie beside it
+    /// A folder with the images that the program names, such as `image : earth`, if they are not beside it
     #[arg(long, value_name = "DIR")]
     images: Option<PathBuf>,
-    /// A surface whose image lies on it the other way up; may be given several times. Of the built-in image, the letters
-    /// are turned over
+    /// A surface whose image is flipped upside down; may be given several times. In the built-in image, the letters
+    /// are flipped
     #[arg(long, value_name = "SURFACE", hide_short_help = true)]
     flip: Vec<String>,
     /// Colours for a screen, or for paper: a white background, and dark points and lines
@@ -116,78 +116,78 @@ pub(super) struct Arguments {
     /// A colour for an object, such as c=#1a2b3c; a surface's colour multiplies its image. May be given several times
     #[arg(long, alias = "color", value_name = "OBJECT=COLOUR", value_parser = argument::object_colour)]
     colour: Vec<ObjectColour>,
-    /// How many times as large as usual lines, points and words are
+    /// The scale of lines, points and text
     #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true)]
     scale: f64,
-    /// Everything as the window shows it: the options of what it remembers of this program, before those that are given
+    /// Use the settings that the window saved for this program; options given here override them
     #[arg(long)]
     like_window: bool,
-    /// Keeps what Ctrl+C interrupts: of a traced picture the samples, of an animation the pictures that are done
+    /// On Ctrl+C, keep the partial result: the samples of a traced picture, the finished frames of an animation
     #[arg(long, hide_short_help = true)]
     partial: bool,
     #[command(flatten)]
     motion: animation::Arguments,
-    /// Where the camera stands: u,v, or near a solid x,y,z; without it, in the middle of the domain, or where the ray from
-    /// the middle of the solid's box along x leaves it
+    /// The camera's position: u,v, or near a solid x,y,z [default: the middle of the domain, or the point where the
+    /// ray along x from the middle of the solid's box leaves the solid]
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true, help_heading = "Geodesic view")]
     at: Option<PlaceArgument>,
-    /// The angle from the direction in which u grows to the picture's right, towards the one in which v grows
+    /// The angle from the direction of increasing u to the picture's right, towards increasing v
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,
-    /// Shows the surface from its other side: the picture is mirrored
+    /// Show the surface from its other side: the picture is mirrored
     #[arg(long, help_heading = "Geodesic view", hide_short_help = true)]
     mirrored: bool,
     /// A setting of the view: `centre=off` leaves out the ring at the picture's centre
     #[arg(long, value_name = "NAME=on|off", value_parser = argument::setting, help_heading = "Geodesic view", hide_short_help = true)]
     setting: Vec<(String, bool)>,
-    /// The distance from the picture's centre to its nearest edge, on the surface
+    /// The distance on the surface from the picture's centre to its nearest edge
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
     zoom: Option<Quantity>,
-    /// How the geodesics are followed
+    /// The method of geodesic tracing
     #[arg(long, value_parser = argument::choice(&METHODS), value_name = "M", help_heading = "Geodesic view", hide_short_help = true)]
     method: Option<PictureMethod>,
-    /// A key to the hatchings, lines and colours of the picture
+    /// Draw a legend of the hatchings, lines and colours
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
-    /// Names at what is seen: objects, and the place of the geodesic camera
+    /// Label the visible objects and the position of the geodesic camera
     #[arg(long, help_heading = "Drawn over the picture")]
     labels: bool,
-    /// Geodesic circles around the camera, SPACING apart; unless given, the least of 1, 2 and 5 times a power of ten
-    /// that is a quarter of the distance to the picture's edge or more. In the 3D view with --show-camera
+    /// Draw geodesic circles around the camera, SPACING apart [default: the least 1, 2 or 5 times a power of ten that
+    /// is at least a quarter of the distance to the picture's edge]. In the 3D view with --show-camera
     #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture", hide_short_help = true)]
     wavefronts: Option<Option<f64>>,
-    /// Where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
+    /// Mark the conjugate points, where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     conjugate: bool,
-    /// The border beyond which what is seen is nearer by another way
+    /// Draw the cut locus, beyond which every point is nearer along another geodesic
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     cut_locus: bool,
-    /// The estimated error, painted over the picture
+    /// Paint the estimated error over the picture
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     error: bool,
-    /// A figure on a surface, as the window measures it: place, distance, circle or triangle with its places A, B, C; of a
-    /// circle the middle and a place of its rim, or its radius. May be given several times
+    /// A figure on a surface, as the window measures it: place, distance, circle or triangle with its points A, B, C;
+    /// for a circle, the centre and a point on it, or its radius. May be given several times
     #[arg(long, value_name = "SURFACE=KIND:U,V:…", value_parser = argument::figure, allow_hyphen_values = true, help_heading = "Drawn over the picture", hide_short_help = true)]
     figure: Vec<FigureArgument>,
-    /// A path on a surface through places that straight lines of its chart join, with its length, as the window draws a walk.
-    /// May be given several times
+    /// A path on a surface with its length, through points that are joined by straight lines in the parameters, as
+    /// the window draws a walk. May be given several times
     #[arg(long, value_name = "SURFACE=U,V:U,V:…", value_parser = argument::path, allow_hyphen_values = true, help_heading = "Drawn over the picture", hide_short_help = true)]
     path: Vec<PathArgument>,
-    /// An object to leave out; what lies on it is still drawn. May be given several times
+    /// An object to hide; objects on it are still drawn. May be given several times
     #[arg(long, value_name = "OBJECT", help_heading = "3D view")]
     hide: Vec<String>,
-    /// A box around the scene, with ticks at round numbers
+    /// Draw a box around the scene, with ticks at round numbers
     #[arg(long, help_heading = "3D view")]
     axes: bool,
-    /// Of an .svg or a .pdf: the hidden parts of curves and geodesics, dashed
+    /// In an .svg or a .pdf, draw the hidden parts of curves and geodesics dashed
     #[arg(long, help_heading = "3D view", hide_short_help = true)]
     hidden_lines: bool,
-    /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA. In the traced view, the colour of the
-    /// sky straight up and down, unless the program has a `background`
+    /// The background: transparent, white, black, #RRGGBB or #RRGGBBAA. In the traced view, the colour of the sky
+    /// straight up and down, unless the program has a `background`
     #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view", hide_short_help = true)]
     background: Option<[u8; 4]>,
-    /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
-    /// axes and the edge of its view as geodesics
+    /// In the 3D view, show the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows,
+    /// the axes and the edge of its view as geodesics
     #[arg(
         long,
         value_name = "SURFACE",
@@ -195,24 +195,23 @@ pub(super) struct Arguments {
         hide_short_help = true
     )]
     show_camera: Option<String>,
-    /// Where the camera stands; without it, where all can be seen
+    /// The camera's position [default: where everything is visible]
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
     eye: Option<Triple>,
-    /// What the camera looks at; without it, the middle of what is drawn
+    /// The camera's target [default: the middle of the drawn objects]
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view", hide_short_help = true)]
     target: Option<Triple>,
-    /// Parallel lines of sight: equal lengths are equal in the picture
+    /// Use parallel lines of sight: equal lengths are equal in the picture
     #[arg(long, help_heading = "3D view")]
     orthographic: bool,
-    /// The samples of a pixel; unless given 16, through a lens 64, of a CRT script the script's own
+    /// Samples per pixel [default: 16, through a lens 64, for a CRT script the script's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(traced::MAX_SAMPLES)), help_heading = "Traced view")]
     samples: Option<u32>,
-    /// At most how many reflections and refractions are followed along a ray; unless given 8, of a CRT script the script's
-    /// own
+    /// The maximum number of reflections and refractions along a ray [default: 8, for a CRT script the script's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(traced::MAX_BOUNCES)), help_heading = "Traced view")]
     bounces: Option<u32>,
-    /// At most how many operations a sample of all pixels may take on solids, lights and surfaces; unless given, what
-    /// takes some seconds
+    /// Work limit for one sample of every pixel, in operations on solids, lights and surfaces [default: a few
+    /// seconds' worth]
     #[arg(
         long,
         value_name = "N",
@@ -220,11 +219,11 @@ pub(super) struct Arguments {
         hide_short_help = true
     )]
     max_operations: Option<u64>,
-    /// The formulas by which light becomes colours: geotrace, or crt, those of the CRT scene language; unless given
-    /// geotrace, of a CRT script crt
+    /// The conversion of light to colours: geotrace, or crt as in the CRT scene language [default: geotrace, for a
+    /// CRT script crt]
     #[arg(long, value_name = "LOOK", value_parser = argument::choice(&LOOKS), help_heading = "Traced view")]
     look: Option<PictureLook>,
-    /// In the look crt, the exponent 1/GAMMA makes colours of light; unless given, the script's, or 1
+    /// With --look crt, light is raised to the power 1/GAMMA [default: the script's gamma, or 1]
     #[arg(long, value_name = "GAMMA", value_parser = argument::positive, help_heading = "Traced view", hide_short_help = true)]
     gamma: Option<f64>,
     /// The words of the command line
@@ -257,7 +256,7 @@ const THEMES: [Choice<Theme>; 2] = [
 const BACKENDS: [Choice<Backend>; 3] = [
     Choice::new(
         "auto",
-        "The GPU where it is a real one, else the software path",
+        "A hardware GPU if there is one, else the software path",
         Backend::Auto,
     ),
     Choice::new("gpu", "A GPU, or an error", Backend::Gpu),
@@ -271,7 +270,7 @@ const BACKENDS: [Choice<Backend>; 3] = [
 const METHODS: [Choice<PictureMethod>; 5] = [
     Choice::new(
         PictureMethod::Auto.name(),
-        "The best: fan",
+        "The best method: fan",
         PictureMethod::Auto,
     ),
     Choice::new(
@@ -384,7 +383,7 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     let print = PrintFormat::of_extension(&extension.to_string_lossy());
     if arguments.hidden_lines && print.is_none() {
         return Err(Failure::usage(
-            "`--hidden-lines` is for pictures whose lines are vectors: write to an .svg or a .pdf",
+            "`--hidden-lines` requires vector output: write to an .svg or a .pdf",
         ));
     }
     let inputs = Inputs::new(&arguments.file, images.files());
@@ -431,8 +430,7 @@ fn print_picture(
         .notes
         .extend(notes.into_iter().map(Note::Remark));
     if layers.strokes.is_empty() && layers.words.is_empty() {
-        let note =
-            "this picture has no lines or words that could be vectors: the file holds its pixels";
+        let note = "this picture has no lines or text to draw as vectors: the file contains its pixels only";
         layers.below.notes.push(Note::Remark(note.to_owned()));
     }
     let title = arguments
@@ -489,7 +487,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
         RenderError::NoView { .. } => Failure::usage(message),
         RenderError::NoGpu { .. } => Failure::Usage {
             message,
-            hint: Some("`--backend auto` takes the software path where there is no GPU".into()),
+            hint: Some("`--backend auto` uses the software path if there is no GPU".into()),
         },
         RenderError::Interrupted => Failure::Input {
             message: "interrupted before every pixel had a sample: nothing is written".to_owned(),
@@ -498,7 +496,7 @@ pub(super) fn failure(error: RenderError) -> Failure {
         RenderError::TooMuchWork(_) => Failure::Input {
             message,
             hint: Some(
-                "a smaller `--size`, or fewer solids and lights; for a traced picture, a greater `--max-operations`"
+                "use a smaller `--size`, or fewer solids and lights; for a traced picture, a greater `--max-operations`"
                     .into(),
             ),
         },

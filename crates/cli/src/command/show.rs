@@ -12,10 +12,10 @@ use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// See a program: in the live window, or, where there is no display, as pictures.
+/// Show a program in the live window, or, without a display, as pictures.
 ///
-/// Without a display it says so and writes pictures into the current folder: the 3D view and, if there is a
-/// surface, the geodesic view of the first one.
+/// Without a display it prints a note and writes pictures to the current folder: the 3D view and, if there is a
+/// surface or a metric, the geodesic view of the first one.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         Ok(()) => return Ok(()),
         Err(NoWindow::Other(failure)) => return Err(failure),
         Err(NoWindow::NotHere(reason)) => {
-            output::print_error(&format!("note: {reason}; here are pictures instead\n"));
+            output::print_error(&format!("note: {reason}; pictures are drawn instead\n"));
         }
     }
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
@@ -56,7 +56,7 @@ fn draw(
     let words = words.chain([target, "--".into(), arguments.file.clone().into_os_string()]);
     let parsed = super::Arguments::parse_with(&context.registry, words);
     let mut render = parsed.map_err(|error| Failure::Internal {
-        message: format!("a picture cannot be asked for: {error}"),
+        message: format!("the arguments of a picture are not accepted: {error}"),
     })?;
     render.language.clone_from(&context.language);
     super::run(render, &context.registry)

@@ -21,10 +21,10 @@ use crate::program::LoadedProgram;
 use crate::progress::Progress;
 use crate::registry::Context;
 
-/// Follow one geodesic of a surface, a metric or a solid: the straightest line from a point in a direction.
+/// Trace one geodesic of a surface, a metric or a solid: the straightest line from a point in a direction.
 ///
-/// Follows it adaptively in double precision, through poles and where the surface closes on itself, and says
-/// where it ends, why it ends there, and how far to trust that.
+/// The geodesic is integrated adaptively in double precision, through poles and across seams. The output is its end,
+/// the reason why it ends there, and an error estimate.
 #[derive(Args, Debug)]
 #[command(
     group = ArgGroup::new("way").required(true).args(["direction", "heading"]),
@@ -47,41 +47,41 @@ The status is one of
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The surface's (or metric's, or solid's) name; without it, the program's first
+    /// The name of the surface, metric or solid [default: the program's first]
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// Where it starts: in the surface's parameters, or a place in space that is brought onto the solid's surface
+    /// The start: in the surface's parameters, or a point in space, which is projected onto the solid's surface
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
     from: PlaceArgument,
-    /// Where it goes: (u,v) components of any scale, or a direction in space whose component along the solid's surface counts
+    /// The direction: (u,v) components of any scale, or a direction in space, which is projected onto the solid's tangent plane
     #[arg(long, value_name = "A,B|A,B,C", value_parser = argument::place, allow_hyphen_values = true)]
     direction: Option<PlaceArgument>,
-    /// Where it goes: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n from ẑ×n towards n×(ẑ×n)
+    /// The direction: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n from ẑ×n towards n×(ẑ×n)
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
     heading: Option<f64>,
-    /// How far it goes, in the surface's units
+    /// The length, in the surface's units
     #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true)]
     length: Quantity,
-    /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
+    /// A value for a param or a grid [default: a param's initial value, a grid's first value]
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// The error allowed in a step, relative to the step's length, up to 0.01; 1.5e-10 unless given
+    /// The error allowed per step, relative to the step's length, up to 0.01 [default: 1.5e-10]
     #[arg(long, value_name = "T", value_parser = argument::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// The most evaluations of the surface and its derivatives; 10 million unless given, which take a few seconds
+    /// The maximum number of evaluations of the surface and its derivatives [default: 10 million, a few seconds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     max_evaluations: Option<u32>,
-    /// How it is integrated
+    /// The method of integration
     #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]
     method: PictureMethod,
     /// The number of steps of rk4-pixel
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: Option<u32>,
-    /// Lists the conjugate points on the way, where geodesics that start beside this one meet it again, and the Jacobi
-    /// field at the end
+    /// List the conjugate points along the geodesic, where geodesics that start beside it meet it again, and the
+    /// Jacobi field at the end
     #[arg(long)]
     conjugate: bool,
-    /// For people, or one JSON document
+    /// Human-readable text, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
 }
@@ -89,7 +89,7 @@ pub(super) struct Arguments {
 const METHODS: [Choice<PictureMethod>; 4] = [
     Choice::new(
         "adaptive",
-        "Steps as long as the tolerance allows; needs nothing else",
+        "Steps as long as the tolerance allows",
         PictureMethod::Adaptive,
     ),
     Choice::new(
@@ -97,7 +97,7 @@ const METHODS: [Choice<PictureMethod>; 4] = [
         "The classical Runge–Kutta method with --steps steps of equal length (512 unless given), as in the thesis, for comparison",
         PictureMethod::Rk4Pixel,
     ),
-    // Methods of pictures: refused with the reason, rather than as an unknown word.
+    // Methods of pictures: refused with the reason, rather than as unknown word.
     Choice::hidden("fan", PictureMethod::Fan),
     Choice::hidden("fan-linear", PictureMethod::FanLinear),
 ];
@@ -132,7 +132,9 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     if length < 0.0 {
         return Err(Failure::Usage {
             message: format!("--length: {} is negative", show(length)),
-            hint: Some("the opposite direction goes the other way".into()),
+            hint: Some(
+                "to go the other way, reverse `--direction`, or add 180 to `--heading`".into(),
+            ),
         });
     }
     let options = options(arguments)?;
@@ -206,7 +208,7 @@ fn on_solid(
 ) -> Result<([f64; 3], SpaceTrace), Failure> {
     if options.method != TraceMethod::Adaptive {
         return Err(Failure::usage(
-            "--method: rk4-pixel takes steps in (u, v), and a solid has no parameters",
+            "--method: rk4-pixel takes steps in (u, v), but a solid has no parameters",
         ));
     }
     let Some(object) = program.scene().get(id) else {
@@ -224,7 +226,7 @@ fn on_solid(
     let surface = solid.surface();
     let unusable = |message: String| Failure::Usage {
         message,
-        hint: Some("`--from` takes a place near the surface".into()),
+        hint: Some("`--from` requires a point near the surface".into()),
     };
     let direction = match &arguments.direction {
         Some(direction) => stated(program.place("--direction", direction, params, object)?),
@@ -233,7 +235,7 @@ fn on_solid(
             let frame = SpaceFrame::new(surface, from, angle, 1.0).map_err(|why| {
                 let [x, y, z] = given;
                 unusable(format!(
-                    "the start ({x}, {y}, {z}) is not brought onto the surface: {why}"
+                    "the start ({x}, {y}, {z}) cannot be projected onto the surface: {why}"
                 ))
             })?;
             frame.x
@@ -328,7 +330,7 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
     match (arguments.method, arguments.steps) {
         (PictureMethod::Rk4Pixel, _) if arguments.conjugate => {
             return Err(Failure::usage(
-                "--conjugate: the thesis' method, rk4-pixel, follows no Jacobi field",
+                "--conjugate: the thesis' method, rk4-pixel, does not integrate the Jacobi field",
             ));
         }
         (PictureMethod::Rk4Pixel, steps) => {
@@ -365,7 +367,7 @@ fn document(trace: &Trace) -> TraceJson {
 }
 
 fn used_up() -> &'static str {
-    "it used up its evaluations (`--max-evaluations` allows more)"
+    "it reached the limit of evaluations (`--max-evaluations` raises it)"
 }
 
 /// σu or σv is taken for zero where the length of its coordinate line is this share of the other's.
@@ -392,7 +394,7 @@ fn lost_rank(surface: &dyn Surface, uv: Uv, shape: &Shape) -> String {
     let unit = VANISHING * (domain[axis][1] - domain[axis][0]);
     let line = show_measured((uv[axis] / unit).round() * unit);
     format!(
-        "{tangent} is 0 on the line {name} ≈ {line}; where the surface is smooth there, another parameter than {name} leads across"
+        "{tangent} is 0 on the line {name} ≈ {line}; if the surface is smooth there, another parametrisation leads across"
     )
 }
 
@@ -426,7 +428,7 @@ fn text(trace: &Trace, from: [f64; 2], surface: &dyn Surface, shape: &Shape) -> 
             tip(surface, trace.uv, shape)
         ),
         Status::Degenerate => format!(
-            "after {length} the parametrisation lost its rank: {}",
+            "the parametrisation is degenerate at length {length}: {}",
             lost_rank(surface, trace.uv, shape)
         ),
         Status::Undefined => format!("after {length} the surface is undefined"),

@@ -80,8 +80,8 @@ pub(super) fn meshed(
     let Some(bounds) = rays.world().bounds(0) else {
         let mut notes = told();
         notes.push(format!(
-            "`{name}` has no mesh: no box around it was found, and it may be endless; intervals cut it, such as \
-             `x : [-3, 3]` behind it"
+            "`{name}` has no mesh: no bounding box was found, and it may be unbounded; cut it by intervals, such as \
+             `x : [-3, 3]`"
         ));
         return (None, notes);
     };
@@ -89,7 +89,7 @@ pub(super) fn meshed(
     if !bounds.is_empty() && !corners.iter().all(is_held) {
         let mut notes = told();
         notes.push(format!(
-            "`{name}` has no mesh: files of meshes have single precision, which does not hold its places"
+            "`{name}` has no mesh: mesh files have single precision, too little for its coordinates"
         ));
         return (None, notes);
     }
@@ -100,8 +100,7 @@ pub(super) fn meshed(
     let Some(found) = contour(rays.world(), 0, &bounds, cells, &fineness.mesh_work) else {
         let mut notes = told();
         notes.push(format!(
-            "`{name}` has no mesh: the meshes of the solids take more work than there may be; fewer solids, or fewer cells, \
-             take less"
+            "`{name}` has no mesh: meshing the solids exceeds the work limit; use fewer solids, or fewer cells"
         ));
         return (None, notes);
     };
@@ -111,7 +110,7 @@ pub(super) fn meshed(
     let mut notes = told();
     if let Some(asked) = asked.filter(|asked| *asked > f64::from(MOST_CELLS)) {
         notes.push(format!(
-            "`{name}` has {MOST_CELLS} cells along its longest side, the most there may be: its counts ask for {asked}"
+            "`{name}` is meshed with {MOST_CELLS} cells along its longest side, the maximum: its counts request {asked}"
         ));
     }
     notes.extend(thin(name, &bounds, cells, &found));
@@ -213,7 +212,7 @@ fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Opti
     let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
     let axis = ["x", "y", "z"][axis];
     Some(format!(
-        "{text}; counts make cells smaller: `{axis} : [{low}, {high}, {MOST_CELLS}]`"
+        "{text}; make the cells smaller by counts: `{axis} : [{low}, {high}, {MOST_CELLS}]`"
     ))
 }
 

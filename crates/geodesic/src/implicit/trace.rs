@@ -95,14 +95,12 @@ impl fmt::Display for SpaceTraceError {
             Self::Place { at: [x, y, z], why } => {
                 write!(
                     f,
-                    "the start ({x}, {y}, {z}) is not brought onto the surface: {why}"
+                    "the start ({x}, {y}, {z}) cannot be projected onto the surface: {why}"
                 )
             }
             Self::DirectionNotFinite => f.write_str("the direction is not three numbers"),
             Self::ZeroDirection => f.write_str("the direction is zero"),
-            Self::NormalDirection => {
-                f.write_str("the direction is normal to the surface: it has no component along it")
-            }
+            Self::NormalDirection => f.write_str("the direction is normal to the surface"),
             Self::BadLength { length } => {
                 write!(f, "the length {length} is not a number of at least 0")
             }

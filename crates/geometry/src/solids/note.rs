@@ -60,10 +60,7 @@ impl std::fmt::Display for RayNote {
                 instances: 1,
                 leaf,
             } => {
-                write!(
-                    f,
-                    "`{name}` is not drawn: the map of `{leaf}` takes volumes to 0"
-                )
+                write!(f, "`{name}` is not drawn: the map of `{leaf}` is singular")
             }
             RayFault::SingularMap {
                 skipped,
@@ -71,13 +68,13 @@ impl std::fmt::Display for RayNote {
                 leaf,
             } => write!(
                 f,
-                "{skipped} of the {instances} instances of `{name}` are not drawn: the map of `{leaf}` takes volumes to 0"
+                "{skipped} of the {instances} instances of `{name}` are not drawn: the map of `{leaf}` is singular"
             ),
-            RayFault::Empty => write!(f, "`{name}` is not seen: no point is in it"),
+            RayFault::Empty => write!(f, "`{name}` is not visible: it contains no point"),
             RayFault::Endless => write!(
                 f,
-                "`{name}` may be endless: no box around it was found, so the picture does not frame it; intervals cut \
-                 it, such as `x : [-3, 3]` behind it"
+                "`{name}` may be unbounded: no bounding box was found, so the picture does not frame it; cut it by \
+                 intervals, such as `x : [-3, 3]`"
             ),
             RayFault::TooManyLeaves => write!(
                 f,
@@ -88,7 +85,7 @@ impl std::fmt::Display for RayNote {
             }
             RayFault::TooMuchWork => write!(
                 f,
-                "`{name}` is not drawn: to find where the solids lie takes more work than there may be; fewer instances take less"
+                "`{name}` is not drawn: locating the solids exceeds the work limit; use fewer instances"
             ),
             RayFault::TooManyBodies => write!(
                 f,
@@ -101,24 +98,24 @@ impl std::fmt::Display for RayNote {
             RayFault::UndefinedStage(1) => {
                 write!(
                     f,
-                    "`{name}` is left out: its place or its direction is undefined, or the direction is zero"
+                    "`{name}` is left out: its position or direction is undefined, or the direction is zero"
                 )
             }
             RayFault::UndefinedStage(count) => write!(
                 f,
-                "{count} instances of `{name}` are left out: their place or direction is undefined, or the direction is zero"
+                "{count} instances of `{name}` are left out: their position or direction is undefined, or the direction is zero"
             ),
             RayFault::UndefinedAttribute(word) => write!(
                 f,
-                "`{word}` of `{name}` is undefined somewhere: its default is taken there"
+                "`{word}` of `{name}` is undefined somewhere: its default is used there"
             ),
             RayFault::ClampedAttribute(word) => write!(
                 f,
-                "`{word}` of `{name}` is out of its range somewhere: the nearest number in it is taken there"
+                "`{word}` of `{name}` is out of range somewhere: it is clamped there"
             ),
             RayFault::NotUniform(word) => write!(
                 f,
-                "`{word}` of `{name}` is one number for the whole solid: its value at the origin is taken"
+                "`{word}` of `{name}` is one number for the whole solid: its value at the origin is used"
             ),
             RayFault::UnplacedImage => {
                 write!(f, "`{name}` has no `uv`, so its image is not shown")

@@ -52,7 +52,7 @@ impl GpuSurface {
             Backend::Auto if is_real => {}
             Backend::Auto => return (Renderer::software(), "software".to_owned()),
             Backend::Software => {
-                return (Renderer::software(), "software, as asked for".to_owned());
+                return (Renderer::software(), "software, as requested".to_owned());
             }
         }
         (

@@ -476,7 +476,7 @@ geodesic g(t) : h = (1, 0) @ (0, 1), t : [0, 0.5];\n";
     hand.click_on(Role::CheckBox, "3D view");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(hand.shows("A metric has no place in space: see its geodesic view"));
+    assert!(hand.shows("A metric has no embedding: see its geodesic view"));
 
     let mut hand = Hand::on(metric);
     hand.window_mut()
@@ -484,5 +484,5 @@ geodesic g(t) : h = (1, 0) @ (0, 1), t : [0, 0.5];\n";
     hand.until("what has a place in space is seen there", |hand| {
         hand.shows("3D view of 3 objects")
     });
-    assert!(!hand.shows("A metric has no place"));
+    assert!(!hand.shows("A metric has no embedding"));
 }

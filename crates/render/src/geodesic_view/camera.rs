@@ -342,7 +342,7 @@ fn place(
         }
         Pose::InSpace { .. } | Pose::SpaceFrame(_) => {
             return Err(RenderError::Camera(format!(
-                "`{name}` has two parameters: a camera on it stands at a place (u, v)"
+                "`{name}` has two parameters: a camera on it has a position (u, v)"
             )));
         }
         Pose::At {

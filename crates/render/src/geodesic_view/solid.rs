@@ -85,19 +85,19 @@ impl PlacedSolidCamera {
             } => (None, angle),
             Pose::At { at: Some(_), .. } | Pose::Frame(_) => {
                 return Err(RenderError::Camera(format!(
-                    "`{name}` is a solid: a camera on it stands at a place (x, y, z)"
+                    "`{name}` is a solid: a camera on it has a position (x, y, z)"
                 )));
             }
         };
         let Some(near) = at.or(solid.first_place()) else {
             return Err(RenderError::Camera(format!(
-                "`{name}` has no surface that a ray from its middle meets, so the camera needs a place (x, y, z)"
+                "`{name}` has no surface that a ray from its middle hits, so the camera needs a position (x, y, z)"
             )));
         };
         let frame = SpaceFrame::new(solid.surface(), near, angle, zoom).map_err(|why| {
             let [x, y, z] = near;
             RenderError::Camera(format!(
-                "the camera's place ({x}, {y}, {z}) is not brought onto `{name}`: {why}"
+                "the camera's position ({x}, {y}, {z}) cannot be projected onto `{name}`: {why}"
             ))
         })?;
         Ok(Self {
@@ -189,7 +189,7 @@ impl PlacedSolidCamera {
         let Some(interpolation) = self.method.interpolation() else {
             return match self.method {
                 PictureMethod::Rk4Pixel => Err(RenderError::Camera(
-                    "the method rk4-pixel takes steps in (u, v), and a solid has no parameters"
+                    "the method rk4-pixel takes steps in (u, v), but a solid has no parameters"
                         .into(),
                 )),
                 _ => Ok(self.pixel_by_pixel()),
@@ -197,7 +197,7 @@ impl PlacedSolidCamera {
         };
         let Some(fan) = self.fan(interpolation) else {
             return Err(RenderError::Camera(
-                "the solid has no tangent plane where the camera stands".into(),
+                "the solid has no tangent plane at the camera".into(),
             ));
         };
         progress(0.5);

@@ -78,7 +78,7 @@ impl Gpu {
         let is_emulated = info.device_type == wgpu::DeviceType::Cpu;
         if is_emulated && adapters == Adapters::Real {
             let name = info.name;
-            return Err(format!("the only driver, {name}, draws on the processor"));
+            return Err(format!("the only driver, {name}, runs on the processor"));
         }
         let offered = adapter.limits();
         // The default limits, but buffers and textures as large as the adapter has them.

@@ -183,7 +183,9 @@ impl KernelState {
 }
 
 fn refused(name: &str, message: &str) -> String {
-    format!("the GPU has refused the shader of `{name}`, which is computed without it: {message}")
+    format!(
+        "the GPU rejected the shader of `{name}`, which is computed on the processor: {message}"
+    )
 }
 
 /// Starts to build the kernel of an object.

@@ -382,7 +382,7 @@ pub(crate) fn check_side(gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
     if size.iter().any(|&side| side > most) {
         let [width, height] = size;
         return Err(RenderError::Gpu(format!(
-            "a picture of {width}x{height} pixels is larger than its textures, which have {most} a side"
+            "a picture of {width}x{height} pixels is larger than its textures, which have at most {most} on a side"
         )));
     }
     Ok(())

@@ -76,7 +76,7 @@ impl Legend {
             Status::ConePoint => "ended at a cone's tip",
             Status::Degenerate => "no tangent plane",
             Status::Undefined => "undefined",
-            Status::WorkLimit => "unresolved: limit of work",
+            Status::WorkLimit => "unresolved: work limit",
         };
         self.entries
             .push((Mark::Hatching(status), words.to_owned()));

@@ -44,9 +44,9 @@ pub fn missing_file(name: &str, folders: &[PathBuf]) -> String {
     };
     let [a, b, c] = ENDINGS;
     match path_below(name) {
-        None => format!(
-            "{hidden}: its path leads out of the folder of the program; name it without `..`"
-        ),
+        None => {
+            format!("{hidden}: its path leads out of the program's folder; name it without `..`")
+        }
         Some(path) if has_ending(path) => {
             format!("{hidden}: there is no {} {place}", path.display())
         }

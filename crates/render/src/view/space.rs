@@ -97,7 +97,7 @@ impl View for SpaceView {
     }
 
     fn nothing(&self) -> &'static str {
-        "A metric has no place in space: see its geodesic view"
+        "A metric has no embedding: see its geodesic view"
     }
 
     fn options(&self, _object: Option<ObjectId>) -> ViewPart {

@@ -50,7 +50,7 @@ impl Threads {
                 .num_threads(threads)
                 .build()
                 .map_err(|error| Failure::Internal {
-                    message: format!("no threads could be started: {error}"),
+                    message: format!("cannot start threads: {error}"),
                 })
         };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

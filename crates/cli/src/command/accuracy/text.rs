@@ -23,7 +23,7 @@ pub(super) fn table(document: &Measurements) -> String {
     );
     let _ = writeln!(
         out,
-        "errors in pixels, against {} reference pixels and uphill from the worst{}; times in ms, medians",
+        "errors in pixels, against {} reference pixels and by hill climbing from the worst{}; times in ms, medians",
         number::grouped(reference.pixels as u64),
         match reference.unknown {
             0 => String::new(),

@@ -14,7 +14,7 @@ pub(super) fn place(found: &PlaceMeasures, embedded: bool, parameters: &[String]
     let normal = normal.join(" × ");
     let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show_measured);
     let mean = match (found.mean, embedded) {
-        (None, false) => "none: a metric bends in no space".into(),
+        (None, false) => "none: a metric has no embedding".into(),
         (mean, _) => format!("{}  for the normal {normal}", curvature(mean)),
     };
     let [e, f, g] = found.form.map(show_measured);
@@ -46,7 +46,7 @@ fn show_pair(pair: [f64; 2]) -> String {
 /// The error estimate of some numbers, with a warning where it is so large that most of their digits mean nothing.
 fn trust(estimate: f64, values: [f64; 2]) -> String {
     let warning = if values.iter().any(|&value| is_vague(value, estimate)) {
-        ": these numbers are not to be trusted"
+        ": these numbers are not reliable"
     } else {
         ""
     };
@@ -62,7 +62,7 @@ pub(super) fn circle(found: &Circle, radius: f64) -> String {
         format!("{share} of the flat one's {}", show_measured(flat))
     };
     let overlap = if found.overlaps {
-        "it overlaps itself: what is swept twice counts twice"
+        "it overlaps itself: regions swept twice count twice"
     } else {
         "it does not overlap itself"
     };

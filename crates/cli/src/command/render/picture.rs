@@ -317,7 +317,7 @@ pub(super) fn empty_space(scene: &Scene, view: &ViewPart) -> Option<String> {
     let mut metrics = scene.objects.iter().filter(|it| it.shape.is_metric());
     Some(match metrics.next() {
         Some(metric) => format!(
-            "no object of the picture lies in space: `--view geodesic:{}` draws the metric from inside",
+            "nothing to draw in 3D: a metric has no embedding; use `--view geodesic:{}`",
             metric.name
         ),
         None => "the picture shows no object".to_owned(),

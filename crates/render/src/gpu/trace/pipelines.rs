@@ -62,7 +62,7 @@ impl TracePipelines {
         match pipeline.get() {
             None => Ok(false),
             Some(Ok(_)) => Ok(true),
-            Some(Err(message)) => Err(format!("the GPU has refused its shader: {message}")),
+            Some(Err(message)) => Err(format!("the GPU rejected its shader: {message}")),
         }
     }
 

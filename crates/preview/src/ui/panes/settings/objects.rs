@@ -66,7 +66,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     let drawn = !object.shape.is_metric();
     let mut shown = !look.hidden;
     let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
-    let show = show.on_disabled_hover_text("A metric has no place in space");
+    let show = show.on_disabled_hover_text("A metric has no embedding");
     if show.accessible_name(format!("Show {name}")).changed() {
         window
             .model
