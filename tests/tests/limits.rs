@@ -83,7 +83,7 @@ fn programs() -> Vec<Limit> {
             "findings in a program",
             grouped(syntax::text::MAX_DIAGNOSTICS as u64),
             "memory, and nobody reads more",
-            "more than {MAX_DIAGNOSTICS} findings: the rest is left out",
+            "more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted",
             "",
         ),
         limit(
@@ -158,7 +158,7 @@ fn scripts() -> Vec<Limit> {
             "elements of a list, bytes of a string",
             grouped(crt::MAX_SIZE),
             "memory",
-            "a string has {MAX_SIZE} bytes at most",
+            "a string has at most {MAX_SIZE} bytes",
             "",
         ),
     ]

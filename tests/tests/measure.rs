@@ -374,5 +374,5 @@ fn a_crease_and_equal_corners_are_named() {
         .expect_status(1)
         .expect_text("lies on a crease");
     let one = document(SPHERE, "--triangle 0,0 0,0 1,1");
-    assert_eq!(one["note"], "the corners 1 and 2 are one place");
+    assert_eq!(one["note"], "the corners 1 and 2 are the same point");
 }

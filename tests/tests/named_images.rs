@@ -211,7 +211,7 @@ Scene {{ }}
     std::fs::write(&file, text).expect("written");
     let run = geotrace(["render", &file, "-o", &out, "--size", "24x16"]).run();
     assert!(
-        run.stderr.contains("leads out of the folder"),
+        run.stderr.contains("leads out of the program's folder"),
         "{}",
         run.stderr
     );

@@ -180,8 +180,11 @@ fn a_figure_is_one_picture_and_has_its_own_backend() {
             told(&output)
         );
     };
-    refused("-o out.svg --animate a=0:1 --frames 4", "is one picture");
-    refused("-o out.pdf --animate a=0:1", "is one picture");
+    refused(
+        "-o out.svg --animate a=0:1 --frames 4",
+        "is a single picture",
+    );
+    refused("-o out.pdf --animate a=0:1", "is a single picture");
     refused("-o out.svg --backend gpu", "software path");
     let inside = geotrace(
         folder.path(),

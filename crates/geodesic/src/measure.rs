@@ -109,24 +109,24 @@ impl From<TraceError> for MeasureError {
 impl fmt::Display for MeasureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::NotFinite => f.write_str("the place is not a pair of numbers"),
+            Self::NotFinite => f.write_str("the point is not a pair of numbers"),
             Self::Outside {
                 at: [u, v],
                 domain: [[u0, u1], [v0, v1]],
             } => write!(
                 f,
-                "the place ({u}, {v}) lies outside the domain [{u0}, {u1}] × [{v0}, {v1}]"
+                "the point ({u}, {v}) lies outside the domain [{u0}, {u1}] × [{v0}, {v1}]"
             ),
             Self::Undefined { at: [u, v] } => {
-                write!(f, "the surface is undefined at the place ({u}, {v})")
+                write!(f, "the surface is undefined at the point ({u}, {v})")
             }
             Self::Degenerate { at: [u, v] } => write!(
                 f,
-                "the surface has no tangent plane at the place ({u}, {v}): σu and σv are parallel or undefined"
+                "the surface has no tangent plane at the point ({u}, {v}): σu and σv are parallel or undefined"
             ),
             Self::Crease { at: [u, v] } => write!(
                 f,
-                "the place ({u}, {v}) lies on a crease: the tangent planes of both sides differ"
+                "the point ({u}, {v}) lies on a crease: the tangent planes of both sides differ"
             ),
             Self::BadLength { length } => {
                 write!(f, "the length {length} is not a number of at least 0")

@@ -508,18 +508,18 @@ impl fmt::Display for GeodesicFault {
                     Status::ConePoint => "it runs into the tip of a cone",
                     Status::Degenerate => "σu and σv become parallel",
                     Status::Undefined => "the surface is undefined there",
-                    Status::WorkLimit | Status::Complete => "following it takes too many steps",
+                    Status::WorkLimit | Status::Complete => "it exceeds the limit of steps",
                 };
                 write!(f, "it ends at {end:.6}, before {at}: {why}")
             }
             Self::EndsInSpace { end, at, status } => {
                 let why = match status {
-                    Status::LeftDomain => "it meets an edge of the solid",
+                    Status::LeftDomain => "it reaches an edge of the solid",
                     Status::Degenerate | Status::ConePoint => {
                         "the solid has no tangent plane there"
                     }
                     Status::Undefined => "the solid is undefined there",
-                    Status::WorkLimit | Status::Complete => "following it takes too many steps",
+                    Status::WorkLimit | Status::Complete => "it exceeds the limit of steps",
                 };
                 write!(f, "it ends at {end:.6}, before {at}: {why}")
             }

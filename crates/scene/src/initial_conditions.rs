@@ -46,9 +46,9 @@ impl fmt::Display for InitialConditionsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoConnection => {
-                write!(f, "no geodesic between its two places was found")
+                write!(f, "no geodesic between its two points was found")
             }
-            Self::OnePlace => write!(f, "its two places are the same"),
+            Self::OnePlace => write!(f, "its two points are the same"),
             Self::UndefinedDirection => write!(f, "its direction is undefined"),
             Self::ZeroDirection => write!(f, "its direction is zero"),
             Self::UndefinedStart => write!(f, "its start is undefined"),
@@ -57,7 +57,7 @@ impl fmt::Display for InitialConditionsError {
                 domain: [first, second],
             } => write!(
                 f,
-                "the place ({u}, {v}) lies outside the domain [{}, {}] × [{}, {}]",
+                "the point ({u}, {v}) lies outside the domain [{}, {}] × [{}, {}]",
                 first.min, first.max, second.min, second.max
             ),
         }

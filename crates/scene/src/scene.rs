@@ -282,7 +282,7 @@ pub enum GeodesicPath {
         solid: Arc<str>,
         /// The solid's field, over `Variable(0)`, `Variable(1)` and `Variable(2)`.
         field: NodeId,
-        /// (a, b, c); its component along the surface counts.
+        /// (a, b, c); it is projected onto the tangent plane.
         direction: [NodeId; 3],
         /// (x, y, z), which is brought onto the surface.
         start: [NodeId; 3],

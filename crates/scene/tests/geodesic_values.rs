@@ -172,11 +172,11 @@ fn what_has_no_value_says_why() {
     );
     assert_eq!(
         reasons("q"),
-        ["h: the place (2, 0) lies outside the domain [0, 1] × [0, 1]"]
+        ["h: the point (2, 0) lies outside the domain [0, 1] × [0, 1]"]
     );
     assert_eq!(
         reasons("r"),
-        ["i: the place (2, 0.5) lies outside the domain [0, 1] × [0, 1]"]
+        ["i: the point (2, 0.5) lies outside the domain [0, 1] × [0, 1]"]
     );
     let evaluation = compilation.evaluate("s(g(L))", &params).expect("no error");
     assert_eq!(

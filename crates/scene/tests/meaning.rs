@@ -363,7 +363,7 @@ fn ambiguous_derivatives_name_the_remedy() {
         "function f(x,y) = x; define a = f'(1,2);",
         "ambiguous-derivative",
         "f'",
-        "`f'` does not say by which of the 2 parameters of `f` to derive",
+        "`f'` does not specify by which of the 2 parameters of `f` to differentiate",
     );
     assert_eq!(
         error.hint.unwrap(),
@@ -374,20 +374,20 @@ fn ambiguous_derivatives_name_the_remedy() {
         "function f(x,y) = x; function g(t) = 2f'(t,t); define b = g 1;",
         "ambiguous-derivative",
         "f'",
-        "`f'` does not say by which of the 2 parameters of `f` to derive",
+        "`f'` does not specify by which of the 2 parameters of `f` to differentiate",
     );
     let error = assert_error(
         "function f(x) = *x; define a = f'(1,2);",
         "vector-derivative",
         "f'(1,2)",
-        "a derivative is taken by a number, but the parameter `x` of `f` is a vector of dimension 2 here",
+        "a derivative is taken with respect to a number, but the parameter `x` of `f` is a vector of dimension 2 here",
     );
     assert!(error.hint.unwrap().contains("component"));
     assert_error(
         "function f(x, y) = x y; define a = f_y((1,2),(3,4));",
         "vector-derivative",
         "f_y((1,2),(3,4))",
-        "a derivative is taken by a number, but the parameter `y` of `f` is a vector of dimension 2 here",
+        "a derivative is taken with respect to a number, but the parameter `y` of `f` is a vector of dimension 2 here",
     );
     // By the other parameter, which is a number.
     assert_value("function f(x, y) = x y^2;", "f_y((1,2),3)", &[6.0, 12.0]);

@@ -5,7 +5,7 @@ use crate::span::Span;
 /// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Severity {
-    /// The text has no meaning here.
+    /// The text is not valid here.
     Error,
     /// Legal, but probably not what the user means.
     Warning,

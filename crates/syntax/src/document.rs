@@ -116,7 +116,7 @@ impl std::fmt::Display for EditError {
         f.write_str(match self {
             Self::OutOfRange => "the edit's range is not one of the text",
             Self::InsideCharacter => "the edit's range ends inside a character",
-            Self::TooLarge => "the text would be too large: 4 GiB are the limit",
+            Self::TooLarge => "the text would be too large: the limit is 4 GiB",
         })
     }
 }

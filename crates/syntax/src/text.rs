@@ -10,13 +10,13 @@ pub const MAX_DIAGNOSTICS: usize = 100_000;
 
 /// The last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it takes.
 pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
-    let message = format!("more than {MAX_DIAGNOSTICS} findings: the rest is left out");
+    let message = format!("more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted");
     Diagnostic::error(codes::TOO_MANY_ERRORS, span, message)
 }
 
 /// The diagnostic of a text of 4 GiB or more, which is not read.
 pub(crate) fn too_large() -> Diagnostic {
-    let message = "this text is too large: 4 GiB are the limit";
+    let message = "this text is too large: the limit is 4 GiB";
     Diagnostic::error(codes::FILE_TOO_LARGE, Span::default(), message)
 }
 
@@ -40,7 +40,7 @@ pub fn decode(bytes: &[u8]) -> Result<&str, Box<Diagnostic>> {
         let diagnostic = Diagnostic::error(
             codes::INVALID_UTF8,
             Span::new(start, start + REPLACEMENT_LENGTH),
-            format!("this is not UTF-8: the byte 0x{byte:02X} has no meaning here"),
+            format!("this is not UTF-8: the byte 0x{byte:02X} is not valid here"),
         )
         .with_hint("save the file with the encoding UTF-8");
         Box::new(diagnostic)

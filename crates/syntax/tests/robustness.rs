@@ -259,7 +259,7 @@ fn a_run_of_nul_bytes_is_one_finding() {
     assert_eq!(counter.codes, [codes::BAD_CHARACTER]);
     let findings = program_findings("define a = 1 + \0 2;");
     assert_eq!(findings.len(), 1);
-    assert!(findings[0].contains("a NUL byte (U+0000) cannot stand here"));
+    assert!(findings[0].contains("a NUL byte (U+0000) cannot be used here"));
 }
 
 #[test]

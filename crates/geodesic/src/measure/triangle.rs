@@ -71,11 +71,11 @@ impl fmt::Display for NoRegion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OnePlace { corners: [a, b] } => {
-                write!(f, "the corners {} and {} are one place", a + 1, b + 1)
+                write!(f, "the corners {} and {} are the same point", a + 1, b + 1)
             }
             Self::NoSide { corners: [a, b] } => {
                 let (a, b) = (a + 1, b + 1);
-                write!(f, "no geodesic was found that joins the corners {a} and {b}")
+                write!(f, "no geodesic between the corners {a} and {b} was found")
             }
             Self::NotSwept => f.write_str(
                 "the geodesics from the first corner to the opposite side sweep no region between the other two sides: \

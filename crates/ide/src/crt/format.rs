@@ -58,7 +58,7 @@ struct OpenBracket {
     inside: usize,
     /// The indentation of the line that opens it.
     outside: usize,
-    /// It is a brace: a line in it that begins no statement or attribute goes on with the one above.
+    /// It is a brace: a line in it that begins no statement or attribute continues the line above.
     is_brace: bool,
 }
 

@@ -65,7 +65,7 @@ impl Interpreter<'_> {
             "arguments"
         };
         let are = if given == 1 { "is" } else { "are" };
-        let message = format!("{called} takes {expected} {word}, and {given} {are} given");
+        let message = format!("{called} takes {expected} {word}, but {given} {are} given");
         Err(self.fault(codes::ARGUMENT_COUNT, span, message))
     }
 
@@ -78,7 +78,7 @@ impl Interpreter<'_> {
     ) -> Result<ScriptValue, Stopped> {
         let ScriptValue::Macro(called) = value else {
             let message = format!(
-                "only a macro or a function can be called, and this is a value of type {}",
+                "only a macro or a function can be called, but this is a value of type {}",
                 value.kind()
             );
             return Err(self.fault(codes::NOT_A_MACRO, span, message));
@@ -160,7 +160,7 @@ impl Interpreter<'_> {
         };
         let mut entities = entities.into_iter();
         let Some(mut all) = entities.next() else {
-            let message = "this list has no entities, and a set operation needs some";
+            let message = "this list has no entities, but a set operation needs at least one";
             return Err(self.fault(codes::TYPE_MISMATCH, span, message));
         };
         for next in entities {
@@ -217,7 +217,7 @@ impl Interpreter<'_> {
     ) -> Result<ScriptValue, Stopped> {
         let Some(entity) = self.operand(value, span)? else {
             let message = format!(
-                "only entities are scaled, moved and turned, and this is a value of type {}",
+                "only entities can be scaled, moved and rotated, but this is a value of type {}",
                 value.kind()
             );
             return Err(self.fault(codes::TYPE_MISMATCH, span, message));
@@ -238,7 +238,7 @@ impl Interpreter<'_> {
                         ModifierKind::Translate => "`translate` takes a Vector",
                         ModifierKind::Rotate => "`rotate` takes a Vector",
                     };
-                    let message = format!("{needs}, and this is a value of type {}", other.kind());
+                    let message = format!("{needs}, but this is a value of type {}", other.kind());
                     return Err(self.fault(codes::TYPE_MISMATCH, modifier.span, message));
                 }
             };

@@ -15,19 +15,19 @@ macro_rules! codes {
 pub const INTERNAL_ERROR: Code = Code("internal-error");
 
 codes! {
-    ARGUMENT_COUNT = "argument-count", "A macro or a function takes another number of arguments.";
+    ARGUMENT_COUNT = "argument-count", "A macro or a function is called with a wrong number of arguments.";
     CALL_DEPTH = "call-depth", "Calls within calls are limited to 200.";
     CIRCULAR_VARIABLE = "circular-variable", "A variable would point to itself.";
     DIVISION_BY_ZERO = "division-by-zero", "A whole number cannot be divided by 0.";
-    INDEX_OUT_OF_RANGE = "index-out-of-range", "A list has no element of this number; the first one is 0.";
-    NO_EFFECT = "no-effect", "A statement has a value that nothing takes.";
+    INDEX_OUT_OF_RANGE = "index-out-of-range", "A list has no element at this index; the first index is 0.";
+    NO_EFFECT = "no-effect", "The value of a statement is not used.";
     NOT_A_MACRO = "not-a-macro", "Only a macro or a function can be called.";
-    NOT_DRAWN = "not-drawn", "An entity is drawn only where it stands in `Scene` or in a macro that is called there.";
-    OUT_OF_RANGE = "out-of-range", "An attribute is outside the numbers that it may have.";
+    NOT_DRAWN = "not-drawn", "An entity is drawn only in `Scene` or in a macro that is called there.";
+    OUT_OF_RANGE = "out-of-range", "The value of an attribute is out of range.";
     POINTS_LATER = "points-later", "A variable points to another one that is assigned later.";
-    TOO_LARGE = "too-large", "Strings and lists are limited to a million, lists within lists to 256.";
-    TOO_MANY_LEAVES = "too-many-leaves", "All entities together have a million leaves at most.";
-    TYPE_MISMATCH = "type-mismatch", "A value has another type than is needed.";
+    TOO_LARGE = "too-large", "Strings and lists are limited to a million bytes or elements, nested lists to 256 levels.";
+    TOO_MANY_LEAVES = "too-many-leaves", "All entities together have at most a million leaves.";
+    TYPE_MISMATCH = "type-mismatch", "A value has the wrong type.";
     UNKNOWN_VARIABLE = "unknown-variable", "No variable of this name has been assigned.";
-    WORK_LIMIT = "work-limit", "A script takes a million rounds of loops, calls and objects at most, and evaluates 64 million expressions.";
+    WORK_LIMIT = "work-limit", "A script is limited to a million rounds of loops, calls and objects, and to 64 million expressions.";
 }

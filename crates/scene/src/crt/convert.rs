@@ -526,7 +526,7 @@ impl<'w> Writer<'w> {
         let is_below =
             |path: &str| !path.is_empty() && path.split(['/', '\\']).all(|part| part != "..");
         if path.is_some_and(|path| !is_below(path)) {
-            self.remark("The image of the script is no file below its folder, and is not shown");
+            self.remark("The image of the script is not a file below its folder, and is not shown");
         }
         let mut text = match (background.horizon, background.sky, background.color) {
             (None, None, color) => format!("background {name} = {}", tuple(color.unwrap_or(white))),

@@ -108,7 +108,7 @@ impl Interpreter<'_> {
         if samples > MAX_SAMPLES {
             let at = stated.span("dofsamples").or(stated.span("supersampling"));
             let message = format!(
-                "a pixel has {MAX_SAMPLES} samples at most, dofsamples times the square of supersampling, and these are {samples}"
+                "a pixel has at most {MAX_SAMPLES} samples, dofsamples times the square of supersampling, but these are {samples}"
             );
             return Err(self.fault(codes::OUT_OF_RANGE, at.unwrap_or(span), message));
         }
@@ -176,12 +176,12 @@ impl Interpreter<'_> {
                     let number = value.number().unwrap_or(f64::NAN);
                     if !range.contains(number) {
                         let message = match range.text() {
-                            Some(text) => format!("`{word}` is {text}, and this is {number}"),
+                            Some(text) => format!("`{word}` must be {text}, but this is {number}"),
                             None if !number.is_finite() => {
-                                format!("`{word}` is a finite number, and this is {number}")
+                                format!("`{word}` must be a finite number, but this is {number}")
                             }
                             None => format!(
-                                "`{word}` is from {} to {}, and this is {number}",
+                                "`{word}` must be from {} to {}, but this is {number}",
                                 range.min, range.max
                             ),
                         };
@@ -193,14 +193,14 @@ impl Interpreter<'_> {
             (ValueType::Vector, ScriptValue::Vector(parts))
             | (ValueType::Color, ScriptValue::Color(parts)) => {
                 if parts.iter().any(|part| !part.is_finite()) {
-                    let message = format!("`{word}` has a part that is no finite number");
+                    let message = format!("`{word}` has a component that is not a finite number");
                     return Err(self.fault(codes::OUT_OF_RANGE, span, message));
                 }
                 true
             }
             (ValueType::Choice(choices), ScriptValue::Text(text)) => {
                 if !choices.contains(&&**text) {
-                    let message = format!("`{word}` is one of {}", choices.join(", "));
+                    let message = format!("`{word}` must be one of {}", choices.join(", "));
                     let mut diagnostic = Diagnostic::error(codes::OUT_OF_RANGE, span, message);
                     if let Some(near) = nearest(text, choices.iter().copied()) {
                         diagnostic = diagnostic.with_hint(format!("did you mean \"{near}\"?"));
@@ -235,7 +235,7 @@ impl Interpreter<'_> {
             ValueType::Lights => "a List of lights",
         };
         let message = format!(
-            "`{word}` is {needs}, and this is a value of type {}",
+            "`{word}` must be {needs}, but this is a value of type {}",
             value.kind()
         );
         Err(self.fault(codes::TYPE_MISMATCH, span, message))
@@ -263,7 +263,7 @@ impl Interpreter<'_> {
         )?;
         if &*camera.projection != "spherical" && camera.fov >= 180.0 {
             let message = format!(
-                "`fov` of a {} camera is less than 180, and this is {}",
+                "`fov` of a {} camera must be less than 180, but this is {}",
                 camera.projection, camera.fov
             );
             let at = stated.span("fov").unwrap_or(span);

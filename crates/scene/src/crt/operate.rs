@@ -30,14 +30,14 @@ pub(super) fn prefix(operator: PrefixOperator, value: &ScriptValue) -> Result<Sc
         (PrefixOperator::Not, ScriptValue::Boolean(truth)) => ScriptValue::Boolean(!truth),
         (PrefixOperator::Not, other) => {
             let message = format!(
-                "`!` takes a Boolean, and this is a value of type {}",
+                "`!` takes a Boolean, but this is a value of type {}",
                 other.kind()
             );
             return Err((codes::TYPE_MISMATCH, message));
         }
         (_, other) => {
             let message = format!(
-                "a sign takes a number or a Vector, and this is a value of type {}",
+                "a sign takes a number or a Vector, but this is a value of type {}",
                 other.kind()
             );
             return Err((codes::TYPE_MISMATCH, message));
@@ -117,7 +117,7 @@ pub(super) fn binary(operator: B, a: &ScriptValue, b: &ScriptValue) -> Result<Sc
 }
 
 fn too_long() -> Fault {
-    let message = format!("a string has {MAX_SIZE} bytes at most");
+    let message = format!("a string has at most {MAX_SIZE} bytes");
     (codes::TOO_LARGE, message)
 }
 

@@ -350,7 +350,7 @@ impl<'s> Interpreter<'s> {
             ScriptValue::Boolean(truth) => Ok(*truth),
             other => {
                 let message = format!(
-                    "a condition is a Boolean, and this is a value of type {}",
+                    "a condition must be a Boolean, but this is a value of type {}",
                     other.kind()
                 );
                 Err(self.fault(codes::TYPE_MISMATCH, span, message))
@@ -374,7 +374,7 @@ impl<'s> Interpreter<'s> {
             Some(entities) if emits => self.emit(entities, expression, is_call),
             Some(entities) if is_call && entities.is_empty() => Ok(()),
             Some(_) => {
-                let message = "this is not drawn: only what stands in `Scene`, or in a macro that is called there, is";
+                let message = "this is not drawn: entities are drawn only in `Scene` or in a macro that is called there";
                 self.report(Diagnostic::warning(codes::NOT_DRAWN, span, message));
                 Ok(())
             }
@@ -463,7 +463,7 @@ impl<'s> Interpreter<'s> {
                 let message = format!("`{name}` would point to itself");
                 Some((codes::CIRCULAR_VARIABLE, message))
             } else if passed > MAX_POINTERS {
-                let message = format!("a variable points through {MAX_POINTERS} others at most");
+                let message = format!("a variable points through at most {MAX_POINTERS} others");
                 Some((codes::TOO_LARGE, message))
             } else {
                 None
@@ -678,7 +678,7 @@ impl<'s> Interpreter<'s> {
         let depth = 1 + depth.max().unwrap_or(0);
         if depth > MAX_LIST_DEPTH || items.len() as u64 > MAX_SIZE {
             let message = format!(
-                "a list has {MAX_SIZE} elements at most, and {MAX_LIST_DEPTH} lists within it"
+                "a list has at most {MAX_SIZE} elements, and {MAX_LIST_DEPTH} lists within it"
             );
             return Err(self.fault(codes::TOO_LARGE, span, message));
         }
@@ -776,7 +776,7 @@ impl<'s> Interpreter<'s> {
     ) -> Result<ScriptValue, Stopped> {
         let (ScriptValue::List(list), ScriptValue::Integer(index)) = (value, index) else {
             let message = format!(
-                "`[ ]` takes a List and an Integer, and these are values of type {} and {}",
+                "`[ ]` takes a List and an Integer, but these are values of type {} and {}",
                 value.kind(),
                 index.kind()
             );

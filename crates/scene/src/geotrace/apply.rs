@@ -262,11 +262,11 @@ impl Lowerer {
             return Err(SemanticError::new(
                 error::VECTOR_DERIVATIVE,
                 format!(
-                    "a derivative is taken by a number, but the parameter `{parameter}` of `{name}` is a vector of dimension {dimension} here"
+                    "a derivative is taken with respect to a number, but the parameter `{parameter}` of `{name}` is a vector of dimension {dimension} here"
                 ),
             )
             .with_hint(format!(
-                "give the function one parameter for each component of `{parameter}`, and derive by those"
+                "give the function one parameter for each component of `{parameter}`, and differentiate by those"
             )));
         }
         let offset: usize = key.dimensions[..position.min(key.dimensions.len())]

@@ -101,7 +101,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         VECTOR_DERIVATIVE,
-        "A derivative is taken by a number; a parameter that is a vector has to be split into its components.",
+        "A derivative is taken with respect to a number; a parameter that is a vector must be split into its components.",
     ),
     (
         EXPRESSION_TOO_LARGE,
@@ -109,7 +109,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         INTERVAL_NOT_CONSTANT,
-        "The ends and the count of an interval are constants: they depend on no param and no grid.",
+        "The ends and the count of an interval are constants: they must not depend on params or grids.",
     ),
     (
         INTERVAL_NOT_NUMBER,
@@ -129,7 +129,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         INITIAL_NOT_CONSTANT,
-        "The initial value of a param is a constant: it depends on no param and no grid.",
+        "The initial value of a param is a constant: it must not depend on params or grids.",
     ),
     (
         INITIAL_DIMENSION,
@@ -179,15 +179,15 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         GEODESIC_NOT_DRAWN,
-        "A geodesic starts inside the domain of its surface, or near a solid, and has a direction along it; another is not drawn.",
+        "A geodesic starts inside the domain of its surface, or near a solid, and has a direction along it; otherwise it is not drawn.",
     ),
     (
         NO_FORMULA,
-        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but on no parameter of a surface, a metric, a solid or an attribute.",
+        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but not on the parameters of a surface, a metric, a solid or an attribute.",
     ),
     (
         GEODESIC_UNDEFINED,
-        "A geodesic has no value there: it ends before, it cannot start, or no geodesic between its two places was found.",
+        "A geodesic has no value there: it ends before, it cannot start, or no geodesic between its two points was found.",
     ),
     (
         NOT_A_SOLID,
@@ -199,7 +199,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         SINGULAR_MAP,
-        "A map that places a solid takes it to a solid: it does not flatten it, and it is defined.",
+        "A map that places a solid must be defined and invertible.",
     ),
     (
         TOO_MANY_LEAVES,
@@ -207,7 +207,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         LIGHT_FROM_BELOW,
-        "A parallel light shines upwards, along a vector so long that a place is meant, which stands behind an `@`.",
+        "A parallel light shines upwards along a long vector: probably a position is meant, which follows an `@`.",
     ),
     (
         FILLED_HOLES,

@@ -47,8 +47,7 @@ const DIFFERENCE: &str =
 const MOVED: &str = "a solid is moved by a vector: `a @ (1, 0, 0)`";
 const SHAPE: &str =
     "a solid is where a function is not positive: `solid ball(x, y, z) = x^2 + y^2 + z^2 - 1;`";
-const DERIVATIVE: &str =
-    "a function is derived by its name: `f' x`, or `f_x(x, y)` by one of several parameters";
+const DERIVATIVE: &str = "a derivative is written at the function's name: `f' x`, or `f_x(x, y)` for one of several parameters";
 
 /// The table.
 pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[

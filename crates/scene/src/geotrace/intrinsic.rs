@@ -165,11 +165,11 @@ impl Declarations {
             (Some(list), _) => list,
             (None, Some(value)) => {
                 let message = format!(
-                    "a geodesic is `direction @ start` or has two places `(p, q)`, but this is {}",
+                    "a geodesic is `direction @ start` or has two points `(p, q)`, but this is {}",
                     kind_of(value)
                 );
                 let error = SemanticError::new(error::NOT_IN_CHART, message)
-                    .with_hint("write `(a, b) @ (u, v)`, or `((u, v), (w, z))` for the shortest between two places");
+                    .with_hint("write `(a, b) @ (u, v)`, or `((u, v), (w, z))` for the shortest between two points");
                 self.found.push(error.at(span));
                 return None;
             }
@@ -180,7 +180,7 @@ impl Declarations {
             .filter_map(|value| <[NodeId; 2]>::try_from(value.components()).ok())
             .collect();
         let (&[from, to], 2) = (&places[..], list.len()) else {
-            let message = "a geodesic runs between two places, and each has 2 components, one for each parameter of its surface";
+            let message = "a geodesic runs between two points, and each has 2 components, one for each parameter of its surface";
             self.found
                 .push(SemanticError::new(error::NOT_IN_CHART, message).at(span));
             return None;
@@ -346,7 +346,7 @@ impl Declarations {
             Defect::Undefined => ("is undefined".to_owned(), ""),
             Defect::First(e) => (format!("has E = {}", short(e)), ", which is not positive"),
             Defect::Determinant(d) if !d.is_finite() => {
-                let what = "has E, F or G so large that E G - F^2 is beyond all numbers";
+                let what = "has E, F or G so large that E G - F^2 overflows";
                 (what.to_owned(), "")
             }
             Defect::Determinant(d) => (
@@ -357,7 +357,7 @@ impl Declarations {
         let settings = if metric.dependencies == Dependencies::default() {
             ""
         } else {
-            ", with the params as they start"
+            ", with the params at their initial values"
         };
         let message = format!(
             "`{}` {what}{condition}, at ({first}, {second}) = ({}, {}){settings}",

@@ -364,11 +364,11 @@ fn no_formula(name: &str) -> SemanticError {
     SemanticError::new(
         error::NO_FORMULA,
         format!(
-            "`{name}` is integrated, and cannot be over the parameters of a surface, a metric or a solid, or of an attribute"
+            "`{name}` is a geodesic: its argument must not depend on the parameters of a surface, metric, solid or attribute"
         ),
     )
     .with_hint(format!(
-        "the argument of `{name}` depends on constants, params and grids, or on the parameter of a curve"
+        "the argument of `{name}` may depend on constants, params and grids, and on the parameter of a curve"
     ))
 }
 

@@ -246,9 +246,9 @@ impl Lowerer {
         if self.reads_through_geodesic(&nodes, &renamed) {
             let name = self.symbols.name(symbol);
             let message = format!(
-                "`{name}` reads a geodesic that depends on a grid, and is placed by the same grid again"
+                "`{name}` reads a geodesic that depends on a grid, but is placed by the same grid again"
             );
-            let hint = "declare another grid for the one or the other";
+            let hint = "declare a second grid for one of them";
             return Err(SemanticError::new(error::NO_FORMULA, message).with_hint(hint));
         }
         let graph = &mut self.graph;
@@ -396,7 +396,7 @@ impl Lowerer {
         };
         if count != 3 {
             let why = format!(
-                "a solid's image is taken under a function of 3 numbers, and `{name}` is none"
+                "a solid's image is taken under a function of 3 numbers, but `{name}` is not one"
             );
             return Err((not_affine(why), span));
         }

@@ -264,7 +264,7 @@ impl Declarations {
             "`{name}` is the union of its instances for the values of `{grid}`, and each fills the holes of the others"
         );
         let hint = format!(
-            "declare what is taken away as a solid of its own, which then is one with all values of `{grid}`, and write its name behind the `\\`"
+            "declare the subtracted part as a solid of its own, so that it is the union for all values of `{grid}`, and subtract that solid"
         );
         let warning = Diagnostic::warning(error::FILLED_HOLES, declaration.name_span, message);
         Some(warning.with_hint(hint))

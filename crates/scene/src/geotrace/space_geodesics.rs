@@ -59,7 +59,7 @@ impl Declarations {
         let Some([_, direction, start]) = self.expressions(intervals) else {
             let [_, places] = self.expressions(intervals)?;
             let message = format!(
-                "on a solid such as `{name}` a geodesic has a start and a direction; the shortest between two places is found on a surface or a metric"
+                "on a solid such as `{name}` a geodesic needs a start and a direction; shortest geodesics are available on surfaces and metrics only"
             );
             let error = SemanticError::new(error::NOT_IN_CHART, message)
                 .with_hint("write `(a, b, c) @ (x, y, z)`");
@@ -133,8 +133,8 @@ impl Declarations {
             "the {what} of a geodesic on a solid such as `{solid}` has 3 components, x, y and z, but this is {found}"
         );
         let hint = match what {
-            "start" => "it need not lie on the surface: it is brought there along the gradient",
-            _ => "its component along the surface counts",
+            "start" => "it need not lie on the surface: it is projected there along the gradient",
+            _ => "it is projected onto the tangent plane",
         };
         let error = SemanticError::new(error::NOT_IN_CHART, message).with_hint(hint);
         let span = self.lowerer.code.span(expression);

@@ -85,7 +85,7 @@ impl Declarations {
         Some(
             Diagnostic::warning(error::LIGHT_FROM_BELOW, span, message)
                 .with_hint(format!(
-                    "a light at a place has an `@` before it: write `@ {vector}`"
+                    "a light at a position has an `@` before it: write `@ {vector}`"
                 ))
                 .with_fix(fix),
         )

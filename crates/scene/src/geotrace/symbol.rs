@@ -165,7 +165,7 @@ impl Symbols {
             SemanticError::new(
                 error::AMBIGUOUS_DERIVATIVE,
                 format!(
-                    "`{name}'` does not say by which of the {count} parameters of `{name}` to derive"
+                    "`{name}'` does not specify by which of the {count} parameters of `{name}` to differentiate"
                 ),
             )
             .with_hint(format!(

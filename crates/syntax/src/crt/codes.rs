@@ -4,19 +4,19 @@ use crate::codes::codes;
 use crate::diagnostic::Code;
 
 codes! {
-    AFTER_SCENE = "after-scene", "Nothing stands behind the block `Scene`.";
-    BAD_CHARACTER = "bad-character", "A character that no script holds outside comments and strings.";
+    AFTER_SCENE = "after-scene", "Nothing may follow the block `Scene`.";
+    BAD_CHARACTER = "bad-character", "A character that is not allowed outside comments and strings.";
     BAD_ESCAPE = "bad-escape", "After the `\\` of a string stands one of Java's escapes.";
     BAD_NUMBER = "bad-number", "A `.` without digits.";
-    CONTINUES_LINE = "continues-line", "A line that begins with `+`, `-`, `^`, `[` or `(` goes on with the one above.";
+    CONTINUES_LINE = "continues-line", "A line that begins with `+`, `-`, `^`, `[` or `(` continues the line above.";
     DROPPED_FRACTION = "dropped-fraction", "`/` of two whole numbers is a whole number.";
     DUPLICATE_ATTRIBUTE = "duplicate-attribute", "An object states an attribute twice: the last one counts.";
     DUPLICATE_PARAMETER = "duplicate-parameter", "A macro names the same parameter twice.";
     INTEGER_TOO_LARGE = "integer-too-large", "A whole number is at most 2147483647.";
     MISSING_ATTRIBUTE = "missing-attribute", "An object does not state an attribute that it needs.";
-    MISSING_OPERAND = "missing-operand", "An expression stands without an operand.";
+    MISSING_OPERAND = "missing-operand", "An expression lacks an operand.";
     NO_SCENE = "no-scene", "A script without a block `Scene` draws nothing.";
-    NOT_ASSIGNABLE = "not-assignable", "Only a name can stand before `=`.";
+    NOT_ASSIGNABLE = "not-assignable", "The left side of `=` must be a name.";
     NUMBER_OUT_OF_RANGE = "number-out-of-range", "A number is too large for a 64-bit floating-point number.";
     SECOND_BLOCK = "second-block", "A script has one block `Settings` and one block `Scene`.";
     TOO_DEEP = "too-deep", "A script is nested deeper than the limit.";

@@ -21,7 +21,7 @@ impl Script {
                 if let Some(earlier) = first[kind] {
                     let message = format!("a script has one block `{word}`");
                     let diagnostic = Diagnostic::error(codes::SECOND_BLOCK, place, message);
-                    found.push(diagnostic.with_related(earlier, "it stands here first"));
+                    found.push(diagnostic.with_related(earlier, "the first one is here"));
                     continue;
                 }
                 first[kind] = Some(place);
@@ -30,7 +30,7 @@ impl Script {
                 && !std::mem::replace(&mut is_reported, true)
             {
                 let place = block.span.moved(start);
-                let message = "nothing stands behind the block `Scene`";
+                let message = "nothing may follow the block `Scene`";
                 let diagnostic = Diagnostic::error(codes::AFTER_SCENE, place, message);
                 found.push(
                     diagnostic

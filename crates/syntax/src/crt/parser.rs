@@ -287,7 +287,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
     fn body(&mut self) {
         let open = self.current.span;
         if !self.at(TokenKind::BraceOpen) {
-            let hint = "statements of a body stand between `{` and `}`";
+            let hint = "the statements of a body are enclosed in `{` and `}`";
             self.unexpected_with("a `{`", Some(hint.to_owned()));
             return self.step(ParseStep::Body(0), self.previous.span.end);
         }
@@ -404,7 +404,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
             let is_open_string = last.starts_with('"') && (last.len() == 1 || !last.ends_with('"'));
             let diagnostic = match self.current.kind {
                 TokenKind::Arrow => {
-                    diagnostic.with_hint("the attributes of an object stand between `{` and `}`")
+                    diagnostic.with_hint("the attributes of an object are enclosed in `{` and `}`")
                 }
                 // The text would become a part of the string.
                 _ if is_open_string => diagnostic,

@@ -38,12 +38,12 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 
     fn not_assignable(&mut self, target: Span) {
-        let message = "only a name can stand before `=`";
+        let message = "the left side of `=` must be a name";
         if let Some(mut diagnostic) = self.fault(codes::NOT_ASSIGNABLE, target, message) {
             if self.brackets > 0 {
                 let fix = Fix::change(self.current.span, "==", false);
                 diagnostic = diagnostic
-                    .with_hint("two values are compared by `==`")
+                    .with_hint("use `==` to compare two values")
                     .with_fix(fix);
             }
             self.report(diagnostic);
@@ -291,7 +291,7 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 
     fn bare_vector_error(&self, place: Span, count: usize) -> Diagnostic {
-        let message = "brackets alone are no vector";
+        let message = "brackets alone do not make a vector";
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message);
         if count != 3 {
             return diagnostic.with_hint("a vector is `vec3(1, 2, 3)`, a list `[1, 2]`");
@@ -322,7 +322,7 @@ impl<A: Actions> Parser<'_, '_, A> {
     fn pass_angle_vector(&mut self, place: Span) {
         let text = place.text(self.source);
         let written = format!("vec3({})", &text[1..text.len() - 1]);
-        let message = "angles hold no vector";
+        let message = "angle brackets do not make a vector";
         if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
             let fix = Fix::change(place, &written, true).with_all();
             let found = found.with_hint(format!("write {}", quote(&written)));
@@ -350,7 +350,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             while self.at(TokenKind::Identifier) {
                 let (name, span) = (self.text(), self.current.span);
                 if names.contains(&name) {
-                    let message = format!("the parameter `{name}` is named twice");
+                    let message = format!("the parameter `{name}` is listed twice");
                     self.report(Diagnostic::error(codes::DUPLICATE_PARAMETER, span, message));
                 }
                 names.push(name);
@@ -410,9 +410,9 @@ impl<A: Actions> Parser<'_, '_, A> {
             return;
         }
         let sign = span.text(self.source);
-        let message = format!("a line that begins with `{sign}` goes on with the one above");
+        let message = format!("a line that begins with `{sign}` continues the line above");
         let diagnostic = Diagnostic::warning(codes::CONTINUES_LINE, span, message)
-            .with_hint("indent the line deeper if that is what you mean")
+            .with_hint("indent the line further if that is intended")
             .with_fix(Fix::insert("Indent the line", line, "    "));
         self.report(diagnostic);
     }

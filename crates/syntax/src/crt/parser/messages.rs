@@ -92,7 +92,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             TokenKind::Eoi => {
                 let before = self.previous.span;
                 let text = quote(before.text(self.source));
-                (before, format!("{expected} is expected behind {text}"))
+                (before, format!("{expected} is expected after {text}"))
             }
             _ => {
                 let text = quote(self.text());
@@ -143,7 +143,7 @@ impl<A: Actions> Parser<'_, '_, A> {
     fn reserved_hint(&self) -> Option<String> {
         let kind = self.current.kind;
         let is_word = RESERVED.iter().any(|(_, reserved)| *reserved == kind);
-        is_word.then(|| format!("`{}` is a word of the language and no name", self.text()))
+        is_word.then(|| format!("`{}` is a keyword and cannot be a name", self.text()))
     }
 }
 
@@ -166,7 +166,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
     let diagnostic = Diagnostic::error(
         codes::BAD_CHARACTER,
         span,
-        format!("{shown} cannot stand here"),
+        format!("{shown} cannot be used here"),
     );
     let change = |word: &str| Fix::change(span, word, true);
     match first {
@@ -181,14 +181,14 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
                 .with_fix(Fix::change(span, &sign, false))
         }
         ';' => diagnostic
-            .with_hint("a statement ends without a sign")
+            .with_hint("a statement has no terminator")
             .with_fix(Fix::remove(span, ";").with_all()),
         '#' => diagnostic.with_hint(COMMENT).with_fix(change("--")),
-        '\'' => diagnostic.with_hint("a string stands between `\"`"),
+        '\'' => diagnostic.with_hint("a string is enclosed in `\"`"),
         '→' if is_single => diagnostic.with_fix(change("->").with_all()),
         '−' | '–' if is_single => diagnostic.with_fix(change("-").with_all()),
         _ if first.is_alphabetic() || first == '_' => {
-            diagnostic.with_hint("names hold only the letters a-z, A-Z and digits")
+            diagnostic.with_hint("names consist of the letters a-z, A-Z and digits")
         }
         _ => diagnostic,
     }
@@ -197,7 +197,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
 /// The error of a comment that begins with `//`.
 fn bad_comment(comment: Span) -> Diagnostic {
     let sign = Span::new(comment.start, comment.start + 2);
-    Diagnostic::error(codes::BAD_CHARACTER, sign, "`//` begins no comment")
+    Diagnostic::error(codes::BAD_CHARACTER, sign, "`//` does not begin a comment")
         .with_hint(COMMENT)
         .with_fix(Fix::change(sign, "--", true).with_all())
 }
@@ -208,11 +208,11 @@ fn bad_token(text: &str, span: Span, fault: Fault) -> Diagnostic {
         Fault::Character(first) => bad_characters(text, span, first),
         Fault::ForeignComment => bad_comment(span),
         Fault::LonePoint => {
-            let message = "a `.` without digits is no number";
+            let message = "a `.` without digits is not a number";
             Diagnostic::error(codes::BAD_NUMBER, span, message)
         }
         Fault::IntegerTooLarge => {
-            let message = format!("{} is too large: 2147483647 is the limit", quote(text));
+            let message = format!("{} is too large: the limit is 2147483647", quote(text));
             let fix = Fix::write(span, &format!("{text}."));
             Diagnostic::error(codes::INTEGER_TOO_LARGE, span, message)
                 .with_hint("with a `.` it is a number of 64 bits")
@@ -223,12 +223,12 @@ fn bad_token(text: &str, span: Span, fault: Fault) -> Diagnostic {
             Diagnostic::error(codes::NUMBER_OUT_OF_RANGE, span, message)
         }
         Fault::UnclosedString => {
-            let message = "this string is not closed in its line";
+            let message = "this string is not closed on its line";
             let fix = Fix::insert("Insert `\"`", span.end, "\"");
             Diagnostic::error(codes::UNCLOSED_STRING, span, message).with_fix(fix)
         }
         Fault::Escape(place) => {
-            let message = "this is no escape of a string";
+            let message = "this is not a string escape";
             Diagnostic::error(codes::BAD_ESCAPE, place, message)
                 .with_hint("a `\\` itself is written `\\\\`")
         }

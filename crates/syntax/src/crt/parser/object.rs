@@ -135,7 +135,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
             }
             TokenKind::Identifier => {}
             TokenKind::Comma => {
-                let message = "attributes stand one after the other, without `,`";
+                let message = "attributes are written one after another, without `,`";
                 if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, span, message) {
                     self.report(found.with_fix(Fix::remove(span, ",").with_all()));
                 }
@@ -187,7 +187,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 // `=>` of other languages.
                 place.end += 1;
             }
-            let message = format!("`->` stands between `{word}` and its value");
+            let message = format!("`->` is missing between `{word}` and its value");
             if let Some(found) = self.fault(codes::UNEXPECTED_TOKEN, place, message) {
                 let is_sign = matches!(self.current.kind, TokenKind::Assign | TokenKind::Colon);
                 let fix = match is_sign {
@@ -211,7 +211,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
 
     fn unknown_attribute(&mut self, object: ObjectName, word: &str, span: Span) {
         let name = object.text();
-        let message = format!("`{name}` has no attribute `{word}`: it is not read");
+        let message = format!("`{name}` has no attribute `{word}`: it is ignored");
         let mut diagnostic = Diagnostic::warning(codes::UNKNOWN_ATTRIBUTE, span, message);
         let words = object.attributes().iter().map(|row| row.text);
         diagnostic = match nearest(word, words.clone()) {

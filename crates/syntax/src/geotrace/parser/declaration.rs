@@ -220,7 +220,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     self.reject_loose_place(place)?;
                 } else {
                     let what =
-                        "the parameters where it starts, or `,` and an interval after two places";
+                        "the parameters where it starts, or `,` and an interval after two points";
                     self.origin(what, GEODESIC)?;
                 }
                 self.domain_items()?;
@@ -326,7 +326,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                     &format!(" {}", what.trim_matches('`')),
                 );
                 diagnostic = diagnostic.with_fix(fix);
-                Some(format!("write {what} behind the name"))
+                Some(format!("write {what} after the name"))
             }
             TokenKind::ParenOpen => {
                 let words = DeclarationKeyword::ALL
@@ -397,7 +397,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         if self.current.kind != TokenKind::Equals {
             let diagnostic = self
-                .expected_diagnostic("`=` and the geodesic's direction or its two places")
+                .expected_diagnostic("`=` and the geodesic's direction or its two points")
                 .with_hint(format!("write `{GEODESIC}`"));
             return Err(self.reject(diagnostic));
         }
@@ -417,7 +417,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let blanks = behind.len() - behind.trim_start().len();
         let place = first.to(Span::new(comma, comma + (blanks + item.len()) as u32));
-        let message = "the two places of a geodesic stand in one bracket";
+        let message = "the two points of a geodesic are written in one bracket";
         Err(self.reject_unbracketed(place, message))
     }
 

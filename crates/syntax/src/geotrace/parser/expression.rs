@@ -347,7 +347,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// The current number counts further than components can; returns one that they can have.
     #[cold]
     fn component_beyond_number(&mut self) -> u32 {
-        let message = format!("no value has so many components: {}", self.found());
+        let message = format!("no value has this many components: {}", self.found());
         let diagnostic = self.here(codes::COMPONENT_INDEX, message);
         self.report(diagnostic);
         self.state.silent = true;
@@ -358,12 +358,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     fn not_a_component(&mut self, value: Span) -> Stop {
         let found = self.found();
         let message =
-            format!("a component is chosen by a positive integer after `_`, found {found}");
+            format!("a component is selected by a positive integer after `_`, found {found}");
         let mut diagnostic = self.here(codes::COMPONENT_INDEX, message);
         let first = found.trim_start_matches('`').chars().next();
         if first.is_some_and(char::is_alphabetic) && self.current.kind != TokenKind::Eoi {
             let value = super::messages::quote(value.text(self.source));
-            let hint = format!("{value} is not a function: only a function is derived by `_`");
+            let hint =
+                format!("{value} is not a function: only a function can be differentiated by `_`");
             diagnostic = diagnostic.with_hint(hint);
         }
         let start = self.current.span.start;

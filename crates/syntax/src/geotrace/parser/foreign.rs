@@ -36,16 +36,14 @@ pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword
 pub(super) fn style(word: &str) -> Option<&'static str> {
     Some(match word {
         "color" | "colour" => {
-            "a colour stands in the declaration of what has it: `point p = (1, 2, 3), color : (1, 0, 0);`"
+            "a colour is an attribute of the object that has it: `point p = (1, 2, 3), color : (1, 0, 0);`"
         }
         "texture" => {
-            "an image stands in the declaration of what has it: `surface s(u, v) = …, image : earth;`"
+            "an image is an attribute of the object that has it: `surface s(u, v) = …, image : earth;`"
         }
-        "view" => {
-            "a program says what there is: write `camera eye = direction @ place;` for a view"
-        }
+        "view" => "a program declares objects: write `camera eye = direction @ place;` for a view",
         "style" | "plot" | "draw" | "print" | "show" | "hide" | "label" | "width" => {
-            "a program says what there is: all that it declares is drawn, and attributes such as `, color : 0.5` say how"
+            "a program declares objects: all of them are drawn, and attributes such as `, color : 0.5` set their look"
         }
         _ => return None,
     })

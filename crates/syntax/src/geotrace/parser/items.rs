@@ -92,12 +92,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let (item, name) = (quote(word), quote(self.state.name));
         let message = match is_parameter {
-            true => format!("the interval of {item} belongs to {name}: it stands before the `;`"),
-            false => format!("{item} belongs to {name}: it stands before the `;`"),
+            true => format!("the interval of {item} belongs to {name}: it comes before the `;`"),
+            false => format!("{item} belongs to {name}: it comes before the `;`"),
         };
         let diagnostic = self
             .here(codes::UNEXPECTED_TOKEN, message)
-            .with_hint("write `,` in the place of this `;`")
+            .with_hint("write `,` instead of this `;`")
             .with_fix(Fix {
                 title: "Write `,` for `;`".to_owned(),
                 ..Fix::change(place, ",", true).with_all()
@@ -275,7 +275,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             return Ok(());
         }
         let components = Span::new(body.start, end);
-        let message = "the components of a value stand in brackets";
+        let message = "the components of a value are written in brackets";
         Err(self.reject_unbracketed(components, message))
     }
 
@@ -314,7 +314,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             (Some((_, first)), _) => {
                 let message = format!("`{}` is stated twice", word.text());
                 let diagnostic = self.here(codes::DUPLICATE_ATTRIBUTE, message);
-                Some(diagnostic.with_related(*first, "it comes first here"))
+                Some(diagnostic.with_related(*first, "the first one is here"))
             }
             (None, None) => {
                 let message = format!("{} has no `{}`", with_article(keyword), word.text());
@@ -382,13 +382,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if words.contains(&found) {
             return;
         }
-        let message = format!("{} is no `{}`", quote(found), row.text);
+        let message = format!("{} is not a `{}`", quote(found), row.text);
         let mut diagnostic = self.here(codes::ATTRIBUTE_RANGE, message);
         if let Some(meant) = nearest(found, words.iter().copied()) {
             let fix = Fix::change(self.current.span, &meant, true);
             diagnostic = diagnostic.with_fix(fix);
         }
-        let hint = format!("it is one of `{}`", words.join("`, `"));
+        let hint = format!("use one of `{}`", words.join("`, `"));
         self.report(diagnostic.with_hint(hint));
     }
 
@@ -399,7 +399,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let word = self.current.span;
         let text = word.text(self.source);
         let message = format!(
-            "{} is no attribute of {}",
+            "{} is not an attribute of {}",
             quote(text),
             with_article(keyword)
         );

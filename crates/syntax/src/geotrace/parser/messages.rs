@@ -50,9 +50,9 @@ fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
         _ => format!("the characters {}", quote(&visible(text))),
     };
     let message = if first.is_alphabetic() {
-        format!("{shown} cannot stand here: names hold only the letters a-z, A-Z and digits")
+        format!("{shown} cannot be used here: names consist of the letters a-z, A-Z and digits")
     } else {
-        format!("{shown} cannot stand here")
+        format!("{shown} cannot be used here")
     };
     let mut diagnostic = Diagnostic::error(codes::BAD_CHARACTER, span, message);
     let before = source[..span.start as usize].trim_end_matches([' ', '\t']);
@@ -106,7 +106,7 @@ pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
         Fault::LonePoint | Fault::Character(_) => Diagnostic::error(
             codes::BAD_NUMBER,
             span,
-            "a lone `.` is not a number: a digit stands before it or after it",
+            "a lone `.` is not a number: write a digit before or after it",
         ),
     }
 }
@@ -155,15 +155,15 @@ fn substitute(character: char) -> Option<&'static str> {
         '³' => "write `^3`",
         '‘' | '’' | '′' | '`' => "write `'`",
         '"' | '“' | '”' | '″' => {
-            "words stand without quotes, and files without their ending: `image : earth`; a second derivative is `f''`"
+            "words are written without quotes, and files without their extension: `image : earth`; a second derivative is `f''`"
         }
         'π' => "write `pi`",
         'τ' => "write `(2pi)`",
         '½' => "write `(1/2)`",
         '°' => "angles are in radians: 30° is `30pi/180`",
         '∞' => "an interval has two ends: write a large number",
-        '⁰' | '¹' | '⁴'..='⁹' | '⁺' | '⁻' => "an exponent stands behind `^`: `x^-1`",
-        '₀'..='₉' => "a component is written `v_1`, and a digit of a name as any other: `a1`",
+        '⁰' | '¹' | '⁴'..='⁹' | '⁺' | '⁻' => "an exponent follows `^`: `x^-1`",
+        '₀'..='₉' => "write components as `v_1`; digits in names need no underscore: `a1`",
         '⟨' | '⟩' => "a vector is written `(1, 2, 3)`",
         '∈' => "write `:`",
         '<' | '>' | '≤' | '≥' => INTERVAL,
@@ -328,7 +328,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             TokenKind::ParenClose => "",
             _ => self.previous.span.text(self.source),
         };
-        let message = "a component is chosen by its number, after a `_`";
+        let message = "a component is selected by its number, after a `_`";
         Diagnostic::error(codes::BAD_NUMBER, span, message)
             .with_hint(format!("write {}", quote(&format!("{value}{written}"))))
             .with_fix(Fix::change(span, &written, true).with_all())
@@ -393,7 +393,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
         let arrow = self.previous.span.to(sign);
         let mut diagnostic =
-            Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot stand here");
+            Diagnostic::error(codes::BAD_CHARACTER, arrow, "`->` cannot be used here");
         let hint = match self.state.keyword {
             Some(DeclarationKeyword::Vector) => {
                 Some("write `direction @ origin`: from p to q, the vector is `(q - p) @ p`")
@@ -435,7 +435,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let item = item[..end].trim_end();
         let place = Span::new(operand.start, operand.start + item.len() as u32);
         let (reason, written) = match map {
-            MapWord::Scale => ("a factor of several parts stands in brackets", {
+            MapWord::Scale => ("a factor of several parts is written in brackets", {
                 Some(format!("({item})")).filter(|_| !item.contains(','))
             }),
             MapWord::Rotate => (
@@ -812,7 +812,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 if attributes::of(keyword).next().is_none() && self.is_before_attribute() =>
             {
                 self.expected_diagnostic("`;`").with_hint(format!(
-                    "a `{}` has no attributes: what is drawn has",
+                    "a `{}` has no attributes; objects that are drawn have them",
                     keyword.text()
                 ))
             }
@@ -844,7 +844,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 .with_hint("a tuple is written in brackets: `(1, 2)`"),
             TokenKind::At => self
                 .expected_diagnostic("`;`")
-                .with_hint("a place stands behind `@` in a `vector`, a `geodesic`, a `light`, a `camera` and a set"),
+                .with_hint("a position follows `@` in a `vector`, a `geodesic`, a `light`, a `camera` and a set"),
             TokenKind::Prime => self
                 .expected_diagnostic("`;`")
                 .with_hint("only a function has a derivative: write `f' x`, not `(f x)'`"),

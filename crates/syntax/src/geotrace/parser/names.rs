@@ -165,10 +165,10 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let position = self.state.parameters.len() as u32;
         match self.state.parameter_trie.get(name) {
             Some(earlier) => {
-                let message = format!("the parameter {} comes twice", quote(name));
+                let message = format!("the parameter {} is listed twice", quote(name));
                 let mut diagnostic = self.here(codes::DUPLICATE_PARAMETER, message);
                 if let Some(earlier) = self.state.parameters.get(earlier as usize) {
-                    diagnostic = diagnostic.with_related(earlier.span, "it comes first here");
+                    diagnostic = diagnostic.with_related(earlier.span, "the first one is here");
                 }
                 self.report(diagnostic);
             }
@@ -201,8 +201,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 let mut diagnostic = self.name_taken(id);
                 if what == Self::PARAMETER {
-                    let hint =
-                        "a parameter may not hide a name that stands above: rename one of them";
+                    let hint = "a parameter may not hide a name declared above: rename one of them";
                     diagnostic = diagnostic.with_hint(hint);
                 }
                 self.report_deferred(diagnostic, Deferred::Taken(id));
@@ -357,7 +356,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     fn metric_form(&self) -> String {
         let names: Vec<&str> = self.state.parameters.iter().map(|it| &*it.name).collect();
         let [x, y] = names[..].first_chunk().copied().unwrap_or(["u", "v"]);
-        format!("a metric's value is `(E, F, G)`, of E d{x}² + 2F d{x} d{y} + G d{y}²")
+        format!("a metric's value is `(E, F, G)` for E d{x}² + 2F d{x} d{y} + G d{y}²")
     }
 
     /// The hint for an undefined word that is not declared below, as far as it follows from the declaration alone.
@@ -402,7 +401,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 MapWord::Rotate => "rotate (0, 0, pi)",
             };
             return Some(format!(
-                "a map stands alone behind an `@`: write {}",
+                "a map is written alone after an `@`: write {}",
                 quote(&format!("@ {form}"))
             ));
         }
@@ -410,7 +409,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             && self.following(self.lexer.word().end) == Some(b':')
         {
             return Some(format!(
-                "an attribute stands behind a `,`: write {}",
+                "an attribute follows a `,`: write {}",
                 quote(&format!(", {whole} : …"))
             ));
         }
@@ -424,16 +423,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .strip_prefix('E')
             .is_some_and(|rest| rest.is_empty() || rest.bytes().all(|byte| byte.is_ascii_digit()));
         if after_number && touches && exponent {
-            return Some("an exponent is written with a small `e`".to_owned());
+            return Some("an exponent is written with a lower-case `e`".to_owned());
         }
         if word == whole
             && self.is_followed_by_word()
             && let Some(declaring) = nearest_keyword(word)
         {
-            return Some(format!(
-                "did you mean `{}`, behind a `;`?",
-                declaring.text()
-            ));
+            return Some(format!("did you mean `{}`, after a `;`?", declaring.text()));
         }
         None
     }
