@@ -411,7 +411,7 @@ class Files(OnScreen):
         window = self.open(SPHERE)
         self.menu(window, "Save picture…")
         window.click("Button: Choose…")
-        window.place("No dialog for files can be opened here")
+        window.place("No file dialog can be opened here")
         self.screen.keep("no-dialog")
         target = window.folder / "out.png"
         window.enter("TextInput: File", str(target))
@@ -469,7 +469,7 @@ class Files(OnScreen):
         window = self.open(SPHERE)
         window.screen.run("convert", "-size", "64x32", "gradient:red-blue", str(window.folder / "map.png"))
         self.menu(window, "Open textures…")
-        window.place("No dialog for files can be opened here")
+        window.place("No file dialog can be opened here")
         # The field has the keys.
         window.settle()
         window.xdotool("type", "--delay", "20", "map.png")
@@ -494,7 +494,7 @@ class Files(OnScreen):
         window.click("Button: Record")
         self.screen.keep("recording")
         window.click("Button: Cancel the recording")
-        window.place("was called off")
+        window.place("was cancelled")
         left = sorted(path.name for path in window.folder.iterdir() if ".gif" in path.name)
         self.assertEqual(left, [])
 
@@ -581,7 +581,7 @@ class Gpu(OnScreen):
         self.assertEqual(window.process.returncode, 1)
         rescued = window.folder / "program.unsaved.gtr"
         self.assertIn("the GPU was lost 4 times", window.said())
-        self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
+        self.assertIn(f"the unsaved text is in `{rescued}`", window.said())
         self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
         self.assertEqual(window.file.read_text(), SPHERE)
 
@@ -802,7 +802,7 @@ class Faults(OnScreen):
                 window.process.send_signal(getattr(signal, name))
                 self.assertEqual(window.process.wait(60), 0)
                 rescued = window.folder / "program.unsaved.gtr"
-                self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
+                self.assertIn(f"the unsaved text is in `{rescued}`", window.said())
                 self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
                 self.assertEqual(window.file.read_text(), SPHERE)
 

@@ -97,7 +97,7 @@ export class Core {
         transfer: Transferable[] = [],
     ): Promise<Calls[K]["result"]> {
         if (this.connection === undefined) {
-            return Promise.reject(new Error("The program is too much for this page. Change it, and it is tried again."));
+            return Promise.reject(new Error("The program needs more than this page has. Change it to try again."));
         }
         this.waiting += 1;
         this.guard();
@@ -207,7 +207,7 @@ export class Core {
         worker.addEventListener("error", (event) => {
             event.preventDefault();
             if (connection === this.connection) {
-                this.lose(event.message || "the Worker could not be started");
+                this.lose(event.message || "the worker could not be started");
             }
         });
         this.worker = worker;

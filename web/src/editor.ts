@@ -127,7 +127,7 @@ export class Editor {
     /** Applies edits of the text as it was at a version. */
     apply(edits: TextEdit[], version: number, name: string): void {
         if (version !== this.version) {
-            this.events.say(`The text has changed meanwhile: ${name} is not done. Try it again.`);
+            this.events.say(`The text has changed meanwhile: ${name} is not done. Try again.`);
         } else if (edits.length > 0) {
             this.view.dispatch({ changes: edits, userEvent: "input.replace" });
         }
@@ -168,7 +168,7 @@ export class Editor {
         await this.attempt(async () => {
             const { edits, count } = await this.core.call("fixAll", {});
             if (count === 0) {
-                this.events.say("There is nothing that can be fixed without a choice.");
+                this.events.say("No fix can be applied without a choice.");
             }
             this.apply(edits, version, "the fix");
         });

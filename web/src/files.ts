@@ -37,7 +37,7 @@ export async function readProgram(file: File): Promise<{ name: string; text: str
         const text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
         return { name: named(file.name), text: text.replaceAll(/\r\n?/g, "\n") };
     } catch {
-        throw new Error(`${file.name} is not a text in UTF-8, so it is not a program.`);
+        throw new Error(`${file.name} is not UTF-8 text, so it is not a program.`);
     }
 }
 

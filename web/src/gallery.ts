@@ -39,7 +39,7 @@ const LANGUAGE: [string, string][] = [
     ["point p = (1, 2, 3);", "a point"],
     ["vector v = c'2 @ p;", "a vector, drawn from p"],
     ["metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1, 4];", "a surface by its E, F, G, seen from inside"],
-    ["geodesic g(t) : s = (1, 2) @ (0, 0), t : [0, 1];", "the straightest line on s from a place in a direction"],
+    ["geodesic g(t) : s = (1, 2) @ (0, 0), t : [0, 1];", "the geodesic on s from a point in a direction"],
     ["solid b(x, y, z) = x^2 + y^2 + z^2 - 1;", "where the function is not positive"],
     ["f', f_u, f_u_v", "exact derivatives"],
     ["2x, a b", "the product; of two vectors the dot product"],
@@ -47,13 +47,13 @@ const LANGUAGE: [string, string][] = [
 ];
 
 const EDITOR_KEYS: [string, string][] = [
-    ["Ctrl+Space", "words that fit here; Tab takes one"],
+    ["Ctrl+Space", "words that fit here; Tab inserts one"],
     ["Ctrl+F", "find and replace"],
     ["Ctrl+/", "lines into comments and back"],
     ["F2", "rename what is at the cursor"],
     ["F12, Ctrl+click", "go to the declaration"],
     ["Shift+Alt+F", "format"],
-    ["Ctrl+.", "apply the fixes that need no choice"],
+    ["Ctrl+.", "apply all fixes"],
     ["Escape, then Tab", "leave the editor"],
 ];
 
@@ -90,7 +90,7 @@ export function openHelp(scene: Scene | undefined): void {
             make(
                 "p",
                 {},
-                "A program is a list of declarations, and each may use what stands above it. The pictures follow while you type. ",
+                "A program is a list of declarations, and each may use the ones above it. The pictures follow while you type. ",
                 "The geodesic view shows what an inhabitant of the surface sees: light runs along the surface, and the middle of the picture is where you stand.",
             ),
             make("h3", {}, "The language"),
@@ -107,7 +107,7 @@ export function openHelp(scene: Scene | undefined): void {
             make(
                 "p",
                 { class: "empty" },
-                "Drop an image on a surface to lay it on it, and a program on the page to open it. ",
+                "Drop an image on a surface to show it there, and a program on the page to open it. ",
                 "Programs, images and links stay in this browser: nothing is sent anywhere.",
                 scene === undefined ? " The core has not started yet." : "",
             ),

@@ -7,11 +7,11 @@ import { button, make } from "./dom.ts";
 import type { Figure, Measured, Pick, Scene } from "./protocol.ts";
 
 const KINDS = [
-    { kind: "place", label: "Place", places: 1, hint: "Click on a place of a surface, in any picture." },
-    { kind: "distance", label: "Distance", places: 2, hint: "Click on two places of a surface, in any picture." },
-    { kind: "circle", label: "Circle", places: 1, hint: "Click on a place: the circle about the geodesic camera goes through it." },
+    { kind: "place", label: "Place", places: 1, hint: "Click on a point of a surface, in any picture." },
+    { kind: "distance", label: "Distance", places: 2, hint: "Click on two points of a surface, in any picture." },
+    { kind: "circle", label: "Circle", places: 1, hint: "Click on a point: the circle about the geodesic camera passes through it." },
     { kind: "triangle", label: "Triangle", places: 3, hint: "Click on the three corners, in any picture." },
-    { kind: "walk", label: "Walk", places: 0, hint: "Drag the picture from inside, or hold the arrow keys in it: the way is measured." },
+    { kind: "walk", label: "Walk", places: 0, hint: "Drag the picture from inside, or hold the arrow keys in it: the path is measured." },
 ] as const;
 
 type Kind = (typeof KINDS)[number];
@@ -24,7 +24,7 @@ export class Measuring {
     private readonly note = make("p", { role: "status" });
     private readonly rows = make("dl");
     private readonly back = button("Back to the start", () => void this.walkBack(), {
-        hint: "Walks the shortest geodesic to where the walk began",
+        hint: "Walks along the shortest geodesic to the start of the walk",
     });
     private kind: Kind = KINDS[1];
     private figure: Figure | undefined;
@@ -66,7 +66,7 @@ export class Measuring {
     take(pick: Pick | null): void {
         const [u, v] = pick?.parameters ?? [];
         if (pick === null || u === undefined || v === undefined || !["surface", "metric"].includes(pick.kind)) {
-            this.note.textContent = `That is no place of a surface. ${this.kind.hint}`;
+            this.note.textContent = `That is not a point of a surface. ${this.kind.hint}`;
             return;
         }
         const { kind, places: needed } = this.kind;
@@ -164,7 +164,7 @@ export class Measuring {
             return;
         }
         const missing = this.kind.places - (figure?.places.length ?? 0);
-        const more = missing === 1 ? "Click on one more place." : `Click on ${missing} more places.`;
+        const more = missing === 1 ? "Click on one more point." : `Click on ${missing} more points.`;
         const nothing = answer.rows.length === 0 ? this.kind.hint : "";
         this.note.textContent = missing > 0 ? more : (answer.note ?? nothing);
         this.rows.replaceChildren(

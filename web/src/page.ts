@@ -205,7 +205,7 @@ export class Page {
                 bad: true,
             });
         } else {
-            say(`The part of the page that computes keeps failing on this program (${why}). Change the program, and it is tried again.`, {
+            say(`The part of the page that computes keeps failing on this program (${why}). Change the program to try again.`, {
                 bad: true,
             });
         }
@@ -222,7 +222,7 @@ export class Page {
 
     private declaration(pick: Pick | null): void {
         if (pick === null) {
-            say("Nothing is seen there.");
+            say("Nothing is visible there.");
         } else if (pick.range !== null) {
             this.show(pick.range);
         }
@@ -270,14 +270,14 @@ export class Page {
                 replace(before);
             }
         };
-        say("All settings are as they were at first.", { action: { label: "Undo", press: undo } });
+        say("All settings were reset.", { action: { label: "Undo", press: undo } });
     }
 
     private async undo(call: "undo" | "redo"): Promise<void> {
         await attempt(async () => {
             const step = await this.core.call(call, {});
             if (step === null) {
-                say(call === "undo" ? "There is no step to take back." : "There is no step to do again.");
+                say(call === "undo" ? "There is nothing to undo." : "There is nothing to redo.");
             }
         });
     }
@@ -353,7 +353,7 @@ export class Page {
             object = textured.find((it) => it.name === pick?.object)?.name ?? object;
         }
         if (object === undefined) {
-            say("There is no surface that the image could be laid on.");
+            say("There is no surface for the image.");
             return;
         }
         await this.layImage(file, object);
@@ -439,7 +439,7 @@ export class Page {
             { label: "Rename…", keys: "F2", press: () => void this.editor.rename() },
             { label: "Format", keys: "Shift+Alt+F", press: () => void this.editor.format() },
             { label: "Comment", keys: "Ctrl+/", press: () => this.editor.toggleComment() },
-            { label: "Fix what needs no choice", keys: "Ctrl+.", press: () => void this.editor.fixAll() },
+            { label: "Apply all fixes", keys: "Ctrl+.", press: () => void this.editor.fixAll() },
         ];
     }
 

@@ -191,7 +191,7 @@ export interface Scene {
   cameras: string[];
   /** The words by which the text names images, and whether an image of that name is there (`Calls["texture"]`). */
   images: { word: string; isThere: boolean }[];
-  /** A sentence if there is nothing to be seen. */
+  /** A sentence if there is nothing to see. */
   empty: string | null;
 }
 

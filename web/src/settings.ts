@@ -29,13 +29,13 @@ type Tab = (typeof TABS)[number];
 const MARKS: [keyof Marks & string, string, string][] = [
     ["labels", "Names", "of points, curves and surfaces"],
     ["axes", "Axes", "a box with ticks around the scene"],
-    ["legend", "Legend", "what colours and lines mean"],
-    ["cameras", "Cameras", "where the geodesic cameras and the declared ones stand"],
+    ["legend", "Legend", "the meaning of colours and lines"],
+    ["cameras", "Cameras", "the geodesic cameras and the declared ones"],
     ["wavefronts", "Wavefronts", "circles at equal distances from the camera"],
     ["conjugate", "Conjugate points", "where neighbouring geodesics meet again"],
-    ["cutLocus", "Cut locus", "beyond it there is a shorter way"],
-    ["trail", "Trail", "the way that the camera has walked"],
-    ["error", "Error", "how far the picture may be off"],
+    ["cutLocus", "Cut locus", "beyond it there is a shorter geodesic"],
+    ["trail", "Trail", "the path of the camera"],
+    ["error", "Error", "the estimated error of the picture"],
 ];
 
 export class SettingsPane {
@@ -209,7 +209,7 @@ export class SettingsPane {
             make("h3", {}, "Drawn over the pictures"),
             ...boxes,
             make("h3", {}, "3D view"),
-            this.preference("orthographic", "Orthographic", "parallels stay parallel (5)"),
+            this.preference("orthographic", "Orthographic", "parallel lines stay parallel (5)"),
             this.preference("fly", "Fly", "a drag looks around; with Alt it turns about the target"),
             ...(scene.views.some((view) => view.instead !== null) ? [this.samples(preferences)] : []),
             ...(scene.cameras.length > 0 ? [this.camera(scene.cameras, preferences)] : []),

@@ -88,10 +88,10 @@ fn without_a_memory_there_is_a_sentence() {
         assert!(told.contains("geotrace show a.gtr"), "{told}");
         assert!(!folder.path().join("out.png").exists());
     };
-    failed("the window remembers nothing of this program");
+    failed("the window has no saved view of this program");
     let beside = folder.path().join(".a.gtr.geotrace.json");
     std::fs::write(&beside, "{").expect("writing");
-    failed("the view that was remembered cannot be used");
+    failed("the saved view cannot be used");
     assert!(beside.is_file(), "it stays where it is");
 }
 

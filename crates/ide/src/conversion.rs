@@ -20,11 +20,14 @@ impl fmt::Display for ConvertError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotOffered => write!(f, "only CRT scripts are converted, to Geotrace's language"),
-            Self::HasErrors => write!(f, "a script with errors is not converted; mend them first"),
+            Self::HasErrors => write!(
+                f,
+                "a script with errors is not converted; fix the errors first"
+            ),
             Self::TooManyLeaves { most } => write!(
                 f,
-                "the script draws more than {most} shapes, which is the most that is converted; a `grid` draws many \
-                 instances of one solid"
+                "the script draws more than {most} shapes, the limit of conversions; a `grid` draws many instances of \
+                 one solid"
             ),
         }
     }

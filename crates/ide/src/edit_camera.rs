@@ -34,12 +34,12 @@ impl fmt::Display for EditCameraError {
             Self::NoCameras => write!(f, "this language declares no cameras"),
             Self::Faulty { name } => write!(
                 f,
-                "the declaration of `{name}` has an error: mend it, and write the camera then"
+                "the declaration of `{name}` has an error: fix it before you write the camera"
             ),
             Self::NotACamera { name } => {
                 write!(
                     f,
-                    "`{name}` is not free as the name of a camera: choose another"
+                    "`{name}` is not available as the name of a camera: choose another"
                 )
             }
             Self::NotAPlace => write!(

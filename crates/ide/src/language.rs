@@ -197,7 +197,7 @@ pub trait Program: Debug + Send {
     ) -> Result<Evaluation, Vec<Diagnostic>> {
         let _ = params;
         let span = Span::new(0, u32::try_from(expression.len()).unwrap_or(u32::MAX));
-        let message = "this language has no expressions that can be evaluated";
+        let message = "this language has no expressions to evaluate";
         Err(vec![Diagnostic::error(
             Code("no-expressions"),
             span,

@@ -47,7 +47,7 @@ impl std::fmt::Display for RenameError {
             Self::ReadOtherwise { word, line } => {
                 write!(
                     f,
-                    "with this name, `{word}` in line {line} would be read otherwise"
+                    "with this name, `{word}` in line {line} would be read differently"
                 )
             }
         }

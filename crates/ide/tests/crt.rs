@@ -210,7 +210,7 @@ Scene { }
     assert!(hover(text, "w = v").contains("Value: vec3(1.0, 2.5, 18.0), a Vector."));
     assert!(hover(text, "list").contains("Value: [1, \"a\", rgb(1.0, 0.0, 0.0)], a List."));
     assert!(hover(text, "bad").contains("No value"));
-    assert!(hover(text, "unseen").contains("The run does not come here."));
+    assert!(hover(text, "unseen").contains("The run does not reach this."));
     // A script that cannot be read is not run.
     let faulty = hover("a = 1\nb = )\n", "a = 1");
     assert!(!faulty.contains("alue:"), "{faulty}");

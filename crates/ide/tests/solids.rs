@@ -241,7 +241,7 @@ fn hover_tells_what_a_solid_is() {
     let ground = told("param h : [0, 1]; solid g¦round(x,y,z) = z - h;");
     assert!(ground.contains("endless, for `h = 0`"), "{ground}");
     let empty = told("solid n¦othing(x,y,z) = x^2 + y^2 + z^2 + 1;");
-    assert!(empty.contains("empty: no point is in it"), "{empty}");
+    assert!(empty.contains("empty: it contains no point"), "{empty}");
     // A box for each of a million shapes is no answer while somebody reads.
     let many =
         told("grid g : [0, 1, 1000000]; solid w¦aves(x,y,z) = sin(x+g) + x^2 + y^2 + z^2 - 1;");

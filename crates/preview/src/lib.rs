@@ -127,7 +127,7 @@ impl fmt::Display for Failure {
         match self {
             Self::NoDisplay { reason } => write!(
                 f,
-                "the window cannot be opened: there is no display to show it on ({reason})"
+                "the window cannot be opened: there is no display ({reason})"
             ),
             Self::NoGraphics { reason } => write!(
                 f,
@@ -135,7 +135,7 @@ impl fmt::Display for Failure {
             ),
             Self::NoThread { reason } => write!(
                 f,
-                "the window cannot be opened: the system starts no thread for it ({reason})"
+                "the window cannot be opened: the system cannot start a thread ({reason})"
             ),
             Self::Unreadable { path, reason } => {
                 write!(f, "cannot read `{}`: {reason}", path.display())

@@ -108,7 +108,7 @@ impl fmt::Display for HandshakeError {
         match self {
             Self::NoHello { from } => write!(
                 f,
-                "The {} did not say its version first: it is not a {} of geotrace.",
+                "The {} did not send its version first: it is not a {} of geotrace.",
                 from.name(),
                 from.name()
             ),

@@ -160,11 +160,11 @@ fn excerpt(line: &[u8]) -> String {
 impl fmt::Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stream(error) => write!(f, "the other side cannot be heard: {error}"),
-            Self::TooLong => write!(f, "a line of more than {LONGEST} bytes was passed by"),
+            Self::Stream(error) => write!(f, "cannot read from the other side: {error}"),
+            Self::TooLong => write!(f, "a line of more than {LONGEST} bytes was skipped"),
             Self::Cut { excerpt } => write!(f, "the other side stopped within a line: {excerpt}"),
             Self::Invalid { excerpt, reason } => {
-                write!(f, "a line is no message ({reason}): {excerpt}")
+                write!(f, "a line is not a message ({reason}): {excerpt}")
             }
         }
     }
@@ -175,11 +175,11 @@ impl std::error::Error for ReadError {}
 impl fmt::Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stream(error) => write!(f, "the other side does not listen: {error}"),
+            Self::Stream(error) => write!(f, "cannot write to the other side: {error}"),
             Self::TooLong { length } => {
                 write!(
                     f,
-                    "a message of {length} bytes is too long: {LONGEST} are the limit"
+                    "a message of {length} bytes is too long: the limit is {LONGEST}"
                 )
             }
         }

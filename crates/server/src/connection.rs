@@ -91,7 +91,7 @@ pub(crate) async fn run<S>(
                         }
                     }
                     Frame::Bad(reason) => {
-                        let message = format!("this is no message: {reason}");
+                        let message = format!("this is not a message: {reason}");
                         raw_sender
                             .send_when_room(error(PARSE_ERROR, &message))
                             .await;

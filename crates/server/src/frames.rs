@@ -81,7 +81,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         // The length may be wrong: the next header is looked for from the body's start on.
         self.skip_to_header(body);
         Some(Frame::Bad(
-            "its body is not valid JSON of the length that its header tells".to_owned(),
+            "its body is not valid JSON of the length in its header".to_owned(),
         ))
     }
 

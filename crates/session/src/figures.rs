@@ -26,7 +26,7 @@ pub fn measured(surface: &dyn Surface, subject: &Subject, figure: &Figure) -> Me
         Ok(FigureMeasures::Triangle(found)) => triangle_rows(found),
         Ok(FigureMeasures::Nothing) => Measured {
             note: (figure.places.len() == figure.kind.places())
-                .then(|| "no geodesic from the camera to that place was found".to_owned()),
+                .then(|| "no geodesic from the camera to that point was found".to_owned()),
             ..Measured::default()
         },
         Err(error) => Measured {
@@ -88,7 +88,7 @@ fn distance_rows(all: &Connections) -> Measured {
         ));
     }
     let note = match (all.found.is_empty(), all.complete) {
-        (true, _) => Some("no geodesic between the two places was found"),
+        (true, _) => Some("no geodesic between the two points was found"),
         (false, false) => Some("there may be more: the search reached its limit"),
         (false, true) => None,
     };

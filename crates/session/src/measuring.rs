@@ -18,10 +18,10 @@ pub fn title(kind: FigureKind) -> &'static str {
 /// The clicks that a kind of figure takes, in words.
 pub fn hint(kind: FigureKind) -> &'static str {
     match kind {
-        FigureKind::Place => "Click on a place of a surface, in any view.",
-        FigureKind::Distance => "Click on two places of a surface, in any view.",
+        FigureKind::Place => "Click on a point of a surface, in any view.",
+        FigureKind::Distance => "Click on two points of a surface, in any view.",
         FigureKind::Circle => {
-            "Click on a place: the circle about the geodesic camera goes through it."
+            "Click on a point: the circle about the geodesic camera passes through it."
         }
         FigureKind::Triangle => "Click on the three corners, in any view.",
     }

@@ -292,7 +292,7 @@ fn walk(
         None if closing.mirrored && closing.gap <= tolerance => {
             rows.push(Quantity::new(
                 "holonomy",
-                "none: left and right have changed places",
+                "none: left and right are exchanged",
             ));
         }
         // What the way back adds: the gap is right only where the ends are near each other.

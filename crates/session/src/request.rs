@@ -13,7 +13,7 @@ use crate::model::Emphasis;
 use crate::textures::{ImageSource, Library};
 use crate::{Choice, Marks, Model};
 
-/// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to be seen. `active` is
+/// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to see. `active` is
 /// the surface whose geodesic camera the views in space show. While the view is `moving`, a picture at once is worth more
 /// than a fine one.
 pub fn picture_request(

@@ -180,7 +180,7 @@ class Panel {
                     }
                     await vscode.workspace.applyEdit(edit);
                 } else {
-                    void vscode.window.showWarningMessage("The text has changed meanwhile. Try it again.");
+                    void vscode.window.showWarningMessage("The text has changed meanwhile. Try again.");
                 }
                 return;
             case "save":

@@ -45,9 +45,9 @@ async function versionOf(path: string, from: string): Promise<string> {
         }
     } catch (error) {
         const reason = error instanceof Error ? error.message : String(error);
-        throw new ServerMissing(`Geotrace's language server, ${path} (from ${from}), does not start: ${reason}`);
+        throw new ServerMissing(`Geotrace's language server, ${path} (from ${from}), cannot start: ${reason}`);
     }
-    throw new ServerMissing(`${path} (from ${from}) is not the geotrace program: it does not tell its version.`);
+    throw new ServerMissing(`${path} (from ${from}) is not the geotrace program: it does not report a version.`);
 }
 
 /**
@@ -64,7 +64,7 @@ export async function findServer(setting: string, extensionFolder: string, wante
             throw new ServerMissing(`The setting geotrace.server.path, "${path}", must be an absolute path.`);
         }
         if (!(await isProgram(path))) {
-            throw new ServerMissing(`There is no program ${path}, which the setting geotrace.server.path names.`);
+            throw new ServerMissing(`The program ${path}, named by the setting geotrace.server.path, does not exist.`);
         }
     } else if (await isProgram(bundled)) {
         from = "the extension";
@@ -75,7 +75,7 @@ export async function findServer(setting: string, extensionFolder: string, wante
         if (found === undefined) {
             throw new ServerMissing(
                 "Geotrace's language server was not found: no geotrace program is on PATH. " +
-                    "Build it with `cargo install --path crates/cli`, or name it in the setting geotrace.server.path.",
+                    "Build it with `cargo install --path crates/cli`, or set geotrace.server.path to it.",
             );
         }
         path = found;
@@ -85,7 +85,7 @@ export async function findServer(setting: string, extensionFolder: string, wante
     if (series(version) !== series(wanted)) {
         throw new ServerMissing(
             `${path} (from ${from}) is geotrace ${version}, but this extension is made for ${series(wanted)}. ` +
-                "Install the same version of both, or name another program in the setting geotrace.server.path.",
+                "Install the same version of both, or set geotrace.server.path to another program.",
         );
     }
     return { path, version, from };

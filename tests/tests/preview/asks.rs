@@ -140,12 +140,12 @@ async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
     message(&mut editor, "`s` was not written").await;
     assert_eq!(editor.quit().await, 0);
 
-    // An editor that takes no edits is not asked.
+    // An editor that does not accept edits is not asked.
     let mut editor = Editor::start_with(Place::Here, "preview-no-edits", Some(&windows.program));
     editor.initialize(json!({})).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
     window.say(write(json!([0.25]))).await;
-    message(&mut editor, "takes no edits").await;
+    message(&mut editor, "does not accept edits").await;
     assert_eq!(editor.quit().await, 0);
 }
 

@@ -125,7 +125,7 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
     command(&mut editor, URI, Value::Null).await;
     let mut window = windows.next().await;
     window.say(json!({ "type": "closed" })).await;
-    message(&mut editor, "did not say its version").await;
+    message(&mut editor, "did not send its version").await;
     window.ended().await;
     assert_eq!(messages(&editor).len(), 2);
 

@@ -181,7 +181,7 @@ test("a program is saved and opened as a file", async () => {
         page.getByRole("menuitem", { name: "Open a file" }).click(),
     ]);
     await again.setFiles({ name: "x.gtr", mimeType: "", buffer: Buffer.from([0xff, 0xfe, 0x00]) });
-    await page.locator(".toast.bad", { hasText: "not a text in UTF-8" }).waitFor();
+    await page.locator(".toast.bad", { hasText: "not UTF-8 text" }).waitFor();
     await state.close(page);
 });
 

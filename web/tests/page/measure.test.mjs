@@ -115,7 +115,7 @@ test("a triangle on a sphere has the excess of its area, and M opens the tool", 
     assert.ok(excess > 0.01 && Math.abs(excess - area) < 1e-6, `${excess} for ${area}`);
     await changed(page, before);
     await page.mouse.click(5 + (await middle(page)).x - (await middle(page)).width / 2, y);
-    await page.waitForFunction(() => /no place of a surface/.test(document.querySelector(".measuring p").textContent));
+    await page.waitForFunction(() => /not a point of a surface/.test(document.querySelector(".measuring p").textContent));
     await state.close(page);
 });
 

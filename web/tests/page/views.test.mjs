@@ -161,7 +161,7 @@ test("the settings are reset, and put back unless another program is open", asyn
         await page.getByRole("button", { name: "Reset all settings" }).click();
         await page.getByRole("tab", { name: "Params" }).click();
         await page.waitForFunction(() => document.querySelector('[aria-label="Value of r"]').value === "1");
-        const undo = page.locator(".toast", { hasText: "as they were at first" }).getByRole("button", { name: "Undo" });
+        const undo = page.locator(".toast", { hasText: "were reset" }).getByRole("button", { name: "Undo" });
         return undo.elementHandle();
     };
     const press = (undo) => undo.evaluate((button) => button.click());

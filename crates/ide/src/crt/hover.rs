@@ -9,7 +9,7 @@ use super::CrtAnalysis;
 use super::names::{Origin, VariableId};
 use crate::description::Description;
 
-const FRAME: &str = "The frame: 0, the slider `t` of the window, `--set t=V`, or the frames of `--animate t=0:19`. The script is run anew for each value.";
+const FRAME: &str = "The frame: 0 unless set by the slider `t` of the window, by `--set t=V` or by `--animate t=0:19`. The script is run again for each value.";
 
 /// The description of the word at a place.
 pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Description)> {
@@ -147,7 +147,7 @@ fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
     });
     let found: Vec<(&Assignment, Span)> = found.collect();
     let Some((last, whole)) = found.iter().max_by_key(|(it, _)| it.last) else {
-        return Some("The run does not come here.".to_owned());
+        return Some("The run does not reach this.".to_owned());
     };
     let times: u32 = found.iter().map(|(it, _)| it.count).sum();
     let variable = analysis.names().variable(id);
@@ -225,12 +225,12 @@ fn short(number: f64) -> String {
 fn keyword(kind: TokenKind) -> Option<&'static str> {
     Some(match kind {
         TokenKind::Scene => {
-            "The block that draws: each statement whose value is an entity emits it."
+            "The block that draws: each statement whose value is an entity draws it."
         }
         TokenKind::Macro => "A macro: a call gives the list of the entities that its body emits.",
         TokenKind::Scale => "Scales by a number, or by one along each axis, about the origin.",
         TokenKind::Translate => "Moves by a vector.",
-        TokenKind::Rotate => "Turns by degrees about x, then y, then z, about the origin.",
+        TokenKind::Rotate => "Rotates by degrees about x, then y, then z, about the origin.",
         TokenKind::While => "Repeats its body while the condition is true.",
         TokenKind::If | TokenKind::Else => "Runs one of two bodies.",
         _ => return None,

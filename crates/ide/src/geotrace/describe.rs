@@ -51,7 +51,7 @@ pub(crate) fn map(map: MapWord) -> Description {
         ),
         MapWord::Rotate => (
             "solid turned = ball @ rotate (0, 0, pi/4);",
-            "turns a set about a vector through the origin, by its length in radians, counterclockwise from its tip",
+            "rotates a set about a vector through the origin, by the vector's length in radians, counterclockwise as seen from its tip",
         ),
     };
     description(example, [purpose.to_owned()])
@@ -140,7 +140,7 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
     let code = format!("{} {}{}", item.keyword.text(), item.name, signature(item));
     let mut text = Vec::new();
     if item.faulty {
-        text.push("This declaration holds an error.".to_owned());
+        text.push("This declaration has an error.".to_owned());
         return description(code, text);
     }
     match item.keyword.category() {
@@ -157,7 +157,7 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
         Category::Grid => {
             let intervals = written_intervals(analysis, item);
             text.push(format!(
-                "the values {intervals}: what depends on it is drawn once for each"
+                "the values {intervals}: objects that depend on it are drawn once for each"
             ));
         }
         Category::Constant => text.extend(value(analysis, item)),
@@ -219,7 +219,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
         Shape::Light(light) => {
             let place = light.position.map(vector);
             match (light.direction.map(vector), place) {
-                (None, Some(place)) => format!("shines to all sides from {}", place?),
+                (None, Some(place)) => format!("shines in all directions from {}", place?),
                 (Some(direction), None) => format!("shines along {} everywhere", direction?),
                 (Some(direction), Some(place)) => {
                     format!("shines along {} from {}", direction?, place?)

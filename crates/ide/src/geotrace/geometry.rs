@@ -128,7 +128,7 @@ fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
         places.push(format!("{points} further points of {}", count * count));
     }
     let mut told = if places.is_empty() {
-        "regular: EG − F² does not vanish at the points that were looked at".to_owned()
+        "regular: EG − F² > 0 at all sampled points".to_owned()
     } else {
         format!("EG − F² vanishes at {}", places.join(", "))
     };

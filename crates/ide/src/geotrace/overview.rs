@@ -31,10 +31,10 @@ const EXPRESSIONS: &[OverviewRow] = &[
         "the least and the greatest of numbers, or of a vector's components",
     ),
     row("pi   e", "constants"),
-    row("c(1)   s(1, 2)", "the place on a curve or surface"),
+    row("c(1)   s(1, 2)", "the point on a curve or surface"),
     row(
         "c'(1)   s_u(1, 2)",
-        "derivatives: of a function of one parameter, and by a parameter",
+        "derivatives: of a function of one parameter, and by one of several",
     ),
     row(
         "a | b   a \\ b   a & b   a @ v   a @ scale 2   a @ rotate v",
@@ -42,7 +42,7 @@ const EXPRESSIONS: &[OverviewRow] = &[
     ),
     row(
         "color : (1, 0.5, 0)   mirror : 0.3   glass : 0.9",
-        "attributes, behind a `,` of a declaration",
+        "attributes, after a `,` of a declaration",
     ),
     row("# up to the end of the line", "a comment"),
 ];

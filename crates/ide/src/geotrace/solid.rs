@@ -40,14 +40,14 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     let mut work = MOST_WORK;
     let rays = RayScene::of_solid(scene, &params, &options, object, &mut work);
     if rays.is_out_of_work() {
-        text.push("too many instances, or too long, to say here where it lies".to_owned());
+        text.push("too many instances, or too complex, to locate it here".to_owned());
     }
     if rays.world().solid_count() == 0 {
         return text;
     }
     let start = start::of_object(scene, object);
     if rays.is_empty(0) {
-        text.push(format!("empty{start}: no point is in it"));
+        text.push(format!("empty{start}: it contains no point"));
         return text;
     }
     text.push(extent(&rays, &start));

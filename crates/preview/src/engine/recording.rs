@@ -57,7 +57,7 @@ impl Recording {
                 Ok(text) => StatusMessage::info(text),
                 Err(Ended::Failed(text)) => StatusMessage::error(text),
                 Err(Ended::Cancelled) => {
-                    StatusMessage::info("The recording was called off: there is no file")
+                    StatusMessage::info("The recording was cancelled: no file was written")
                 }
             });
         };

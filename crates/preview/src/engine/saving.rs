@@ -38,7 +38,7 @@ pub(crate) fn save(editor: &mut Editor) -> Result<Saved, String> {
         Err(unreadable) => {
             let path = editor.path.display();
             return Err(format!(
-                "not saved, since what `{path}` holds now cannot be read ({unreadable})"
+                "not saved, since the present content of `{path}` cannot be read ({unreadable})"
             ));
         }
     }
@@ -88,8 +88,8 @@ pub(crate) fn rescue(editor: &Editor) -> Option<String> {
     let write = |folder: &Path| write_new(folder, name, editor.text.as_bytes());
     let written = std::path::absolute(own).and_then(|own| write(&own));
     Some(match written.or_else(|_| write(&std::env::temp_dir())) {
-        Ok(place) => format!("the text that was not saved is in `{}`", place.display()),
-        Err(error) => format!("the text that was not saved is lost ({error})"),
+        Ok(place) => format!("the unsaved text is in `{}`", place.display()),
+        Err(error) => format!("the unsaved text is lost ({error})"),
     })
 }
 

@@ -26,7 +26,7 @@ pub(crate) enum FileChoice {
 }
 
 /// The sentence for a desktop without dialogs.
-pub(crate) const NO_DIALOG: &str = "No dialog for files can be opened here: write the file's name.";
+pub(crate) const NO_DIALOG: &str = "No file dialog can be opened here: type the file's name.";
 
 /// Set when a dialog was requested and could not be opened.
 static MISSING: AtomicBool = AtomicBool::new(false);

@@ -37,7 +37,7 @@ pub(crate) fn save_picture(
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
     let [width, height] = request.size;
     Ok(format!(
-        "{width}×{height} pixels are in `{}`",
+        "{width}×{height} pixels were saved in `{}`",
         path.display()
     ))
 }

@@ -119,15 +119,15 @@ pub(crate) enum NotKnown {
 impl fmt::Display for NotKnown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoFile => write!(f, "the window remembers nothing of this program"),
+            Self::NoFile => write!(f, "the window has no saved view of this program"),
             Self::Unreadable(place, reason) => write!(
                 f,
-                "the view that was remembered cannot be read (`{}`: {reason})",
+                "the saved view cannot be read (`{}`: {reason})",
                 place.display()
             ),
             Self::Unusable(place, reason) => write!(
                 f,
-                "the view that was remembered cannot be used (`{}`: {reason})",
+                "the saved view cannot be used (`{}`: {reason})",
                 place.display()
             ),
         }
@@ -183,7 +183,7 @@ fn set_aside(place: &Path, reason: &str) -> String {
         Ok(()) => format!("it is kept as `{}`", aside.display()),
         Err(_) => format!("see `{}`", place.display()),
     };
-    format!("the view that was remembered cannot be used ({reason}); {kept}")
+    format!("the saved view cannot be used ({reason}); {kept}")
 }
 
 /// Writes what is to be remembered, whole or not at all.
@@ -200,12 +200,7 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     };
     let text = serde_json::to_vec_pretty(&remembered).map_err(|error| error.to_string())?;
     let written = write_whole_created(&place, crate::platform::create_hidden, &text);
-    written.map_err(|error| {
-        format!(
-            "the view cannot be remembered (`{}`: {error})",
-            place.display()
-        )
-    })
+    written.map_err(|error| format!("the view cannot be saved (`{}`: {error})", place.display()))
 }
 
 /// The time for which a view must stay the same before it is written.
@@ -262,7 +257,7 @@ impl ViewStore {
             }
         });
         if let Err(error) = &thread {
-            let sentence = format!("the view is not remembered: {error}");
+            let sentence = format!("the view is not saved: {error}");
             failures.send(StatusMessage::error(sentence));
         }
         Self {

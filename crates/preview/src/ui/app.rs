@@ -171,7 +171,7 @@ fn refusal() -> Failure {
     let reason = match Gpu::shared() {
         Err(error) => error.to_string(),
         Ok(gpu) => format!(
-            "the display refuses it, or {} cannot draw on it",
+            "the display rejects it, or {} cannot draw on it",
             gpu.name()
         ),
     };
@@ -392,7 +392,7 @@ mod tests {
         };
         let place = folder.join("a.unsaved-2.gtr");
         let wanted = format!(
-            "the GPU was lost 4 times; the text that was not saved is in `{}`",
+            "the GPU was lost 4 times; the unsaved text is in `{}`",
             place.display()
         );
         assert_eq!(reason, wanted);
@@ -412,7 +412,7 @@ mod tests {
             }),
         });
         let told = ended.expect_err("it is refused").to_string();
-        for part in ["no such display", "the text that was not saved is in `"] {
+        for part in ["no such display", "the unsaved text is in `"] {
             assert!(told.contains(part), "{told}");
         }
         assert_eq!(text(folder, "a.unsaved.gtr"), MINE);

@@ -170,7 +170,7 @@ const KEYS: [Key; 6] = [
 ];
 
 /// The keys of the program's pane and of files, in one sentence each: the menus show them too.
-const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab takes one, Ctrl+F finds, Ctrl+/ comments, F2 \
+const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab inserts one, Ctrl+F finds, Ctrl+/ comments, F2 \
     renames, Ctrl+. fixes, Shift+Alt+F formats. Ctrl+N, Ctrl+O, Ctrl+S: new, open, save; Ctrl+E, Ctrl+M, Ctrl+R: save a picture, a mesh, record.";
 
 /// The keys of views that have the same ones.
@@ -250,7 +250,7 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
                     .spacing([12.0, 1.0])
                     .max_col_width(column_width)
                     .show(ui, |ui| key_rows(&columns, ui));
-                ui.label("Keys move the view that the pointer moves over, or that was chosen with a click or Tab.");
+                ui.label("Keys move the view that the pointer moves over, or that was chosen with a click or F6.");
                 ui.label(PROGRAM_KEYS);
             });
         });

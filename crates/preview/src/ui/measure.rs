@@ -148,7 +148,7 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
         return;
     };
     if object.shape.manifold().is_none() {
-        let text = format!("`{surface}` is no surface: click on a surface or a metric.");
+        let text = format!("`{surface}` is not a surface: click on a surface or a metric.");
         window.status_message = Some(StatusMessage::info(text));
         return;
     }
@@ -416,7 +416,7 @@ fn answers(window: &mut Window, ui: &mut Ui) {
         if is_asking {
             ui.weak(hint(measuring.tool));
             let snapping =
-                "A ring shows the point, end or corner that a click takes; Alt turns this off.";
+                "A ring shows the point, end or corner to which a click snaps; Alt turns this off.";
             ui.weak(key_names::named(ui.ctx(), snapping));
         }
     });
@@ -456,7 +456,7 @@ fn answers(window: &mut Window, ui: &mut Ui) {
         ui.separator();
         ui.strong("Walk");
         rows(ui, "walk", &measuring.walked, TextWrapMode::Wrap);
-        let hint = "Walks along the shortest geodesic to where the trail begins";
+        let hint = "Walks along the shortest geodesic to the start of the trail";
         if ui.button("Close the walk").on_hover_text(hint).clicked() {
             walk_back(window);
         }

@@ -188,7 +188,7 @@ fn edit(window: &mut Window, ui: &mut Ui) {
         ("Redo in the text", "Ctrl+Y there", TextCommand::Redo),
         ("Comment or uncomment lines", "Ctrl+/", TextCommand::Comment),
         ("Rename…", "F2", TextCommand::Rename),
-        ("Fix what needs no choice", "Ctrl+.", TextCommand::FixAll),
+        ("Apply all fixes", "Ctrl+.", TextCommand::FixAll),
         ("Format", "Shift+Alt+F", TextCommand::Format),
     ] {
         let can = commands::is_possible(window, ui, command);
@@ -269,7 +269,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
     }
     ui.separator();
     let mut fly = window.model.view.preferences.fly;
-    let hint = "A drag in the 3D view turns the camera where it stands";
+    let hint = "A drag in the 3D view turns the camera in place";
     if ui.checkbox(&mut fly, "Fly").on_hover_text(hint).changed() {
         let step = Step::new("Change a setting", "fly");
         window.model.change(step, |view| view.preferences.fly = fly);

@@ -19,7 +19,7 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     let visuals = ui.visuals();
     let (colour, text) = match reason {
         DisconnectReason::Gone(reason) => {
-            let gone = "The language server has gone: this is the last picture of its text.";
+            let gone = "The language server has exited; the picture shows its last text.";
             let because = reason.as_ref().map(|it| format!(" ({it})"));
             let text = format!("{gone}{}", because.unwrap_or_default());
             (visuals.warn_fg_color, text)

@@ -187,8 +187,7 @@ impl Window {
         if let Some(layout) = known.layouts.get(self.kind()) {
             let layout = serde_json::from_value::<Layout>(layout.clone());
             if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
-                let sentence =
-                    "the places of the panes that were remembered make no sense, and are not used";
+                let sentence = "the saved layout of the panes is invalid and is not used";
                 trouble.get_or_insert_with(|| sentence.to_owned());
             }
         }

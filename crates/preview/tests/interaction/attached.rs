@@ -314,7 +314,7 @@ fn a_server_that_is_gone_is_told_and_the_picture_stays() {
     desk.text(1, SPHERE);
     desk.until("it is shown", |desk| desk.shown(1) == Some(true));
     drop(desk.server.take());
-    let told = "The language server has gone: this is the last picture of its text.";
+    let told = "The language server has exited; the picture shows its last text.";
     desk.until("it is told", |desk| desk.shows(told));
     desk.until("its picture stays", |desk| {
         desk.shows("3D view of 2 objects") && desk.harness.state().model().view.space.is_some()

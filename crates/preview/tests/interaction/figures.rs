@@ -111,7 +111,7 @@ fn the_dialog_saves_finer_pictures_for_print() {
     hand.click_on(Role::Button, "File");
     hand.click("Save picture…");
     hand.harness.run_steps(3);
-    for (field, value) in [("Width", 120.0), ("Height", 90.0), ("Lines and words", 2.0)] {
+    for (field, value) in [("Width", 120.0), ("Height", 90.0), ("Lines and text", 2.0)] {
         let field = hand.harness.get_by_role_and_label(Role::SpinButton, field);
         field.set_value_accesskit(value);
         hand.harness.run_steps(2);
@@ -146,5 +146,5 @@ fn a_program_without_a_file_has_no_command() {
     hand.click_on(Role::Button, "File");
     hand.click("Copy as command");
     hand.harness.run_steps(2);
-    assert!(hand.shows("A command reads a file: save the program first"));
+    assert!(hand.shows("The command needs a file: save the program first"));
 }

@@ -207,7 +207,7 @@ fn two_texts_that_differ_are_a_question_and_nothing_is_lost() {
     hand.settle();
     std::fs::write(&hand.path, "point theirs = (1, 2, 3);\n").expect("written");
     hand.until("it asks", |hand| {
-        hand.shows("The file has changed on disk, and so has this text.")
+        hand.shows("Both the file on disk and this text have changed.")
     });
     assert_eq!(hand.window().text(), Some(mine));
     hand.press(Modifiers::COMMAND, Key::S);
@@ -219,7 +219,7 @@ fn two_texts_that_differ_are_a_question_and_nothing_is_lost() {
     hand.click("Reload from disk");
     hand.settle();
     assert!(hand.window().model().object("theirs").is_some());
-    assert!(!hand.shows("The file has changed on disk"));
+    assert!(!hand.shows("Both the file on disk and this text have changed"));
 }
 
 #[test]
@@ -233,7 +233,7 @@ fn a_file_that_is_not_watched_is_not_written_over_unseen() {
     hand.settle();
     let on_disk = |hand: &Hand| std::fs::read_to_string(&hand.path).expect("a file");
     assert_eq!(on_disk(&hand), theirs);
-    assert!(hand.shows("The file has changed on disk, and so has this text."));
+    assert!(hand.shows("Both the file on disk and this text have changed."));
     hand.click("Keep my text");
     hand.press(Modifiers::COMMAND, Key::S);
     assert!(hand.shows("Saved"), "{:?}", hand.names());

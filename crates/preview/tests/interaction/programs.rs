@@ -175,7 +175,7 @@ fn a_name_typed_in_the_dialog_takes_the_place_of_the_one_before_and_enter_saves(
     // A click beside the dialog loses nothing.
     let corner = hand.space().left_bottom() + egui::vec2(4.0, -4.0);
     hand.click_at(corner);
-    assert!(hand.shows("There is such a file"), "{:?}", hand.names());
+    assert!(hand.shows("This file exists"), "{:?}", hand.names());
     hand.press(Modifiers::NONE, Key::Escape);
     hand.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     hand.settle();
@@ -230,7 +230,7 @@ fn a_picture_does_not_take_the_place_of_a_program() {
     hand.harness.run_steps(3);
     let program = hand.path.display().to_string();
     hand.enter("3d.png", &program);
-    assert!(hand.shows("There is such a file") && hand.shows("Replace"));
+    assert!(hand.shows("This file exists") && hand.shows("Replace"));
     hand.press(Modifiers::NONE, Key::Enter);
     hand.until("it is refused", |hand| {
         hand.shows("does not end in one of png, svg, pdf")

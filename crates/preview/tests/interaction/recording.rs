@@ -35,7 +35,7 @@ fn choose_what_moves(hand: &mut Hand, part: &str) {
 fn record(hand: &mut Hand) {
     hand.click_on(Role::Button, "Record");
     hand.until("the window says where it is", |hand| {
-        hand.shows("s long, are in") || hand.shows("and so on")
+        hand.shows("s long, were saved in") || hand.shows("and so on")
     });
     hand.settle();
 }
@@ -132,7 +132,7 @@ fn a_recording_that_is_called_off_leaves_no_file() {
             hand.shows("of 100000") && !hand.shows("picture 1 of")
         });
         hand.click("Cancel the recording");
-        hand.until("it is told", |hand| hand.shows("was called off"));
+        hand.until("it is told", |hand| hand.shows("was cancelled"));
         assert_eq!(files(&hand.path), Vec::<PathBuf>::new(), "{format}");
         assert!(!hand.shows("Cancel the recording"));
     }

@@ -117,7 +117,7 @@ impl View for GeodesicView {
     }
 
     fn purpose(&self) -> &'static str {
-        "a surface from inside: from the camera in the centre, each pixel looks along a geodesic"
+        "a surface from inside: each pixel looks along a geodesic from the camera in the centre"
     }
 
     fn object_kind(&self) -> Option<&'static str> {

@@ -147,7 +147,7 @@ pub(super) const KEYS: &[Key] = &[
     Key::new("R, Home", "reset"),
     Key::new(
         "Enter",
-        "put the geodesic camera to the middle of the picture",
+        "put the geodesic camera at the middle of the picture",
     ),
     Key::new("1 3 7 5 T", "front, right, top; orthographic; traced"),
     Key::new(
@@ -167,7 +167,7 @@ pub(super) const KEYS: &[Key] = &[
     Key::new("Two fingers", "sideways"),
     Key::new(
         "Click",
-        "put the geodesic camera there; of what has none, show the declaration",
+        "put the geodesic camera there; on other objects, show the declaration",
     ),
     Key::new("Double or Ctrl click", "show the declaration"),
 ];

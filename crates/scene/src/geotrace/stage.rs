@@ -45,7 +45,7 @@ impl Declarations {
         };
         let towards_span = direction.map(|part| self.lowerer.code.span(part));
         let direction = part(self, direction, "a light's direction");
-        let position = part(self, position, "a light's place");
+        let position = part(self, position, "a light's position");
         let (attributes, stated) = self.stated(declaration.keyword, 0);
         let ((direction, towards), (position, place)) = (direction?, position?);
         let all = self.lowerer.dependencies.union(dependencies, stated);
@@ -101,7 +101,7 @@ impl Declarations {
         let towards = self.constant(direction);
         let direction = self.in_space(direction, &towards, "a camera's direction");
         let place = self.constant(position);
-        let position = self.in_space(position, &place, "a camera's place");
+        let position = self.in_space(position, &place, "a camera's position");
         let (attributes, stated) = self.stated(declaration.keyword, 0);
         let (direction, position) = (direction?, position?);
         let sets = &mut self.lowerer.dependencies;

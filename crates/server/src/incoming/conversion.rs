@@ -35,14 +35,14 @@ pub(super) async fn convert(
     if !(editor.applies_edits && editor.creates_files) {
         return show_message(
             &server.client,
-            "this editor creates no files for its language server; `geotrace convert` writes one"
+            "this editor does not create files for its language server; use `geotrace convert`"
                 .to_owned(),
         );
     }
     if uri.as_str().starts_with("untitled:") {
         return show_message(
             &server.client,
-            "only a script in a file is converted: save it first".to_owned(),
+            "only a saved script can be converted: save it first".to_owned(),
         );
     }
     let work = move || {
@@ -51,8 +51,7 @@ pub(super) async fn convert(
         let target = (1..=MOST_NAMES)
             .filter_map(|count| sibling(&uri, count, extension).parse::<lsp::Uri>().ok())
             .find(|target| !exists(target));
-        let target =
-            target.ok_or_else(|| "there are too many converted files beside it".to_owned())?;
+        let target = target.ok_or_else(|| "too many converted files are beside it".to_owned())?;
         let path = target.path().decode().to_string_lossy().into_owned();
         let name = path.rsplit('/').next().unwrap_or_default();
         let text = analysis

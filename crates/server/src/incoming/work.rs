@@ -52,7 +52,7 @@ impl Backend {
         done.await.map_err(|_| {
             failed(
                 ErrorCode::InternalError,
-                "this request ran into a fault of the server; others go on",
+                "this request failed because of a fault in the server; other requests continue",
             )
         })
     }

@@ -197,113 +197,113 @@ const fn number(value: f64) -> DefaultValue {
 
 objects! {
     Sphere Entity "a ball" {
-        "center" VECTOR, "", Required, "the place of its centre";
+        "center" VECTOR, "", Required, "its centre";
         "radius" POSITIVE, "", Required, "its radius";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
     Box Entity "a box along the axes" {
-        "cornerA" VECTOR, "", Required, "the place of a corner";
-        "cornerB" VECTOR, "", Required, "the place of the opposite corner";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "cornerA" VECTOR, "", Required, "a corner";
+        "cornerB" VECTOR, "", Required, "the opposite corner";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
-    Plane Entity "the half-space behind a plane; on its own it is seen, and casts shadow, only from the front" {
-        "normal" VECTOR, "", Required, "the direction of its front";
-        "position" VECTOR, "", Required, "a place on it";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+    Plane Entity "the half-space behind a plane; on its own it is visible, and casts shadows, only from the front" {
+        "normal" VECTOR, "", Required, "the normal of its front";
+        "position" VECTOR, "", Required, "a point on it";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
     HalfPlane Entity "the part of a plane's half-space on one side of a line" {
-        "normal" VECTOR, "", Required, "the direction of its front";
-        "position" VECTOR, "", Required, "a place on its edge";
+        "normal" VECTOR, "", Required, "the normal of its front";
+        "position" VECTOR, "", Required, "a point on its edge";
         "direction" VECTOR, "", Required, "the direction from its edge into it";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
     Cylinder Entity "a cylinder, closed at both ends" {
         "base" VECTOR, "", Required, "the centre of one end";
         "top" VECTOR, "", Required, "the centre of the other end";
         "radius" POSITIVE, "", Required, "its radius";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
     Cone Entity "a cone, closed at its base" {
         "base" VECTOR, "", Required, "the centre of its base";
-        "apex" VECTOR, "", Required, "the place of its tip";
+        "apex" VECTOR, "", Required, "its tip";
         "radius" POSITIVE, "", Required, "the radius of its base";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
-    Torus Entity "a ring" {
-        "center" VECTOR, "", Required, "the place of its centre";
+    Torus Entity "a torus: a ring with a circular cross-section" {
+        "center" VECTOR, "", Required, "its centre";
         "radius" POSITIVE, "", Required, "the distance from its centre to the middle of its tube";
         "tube" POSITIVE, "", Required, "the radius of its tube";
         "normal" VECTOR, "", DefaultValue::Vector([0.0, 1.0, 0.0]), "the direction of its axis";
-        "material" MATERIAL, "", PLAIN, "how it looks";
+        "material" MATERIAL, "", PLAIN, "its material";
     }
-    Material Material "how an entity looks" {
+    Material Material "the look of an entity" {
         "color" COLOR, "", DefaultValue::Color([0.5, 0.5, 0.5]), "its colour";
-        "reflectivity" SHARE, "", number(0.0), "the share of light that is reflected as by a mirror";
-        "transparency" SHARE, "", number(0.0), "the share of light that goes through";
+        "reflectivity" SHARE, "", number(0.0), "the fraction of light that is reflected as by a mirror";
+        "transparency" SHARE, "", number(0.0), "the fraction of light that is transmitted";
         "refractiveindex" POSITIVE, "", number(1.5), "the index of refraction inside";
-        "diffuse" NOT_NEGATIVE, "", Phrase("1 - reflectivity - transparency"), "the share of light that is scattered to all sides";
+        "diffuse" NOT_NEGATIVE, "", Phrase("1 - reflectivity - transparency"), "the diffuse reflectance";
         "specularity" NOT_NEGATIVE, "", number(0.0), "the strength of highlights";
         "shininess" POSITIVE, "", number(3.0), "the exponent of highlights: the larger, the smaller they are";
     }
-    Camera Camera "the place from which the scene is seen" {
-        "position" VECTOR, "", Required, "its place";
-        "pointing" VECTOR, "", Required, "the place that it looks at";
+    Camera Camera "a camera, from which the scene is seen" {
+        "position" VECTOR, "", Required, "its position";
+        "pointing" VECTOR, "", Required, "the point that it looks at";
         "fov" OPENING, "degrees", Required, "the vertical field of view: below 180 for a pinhole camera";
         "aperture" NOT_NEGATIVE, "", number(3.0), "the radius of the lens, in 720ths of the unit of length";
-        "focaldistance" POSITIVE, "", number(0.5), "the distance at which things are sharp";
+        "focaldistance" POSITIVE, "", number(0.5), "the distance of the plane in focus";
         "apertureshape" SHAPES, "", DefaultValue::Text("circle"), "the shape of the lens";
-        "roll" ANY, "degrees", number(0.0), "the angle by which the picture's up turns towards its right";
+        "roll" ANY, "degrees", number(0.0), "the roll angle, from the picture's up towards its right";
         "projection" PROJECTIONS, "", DefaultValue::Text("pinhole"), "the projection";
     }
-    PointLight Light "a light that shines to all sides" {
-        "origin" VECTOR, "", Required, "its place";
+    PointLight Light "a light that shines in all directions" {
+        "origin" VECTOR, "", Required, "its position";
         "color" COLOR, "", Required, "its colour";
-        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
-        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
+        "falloff" ANY, "", number(-1.0), "the intensity at distance 1, which falls with the inverse square of the distance; at 0 or below the intensity is constant";
     }
     ParallelLight Light "a light whose rays are parallel" {
-        "from" VECTOR, "", Required, "the place that it comes from";
-        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "from" VECTOR, "", Required, "the point that it comes from";
+        "pointing" VECTOR, "", Required, "the point that it shines at";
         "color" COLOR, "", Required, "its colour";
-        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
     }
     SpotLight Light "a light that shines in a cone" {
-        "origin" VECTOR, "", Required, "its place";
-        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "origin" VECTOR, "", Required, "its position";
+        "pointing" VECTOR, "", Required, "the point that it shines at";
         "color" COLOR, "", Required, "its colour";
         "angle" OPENING, "degrees", number(60.0), "the full opening of its cone";
-        "softness" SHARE, "", number(0.2), "the share of its opening over which it fades to its edge";
-        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
-        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+        "softness" SHARE, "", number(0.2), "the fraction of its opening over which it fades to its edge";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
+        "falloff" ANY, "", number(-1.0), "the intensity at distance 1, which falls with the inverse square of the distance; at 0 or below the intensity is constant";
     }
     CylinderLight Light "a beam of parallel rays" {
-        "origin" VECTOR, "", Required, "its place";
-        "pointing" VECTOR, "", Required, "the place that it shines at";
+        "origin" VECTOR, "", Required, "its position";
+        "pointing" VECTOR, "", Required, "the point that it shines at";
         "radius" POSITIVE, "", Required, "the radius of the beam";
         "color" COLOR, "", Required, "its colour";
-        "softness" SHARE, "", number(0.2), "the share of its radius over which it fades to its edge";
-        "ambient" NOT_NEGATIVE, "", number(0.0), "the share of the light that is everywhere, in shadows too";
-        "falloff" ANY, "", number(-1.0), "its strength at distance 1, which fades with the square of the distance; at 0 or below it never fades";
+        "softness" SHARE, "", number(0.2), "the fraction of its radius over which it fades to its edge";
+        "ambient" NOT_NEGATIVE, "", number(0.0), "the fraction of the light that is ambient";
+        "falloff" ANY, "", number(-1.0), "the intensity at distance 1, which falls with the inverse square of the distance; at 0 or below the intensity is constant";
     }
-    Background Background "what is seen where nothing is hit" {
-        "image" ValueType::Image, "", Phrase("none"), "a picture around the scene: a path beside the script or in `--images`";
-        "angle" ANY, "radians", number(0.0), "the angle by which the picture turns about y";
+    Background Background "the colour or image where no object is hit" {
+        "image" ValueType::Image, "", Phrase("none"), "an image around the scene: a path beside the script or in `--images`";
+        "angle" ANY, "radians", number(0.0), "the angle by which the image is rotated about y";
         "horizon" COLOR, "", Phrase("none"), "the colour at the horizon";
         "sky" COLOR, "", Phrase("none"), "the colour straight up and down";
         "color" COLOR, "", Phrase("white, unless `image` or `horizon` and `sky` are stated"), "its colour";
     }
-    Settings Settings "how the scene is rendered" {
+    Settings Settings "the settings of the picture" {
         "title" TEXT, "", NO_TEXT, "the name of the scene";
-        "author" TEXT, "", NO_TEXT, "who wrote it";
-        "date" TEXT, "", NO_TEXT, "when it was written";
-        "notes" TEXT, "", NO_TEXT, "anything else";
-        "gamma" POSITIVE, "", number(1.0), "the exponent by which light becomes colour: a byte is 255 times light to the power 1/gamma";
-        "background" ValueType::Background, "", Phrase("white"), "what is seen where nothing is hit";
-        "camera" ValueType::Camera, "", Phrase("from (0, 0, -1) to (0, 0, 0), 60 degrees"), "the place from which the scene is seen";
+        "author" TEXT, "", NO_TEXT, "its author";
+        "date" TEXT, "", NO_TEXT, "its date";
+        "notes" TEXT, "", NO_TEXT, "any other text";
+        "gamma" POSITIVE, "", number(1.0), "the gamma of the picture: a byte is 255 times light to the power 1/gamma";
+        "background" ValueType::Background, "", Phrase("white"), "the colour or image where no object is hit";
+        "camera" ValueType::Camera, "", Phrase("from (0, 0, -1) to (0, 0, 0), 60 degrees"), "the camera";
         "lights" ValueType::Lights, "", Phrase("[]"), "the lights";
-        "supersampling" COUNT, "", DefaultValue::Integer(1), "the samples of a pixel in each direction";
-        "dofsamples" COUNT, "", DefaultValue::Integer(1), "the rays through the lens for each sample";
-        "recursiondepth" DEPTH, "", DefaultValue::Integer(3), "how often a ray is reflected or refracted";
+        "supersampling" COUNT, "", DefaultValue::Integer(1), "the number of samples per pixel in each direction";
+        "dofsamples" COUNT, "", DefaultValue::Integer(1), "the number of rays through the lens for each sample";
+        "recursiondepth" DEPTH, "", DefaultValue::Integer(3), "the maximum number of reflections and refractions of a ray";
     }
 }
 
@@ -327,12 +327,12 @@ pub const FUNCTIONS: &[(&str, &[&str], &str)] = &[
     (
         "rgb",
         &["red", "green", "blue"],
-        "a colour, each part from 0 to 1",
+        "a colour, each component from 0 to 1",
     ),
     (
         "rgba",
         &["red", "green", "blue", "alpha"],
-        "a colour; the last part is not used",
+        "a colour; the last component is not used",
     ),
     ("sin", &["angle"], "the sine of an angle in radians"),
     ("cos", &["angle"], "the cosine of an angle in radians"),
@@ -347,7 +347,7 @@ pub const FUNCTIONS: &[(&str, &[&str], &str)] = &[
     (
         "floor",
         &["x"],
-        "the greatest whole number that is not greater",
+        "the greatest whole number that is not above it",
     ),
     ("pow", &["x", "y"], "x to the power y"),
     (

@@ -109,25 +109,25 @@ attributes! {
     Color on &[Light], AttributeType::Color(AttributeRange::NOT_NEGATIVE), "1",
         "the light's colour: a grey or (red, green, blue), sRGB", "color : (1, 0.9, 0.7)";
     Mirror on DRAWN, AttributeType::Color(AttributeRange::SHARE), "0",
-        "the share of light that is reflected as by a mirror, or one for each of red, green and blue", "mirror : 0.3";
+        "the fraction of light that is reflected as by a mirror: one number, or one for each of red, green and blue", "mirror : 0.3";
     Glass on FACES, AttributeType::Number(AttributeRange::SHARE), "0",
-        "the share of light that goes through", "glass : 0.9";
+        "the fraction of light that is reflected or refracted as by glass", "glass : 0.9";
     Ior on &[Solid], AttributeType::Number(AttributeRange::POSITIVE), "1.5",
         "the index of refraction inside", "ior : 1.33";
     Depth on &[Solid], AttributeType::Number(AttributeRange::POSITIVE), "1",
-        "the length of the way through glass after which light has its colour", "depth : 0.5";
+        "the distance in glass after which light has the solid's colour", "depth : 0.5";
     Diffuse on DRAWN, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "1 - mirror - glass",
-        "the share of light that is scattered to all sides", "diffuse : 0.8";
+        "the diffuse reflectance", "diffuse : 0.8";
     Specular on DRAWN, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0.07",
         "the strength of highlights", "specular : 0.5";
     Shininess on DRAWN, AttributeType::Number(AttributeRange::POSITIVE), "40",
         "the exponent of highlights: the larger, the smaller they are", "shininess : 200";
     Bump on FACES, AttributeType::Number(AttributeRange::ANY), "0",
-        "a height along the normal, which tilts the normal and moves nothing", "bump : 0.01sin(40z)";
+        "a height along the normal, which tilts the normal but moves nothing", "bump : 0.01sin(40z)";
     Uv on FACES, AttributeType::Pair, "the parameters of a surface",
-        "the place in the texture, which repeats", "uv : (x, y)";
+        "the position in the texture, which repeats", "uv : (x, y)";
     Image on &[Surface, Metric, Solid, Background], AttributeType::Name, "none",
-        "the texture: a picture of this name beside the program or in `--images`", "image : earth";
+        "the texture: an image of this name beside the program or in `--images`", "image : earth";
     Radius on LINES, AttributeType::Number(AttributeRange::NOT_NEGATIVE), "as the 3D view shows it",
         "the thickness in the traced view, as a radius", "radius : 0.05";
     Radius on &[Light], AttributeType::Number(AttributeRange::POSITIVE), "none: the light is a cone",
@@ -135,30 +135,30 @@ attributes! {
     Power on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "1",
         "the factor of the light's colour", "power : 2";
     Ambient on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
-        "the share of the light that is everywhere, in shadows too", "ambient : 0.2";
-    Falloff on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "none: the light never fades",
-        "the distance at which the light has its strength; it fades with the square of the distance", "falloff : 5";
+        "the fraction of the light that is ambient", "ambient : 0.2";
+    Falloff on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "none: the intensity is constant",
+        "the distance at which the light has its stated intensity, which falls with the inverse square of the distance", "falloff : 5";
     Angle on &[Light], AttributeType::Number(AttributeRange::TURN), "pi/3",
         "the full opening of a spot's cone, in radians", "angle : pi/8";
     Soft on &[Light], AttributeType::Number(AttributeRange::SHARE), "0.2",
-        "the share of a cone's opening or of a beam's radius over which it fades to its edge", "soft : 0";
+        "the fraction of a cone's opening or of a beam's radius over which it fades to its edge", "soft : 0";
     Size on &[Light], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
-        "the radius of the ball that shines: soft shadows", "size : 0.3";
+        "the radius of the light source; larger sources cast softer shadows", "size : 0.3";
     Fov on &[Camera], AttributeType::Number(AttributeRange::TURN), "pi/4",
         "the vertical field of view, in radians: below pi unless the camera is spherical", "fov : 75pi/180";
     Focus on &[Camera], AttributeType::Number(AttributeRange::POSITIVE), "the length of the direction",
-        "the distance of the plane that is sharp", "focus : 3";
+        "the distance of the plane in focus", "focus : 3";
     Aperture on &[Camera], AttributeType::Number(AttributeRange::NOT_NEGATIVE), "0",
         "the radius of the lens: depth of field", "aperture : 0.05";
     Bokeh on &[Camera], AttributeType::Choice(&[
         "circle", "line", "triangle", "square", "pentagon", "hexagon", "octagon", "star", "box", "gaussian",
     ]), "circle", "the shape of the lens", "bokeh : star";
     Roll on &[Camera], AttributeType::Number(AttributeRange::ANY), "0",
-        "the angle by which the picture's up turns towards its right, in radians", "roll : pi/12";
+        "the roll angle in radians, from the picture's up towards its right", "roll : pi/12";
     Projection on &[Camera], AttributeType::Choice(&["pinhole", "spherical", "cylindrical"]), "pinhole",
         "the projection", "projection : spherical";
     Turn on &[Background], AttributeType::Number(AttributeRange::ANY), "0",
-        "the angle by which the background's picture turns about z, in radians", "turn : pi/2";
+        "the angle in radians by which the background's image is rotated about z", "turn : pi/2";
 }
 
 impl AttributeWord {

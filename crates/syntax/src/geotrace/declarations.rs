@@ -139,7 +139,7 @@ declarations! {
         parameters: ParameterCount::None,
         category: Category::Grid,
         example: "grid k : [0, 1, 5];",
-        purpose: "equally spaced values; what depends on them is drawn once for each",
+        purpose: "equally spaced values; objects that depend on them are drawn once for each",
         snippet: "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
     }
     Define "define" {
@@ -147,7 +147,7 @@ declarations! {
         parameters: ParameterCount::None,
         category: Category::Constant,
         example: "define a = 2pi;",
-        purpose: "a constant",
+        purpose: "a named value",
         snippet: "define ${1:a} = ${2:2pi};",
     }
     Function "function" {
@@ -203,7 +203,7 @@ declarations! {
         parameters: ParameterCount::Exactly(1),
         category: Category::Curve,
         example: "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
-        purpose: "a straightest line in a surface: direction @ start, or (p, q) from p to q",
+        purpose: "a geodesic: direction @ start, or (p, q) for the shortest one from p to q",
         snippet: "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];",
     }
     Solid "solid" {
@@ -219,7 +219,7 @@ declarations! {
         parameters: ParameterCount::None,
         category: Category::Stage,
         example: "light lamp = @ (2, -2, 4);",
-        purpose: "a light: @ place, direction, or direction @ place",
+        purpose: "a light: @ position, direction, or direction @ position",
         snippet: "light ${1:lamp} = @ (${2:2}, ${3:-2}, ${4:4});",
     }
     Camera "camera" {
@@ -227,7 +227,7 @@ declarations! {
         parameters: ParameterCount::None,
         category: Category::Stage,
         example: "camera eye = (0, 4, -1) @ (0, -4, 1);",
-        purpose: "a camera: direction @ place",
+        purpose: "a camera: direction @ position",
         snippet: "camera ${1:eye} = (${2:0}, ${3:4}, ${4:-1}) @ (${5:0}, ${6:-4}, ${7:1});",
     }
     Background "background" {

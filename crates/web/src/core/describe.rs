@@ -30,7 +30,7 @@ impl Core {
             ..SceneInfo::default()
         };
         let Some(scene) = self.model.scene.clone() else {
-            info.empty = Some("There is nothing to be seen yet.".to_owned());
+            info.empty = Some("There is nothing to see yet.".to_owned());
             return info;
         };
         info.params = self.param_infos(&scene);
@@ -43,7 +43,7 @@ impl Core {
             })
             .collect();
         if scene.objects.is_empty() {
-            info.empty = Some("The program declares nothing that can be seen.".to_owned());
+            info.empty = Some("The program declares nothing to draw.".to_owned());
         }
         info
     }

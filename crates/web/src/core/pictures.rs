@@ -212,8 +212,8 @@ impl Core {
         Next::Nothing
     }
 
-    /// The request for a pane's picture, where it is another one than that which was drawn last; a sentence if there is
-    /// nothing to be seen.
+    /// The request for a pane's picture, where it is another one than that which was drawn last; a sentence if there
+    /// is nothing to see.
     fn wanted(&mut self, id: &ViewId) -> Option<Result<PictureRequest, String>> {
         let moving = self.is_moving();
         if self.shows_traced(id) {

@@ -29,7 +29,7 @@ impl Core {
         self.read();
         let id = ViewId::from(view);
         let request = self.request(&id, size, false);
-        let request = request.ok_or("there is nothing to be seen")?;
+        let request = request.ok_or("there is nothing to see")?;
         let request = at_rest(request, &self.model, size);
         let drawn = render::render(&self.views, &request, Backend::Software, &|_| {});
         let drawn = drawn.map_err(|error| error.to_string())?;

@@ -124,7 +124,7 @@ impl Core {
     pub(super) fn write_camera(&mut self, name: &str) -> Result<Value, String> {
         self.read();
         let camera = self.model.view.space.zip(self.model.scene.as_ref());
-        let (camera, scene) = camera.ok_or("nothing is seen in space yet")?;
+        let (camera, scene) = camera.ok_or("nothing is visible in space yet")?;
         // Scripts may name the axes of space otherwise.
         let [eye, target] = [camera.eye, camera.target].map(|place| scene.stated(place));
         let direction = [0, 1, 2].map(|k| target[k] - eye[k]);

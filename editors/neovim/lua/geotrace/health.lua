@@ -30,10 +30,10 @@ function M.check()
   local run = vim.system({ program, "--version" }, { text = true }):wait(10000)
   local version = run.code == 0 and run.stdout:match("^geotrace (%S+)")
   if not version then
-    health.error(program .. " --version does not tell a version: " .. (run.stderr or ""))
+    health.error(program .. " --version does not report a version: " .. (run.stderr or ""))
   elseif version:match("^%d+%.%d+") ~= M.version then
     health.warn(
-      ("%s is geotrace %s, this plugin is made for %s"):format(program, version, M.version),
+      ("%s is geotrace %s, this plugin requires %s"):format(program, version, M.version),
       "install the same version of both"
     )
   else

@@ -14,7 +14,7 @@ end
 function M.preview(words)
   local running = client(0)
   if not running then
-    vim.notify("Geotrace: the language server does not run here; :checkhealth geotrace says why", vim.log.levels.ERROR)
+    vim.notify("Geotrace: the language server is not running; see :checkhealth geotrace", vim.log.levels.ERROR)
     return
   end
   local arguments = { vim.uri_from_bufnr(0) }
@@ -25,7 +25,7 @@ function M.preview(words)
   elseif words[1] == "traced" then
     arguments[2] = { view = "traced", surface = words[2] }
   elseif words[1] then
-    vim.notify("Geotrace: a view is 3d, geodesic NAME, or traced with the name of a camera or none", vim.log.levels.ERROR)
+    vim.notify("Geotrace: a view is 3d, geodesic NAME, traced, or traced CAMERA", vim.log.levels.ERROR)
     return
   end
   -- It may not have moved since the buffer was opened.

@@ -77,12 +77,15 @@ impl Film {
         written.map_err(|error| ended(error, path))?;
         Ok(match file.seconds(clip) {
             Some(seconds) => format!(
-                "{frames} pictures, {seconds:.2} s long, are in `{}`",
+                "{frames} frames, {seconds:.2} s long, were saved in `{}`",
                 path.display()
             ),
             None => {
                 let first = animation::numbered(path, 0, frames);
-                format!("{frames} pictures: `{}` and so on", first.display())
+                format!(
+                    "{frames} frames were saved: `{}` and so on",
+                    first.display()
+                )
             }
         })
     }

@@ -143,7 +143,7 @@ pub(crate) fn copy_command(window: &mut Window, ui: &Ui) {
 fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, output: &Path) {
     let program = window.text.file().filter(|file| file.is_file());
     let Some(program) = program else {
-        let sentence = "A command reads a file: save the program first";
+        let sentence = "The command needs a file: save the program first";
         window.status_message = Some(StatusMessage::error(sentence));
         return;
     };
@@ -152,7 +152,7 @@ fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, outpu
     ui.ctx().copy_text(line);
     let mut sentence = "The command for this picture was copied".to_owned();
     if window.text.has_unsaved() {
-        sentence.push_str("; it reads the file, and the program is not saved");
+        sentence.push_str("; it reads the file, but the program is not saved");
     }
     if !request
         .trails
@@ -213,13 +213,13 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
             choose = file(ui, &mut dialog.path);
         });
         ui.label(
-            "The extension says which format: png, or svg and pdf, which have the lines and words of the 3D view as vectors.",
+            "The extension determines the format: png, or svg and pdf, which have the lines and text of the 3D view as vectors.",
         );
         transparency(&mut dialog.transparent, ui);
         replaced(ui, Path::new(&dialog.path));
         let copy = ui.button("Copy as command");
         copies = copy
-            .on_hover_text("Copies the line for a terminal that draws this picture")
+            .on_hover_text("Copies the command that draws this picture")
             .clicked();
         choose
     });
@@ -238,7 +238,7 @@ fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
         ui.weak(format!("{width}×{height} pixels"));
     });
     ui.end_row();
-    let label = ui.label("Lines and words");
+    let label = ui.label("Lines and text");
     let scale = number_field::field(ui, &mut dialog.scale).range(SCALES);
     ui.add(scale.speed(0.01).max_decimals(2).suffix("×"))
         .labelled_by(label.id);
@@ -260,7 +260,7 @@ fn mesh(path: &mut String, ui: &Ui) -> Decision {
         Grid::new("mesh").num_columns(2).show(ui, |ui| {
             choose = file(ui, path);
         });
-        ui.label("The extension says which format: obj, ply, stl, gltf or glb.");
+        ui.label("The extension determines the format: obj, ply, stl, gltf or glb.");
         replaced(ui, Path::new(path));
         choose
     })
@@ -328,7 +328,7 @@ pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
     if path.is_file() {
         ui.colored_label(
             ui.visuals().warn_fg_color,
-            "There is such a file: it will be replaced.",
+            "This file exists and will be replaced.",
         );
     }
 }
@@ -418,7 +418,7 @@ fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
     let notes = model.notes.iter().chain(&told).cloned();
-    let sentence = format!("{triangles} triangles are in `{}`", path.display());
+    let sentence = format!("{triangles} triangles were saved in `{}`", path.display());
     Ok(std::iter::once(sentence)
         .chain(notes)
         .collect::<Vec<_>>()

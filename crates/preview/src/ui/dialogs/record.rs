@@ -159,7 +159,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
 /// The fields of the dialog; whether the file is to be chosen in the desktop's dialog.
 fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     if dialog.moves.is_empty() {
-        ui.label("Nothing moves here: a param, or a surface to walk on, is needed.");
+        ui.label("Nothing to animate: the program needs a param, or a surface to walk on.");
         return false;
     }
     let surface = dialog.camera.as_ref().map_or("", |(name, _)| name);
@@ -291,7 +291,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         }
     }
     if chosen.is_walk() && camera.is_none() {
-        let sentence = "the surface is not shown in the 3D view, so no walk on it is seen";
+        let sentence = "the surface is not shown in the 3D view, so a walk on it is not visible";
         window.status_message = Some(StatusMessage::error(sentence));
         return;
     }
@@ -315,7 +315,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
     match Recording::start(window.events.status(), film, path) {
         Ok(recording) => window.dialogs.recording = Some(recording),
         Err(error) => {
-            let sentence = format!("the recording cannot begin: {error}");
+            let sentence = format!("the recording cannot start: {error}");
             window.status_message = Some(StatusMessage::error(sentence));
         }
     }

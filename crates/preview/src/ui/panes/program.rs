@@ -36,10 +36,7 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
     if editor.conflict.is_some() {
         ui.horizontal_wrapped(|ui| {
             let colour = ui.visuals().warn_fg_color;
-            ui.colored_label(
-                colour,
-                "The file has changed on disk, and so has this text.",
-            );
+            ui.colored_label(colour, "Both the file on disk and this text have changed.");
             if ui.button("Reload from disk").clicked() {
                 changed = editor.settle(true);
             }

@@ -193,7 +193,8 @@ impl Window {
                 }
             }
             Err(reason) => {
-                let sentence = format!("the file cannot be read ({reason}); its text is kept here");
+                let sentence =
+                    format!("the file cannot be read ({reason}); its last text is kept here");
                 self.status_message = Some(StatusMessage::error(sentence));
             }
         }

@@ -246,7 +246,7 @@ impl Window {
         let saved = saving::save(editor);
         self.status_message = Some(match &saved {
             Ok(Saved::Written) => StatusMessage::info(SAVED),
-            Ok(Saved::Followed) => StatusMessage::info("The file had changed: this is its text"),
+            Ok(Saved::Followed) => StatusMessage::info("The file had changed: its text is shown"),
             Err(sentence) => StatusMessage::error(sentence),
         });
         if saved == Ok(Saved::Followed) {

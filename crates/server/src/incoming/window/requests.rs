@@ -96,7 +96,7 @@ impl PreviewWindow {
             selection,
         };
         if let Ok(false) | Err(_) = self.client.show_document(params).await {
-            let message = format!("The editor does not show {}.", name(&self.uri));
+            let message = format!("The editor cannot show {}.", name(&self.uri));
             self.show_message(lsp::MessageType::WARNING, message).await;
         }
     }
@@ -153,13 +153,13 @@ impl PreviewWindow {
     ) -> Result<(), String> {
         let editor = lock(&self.session).editor;
         if !editor.applies_edits {
-            return Err("this editor takes no edits from its language server".to_owned());
+            return Err("this editor does not accept edits from its language server".to_owned());
         }
         let mut reason = None;
         // The user may have typed meanwhile: then the edit is made once more, of the text as it is now.
         for _ in 0..2 {
             let Some(snapshot) = self.snapshot() else {
-                return Err("it is not open any more".to_owned());
+                return Err("it is no longer open".to_owned());
             };
             let edit = {
                 let (snapshot, make) = (snapshot.clone(), make.clone());
@@ -191,7 +191,7 @@ impl PreviewWindow {
                 break;
             }
         }
-        Err(reason.unwrap_or_else(|| "the editor has refused the edit".to_owned()))
+        Err(reason.unwrap_or_else(|| "the editor rejected the edit".to_owned()))
     }
 
     async fn show_message(&self, kind: lsp::MessageType, message: String) {

@@ -173,9 +173,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.after_name(keyword, TokenKind::Equals, "`=`")?;
                 self.expression()?;
                 let (what, form) = match keyword {
-                    DeclarationKeyword::Camera => {
-                        ("the camera's place", "camera eye = direction @ place;")
-                    }
+                    DeclarationKeyword::Camera => (
+                        "the camera's position",
+                        "camera eye = direction @ position;",
+                    ),
                     _ => ("the vector's origin", "vector v = direction @ origin;"),
                 };
                 self.origin(what, form)?;

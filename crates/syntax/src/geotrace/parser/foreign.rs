@@ -41,7 +41,9 @@ pub(super) fn style(word: &str) -> Option<&'static str> {
         "texture" => {
             "an image is an attribute of the object that has it: `surface s(u, v) = …, image : earth;`"
         }
-        "view" => "a program declares objects: write `camera eye = direction @ place;` for a view",
+        "view" => {
+            "a program declares objects: write `camera eye = direction @ position;` for a view"
+        }
         "style" | "plot" | "draw" | "print" | "show" | "hide" | "label" | "width" => {
             "a program declares objects: all of them are drawn, and attributes such as `, color : 0.5` set their look"
         }

@@ -33,7 +33,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
         return;
     };
     if scene.objects.is_empty() {
-        ui.weak("The program declares no object yet.");
+        ui.weak("The program declares no objects yet.");
         return;
     }
     // A grid does not tell its cells what room there is: a list of textures has what the other cells leave.
@@ -104,7 +104,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
                 });
         }
         let mut flipped = look.flipped;
-        let hint = "Lays the image on the surface the other way up";
+        let hint = "Flips the image on the surface upside down";
         let flip = ui.checkbox(&mut flipped, "Flip").on_hover_text(hint);
         if flip
             .accessible_name(format!("Flip the image of {name}"))
@@ -308,5 +308,5 @@ fn textures(window: &mut Window, ui: &mut Ui) {
                 view.textures.retain(|it| *it != path);
             });
     }
-    ui.weak("The surface in use shows what is added, and what is dropped onto the window.");
+    ui.weak("Images that are added or dropped onto the window are shown on the surface in use.");
 }

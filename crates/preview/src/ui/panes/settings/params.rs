@@ -43,7 +43,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         return;
     };
     if scene.params.is_empty() {
-        ui.weak("A param in the program has a slider here: param a : [0, 1];");
+        ui.weak("A param of the program has a slider here: param a : [0, 1];");
         return;
     }
     let columns = Columns::new(ui, &scene.params);

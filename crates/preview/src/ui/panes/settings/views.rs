@@ -26,7 +26,8 @@ pub(super) fn show(model: &mut Model, ui: &mut Ui) {
         side(ui, "3D pictures", &mut preferences.space_size);
         ui.end_row();
         let label = ui.label("Samples when traced");
-        let hint = "Each pixel of a traced picture at rest is refined to so many";
+        let hint =
+            "The number of samples to which each pixel of a traced picture at rest is refined";
         let samples = number_field::field(ui, &mut preferences.samples).range(1..=MOST_SAMPLES);
         ui.add(samples).on_hover_text(hint).labelled_by(label.id);
         ui.end_row();
@@ -75,7 +76,7 @@ pub(super) fn preferences(model: &mut Model, ui: &mut Ui) {
         });
     }
     let mut run_times = model.view.preferences.run_times;
-    let hint = "In the status line: what draws, how long each picture takes, and how exact it is";
+    let hint = "In the status line: the renderer, the time for each picture, and its error";
     let tick = ui.checkbox(&mut run_times, "Show run times");
     if tick.on_hover_text(hint).changed() {
         model.change(Step::new("Change a setting", "run times"), |view| {
