@@ -246,7 +246,7 @@ fn human_output_is_in_sentences() {
     measure(HALF_PLANE, "--at 0,1").expect_text("a metric has no embedding");
     measure(HALF_PLANE, "--at 0,1 --circle 5")
         .expect_status(0)
-        .expect_text("no whole circle");
+        .expect_text("circle of this radius is not complete");
 }
 
 #[test]

@@ -157,7 +157,7 @@ class GeotraceView extends HTMLElement {
         const info = scene.views.find((view) => view.id === this.view);
         if (info === undefined) {
             const names = scene.views.map((view) => view.id).join(", ");
-            this.say(`There is no view ${this.view}. There is: ${names}.`);
+            this.say(`There is no view ${this.view}. The views are ${names}.`);
             return;
         }
         if (this.pane?.info.id !== info.id) {

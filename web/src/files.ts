@@ -30,7 +30,7 @@ export function isProgram(file: File): boolean {
 /** Reads a program; fails with a sentence. */
 export async function readProgram(file: File): Promise<{ name: string; text: string }> {
     if (file.size > LONGEST_PROGRAM) {
-        throw new Error(`${file.name} is larger than 4 MB, which is too much for this page. The command line reads larger programs.`);
+        throw new Error(`${file.name} is larger than 4 MB, the limit of this page. The command line reads larger programs.`);
     }
     const bytes = await file.arrayBuffer();
     try {
@@ -47,7 +47,7 @@ export async function readImage(file: File): Promise<ArrayBuffer> {
         throw new Error(`${file.name} is neither a program (.gtr, .crt) nor an image (PNG, JPEG).`);
     }
     if (file.size > LONGEST_IMAGE) {
-        throw new Error(`${file.name} is larger than 32 MB, which is too much for a texture.`);
+        throw new Error(`${file.name} is larger than 32 MB, the limit of a texture.`);
     }
     return file.arrayBuffer();
 }

@@ -38,7 +38,7 @@ export async function unpacked(hash: string): Promise<Shared | undefined> {
     }
     const [version, body] = [written.slice(0, written.indexOf(".")), written.slice(written.indexOf(".") + 1)];
     if (!written.includes(".") || !/^\d+$/.test(version)) {
-        throw new LinkError("This address does not contain a Geotrace program. Perhaps it was cut off when it was copied.");
+        throw new LinkError("This address does not contain a Geotrace program. It may have been truncated when it was copied.");
     }
     if (version !== VERSION) {
         throw new LinkError("This link was made by a newer version of this page. Reload the page to get that version.");
@@ -47,7 +47,7 @@ export async function unpacked(hash: string): Promise<Shared | undefined> {
     try {
         shared = JSON.parse(await inflated(bytesOf(body)));
     } catch {
-        throw new LinkError("This link is damaged. Perhaps it was cut off when it was copied.");
+        throw new LinkError("This link is damaged. It may have been truncated when it was copied.");
     }
     if (!isShared(shared)) {
         throw new LinkError("This link does not contain a Geotrace program.");

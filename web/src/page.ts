@@ -147,7 +147,7 @@ export class Page {
                 throw error;
             }
             this.dropLink();
-            say(`${error.message} What was open before is shown instead.`, { bad: true });
+            say(`${error.message} The previous program is shown instead.`, { bad: true });
             return false;
         }
     }
@@ -171,7 +171,7 @@ export class Page {
     private keepNow(): void {
         clearTimeout(this.saving);
         if (!store.keep(this.kept()) && this.isOwn) {
-            say("This browser has no room to keep the program. Save it as a file before you close the page.", { bad: true });
+            say("This browser has no space to store the program. Save it as a file before you close the page.", { bad: true });
         }
     }
 
@@ -201,11 +201,11 @@ export class Page {
 
     private lost(why: string, isBack: boolean): void {
         if (isBack) {
-            say(`The part of the page that computes has failed (${why}) and was started again. Your text and settings are here.`, {
+            say(`The computing part of the page failed (${why}) and was restarted. Your text and settings are kept.`, {
                 bad: true,
             });
         } else {
-            say(`The part of the page that computes keeps failing on this program (${why}). Change the program to try again.`, {
+            say(`The computing part of the page keeps failing on this program (${why}). Change the program to try again.`, {
                 bad: true,
             });
         }

@@ -23,7 +23,7 @@ export async function copyLink(core: Core, { name, text }: Kept): Promise<void> 
         const url = `${location.href.replace(/#.*$/, "")}#${hash}`;
         history.replaceState(null, "", `#${hash}`);
         const images = (settings.textures ?? []).length > 0 ? " Images are not part of it." : "";
-        const long = url.length > LONG_LINK ? " It is long, and some programs will cut it off: send the file instead." : "";
+        const long = url.length > LONG_LINK ? " It is long, and some programs truncate it: send the file instead." : "";
         try {
             await navigator.clipboard.writeText(url);
             say(`The link to this program and its settings is copied.${images}${long}`);

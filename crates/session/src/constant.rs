@@ -5,7 +5,7 @@ use ide::geotrace::Geotrace;
 use scene::{Outcome, ParamValues, Value};
 
 /// The words of [`value`]'s sentence behind the text.
-pub const REFUSAL: &str = " is no number: ";
+pub const REFUSAL: &str = " is not a number: ";
 
 /// Returns the value of a constant expression, such as `1.5` or `2pi/3`.
 ///
@@ -32,7 +32,7 @@ fn evaluated(text: &str) -> Result<f64, String> {
         Ok(evaluation) => match evaluation.outcome {
             Outcome::Single(Value::Number(Some(value))) => Ok(value),
             Outcome::Single(Value::Number(None)) => Err("its value is undefined".to_owned()),
-            _ => Err("its value is no single number".to_owned()),
+            _ => Err("its value is not a single number".to_owned()),
         },
     }
 }

@@ -133,7 +133,7 @@ fn circle_rows(radius: f64, found: &Result<Circle, RayStop>) -> Measured {
         Err(stop) => {
             let degrees = stop.angle.to_degrees().rem_euclid(360.0);
             answer.note = Some(format!(
-                "there is no whole circle: the ray at {degrees:.0}° ends after {}",
+                "the circle is not complete: the ray at {degrees:.0}° ends after {}",
                 number(stop.length)
             ));
         }

@@ -93,7 +93,7 @@ impl MeasureQuestion {
 pub const NO_WAY_BACK: &str = "No geodesic back to the start of the trail was found.";
 
 /// The sentence for the user where the camera has moved since it was asked for the way back.
-pub const OLD_WAY_BACK: &str = "The camera has moved since: ask again for the way back.";
+pub const OLD_WAY_BACK: &str = "The camera has moved since: request the way back again.";
 
 /// An answer.
 #[derive(Debug)]

@@ -195,7 +195,7 @@ test("a Worker that dies is started again, with text and settings", async () => 
         // A message that no page sends: the Worker's script fails.
         window.workers.at(-1).postMessage(null);
     });
-    await page.locator(".toast.bad", { hasText: "was started again" }).waitFor();
+    await page.locator(".toast.bad", { hasText: "was restarted" }).waitFor();
     await page.evaluate(() => window.drawnAgain.then(() => {}));
     assertAlike(before, await rest(page));
     assert.equal(await page.getByRole("textbox", { name: "Value of r" }).inputValue(), "1.7");

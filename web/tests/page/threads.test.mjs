@@ -93,7 +93,7 @@ test("a thread that fails takes the Worker with it, and another one is started",
     const before = await rest(page);
     const [first] = await page.evaluate(() => window.channels);
     await page.evaluate((name) => new BroadcastChannel(name).postMessage("unreachable"), first);
-    await page.locator(".toast.bad", { hasText: "was started again" }).waitFor();
+    await page.locator(".toast.bad", { hasText: "was restarted" }).waitFor();
     await page.waitForFunction((name) => window.channels.some((other) => other !== name), first);
     assert.equal((await rest(page)).digest, before.digest);
 });

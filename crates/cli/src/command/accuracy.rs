@@ -52,7 +52,7 @@ Errors are distances on the surface, in pixels. The methods:
   rk4-pixel    steps of equal length for each pixel, as in the thesis, in double precision
   adaptive     steps as long as the tolerance allows, for each pixel
   fan-linear   rays that all pixels share, with linear interpolation between them
-  fan          rays with their Jacobi fields: what `render` uses")]
+  fan          rays with their Jacobi fields, as `render` uses them")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,

@@ -21,10 +21,10 @@ use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// For developers: list what is built for a program, what is left out, and what each part costs.
+/// For developers: list what is built for a program, what is omitted, and the cost of each part.
 ///
-/// Only what a program needs is built: each view is planned before anything is compiled, and this is the
-/// plan for a machine with a GPU; without one, everything runs on the processor's cores.
+/// Only the parts that a program needs are built. Each view is planned before anything is compiled; this is the plan
+/// for a machine with a GPU. Without one, everything runs on the processor's cores.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:

@@ -28,7 +28,7 @@ use crate::registry::Context;
     group = ArgGroup::new("what").required(true).args(["at", "between", "triangle"]),
     after_help = "\
 Examples:
-  geotrace measure torus.gtr --at 0,0                        K, H, E, F and G at a place
+  geotrace measure torus.gtr --at 0,0                        K, H, E, F and G at a point
   geotrace measure torus.gtr --at 0,0 --circle 0.5           a circle's circumference and area
   geotrace measure torus.gtr --between 0,0 1,2               geodesics up to twice the distance
   geotrace measure torus.gtr --between 0,0 1,2 --within 9    geodesics no longer than 9
@@ -278,7 +278,7 @@ impl Measuring<'_> {
         let text = match &found {
             Ok(circle) => text::circle(circle, radius),
             Err(stop) => format!(
-                "There is no whole circle of this radius: {}.\n",
+                "The circle of this radius is not complete: {}.\n",
                 stopped(stop)
             ),
         };

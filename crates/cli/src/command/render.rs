@@ -68,15 +68,15 @@ Examples:
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
   geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
-A number may be an expression in the program's names, such as pi/2. Params have the values that the program gives them unless set. The 3D view draws what depends on a grid once for each value; the geodesic view takes the first value. Files are written whole or not at all.
+A number may be an expression in the program's names, such as pi/2. Params have their initial values unless set. The 3D view draws objects that depend on a grid once for each value; the geodesic view uses the first value. Files are written whole or not at all.
 
-Above the pixels of an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors.
+In an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors above the pixels.
 
 An animation is one of
   .gif                 255 colours
   .apng                all colours
   .mp4, .webm          a video, made by `ffmpeg` if it is installed
-  .png with --frames   a picture for each frame: OUT-0001.png, OUT-0002.png and so on"
+  .png with --frames   one picture per frame: OUT-0001.png, OUT-0002.png and so on"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input

@@ -37,12 +37,12 @@ Examples:
 A number may be an expression in the program's names, such as pi/2.
 
 The status is one of
-  complete      it has its full length
+  complete      it reached its full length
   left_domain   it reached an edge of the surface or of the solid
-  cone_point    it ran into the tip of a cone, from where no direction is straight on
+  cone_point    it ran into the tip of a cone, beyond which no direction is straight ahead
   degenerate    σu and σv are parallel there; on a solid, the gradient is 0 there
   undefined     the surface is undefined there
-  work_limit    it took more evaluations than allowed (--max-evaluations)"
+  work_limit    it reached the limit of evaluations (--max-evaluations)"
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input

@@ -1,4 +1,4 @@
-//! The views of each surface, solid and camera.
+//! The views of each surface, metric, solid and camera.
 
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 

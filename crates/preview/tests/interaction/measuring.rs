@@ -218,12 +218,16 @@ fn places_take_expressions_and_what_is_no_number_keeps_the_old_value() {
         hand.shows("0.41421356")
     });
     hand.type_number(Role::SpinButton, "u of A", "2pi/x");
-    assert!(hand.shows("`2pi/x` is no number: "), "{:?}", hand.names());
+    assert!(
+        hand.shows("`2pi/x` is not a number: "),
+        "{:?}",
+        hand.names()
+    );
     let field = (Role::SpinButton, "u of A");
     let field = hand.harness.get_by_role_and_label(field.0, field.1);
     assert_eq!(field.value().as_deref(), Some("u = 1.570796"));
     hand.type_number(Role::SpinButton, "u of A", "0");
-    assert!(!hand.shows("is no number"));
+    assert!(!hand.shows("is not a number"));
 }
 
 #[test]

@@ -274,7 +274,7 @@ impl Gpu {
         let most = self.storage_limit();
         if size > most {
             return Err(RenderError::Gpu(format!(
-                "{label} take {size} bytes, the GPU allows {most} in one piece"
+                "{label} need {size} bytes, but the GPU allows {most} in one buffer"
             )));
         }
         Ok(())

@@ -220,7 +220,7 @@ pub const CODES: &[(Code, &str)] = &[
     (SECOND_BACKGROUND, "A program has one background."),
     (
         ATTRIBUTE_DIMENSION,
-        "The value of an attribute is one number, or a vector of as many as the attribute has; a colour is a grey or three numbers.",
+        "The value of an attribute is a number, or a vector of the attribute's dimension; a colour is a grey or three numbers.",
     ),
     (
         PROGRAM_HAS_ERRORS,

@@ -6,7 +6,7 @@ use crate::diagnostic::Code;
 codes! {
     AFTER_SCENE = "after-scene", "Nothing may follow the block `Scene`.";
     BAD_CHARACTER = "bad-character", "A character that is not allowed outside comments and strings.";
-    BAD_ESCAPE = "bad-escape", "After the `\\` of a string stands one of Java's escapes.";
+    BAD_ESCAPE = "bad-escape", "After the `\\` of a string comes one of Java's escapes.";
     BAD_NUMBER = "bad-number", "A `.` without digits.";
     CONTINUES_LINE = "continues-line", "A line that begins with `+`, `-`, `^`, `[` or `(` continues the line above.";
     DROPPED_FRACTION = "dropped-fraction", "`/` of two whole numbers is a whole number.";

@@ -8,7 +8,7 @@ codes! {
     ATTRIBUTE_RANGE = "attribute-range", "The value of an attribute lies in its range, or is one of its words.";
     BAD_CHARACTER = "bad-character", "A character that is not allowed outside comments.";
     BAD_NUMBER = "bad-number", "A `.` without digits.";
-    COMPONENT_INDEX = "component-index", "After the `_` of a value stands a positive integer.";
+    COMPONENT_INDEX = "component-index", "After the `_` of a value comes a positive integer.";
     DUPLICATE_ATTRIBUTE = "duplicate-attribute", "A declaration states each attribute once.";
     DUPLICATE_PARAMETER = "duplicate-parameter", "A parameter list names the same parameter twice.";
     EXPECTED_DECLARATION = "expected-declaration", "A declaration begins with one of the keywords.";
