@@ -140,7 +140,7 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
         .say(json!({ "type": "message", "error": true, "text": "here I am" }))
         .await;
     message(&mut editor, "here I am").await;
-    for part in ["a driver is talking", "unheard of", "no message"] {
+    for part in ["a driver is talking", "unheard of", "not a message"] {
         let logged = editor
             .heard()
             .any(|m| m["method"] == "window/logMessage" && m.to_string().contains(part));

@@ -82,7 +82,7 @@ test("a link brings the params, and the camera stays where it was", async () => 
 test("a broken link gives a sentence, and the page works", async () => {
     for (const [hash, sentence] of [
         ["#1.AAAA", /damaged/],
-        ["#hello", /does not hold a Geotrace program/],
+        ["#hello", /does not contain a Geotrace program/],
         [`${link(SPHERE).slice(0, 60)}`, /damaged/],
         ["#9.abc", /newer version/],
     ]) {
