@@ -53,10 +53,12 @@ pub(super) struct Arguments {
     /// The start: in the surface's parameters, or a point in space, which is projected onto the solid's surface
     #[arg(long, value_name = "U,V|X,Y,Z", value_parser = argument::place, allow_hyphen_values = true)]
     from: PlaceArgument,
-    /// The direction: (u,v) components of any scale, or a direction in space, which is projected onto the solid's tangent plane
+    /// The direction: (u,v) components of any scale, or a direction in space, which is projected onto the solid's
+    /// tangent plane
     #[arg(long, value_name = "A,B|A,B,C", value_parser = argument::place, allow_hyphen_values = true)]
     direction: Option<PlaceArgument>,
-    /// The direction: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n from ẑ×n towards n×(ẑ×n)
+    /// The direction: degrees from σu towards σv in the tangent plane; on a solid with the unit normal n, from ẑ×n towards
+    /// n×(ẑ×n)
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
     heading: Option<f64>,
     /// The length, in the surface's units
