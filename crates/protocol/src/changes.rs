@@ -1,17 +1,18 @@
-//! Edits of a text as data: applied, composed, and followed by places.
+//! Edits of a text as data: they are applied, composed, and used to move ranges.
 //!
-//! [`Changes`] hold what an edit replaces, all in places of the text before it. Two that follow each other are composed
-//! into one with the same effect ([`Changes::then`]), so that a reader that is late applies one edit instead of many.
+//! A [`Changes`] holds what an edit replaces, all in offsets into the text before it. Two consecutive edits are
+//! composed into one with the same effect ([`Changes::then`]), so that a reader that lags behind applies one edit
+//! instead of many.
 
 use serde::{Deserialize, Serialize};
 
-/// The length that a change takes in a message besides its text, about.
+/// The approximate length that a change adds to a message besides its text, in bytes.
 const OVERHEAD: usize = 32;
 
 /// A range of a text and what replaces it.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 pub struct Change {
-    /// The first byte that is replaced, and the first that is not.
+    /// The first byte that is replaced, and the byte after the last.
     pub range: [u32; 2],
     /// The new text.
     pub text: String,
@@ -23,7 +24,7 @@ pub struct Change {
 pub struct Changes(Vec<Change>);
 
 impl Changes {
-    /// The edit that replaces one range.
+    /// Returns the edit that replaces one range.
     #[must_use]
     pub fn one(range: [u32; 2], text: impl Into<String>) -> Self {
         let text = text.into();
@@ -33,7 +34,8 @@ impl Changes {
         Self(changes.done)
     }
 
-    /// The edit that turns a text into another: it replaces all between the first and the last byte that differ.
+    /// Returns the edit that turns one text into another: it replaces everything from the first to the last byte that
+    /// differs.
     #[must_use]
     pub fn between(old: &str, new: &str) -> Self {
         let (before, after) = (old.as_bytes(), new.as_bytes());
@@ -44,7 +46,7 @@ impl Changes {
         let ends = before[start..].iter().rev();
         let ends = ends.zip(after[start..].iter().rev());
         let mut same = ends.take_while(|(a, b)| a == b).count();
-        // Both texts are the same behind the end, so both have a boundary there.
+        // Both texts are equal after the end, so both have a character boundary there.
         while !old.is_char_boundary(old.len() - same) {
             same -= 1;
         }
@@ -52,7 +54,7 @@ impl Changes {
         Self::one(range, &new[start..new.len() - same])
     }
 
-    /// The changes, in the order of the text.
+    /// Returns the changes, in the order of the text.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Change> {
         self.0.iter()
     }
@@ -63,14 +65,14 @@ impl Changes {
         self.0.is_empty()
     }
 
-    /// The length of the changes in a message, about, to compare with that of the whole text.
+    /// Returns the approximate length of the changes in a message, in bytes, to compare with that of the whole text.
     #[must_use]
     pub fn weight(&self) -> usize {
         let changes = self.0.iter();
         changes.map(|change| change.text.len() + OVERHEAD).sum()
     }
 
-    /// Applies the changes; `None` if they are not changes of this text.
+    /// Applies the changes. Returns `None` if they do not fit this text.
     #[must_use]
     pub fn apply(&self, text: &str) -> Option<String> {
         let mut result = String::with_capacity(text.len());
@@ -78,7 +80,7 @@ impl Changes {
         for Change { range, text: new } in &self.0 {
             let [start, end] = range.map(|offset| offset as usize);
             result.push_str(text.get(at..start)?);
-            // The range itself has to be one of the text.
+            // The range must itself be valid in the text.
             text.get(start..end)?;
             result.push_str(new);
             at = end;
@@ -87,7 +89,8 @@ impl Changes {
         Some(result)
     }
 
-    /// One edit with the effect of this one and then another, whose places are those of the text between.
+    /// Returns a single edit with the effect of this one followed by another, whose offsets refer to the text between
+    /// the two.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let mut composer = Composer::default();
@@ -104,8 +107,8 @@ impl Changes {
         Self(composer.done)
     }
 
-    /// The range of the text after the edit that a range of the text before it has become. Text that is inserted directly
-    /// before or behind the range does not belong to it; a range that was itself replaced becomes what replaces it.
+    /// Returns where a range of the text before the edit is in the text after it. Text that is inserted directly before
+    /// or after the range does not belong to it; a range that was itself replaced becomes its replacement.
     #[must_use]
     pub fn moved(&self, [start, end]: [u32; 2]) -> [u32; 2] {
         let mut moved = [start, end].map(i64::from);
@@ -127,28 +130,28 @@ impl Changes {
     }
 }
 
-/// Puts changes together from the start of a text to its end.
+/// Assembles changes from the start of a text to its end.
 #[derive(Default)]
 struct Composer {
     done: Vec<Change>,
 }
 
 impl Composer {
-    /// The range of the first text is not in the last one.
+    /// Records that a range of the first text is absent from the last one.
     fn delete(&mut self, [start, end]: [u32; 2]) {
         if start < end {
             self.change_at(start).range[1] = end;
         }
     }
 
-    /// The last text has something new before an offset of the first one.
+    /// Records that the last text has new text before an offset of the first one.
     fn insert(&mut self, at: u32, text: &str) {
         if !text.is_empty() {
             self.change_at(at).text.push_str(text);
         }
     }
 
-    /// The change that ends at an offset of the first text.
+    /// Returns the change that ends at an offset of the first text.
     fn change_at(&mut self, at: u32) -> &mut Change {
         if self.done.last().is_none_or(|last| last.range[1] != at) {
             self.done.push(Change {
@@ -161,10 +164,10 @@ impl Composer {
     }
 }
 
-/// A walk along the text that some changes make: through what they insert and what they leave.
+/// A walk along the text that some changes produce: through the text that they insert and the text that they keep.
 struct Walk<'c> {
     ahead: &'c [Change],
-    /// The rest of the inserted text that the walk is in.
+    /// The rest of the inserted text in which the walk is.
     inserted: &'c str,
     /// The offset in the text before the changes.
     at: u32,
@@ -179,12 +182,12 @@ impl<'c> Walk<'c> {
         }
     }
 
-    /// Walks over so many bytes, which stay or are deleted.
+    /// Walks over a number of bytes, which are kept or deleted.
     fn pass(&mut self, mut bytes: u32, stay: bool, composer: &mut Composer) {
         while bytes > 0 {
             if !self.inserted.is_empty() {
                 let length = (bytes as usize).min(self.inserted.len());
-                // A cut within a character is not one of the text between: the changes do not belong together.
+                // A cut within a character is not valid in the intermediate text: the changes do not belong together.
                 let Some((passed, rest)) = self.inserted.split_at_checked(length) else {
                     return;
                 };
@@ -224,7 +227,7 @@ impl<'c> Walk<'c> {
         }
     }
 
-    /// Enters the change that begins here.
+    /// Enters the change that begins at the current offset.
     fn enter(&mut self, composer: &mut Composer) {
         if let Some((change, ahead)) = self.ahead.split_first() {
             composer.delete(change.range);

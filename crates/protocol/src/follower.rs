@@ -1,38 +1,39 @@
-//! The window's side of the edits: which of them apply to what it has.
+//! The window's side of the edits: determines which of them apply to its text.
 
-/// Follows the versions of a text through the commands, in their order.
+/// Follows the versions of a text through the commands, in order.
 #[derive(Clone, Debug, Default)]
 pub struct Follower {
     /// The version that the reader has; `None` before the first text and after a gap.
     version: Option<i32>,
-    /// The text has been requested.
+    /// True while a requested text has not arrived.
     waits: bool,
 }
 
-/// The edit applies to a text that the reader does not have.
+/// The error that an edit applies to a text that the reader does not have.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Gap {
-    /// True for the first edit after the gap: the reader asks for the text, once.
+    /// True for the first edit after the gap: the reader requests the text once.
     pub ask: bool,
 }
 
 impl Follower {
-    /// The version that the reader has.
+    /// Returns the version that the reader has.
     #[must_use]
     pub fn version(&self) -> Option<i32> {
         self.version
     }
 
-    /// Takes a whole text.
+    /// Notes a whole text.
     pub fn text(&mut self, version: i32) {
         self.version = Some(version);
         self.waits = false;
     }
 
-    /// Takes an edit.
+    /// Notes an edit.
     ///
     /// # Errors
-    /// [`Gap`] if the edit does not apply to the version that the reader has. The edits until the next text do not either.
+    /// [`Gap`] if the edit does not apply to the version that the reader has. No edit applies after that until the next
+    /// text.
     pub fn edit(&mut self, version: i32, base: i32) -> Result<(), Gap> {
         if self.version == Some(base) {
             self.version = Some(version);
@@ -43,7 +44,7 @@ impl Follower {
         Err(Gap { ask })
     }
 
-    /// The reader has no text and has requested it: edits do not apply until it comes.
+    /// Notes that the reader has no text and has requested it: edits do not apply until it arrives.
     pub fn wait(&mut self) {
         self.version = None;
         self.waits = true;

@@ -1,4 +1,4 @@
-//! The first message of each side, and what is said if the two do not understand each other.
+//! The first message of each side, and the error if the two do not understand each other.
 
 use std::fmt;
 
@@ -15,19 +15,19 @@ pub enum Side {
 
 /// A message that may be the first.
 pub trait Greeting {
-    /// The side that says it.
+    /// The side that sends it.
     const SIDE: Side;
 
-    /// The greeting, if it is one.
+    /// Returns the greeting, if the message is one.
     fn hello(&self) -> Option<&Hello>;
 }
 
-/// The reason why a conversation cannot go on. Its text is a sentence for the user.
+/// The reason why a conversation cannot continue. Its text is a sentence for the user.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum HandshakeError {
     /// The first message is not [`Hello`].
     NoHello {
-        /// The side that said it.
+        /// The side that sent it.
         from: Side,
     },
     /// The other side speaks another version.
@@ -40,7 +40,7 @@ pub enum HandshakeError {
 }
 
 impl Hello {
-    /// This program's greeting.
+    /// Returns this program's greeting.
     #[must_use]
     pub fn own() -> Self {
         Self {
@@ -50,7 +50,7 @@ impl Hello {
     }
 }
 
-/// Checks the first message that the other side has sent.
+/// Checks the first message that the other side sent.
 ///
 /// # Errors
 /// See [`HandshakeError`].

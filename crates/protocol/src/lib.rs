@@ -1,21 +1,22 @@
-//! Messages between the language server and a preview window: one JSON object a line, over the window's own pipes.
+//! Messages between the language server and a preview window: one JSON object per line, over the window's standard
+//! streams.
 //!
 //! ```text
 //! server ──[Command] lines──▶ standard input of the window
 //! server ◀──[Event] lines──── standard output of the window
 //! ```
 //!
-//! Each side says [`Hello`] first. A side that does not understand the other's version says so in a sentence for the
-//! user and ends the conversation ([`handshake`]). Places in a text are byte offsets into its UTF-8, of the version that
-//! is named. Lines are read and written by [`line`](mod@line); commands wait in a [`mailbox`], where the latest text wins.
-//! A line that is no message is passed by: a driver may print what it likes.
+//! Each side sends [`Hello`] first. A side that does not understand the other's version tells the user so in a sentence
+//! and ends the conversation ([`handshake`]). Positions in a text are byte offsets into its UTF-8, in the version that
+//! the message names. Lines are read and written by [`line`](mod@line); commands wait in a [`mailbox`], in which the
+//! latest text wins. A line that is not a message is skipped, since a driver may print anything.
 //!
-//! The text comes whole once; then come edits, each with the version that it applies to. Edits that wait are composed into
-//! one ([`changes`]), or the whole text is sent, where that is shorter. A window that does not have the version that an
-//! edit applies to asks for the text by [`Event::TextWanted`] ([`follower`]).
+//! The whole text is sent once. Edits follow, each with the version to which it applies. Waiting edits are composed
+//! into one ([`changes`]); if the whole text is shorter, it is sent instead. A window that does not have the version to
+//! which an edit applies requests the text by [`Event::TextWanted`] ([`follower`]).
 //!
-//! The window closes by [`Command::Close`]: its document has been closed, or the editor has gone. If the commands just end,
-//! the server is gone, and the window keeps its picture and says so.
+//! [`Command::Close`] closes the window: its document has been closed, or the editor has quit. If the commands end
+//! without it, the server is gone: the window keeps its picture and says so.
 
 pub mod changes;
 pub mod follower;
@@ -30,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::changes::Changes;
 
-/// The version of the messages. Raised whenever a message changes its meaning.
+/// The version of the messages. It is raised whenever a message changes its meaning.
 pub const VERSION: u32 = 2;
 
 /// The first message of each side.
@@ -38,7 +39,7 @@ pub const VERSION: u32 = 2;
 pub struct Hello {
     /// The version of the messages: [`VERSION`].
     pub protocol: u32,
-    /// The program's own version, for sentences.
+    /// The program's own version, for messages to the user.
     pub program: String,
 }
 
@@ -49,55 +50,55 @@ pub struct Hello {
 pub enum Command {
     /// The first message.
     Hello(Hello),
-    /// The document's text now. A later one takes the place of all earlier ones that have not been read yet.
+    /// The document's current text. It replaces all earlier ones that have not been read yet.
     Text {
-        /// The document, as the editor names it.
+        /// The document's identifier in the editor.
         uri: String,
-        /// Its place on disk, if it has one: the window keeps its memory beside it.
+        /// Its path on disk, if it has one: the window keeps its settings beside it.
         path: Option<String>,
-        /// A number for this text, greater than those of all texts before: the editor's, unless that counts anew when it
-        /// reads the document anew.
+        /// A number for this text, greater than those of all earlier texts: the editor's version, unless the editor
+        /// restarts its count when it reopens the document.
         version: i32,
-        /// All of it.
+        /// The whole text.
         text: Arc<str>,
     },
-    /// An edit of the document's text. One that follows an edit which has not been read yet is composed with it.
+    /// An edit of the document's text. It is composed with the edit before it if that has not been read yet.
     Edit {
-        /// The version of the text after the edit; greater than those of all texts before.
+        /// The version of the text after the edit; greater than those of all earlier texts.
         version: i32,
-        /// The version of the text before the edit. A window that does not have it asks for the text.
+        /// The version of the text before the edit. A window that does not have it requests the text.
         base: i32,
-        /// The changes, in places of the text before the edit.
+        /// The changes, in offsets into the text before the edit.
         changes: Changes,
     },
-    /// A view is to be seen: opened if it is not, and brought to the front.
+    /// A view is to be shown: opened if it is not open, and brought to the front.
     Show {
-        /// The view; the first view of the scene where none is named.
+        /// The view; the scene's first view if absent.
         view: Option<View>,
     },
-    /// The cursor is at a place of the text of this version; what is declared there is highlighted.
+    /// The cursor is at an offset in this version of the text; the object declared there is highlighted.
     Cursor {
         /// The text's version.
         version: i32,
-        /// The place.
+        /// The byte offset.
         offset: u32,
     },
     /// The window is to close.
     Close,
 }
 
-/// A view of a scene. Which views there are is the window's business.
+/// A view of a scene. The window defines which views exist.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 pub struct View {
     /// The name of the view: `3d`, `geodesic`.
     pub view: String,
-    /// The name of the object that the view is of, where it is of one.
+    /// The name of the object that the view shows; `None` for a view of the whole scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
 }
 
 impl View {
-    /// A view of the whole scene.
+    /// Returns a view of the whole scene.
     #[must_use]
     pub fn of_scene(view: impl Into<String>) -> Self {
         Self {
@@ -106,7 +107,7 @@ impl View {
         }
     }
 
-    /// A view of one object.
+    /// Returns a view of one object.
     #[must_use]
     pub fn of_object(view: impl Into<String>, object: impl Into<String>) -> Self {
         Self {
@@ -128,28 +129,29 @@ impl Default for View {
 #[serde(tag = "type", rename_all = "camelCase")]
 #[non_exhaustive]
 pub enum Event {
-    /// The first message. It is said at once, before a display or a device is looked for: the server waits ten seconds.
+    /// The first message. It is sent at once, before the window looks for a display or a device: the server waits ten
+    /// seconds.
     Hello(Hello),
-    /// The pictures of a text are on the screen, or it has errors and the last good ones stay.
+    /// The pictures of a text are on the screen, or the text has errors and the last good pictures stay.
     Shown {
         /// The text's version.
         version: i32,
-        /// Set if it has no errors.
+        /// True if it has no errors.
         ok: bool,
         /// From reading the text to the layout of the frame that shows it, in milliseconds.
         milliseconds: f64,
-        /// The time that laying out the frame before this one and handing it to the driver took, in milliseconds: what
-        /// this one still has before it when the event is sent.
+        /// The time that laying out the previous frame and submitting it to the driver took, in milliseconds. When the
+        /// event is sent, this frame still has that work before it.
         painting: f64,
     },
     /// A declaration is to be shown in the editor.
     Open {
-        /// The text's version: that in which the range is meant, which need not be the last.
+        /// The version of the text to which the range refers, which need not be the latest.
         version: i32,
-        /// The beginning and the end of its name.
+        /// The start and the end of its name.
         range: [u32; 2],
     },
-    /// The user wants a param's value in the text, as one step that can be undone.
+    /// The user wants a param's value in the text, as one undoable step.
     Write {
         /// The text's version.
         version: i32,
@@ -158,43 +160,43 @@ pub enum Event {
         /// One finite value per component.
         value: Vec<f64>,
     },
-    /// The user wants the view in the text as a camera, as one step that can be undone.
+    /// The user wants the view in the text as a camera, as one undoable step.
     WriteCamera {
         /// The text's version.
         version: i32,
-        /// The name of the camera; a new one, if it is not declared.
+        /// The name of the camera; if it is not declared, it is a new one.
         name: String,
         /// The direction in which it looks; finite, and not zero.
         direction: [f64; 3],
-        /// Its place; finite.
+        /// Its position; finite.
         position: [f64; 3],
     },
-    /// The user wants another colour of an object in the text, as one step that can be undone.
+    /// The user wants another colour of an object in the text, as one undoable step.
     WriteColor {
         /// The text's version.
         version: i32,
         /// The object's name.
         object: String,
-        /// Red, green and blue, sRGB, 0…1.
+        /// Red, green and blue, sRGB, in 0…1.
         color: [f64; 3],
     },
-    /// The params' values now, by name.
+    /// The params' current values, by name.
     Values {
         /// The text's version.
         version: i32,
-        /// One finite value per component; a param that is left out has no value to show.
+        /// One finite value per component; a param that is absent has no value to show.
         values: BTreeMap<String, Vec<f64>>,
     },
     /// A sentence for the user.
     Message {
-        /// Set if it is about an error.
+        /// True if it reports an error.
         error: bool,
         /// The sentence.
         text: String,
     },
-    /// The window lacks the text that an edit applies to: the server sends the whole text. A window whose compiler has
-    /// failed still has its text, and opens it anew.
+    /// The window lacks the text to which an edit applies: the server sends the whole text. A window whose compiler has
+    /// failed still has its text, and opens it again.
     TextWanted,
-    /// The window is closing, by the user's hand.
+    /// The user is closing the window.
     Closed,
 }

@@ -1,7 +1,7 @@
-//! Messages on a stream: one JSON object a line, in UTF-8, ended by a line feed.
+//! Messages on a stream: one JSON object per line, in UTF-8, ended by a line feed.
 //!
-//! Any bytes may be read: a line that is no message, one that is too long, one that the stream's end has cut. Each
-//! is an error of its own, and reading goes on at the next line.
+//! Any bytes may be read: a line that is not a message, one that is too long, or one that the end of the stream has cut
+//! off. Each is an error of its own, and reading continues at the next line.
 
 use std::fmt;
 use std::io::{self, BufRead, Write};
@@ -10,11 +10,11 @@ use std::marker::PhantomData;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// The longest line that is written or read, in bytes, without its end: texts of this length are far beyond what can
-/// be drawn.
+/// The maximum length of a line that is written or read, in bytes, without its line feed. A text of this length is far
+/// beyond what can be drawn.
 pub const LONGEST: usize = 64 << 20;
 
-/// The number of characters that an error repeats of a line that is no message.
+/// The maximum number of characters of an invalid line that an error quotes.
 const EXCERPT: usize = 80;
 
 /// Reads messages of one kind from a stream.
@@ -30,18 +30,18 @@ pub struct Reader<R, T> {
 pub enum ReadError {
     /// The stream cannot be read.
     Stream(io::Error),
-    /// The line has more than [`LONGEST`] bytes; it has been passed by without being kept.
+    /// The line has more than [`LONGEST`] bytes; it has been skipped without being stored.
     TooLong,
     /// The stream ended within the line.
     Cut {
         /// The beginning of the line.
         excerpt: String,
     },
-    /// The line is no message of this kind.
+    /// The line is not a message of this kind.
     Invalid {
         /// The beginning of the line.
         excerpt: String,
-        /// The fault, in the JSON reader's words.
+        /// The fault, as the JSON reader reports it.
         reason: String,
     },
 }
@@ -49,7 +49,7 @@ pub enum ReadError {
 /// The reason why a message is not written.
 #[derive(Debug)]
 pub enum WriteError {
-    /// The stream cannot be written: who read it has ended.
+    /// The stream cannot be written: its reader has ended.
     Stream(io::Error),
     /// The message's line would have more than [`LONGEST`] bytes; nothing has been written.
     TooLong {
@@ -59,7 +59,7 @@ pub enum WriteError {
 }
 
 impl<R: BufRead, T: DeserializeOwned> Reader<R, T> {
-    /// Reads from a stream.
+    /// Returns a reader of a stream.
     pub fn new(stream: R) -> Self {
         Self {
             stream,
@@ -68,10 +68,10 @@ impl<R: BufRead, T: DeserializeOwned> Reader<R, T> {
         }
     }
 
-    /// Waits for the next message; `None` at the end of the stream. Empty lines are passed by.
+    /// Waits for the next message. Returns `None` at the end of the stream. Empty lines are skipped.
     ///
     /// # Errors
-    /// See [`ReadError`]. After any but [`ReadError::Stream`] the next call reads on behind the line.
+    /// See [`ReadError`]. After any error except [`ReadError::Stream`] the next call continues after the line.
     pub fn read(&mut self) -> Result<Option<T>, ReadError> {
         loop {
             let whole = self.next_line()?;
@@ -99,7 +99,7 @@ impl<R: BufRead, T: DeserializeOwned> Reader<R, T> {
 
     /// Reads a line into `self.line`; false if the stream ended before the line did.
     fn next_line(&mut self) -> Result<bool, ReadError> {
-        // A long text is followed by many short messages: its memory is given back.
+        // A long text is followed by many short messages: release its memory.
         self.line.clear();
         self.line.shrink_to(1 << 16);
         let mut too_long = false;
@@ -131,12 +131,12 @@ impl<R: BufRead, T: DeserializeOwned> Reader<R, T> {
     }
 }
 
-/// Writes a message and hands it on at once.
+/// Writes a message and flushes the stream.
 ///
 /// # Errors
 /// See [`WriteError`].
 pub fn write<T: Serialize>(stream: &mut impl Write, message: &T) -> Result<(), WriteError> {
-    // JSON of these types has string keys and no cycles: only the stream can fail, and this one is memory.
+    // JSON of these types has string keys and no cycles: serialisation into memory cannot fail.
     let mut line = serde_json::to_vec(message).map_err(|e| WriteError::Stream(e.into()))?;
     if line.len() > LONGEST {
         return Err(WriteError::TooLong { length: line.len() });
@@ -147,7 +147,7 @@ pub fn write<T: Serialize>(stream: &mut impl Write, message: &T) -> Result<(), W
 }
 
 fn excerpt(line: &[u8]) -> String {
-    // Four bytes are the most that a character takes.
+    // A character has at most four bytes.
     let start = &line[..line.len().min(4 * EXCERPT)];
     let text = String::from_utf8_lossy(start);
     let mut short: String = text.chars().take(EXCERPT).collect();

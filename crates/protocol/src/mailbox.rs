@@ -1,20 +1,21 @@
-//! The commands that wait for a window: never more than are of use, even if the window does not read.
+//! The commands that wait for a window: never more than are useful, even if the window does not read.
 //!
-//! This is no queue in which the latest value of a key wins: commands are composed, and an edit stays behind its text and
-//! before the views that are shown of it.
+//! This is not a queue in which the latest value of a key wins: commands are composed, and an edit stays after its text
+//! and before the views that are shown of it.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::Command;
 
-/// The greatest number of views that wait to be shown. An editor can request any number.
+/// The maximum number of views that wait to be shown. An editor can request any number.
 const MOST_VIEWS: usize = 32;
 
 /// Commands between a thread that must not wait and one that writes (or reads) a pipe.
 ///
-/// A text takes the place of one that still waits, and of the edits of it; an edit is composed with one that still waits.
-/// Cursors in texts that have been overtaken are dropped. A cursor takes the place of a cursor, and a view is
+/// A text replaces one that still waits, and the edits of that text; an edit is composed with one that still waits.
+/// Cursors in superseded texts are dropped. A cursor replaces a cursor, and a view is requested once. Otherwise the
+/// order is preserved.
 /// requested once. Else the order stays.
 #[derive(Debug, Default)]
 pub struct Mailbox {
@@ -29,15 +30,15 @@ struct State {
 }
 
 impl Mailbox {
-    /// An empty one.
+    /// Returns an empty mailbox.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Puts a command in, without waiting; returns the versions of the texts that will not be read because it has taken
-    /// their place. In a mailbox that is closed it is dropped. Nothing follows [`Command::Close`]: it closes the
-    /// mailbox, and only a waiting greeting stays.
+    /// Adds a command without waiting. Returns the versions of the texts that will not be read because the command
+    /// supersedes them. A closed mailbox drops the command. Nothing follows [`Command::Close`]: it closes the mailbox,
+    /// and only a waiting greeting stays.
     pub fn put(&self, command: Command) -> Vec<i32> {
         let mut state = self.lock();
         if state.closed {
@@ -49,7 +50,7 @@ impl Mailbox {
         superseded
     }
 
-    /// The length in a message, about, of the edits that wait; 0 if none do.
+    /// Returns the approximate length in a message of the edits that wait, in bytes; 0 if none do.
     #[must_use]
     pub fn waiting_edits(&self) -> usize {
         let state = self.lock();
@@ -60,7 +61,7 @@ impl Mailbox {
         edits.sum()
     }
 
-    /// Waits for the next command; `None` when the mailbox is closed and empty.
+    /// Waits for the next command. Returns `None` when the mailbox is closed and empty.
     #[must_use]
     pub fn take(&self) -> Option<Command> {
         let mut state = self.lock();
@@ -78,7 +79,7 @@ impl Mailbox {
         }
     }
 
-    /// Nothing more comes in; what waits can still be taken.
+    /// Closes the mailbox: no command is added any more; waiting ones can still be taken.
     pub fn close(&self) {
         self.lock().closed = true;
         self.news.notify_all();
@@ -91,11 +92,11 @@ impl Mailbox {
 
 impl State {
     fn put(&mut self, command: Command) -> Vec<i32> {
-        // Each command says here which waiting ones it overtakes, and where it waits.
+        // Each command determines here which waiting commands it supersedes, and where it waits.
         match &command {
             Command::Text { .. } => {
                 let overtaken = self.waiting.iter().filter_map(version).collect();
-                // It stays before the views that may be those of its surfaces.
+                // It stays before the views, which may be of its surfaces.
                 let place = self.waiting.iter().position(|it| version(it).is_some());
                 let place = place.unwrap_or(self.waiting.len());
                 self.waiting.insert(place, command);
@@ -128,7 +129,7 @@ impl State {
                     }
                 }
                 self.drop_cursors();
-                // Behind the text that it applies to, before the views that may be those of its surfaces.
+                // After the text to which it applies, before the views, which may be of its surfaces.
                 let text = self.waiting.iter().position(|it| version(it) == Some(base));
                 if let Some(text) = text {
                     self.waiting.insert(text + 1, command);
@@ -162,7 +163,7 @@ impl State {
     }
 }
 
-/// The version of the text that a command leads to.
+/// Returns the version of the text to which a command leads.
 fn version(command: &Command) -> Option<i32> {
     match command {
         Command::Text { version, .. } | Command::Edit { version, .. } => Some(*version),

@@ -1,6 +1,6 @@
-//! The language server for JavaScript: the messages of an editor as JSON, in a Worker of a browser.
+//! The language server for JavaScript: an editor's messages as JSON, in a Worker of a browser.
 //!
-//! A crate of its own, since the page, which has an editor of its own, is not to load it.
+//! It is a separate crate so that the page, which has its own editor, does not load it.
 #![cfg(target_arch = "wasm32")]
 #![allow(
     unsafe_code,
@@ -24,24 +24,24 @@ pub struct LanguageServer(ServerByTurns);
 #[wasm_bindgen]
 #[allow(clippy::new_without_default, reason = "only JavaScript makes a server")]
 impl LanguageServer {
-    /// A server. A panic is told on the console before it ends the Worker.
+    /// Returns a server. A panic is reported on the console before it ends the Worker.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         std::panic::set_hook(Box::new(|panic| log_error(&panic.to_string())));
         Self(ServerByTurns::new(ide::Languages::standard()))
     }
 
-    /// Takes a message of the editor.
+    /// Receives a message of the editor.
     pub fn hear(&self, message: &str) {
         self.0.receive(message);
     }
 
-    /// Does the work that has waited longest; false if none waits.
+    /// Does the work that has waited longest. Returns false if none waits.
     pub fn turn(&self) -> bool {
         self.0.turn()
     }
 
-    /// The messages to the editor since the last time.
+    /// Returns the messages to the editor since the last call.
     #[wasm_bindgen(js_name = takeSaid)]
     pub fn take_said(&self) -> Vec<String> {
         self.0.take_outgoing()
