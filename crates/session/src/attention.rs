@@ -1,11 +1,11 @@
-//! The pause in typing before faults are shown, and the time for which the object at the cursor is set off.
+//! The pause in typing before faults are shown, and the time for which the object at the cursor is emphasised.
 
 use crate::Model;
 use crate::model::Emphasis;
 
 /// The pause in typing after which faults are shown, in seconds.
 const TYPING_PAUSE: f64 = 0.5;
-/// The time for which the object at the cursor is set off in the views in space, in seconds.
+/// The time for which the object at the cursor is emphasised in the views in space, in seconds.
 const EMPHASIS: f64 = 1.0;
 
 /// The times at which faults are shown and the emphasis ends, in seconds of the host's clock.
@@ -13,7 +13,7 @@ const EMPHASIS: f64 = 1.0;
 pub struct Attention {
     /// The text counts as being typed until this time.
     typing_until: f64,
-    /// The object at the cursor is set off until this time.
+    /// The object at the cursor is emphasised until this time.
     emphasis_until: f64,
 }
 
@@ -23,8 +23,8 @@ impl Attention {
         self.typing_until = now + TYPING_PAUSE;
     }
 
-    /// Shows the faults of the text after the pause, and begins and ends the emphasis. Returns true if faults that waited are
-    /// shown now.
+    /// Shows the faults of the text after the pause, and starts and ends the emphasis. Returns true if pending faults
+    /// are shown now.
     pub fn advance(&mut self, model: &mut Model, now: f64) -> bool {
         let shows = now >= self.typing_until && model.faults.are_waiting();
         if shows {
@@ -41,7 +41,7 @@ impl Attention {
         shows
     }
 
-    /// Returns the next time at which [`Attention::advance`] changes something, as far as is known.
+    /// Returns the next known time at which [`Attention::advance`] changes something.
     pub fn next_end(&self, model: &Model) -> Option<f64> {
         let typing = model.faults.are_waiting().then_some(self.typing_until);
         let emphasis = (model.emphasis == Emphasis::On).then_some(self.emphasis_until);

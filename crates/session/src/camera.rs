@@ -1,4 +1,4 @@
-//! The camera of the views in space: where it stands, and how it is moved.
+//! The camera of the views in space: its position, and its motions.
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SpaceCamera {
-    /// Its place.
+    /// Its position.
     pub eye: [f64; 3],
-    /// The place that it looks at, and turns around.
+    /// The point at which it looks, and about which it turns.
     pub target: [f64; 3],
     /// The scene's radius: one unit of the camera's speed.
     pub radius: f64,
-    /// The user has moved it; otherwise it is put anew where a scene changes.
+    /// True if the user has moved it; otherwise it is placed anew when a scene changes.
     #[serde(default)]
     pub moved: bool,
     /// The tangent of half the field of view along the picture's shorter side.
@@ -21,18 +21,19 @@ pub struct SpaceCamera {
     pub tangent: f64,
 }
 
-/// The tangent of half the field of view where no camera is declared.
+/// Returns the tangent of half the field of view where no camera is declared.
 fn usual_tangent() -> f64 {
     (0.5 * render::style::FIELD_OF_VIEW).tan()
 }
 
-/// The level part of a unit vector up to which it points straight up or down, as in `render::camera`.
+/// The length of the horizontal part of a unit vector up to which it points straight up or down, as in
+/// `render::camera`.
 const LEVEL: f64 = 1e-6;
-/// The angle by which the camera keeps from straight up and down, in radians.
+/// The minimum angle between the camera's direction and straight up or down, in radians.
 const POLE: f64 = 0.01;
 
 impl SpaceCamera {
-    /// Returns whether it can be drawn with.
+    /// Returns whether a picture can be drawn from it.
     pub fn is_sane(&self) -> bool {
         let all = [self.eye, self.target].concat();
         all.iter().all(|x| x.is_finite() && x.abs() < 1e100)
@@ -47,17 +48,18 @@ impl SpaceCamera {
         DVec3::from(self.target).distance(DVec3::from(self.eye))
     }
 
-    /// The shorter side of what is seen in the plane of its target.
+    /// Returns the length of the picture's shorter side in the plane of the target.
     pub fn side_seen(&self) -> f64 {
         2.0 * self.distance() * self.tangent
     }
 
-    /// The unit vector that it looks along.
+    /// Returns the unit vector along which it looks.
     fn forward(&self) -> DVec3 {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
     }
 
-    /// The unit vector to the right, level; from straight above it is x, and from below −x: y is up in the picture.
+    /// Returns the horizontal unit vector to the right. Straight down it is x, and straight up −x: y is up in the
+    /// picture.
     fn right(&self) -> DVec3 {
         let forward = self.forward();
         let upright = DVec3::X * -forward.z.signum();
@@ -73,7 +75,7 @@ impl SpaceCamera {
         [right, back.cross(right), back]
     }
 
-    /// Returns it turned about its target, seen from a direction: a vector from the target to the eye.
+    /// Returns the camera turned about its target, with its eye in a direction: a vector from the target to the eye.
     #[must_use]
     pub fn seen_from(self, direction: DVec3) -> Self {
         let target = DVec3::from(self.target);
@@ -81,11 +83,11 @@ impl SpaceCamera {
         self.with(target + back * self.distance(), target)
     }
 
-    /// Azimuth and elevation of where it looks, in radians.
+    /// Returns the azimuth and elevation of its direction, in radians.
     fn angles(&self) -> [f64; 2] {
         let forward = self.forward();
         if forward.x.hypot(forward.y) < LEVEL {
-            // Seen from straight above, y is up in the picture: it is what lies ahead. From below it lies behind.
+            // Seen from straight above, y is up in the picture: it is ahead. Seen from below, it is behind.
             return [
                 -forward.z.signum() * std::f64::consts::FRAC_PI_2,
                 forward.z.signum() * (std::f64::consts::FRAC_PI_2 - POLE),
@@ -118,14 +120,14 @@ impl SpaceCamera {
         if next.is_sane() { next } else { self }
     }
 
-    /// The step in the picture's plane, to the right and up, in shares of the distance to its target.
+    /// Returns the step in the picture's plane, to the right and up, in fractions of the distance to its target.
     fn in_plane(&self, by: DVec2) -> DVec3 {
         let right = self.right();
         let up = right.cross(self.forward());
         (right * by.x + up * by.y) * self.distance()
     }
 
-    /// Moved by so many radii: right, forward, and up in the world.
+    /// Returns the camera moved by a number of radii: right, forward, and up in the world.
     #[must_use]
     pub fn moved(self, by: [f64; 3]) -> Self {
         let [right, forward, up] = by.map(|x| x * self.radius);
@@ -136,7 +138,7 @@ impl SpaceCamera {
         )
     }
 
-    /// Returns it turned on its place, by radians to the right and up.
+    /// Returns the camera turned in place, by radians to the right and up.
     #[must_use]
     pub fn turned(self, right: f64, up: f64) -> Self {
         let [azimuth, elevation] = self.angles();
@@ -144,7 +146,8 @@ impl SpaceCamera {
         self.with(self.eye.into(), DVec3::from(self.eye) + ahead)
     }
 
-    /// Carried around its target, by radians: what lies before it turns to the right and down as the pointer does.
+    /// Returns the camera carried around its target, by radians: the objects in front turn to the right and down with
+    /// the pointer.
     #[must_use]
     pub fn orbited(self, right: f64, up: f64) -> Self {
         let [azimuth, elevation] = self.angles();
@@ -152,7 +155,8 @@ impl SpaceCamera {
         self.with(DVec3::from(self.target) - ahead, self.target.into())
     }
 
-    /// Moved in the picture's plane, in shares of the distance to its target: what is there is carried along.
+    /// Returns the camera moved in the picture's plane, in fractions of the distance to its target: the picture follows
+    /// `by`.
     #[must_use]
     pub fn panned(self, by: DVec2) -> Self {
         let step = self.in_plane(-by);
@@ -162,7 +166,7 @@ impl SpaceCamera {
         )
     }
 
-    /// Returns it at the distance of `home`, from which everything is seen, in its own direction.
+    /// Returns the camera at the distance of `home`, from which everything is seen, with its own direction.
     #[must_use]
     pub fn framed(self, home: &Self) -> Self {
         let target = DVec3::from(home.target);
@@ -173,8 +177,8 @@ impl SpaceCamera {
         camera.with(target - self.forward() * home.distance(), target)
     }
 
-    /// Nearer by a factor below 1, farther by one above, to the place at `towards` in the plane of the target: to the
-    /// right and up, in shares of the distance. Whatever is seen there stays there in the picture.
+    /// Returns the camera nearer by a factor below 1, or farther by one above, to the point `towards` in the plane of
+    /// the target: to the right and up, in fractions of the distance. The picture does not move at that point.
     #[must_use]
     pub fn neared(self, factor: f64, towards: DVec2) -> Self {
         let (eye, target) = (DVec3::from(self.eye), DVec3::from(self.target));
@@ -182,7 +186,7 @@ impl SpaceCamera {
         let next = (distance * factor).clamp(1e-6 * self.radius, 1e6 * self.radius);
         let place = target + self.in_plane(towards);
         let near = |from: DVec3| place + (from - place) * (next / distance);
-        // In the middle of the picture the target stays as it is, to the last digit.
+        // At the picture's centre the target stays exactly as it is.
         let ahead = if towards == DVec2::ZERO {
             target
         } else {

@@ -1,8 +1,8 @@
-//! The camera of a geodesic view: it is moved on its surface, and keeps its place where the surface changes.
+//! The camera of a geodesic view: it moves on its surface, and keeps its position when the surface changes.
 //!
 //! In: the surface with the params' values, the camera as the model has it, motions. Out: the camera on that surface. A
-//! motion is one geodesic of microseconds, so it is made on the frame's thread, where the model is: each request for a
-//! picture has the camera as it is, and no picture brings one back.
+//! motion is one geodesic and takes microseconds, so it is computed on the frame's thread, where the model is: each
+//! request for a picture has the current camera, and no picture returns one.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ use super::path::CameraPath;
 #[derive(Debug, Default)]
 pub struct CameraController {
     instance: Option<Instance>,
-    /// The camera that was put on the instance last, and the result.
+    /// The camera that was last settled on the instance, and the result.
     settled: Option<(Option<InsideCamera>, Result<InsideCamera, RenderError>)>,
 }
 
@@ -48,7 +48,7 @@ struct Instance {
     ground: Result<Ground, ManifoldError>,
 }
 
-/// An object that a camera stands on, ready for geodesics.
+/// An object on which a camera is, ready for geodesics.
 #[derive(Debug)]
 pub(crate) enum Ground {
     Manifold(Arc<Manifold>),
@@ -59,19 +59,19 @@ pub(crate) enum Ground {
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum SubjectChange {
     None,
-    /// The params have other values.
+    /// The params have changed.
     Values,
     Scene,
 }
 
 impl CameraController {
-    /// Puts a camera on a surface as it is now. A camera stays where it is as far as the surface allows: X and Y become
-    /// orthogonal and keep their length. Where there is no camera, or it cannot be there, or the scene is another one
-    /// and the user has not moved it, it goes to its first place. The path that led to it ends where it is no path of
-    /// this length on the surface any more.
+    /// Settles a camera on a surface in its current form. The camera keeps its position as far as the surface allows: X
+    /// and Y become orthogonal and keep their length. It returns to its initial position if there is no camera, if the
+    /// camera cannot be there, or if the scene has changed and the user has not moved it. The path that led to it ends
+    /// if it is no longer a path of this length on the surface.
     ///
     /// # Errors
-    /// [`RenderError`] if the surface has no place for a camera.
+    /// [`RenderError`] if no camera can be on the surface.
     pub fn settle(
         &mut self,
         subject: &Subject,
@@ -90,7 +90,7 @@ impl CameraController {
             Some(Err(error)) => return Err(error.clone().into()),
             None => return Err(ManifoldError::NoSurface { name: None }.into()),
         };
-        // A camera that was put there by other means may be of another time, and not fit the surface as it is.
+        // A camera that was placed by other means may be outdated, and not fit the surface in its current form.
         let kept = camera.filter(|camera| camera.is_moved() || change != SubjectChange::Scene);
         let kept = kept.and_then(|camera| ground.settled(camera));
         let result = kept.map_or_else(|| ground.first_place(subject), Ok);
@@ -100,7 +100,7 @@ impl CameraController {
     }
 
     /// Moves a camera that [`CameraController::settle`] has put on the surface, and extends the path that leads to it.
-    /// Returns the camera as it was where the motion cannot be made.
+    /// Returns the camera unchanged if the motion is impossible.
     pub fn apply(
         &mut self,
         camera: InsideCamera,
@@ -124,7 +124,7 @@ impl CameraController {
         path: &mut Option<Arc<CameraPath>>,
     ) -> SubjectChange {
         let change = match self.instance.as_ref().map(|instance| &instance.subject) {
-            // A camera that was remembered is where the user left it.
+            // A remembered camera is where the user left it.
             None => SubjectChange::Values,
             Some(before) if !before.is_of_scene(subject) => SubjectChange::Scene,
             Some(before) if before.settings != subject.settings => SubjectChange::Values,
@@ -156,21 +156,21 @@ impl Subject {
         Arc::ptr_eq(&self.scene, &other.scene) && self.surface == other.surface
     }
 
-    /// Returns whether both are the same surface with the same numbers.
+    /// Returns whether both are the same surface with the same params' values.
     pub fn is_same(&self, other: &Self) -> bool {
         self.is_of_scene(other) && self.settings == other.settings
     }
 
-    /// Returns the names of its parameters as a place is written: "(u, v)".
+    /// Returns the names of its parameters in the notation of a point: "(u, v)".
     pub(crate) fn chart_label(&self) -> String {
         let object = self.scene.get(self.surface);
         object.map_or_else(String::new, |object| object.shape.chart_label())
     }
 
-    /// Makes the surface, ready for geodesics.
+    /// Returns the surface, ready for geodesics.
     ///
     /// # Errors
-    /// [`ManifoldError`] if it is none.
+    /// [`ManifoldError`] if it is not a surface or metric.
     pub fn manifold(&self) -> Result<Manifold, ManifoldError> {
         let object = self.scene.get(self.surface);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
@@ -178,7 +178,7 @@ impl Subject {
         Manifold::new(&self.scene, self.surface, &uniforms)
     }
 
-    /// Makes the surface, metric or solid, ready for geodesics.
+    /// Returns the surface, metric or solid, ready for geodesics.
     pub(crate) fn ground(&self) -> Result<Ground, ManifoldError> {
         if self.scene.is_solid(self.surface) {
             let solid = SolidSurface::new(&self.scene, &self.settings, self.surface)?;
@@ -187,7 +187,7 @@ impl Subject {
         Ok(Ground::Manifold(Arc::new(self.manifold()?)))
     }
 
-    /// Returns the camera at a place that was found in a picture, with a zoom where one is given.
+    /// Returns the camera at a point that was found in a picture, with a zoom if one is given.
     ///
     /// # Errors
     /// [`RenderError`] if no camera can be there.
@@ -207,7 +207,7 @@ impl Subject {
 }
 
 impl Ground {
-    /// Returns a camera on a subject that this is.
+    /// Returns a camera on this object, which is that of the subject.
     fn camera(
         &self,
         subject: &Subject,
@@ -215,7 +215,7 @@ impl Ground {
         zoom: Option<f64>,
         moved: bool,
     ) -> Result<InsideCamera, RenderError> {
-        // The picture's size does not matter to the camera.
+        // The camera does not depend on the picture's size.
         const SIZE: [u32; 2] = [256; 2];
         let wanted = GeodesicCamera { zoom, ..camera };
         match self {
@@ -236,14 +236,14 @@ impl Ground {
         }
     }
 
-    /// Returns the camera's first place.
+    /// Returns the camera's initial position.
     fn first_place(&self, subject: &Subject) -> Result<InsideCamera, RenderError> {
         let first = GeodesicCamera::new(subject.surface);
         self.camera(subject, first, None, false)
     }
 
-    /// Returns the camera with X and Y orthogonal and as long as before, where the object has changed. A camera that fits
-    /// already is returned as it is; where it cannot stand, nothing is returned.
+    /// Returns the camera with X and Y orthogonal and as long as before, on the changed object. Returns a camera that
+    /// already fits unchanged, and `None` if no camera can be there.
     fn settled(&self, camera: InsideCamera) -> Option<InsideCamera> {
         match (self, camera) {
             (Self::Manifold(manifold), InsideCamera::Chart(camera)) => {
@@ -258,8 +258,7 @@ impl Ground {
         }
     }
 
-    /// Returns the camera after a motion, or nothing where the motion cannot be made. A motion that was made extends the
-    /// path.
+    /// Returns the camera after a motion, or `None` if the motion is impossible. A successful motion extends the path.
     fn moved(
         &self,
         camera: InsideCamera,
@@ -280,11 +279,11 @@ impl Ground {
     }
 }
 
-/// The share of their length by which X and Y may miss what they should be: what rounding leaves of a long walk.
+/// The maximum relative error of X and Y that counts as rounding: a long walk leaves this much.
 const FITS: f64 = 1e-9;
 
-/// Returns the camera with X and Y orthogonal and as long as before, on a surface that has changed. A camera that fits
-/// already is returned as it is; where the surface is degenerate, nothing is returned.
+/// Returns the camera with X and Y orthogonal and as long as before, on the changed surface. Returns a camera that
+/// already fits unchanged, and `None` where the surface is degenerate.
 fn settled(surface: &dyn Surface, camera: &ChartCamera) -> Option<ChartCamera> {
     let mut frame = camera.frame().within_domain(surface);
     let metric = frame.metric(surface);
@@ -310,8 +309,7 @@ fn settled(surface: &dyn Surface, camera: &ChartCamera) -> Option<ChartCamera> {
     (settled.is_sane() && works.is_ok()).then_some(settled)
 }
 
-/// Returns the camera after a motion, or nothing where the motion cannot be made. A motion that was made extends the
-/// path.
+/// Returns the camera after a motion, or `None` if the motion is impossible. A successful motion extends the path.
 fn moved(
     manifold: &Manifold,
     camera: ChartCamera,
@@ -340,7 +338,7 @@ fn moved(
     Some(next)
 }
 
-/// Returns a frame on a solid after a motion, or nothing where the motion cannot be made.
+/// Returns a frame on a solid after a motion, or `None` if the motion is impossible.
 fn moved_on_solid(solid: &SolidSurface, frame: &SpaceFrame, motion: Motion) -> Option<SpaceFrame> {
     match motion {
         Motion::Turn(angle) => Some(frame.turned(angle)),
@@ -353,7 +351,7 @@ fn moved_on_solid(solid: &SolidSurface, frame: &SpaceFrame, motion: Motion) -> O
     }
 }
 
-/// Moves a frame, and its trail with it.
+/// Moves a frame, and extends its trail.
 fn walk(
     manifold: &Manifold,
     frame: &Frame,

@@ -1,7 +1,7 @@
-//! Cameras by held keys and by the pointer, in numbers.
+//! Cameras moved by held keys and the pointer, in numbers.
 //!
-//! The keys that are held, ways in points, factors and seconds flow in; moved cameras and motions flow out. A window or a
-//! page translates its own events into these numbers and does nothing else, so that every motion is the same in both.
+//! In: held keys, distances in points, factors and seconds. Out: moved cameras and motions. A window or a page only
+//! translates its own events into these numbers, so that every motion is the same in both.
 
 pub mod axis_views;
 pub mod geodesic;
@@ -10,14 +10,14 @@ pub mod space;
 use render::view::View;
 use serde::Deserialize;
 
-/// The kind of camera that a view has.
+/// The kind of a view's camera.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum CameraKind {
-    /// None that can be moved.
+    /// No movable camera.
     Fixed,
-    /// One in space, which all views in space share: `View::space` of the model.
+    /// A camera in space, which all views in space share: `View::space` of the model.
     Space,
-    /// One on a surface or a solid: `View::inside` of the model.
+    /// A camera on a surface or a solid: `View::inside` of the model.
     Geodesic,
 }
 
@@ -32,22 +32,22 @@ impl CameraKind {
     }
 }
 
-/// Returns the pixel of a picture of `size` pixels, which fills a rectangle of `room` points, at a point `at` from the upper
-/// left corner of the rectangle.
+/// Returns the pixel of a picture of `size` pixels, scaled to a rectangle of `room` points, at a point `at` from the
+/// upper left corner of the rectangle.
 pub fn pixel(size: [u32; 2], room: [f64; 2], at: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|axis| at[axis] / room[axis] * f64::from(size[axis]))
 }
 
-/// The natural logarithm of the zoom, or of the distance, a second.
+/// The change of the natural logarithm of the zoom, or of the distance, per second.
 const ZOOM_SPEED: f64 = 0.9;
-/// Radians a second.
+/// Radians per second.
 const TURN_SPEED: f64 = 1.2;
-/// The natural logarithm of the distance for a point of the wheel.
+/// The change of the natural logarithm of the distance per point of the wheel.
 const WHEEL: f64 = 0.003;
-/// The longest time between frames that a camera moves for, in seconds: a slow frame is no leap.
+/// The maximum time for which a camera moves between frames, in seconds, so that it does not jump after a slow frame.
 const MAX_STEP: f64 = 0.1;
 
-/// A key that moves cameras. In the messages of the page: "w", "left", "plus".
+/// A key that moves cameras. The page's messages name it "w", "left", "plus".
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq)]
 #[serde(rename_all = "camelCase")]
 pub enum CameraKey {
@@ -67,22 +67,22 @@ pub enum CameraKey {
     Z,
     /// Farther, on a surface.
     X,
-    /// The arrow to the left.
+    /// The left arrow.
     Left,
-    /// The arrow to the right.
+    /// The right arrow.
     Right,
-    /// The arrow that points up.
+    /// The up arrow.
     Up,
-    /// The arrow that points down.
+    /// The down arrow.
     Down,
-    /// Nearer: the key of +, by itself or with Shift.
+    /// Nearer: the + key, with or without Shift.
     Plus,
-    /// Farther: the key of −.
+    /// Farther: the − key.
     Minus,
 }
 
 impl CameraKey {
-    /// All of them.
+    /// All keys.
     pub const ALL: [Self; 14] = [
         Self::W,
         Self::S,
@@ -100,7 +100,8 @@ impl CameraKey {
         Self::Minus,
     ];
 
-    /// Returns whether it is a letter. The others move cameras only where no control has the focus, whose keys they may be.
+    /// Returns whether it is a letter. The other keys move cameras only if no control, which may use them itself, has
+    /// the focus.
     pub fn is_letter(self) -> bool {
         (self as u16) < Self::Left as u16
     }
@@ -110,18 +111,18 @@ impl CameraKey {
     }
 }
 
-/// The keys that are held beside others.
+/// The held modifier keys.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Modifiers {
     /// Shift.
     pub shift: bool,
     /// Alt.
     pub alt: bool,
-    /// Ctrl, or the command key of a Mac.
+    /// Ctrl, or the Command key of a Mac.
     pub command: bool,
 }
 
-/// The keys that move cameras, as they are held in a frame.
+/// The camera keys that are held in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
     keys: u16,
@@ -130,16 +131,16 @@ pub struct Held {
 }
 
 impl Held {
-    /// The keys of which `is_held` says so. `arrows` is set where no control has the focus: otherwise only letters count.
-    /// `elapsed` is the time since the last frame in seconds; where a key went down since then, it is the time that a frame
-    /// takes, since before the first frame of a motion there may be a pause of any length.
+    /// Returns the keys for which `is_held` returns true. `arrows` is true if no control has the focus: otherwise only
+    /// letters count. `elapsed` is the time since the last frame in seconds. If a key was pressed since then, it is the
+    /// typical time of a frame, because the first frame of a motion may follow a pause of any length.
     pub fn new(
         is_held: impl Fn(CameraKey) -> bool,
         arrows: bool,
         modifiers: Modifiers,
         elapsed: f64,
     ) -> Self {
-        // Shortcuts are not motions; with Alt the arrows have a meaning of their own, and the letters none.
+        // Shortcuts are not motions. With Alt, the arrows have another meaning, and the letters have none.
         let counts = |key: &CameraKey| {
             !modifiers.command
                 && if key.is_letter() {
@@ -157,7 +158,7 @@ impl Held {
         }
     }
 
-    /// Returns whether any is held.
+    /// Returns whether any key is held.
     pub fn any(self) -> bool {
         self.keys != 0
     }
@@ -168,7 +169,7 @@ impl Held {
         held(plus) - held(minus)
     }
 
-    /// Returns the direction of the arrows: right, up.
+    /// Returns the direction of the arrow keys: right, up.
     fn arrows(self) -> [f64; 2] {
         [
             self.direction(CameraKey::Right, CameraKey::Left),
@@ -182,25 +183,25 @@ impl Held {
     }
 }
 
-/// The motion of a wheel, or of two fingers on a touchpad, in a frame.
+/// The scrolling of a wheel, or of two fingers on a touchpad, in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scroll {
-    /// The way by which what is under the pointer is to move, in points: to the right and down.
+    /// The distance by which the picture under the pointer is to move, in points: to the right and down.
     pub by: [f64; 2],
-    /// The factor by which two fingers have parted: 1 where they have not.
+    /// The factor by which two fingers have moved apart: 1 if they have not.
     pub pinched: f64,
-    /// Set where it is two fingers that scroll, and not a wheel.
+    /// True if two fingers scroll, and not a wheel.
     pub fingers: bool,
 }
 
 impl Scroll {
-    /// Returns the way by which two fingers carry what is under the pointer, in points, where they move.
+    /// Returns the distance by which two fingers drag the picture under the pointer, in points; `None` if they rest.
     pub fn carried(&self) -> Option<[f64; 2]> {
         (self.fingers && self.by != [0.0; 2]).then_some(self.by)
     }
 
     /// Returns the factor of the distance, or of the zoom: below 1 when the wheel is turned away from the user, or the
-    /// fingers part; `None` where they rest.
+    /// fingers move apart; `None` if they rest.
     pub fn nearing(&self) -> Option<f64> {
         let turned = if self.fingers { 0.0 } else { self.by[1] };
         let factor = (-turned * WHEEL).exp() / self.pinched.max(1e-3);

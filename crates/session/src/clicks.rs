@@ -1,8 +1,8 @@
-//! Clicks on pictures: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration, and so do
-//! two.
+//! Clicks on pictures: a click places a geodesic camera, if one can be there; otherwise it shows a declaration, and so
+//! does a double click.
 //!
-//! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
-//! An effect that would move the panes under the pointer waits until there can be no second one.
+//! The first click takes effect at once. If a second one makes a double click of it, it is withdrawn without a trace.
+//! An effect that would move the panes under the pointer waits until no second click can follow.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::camera_controller::Subject;
 use crate::inside_camera::InsideCamera;
 use crate::model::Model;
 
-/// The longest time between two clicks that are a double click, in seconds.
+/// The maximum time between the two clicks of a double click, in seconds.
 pub const DOUBLE_CLICK: f64 = 0.5;
 
 /// The clicks that may still become double clicks.
@@ -22,24 +22,25 @@ pub const DOUBLE_CLICK: f64 = 0.5;
 pub struct Clicks {
     /// The number of clicks so far.
     count: u64,
-    /// The last one that was the first of two.
+    /// The last click that was the first half of a double click.
     withdrawn: Option<u64>,
-    /// The last one, for as long as another one may follow.
+    /// The last click, while another one may follow.
     open: Option<Open>,
 }
 
 #[derive(Debug)]
 struct Open {
     until: f64,
-    /// The surface whose camera it has moved.
+    /// The surface whose camera the click has moved.
     surface: Option<String>,
-    /// The surface whose camera was shown in space before.
+    /// The surface whose camera was shown in space before the click.
     shown: Option<String>,
 }
 
 impl Clicks {
-    /// Notes a click at a time in seconds, after the last one has been ended by [`Clicks::end`]; `None` if a key makes it,
-    /// which is never the first half of two. `shown` is the surface whose camera is shown in space. Returns its number.
+    /// Notes a click at the time `now` in seconds, after [`Clicks::end`] has ended the last one. `now` is `None` for a
+    /// key, which is never the first half of a double click. `shown` is the surface whose camera is shown in space.
+    /// Returns the click's number.
     pub fn begin(&mut self, now: Option<f64>, shown: Option<String>) -> u64 {
         self.count += 1;
         self.open = now.map(|now| Open {
@@ -50,8 +51,8 @@ impl Clicks {
         self.count
     }
 
-    /// Notes that the last click was one, and nothing more. Returns the surface whose camera it has moved: now its view may
-    /// come forward.
+    /// Notes that the last click was a single one. Returns the surface whose camera it has moved: its view may now come
+    /// forward.
     pub fn end(&mut self, model: &mut Model) -> Option<String> {
         model.keep_placement();
         self.open.take()?.surface
@@ -63,8 +64,8 @@ impl Clicks {
         self.open = None;
     }
 
-    /// Withdraws the last click: it was the first half of two. Where it has moved a camera, the surface is returned whose
-    /// camera was shown in space before, which may be none.
+    /// Withdraws the last click: it was the first half of a double click. If it has moved a camera, returns the surface
+    /// whose camera was shown in space before, which may be `None`.
     pub fn withdraw(&mut self, model: &mut Model) -> Option<Option<String>> {
         let open = self.open.take()?;
         self.withdrawn = Some(self.count);
@@ -72,17 +73,17 @@ impl Clicks {
         open.surface.map(|_| open.shown)
     }
 
-    /// Returns the time until which another click may still follow the last one, if it may.
+    /// Returns the time until which another click may still follow the last one, or `None` if none may.
     pub fn until(&self) -> Option<f64> {
         self.open.as_ref().map(|it| it.until)
     }
 
-    /// Returns whether a click was the first half of two.
+    /// Returns whether a click was the first half of a double click.
     pub fn is_withdrawn(&self, number: u64) -> bool {
         self.withdrawn == Some(number)
     }
 
-    /// Puts a geodesic camera where a click has found its place. Returns whether the click has ended already, so that the
+    /// Places a geodesic camera where a click has hit. Returns whether the click has already ended, so that the
     /// surface's view may come forward.
     pub fn place(
         &mut self,
@@ -105,20 +106,20 @@ impl Clicks {
     }
 }
 
-/// An object that was found under a click.
+/// An object that was found by a click.
 #[derive(Clone, Copy, Debug)]
 pub struct ClickedObject<'a> {
     request: &'a PictureRequest,
-    /// The place of it that was hit.
+    /// The point that was hit.
     pub hit: &'a Hit,
     /// The object.
     pub object: &'a Object,
-    /// The part of a solid's set that was hit.
+    /// The part of the solid's set that was hit.
     pub leaf: Option<&'a SolidLeaf>,
 }
 
 impl<'a> ClickedObject<'a> {
-    /// The object of a hit in a picture; `None` if the picture's scene does not have it.
+    /// Returns the object of a hit in a picture; `None` if the picture's scene does not have it.
     pub fn new(request: &'a PictureRequest, hit: &'a Hit) -> Option<Self> {
         let object = request.scene.get(hit.object)?;
         let solid = object.shape.solid();
@@ -139,7 +140,7 @@ impl<'a> ClickedObject<'a> {
         }
     }
 
-    /// Returns the place in words.
+    /// Returns the point in words.
     pub fn words(&self) -> String {
         let title = self.title();
         let [u, v] = self.hit.parameters;
@@ -162,8 +163,8 @@ impl<'a> ClickedObject<'a> {
         }
     }
 
-    /// Returns the geodesic camera that a click puts there; `None` where it shows the declaration instead. A solid's
-    /// declaration is what most want of it, unless they look from inside it: `is_inside` says whether they do.
+    /// Returns the geodesic camera that a click places there; `None` if it shows the declaration instead. On a solid,
+    /// most clicks are meant for the declaration, except if its geodesic view is shown: `is_inside` says whether it is.
     ///
     /// # Errors
     /// [`RenderError`] if no camera can be there.

@@ -1,7 +1,7 @@
-//! The difference between two views: the entries of the one where the other has different ones.
+//! The difference between two views: the entries of one that differ in the other.
 //!
-//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step back, and
-//! exchanged once more makes it again; what others have changed meanwhile stays as it is.
+//! A step stores only what it has replaced. Exchanging that with the current view undoes the step, and exchanging it
+//! again redoes the step; entries that other steps have changed meanwhile stay as they are.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,12 +10,12 @@ use super::camera::SpaceCamera;
 use super::inside_camera::InsideCamera;
 use super::view::{Animation, Choice, Look, Preferences, View};
 
-/// Entries by their keys; none where there is no such entry.
+/// Entries by their keys; `None` for an absent entry.
 type Entries<K, V> = BTreeMap<K, Option<V>>;
 /// A param's name and one of its components, from 0.
 type Component = (String, usize);
 
-/// Some entries of a view. Which panes are closed is not among them: that is no step.
+/// Some entries of a view. The closed panes are not among them: closing one is not a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Difference {
     looks: Entries<String, Look>,
@@ -29,7 +29,7 @@ pub(super) struct Difference {
 }
 
 impl Difference {
-    /// The entries of a view that another one does not have.
+    /// Returns the entries of a view that differ in another one.
     pub(super) fn of(view: &View, other: &View) -> Self {
         Self {
             looks: entries(&view.looks, &other.looks),
@@ -43,7 +43,7 @@ impl Difference {
         }
     }
 
-    /// The geodesic camera of a surface.
+    /// Returns the difference that holds the geodesic camera of a surface.
     pub(super) fn camera(surface: &str, camera: Option<InsideCamera>) -> Self {
         Self {
             inside: [(surface.to_owned(), camera)].into(),
@@ -56,7 +56,7 @@ impl Difference {
         *self == Self::default()
     }
 
-    /// Takes entries over that it does not have.
+    /// Adds the entries that it does not have.
     pub(super) fn add(&mut self, other: Self) {
         add(&mut self.looks, other.looks);
         add(&mut self.params, other.params);
@@ -68,7 +68,7 @@ impl Difference {
         self.preferences = self.preferences.take().or(other.preferences);
     }
 
-    /// Gives its entries to a view, and takes that one's in their place; what that has changed.
+    /// Exchanges its entries with those of a view. Returns what has changed in the view.
     pub(super) fn exchange(&mut self, view: &mut View) -> Exchanged {
         let mut params = values(view);
         let mut animations = animated(view);
@@ -97,12 +97,12 @@ impl Difference {
         }
     }
 
-    /// Drops a component of a param.
+    /// Drops the value of a component of a param.
     pub(super) fn drop_value(&mut self, param: &str, component: usize) {
         self.params.remove(&(param.to_owned(), component));
     }
 
-    /// Drops the 3D camera where the user has not moved it.
+    /// Drops the 3D camera unless the user has moved it.
     pub(super) fn reframe(&mut self) {
         self.space = self.space.map(|it| it.filter(|camera| camera.moved));
     }
@@ -118,9 +118,9 @@ impl Difference {
 /// The effect of an exchange.
 #[derive(Debug)]
 pub(super) struct Exchanged {
-    /// Anything.
+    /// True if anything has changed.
     pub(super) any: bool,
-    /// The geodesic cameras, by their surfaces.
+    /// The surfaces whose geodesic cameras have changed.
     pub(super) cameras: Vec<String>,
 }
 
@@ -145,7 +145,7 @@ fn add<K: Ord, V>(entries: &mut Entries<K, V>, others: Entries<K, V>) {
     }
 }
 
-/// Exchanges entries; the keys of those that differed.
+/// Exchanges entries. Returns the keys of those that differed.
 fn exchange<K: Clone + Ord, V: PartialEq>(
     entries: &mut Entries<K, V>,
     all: &mut BTreeMap<K, V>,
@@ -162,7 +162,7 @@ fn exchange<K: Clone + Ord, V: PartialEq>(
     differed
 }
 
-/// Exchanges a value, if there is one to be exchanged; whether they differed.
+/// Exchanges a value, if there is one. Returns whether the two differed.
 fn swap<V: PartialEq>(value: &mut Option<V>, other: &mut V) -> bool {
     let Some(value) = value else {
         return false;
@@ -171,7 +171,7 @@ fn swap<V: PartialEq>(value: &mut Option<V>, other: &mut V) -> bool {
     value != other
 }
 
-/// The values that were chosen, by component.
+/// Returns the chosen values, by component.
 fn values(view: &View) -> BTreeMap<Component, f64> {
     let params = view.params.iter();
     let all = params.flat_map(|(name, values)| {

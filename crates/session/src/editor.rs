@@ -1,4 +1,4 @@
-//! A text that is edited, and what is known of its file. Nothing is read or written here.
+//! A text that is edited, and the known content of its file. This module reads and writes no files.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,43 +7,43 @@ use ide::edit::Edit;
 use ide::{Analysis, Language};
 use syntax::span::Span;
 
-/// A place of the text that is to be shown.
+/// A range of the text that is to be shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Jump {
-    /// The place, in bytes of the text.
+    /// The range, in bytes of the text.
     pub place: Span,
-    /// The place gets the keyboard focus.
+    /// True if the keyboard focus goes there.
     pub takes_keys: bool,
 }
 
 /// A text that is edited here.
 #[derive(Debug)]
 pub struct Editor {
-    /// The language that the text is written in.
+    /// The language of the text.
     pub language: Arc<dyn Language>,
     /// Its file, or the name that a new program has before it is saved.
     pub path: PathBuf,
-    /// It has no file yet.
+    /// True if it has no file yet.
     pub is_new: bool,
     /// The text as it is now.
     pub text: String,
-    /// Counts the texts that were compiled.
+    /// The number of texts that were compiled.
     pub version: i32,
-    /// The file's content, as far as is known.
+    /// The last known content of the file.
     saved: String,
-    /// The file's new text, where it has changed while this one had too.
+    /// The file's new text, if it has changed while this one had too.
     pub conflict: Option<String>,
-    /// A place that the cursor is to be put to.
+    /// A range to which the cursor is to move.
     pub jump: Option<Jump>,
-    /// The field that shows the text is to have the keys.
+    /// True if the field that shows the text is to have the keyboard focus.
     pub wants_keys: bool,
-    /// The texts whose place another one has taken by other means than typing, oldest first, until the field that shows
-    /// the text has them among what it can undo.
+    /// The texts that were replaced by other means than typing, oldest first, until the field that shows the text has
+    /// added them to its undo history.
     pub replaced: Vec<String>,
 }
 
 impl Editor {
-    /// A file's text.
+    /// Returns the editor of a file's text.
     pub fn new(language: Arc<dyn Language>, path: PathBuf, text: String) -> Self {
         Self {
             language,
@@ -59,7 +59,7 @@ impl Editor {
         }
     }
 
-    /// A text without a file, which would have this name.
+    /// Returns the editor of a text without a file, which would have this name.
     pub fn untitled(language: Arc<dyn Language>, name: &str, text: String) -> Self {
         Self {
             is_new: true,
@@ -67,13 +67,13 @@ impl Editor {
         }
     }
 
-    /// Returns whether the text differs from the file's, or from what a new one began with.
+    /// Returns whether the text differs from the file's, or from the initial text of a new program.
     pub fn is_changed(&self) -> bool {
         self.text != self.saved
     }
 
-    /// The file holds another text: taken over, unless something was written here that would be lost. Whether the
-    /// text is another one now.
+    /// Notes that the file holds another text. Takes it over unless unsaved changes would be lost. Returns whether the
+    /// text has changed.
     pub fn take_changed(&mut self, text: String) -> bool {
         if text == self.text || text == self.saved {
             self.saved = text;
@@ -90,8 +90,8 @@ impl Editor {
         true
     }
 
-    /// Ends a conflict: with the file's text, or with the own one, which then differs from the file's. Whether the
-    /// text is another one now.
+    /// Ends a conflict: with the file's text, or with the edited one, which then differs from the file's. Returns
+    /// whether the text has changed.
     pub fn settle(&mut self, take_file: bool) -> bool {
         let Some(text) = self.conflict.take() else {
             return false;
@@ -108,10 +108,10 @@ impl Editor {
         self.saved.clone_from(&self.text);
     }
 
-    /// Makes an edit of the text as it is now; whether the text is another one then.
+    /// Makes an edit of the current text. Returns whether the text has changed.
     ///
     /// # Errors
-    /// Those of `make`; the text is as it was.
+    /// Those of `make`; the text is unchanged.
     pub fn write<E: std::fmt::Display>(
         &mut self,
         make: impl FnOnce(&dyn Analysis) -> Result<Edit, E>,
@@ -119,10 +119,10 @@ impl Editor {
         self.rewrite(|analysis| make(analysis).map(|edit| vec![edit]))
     }
 
-    /// Makes edits of the text as it is now; whether the text is another one then.
+    /// Makes edits of the current text. Returns whether the text has changed.
     ///
     /// # Errors
-    /// Those of `make`; the text is as it was.
+    /// Those of `make`; the text is unchanged.
     pub fn rewrite<E: std::fmt::Display>(
         &mut self,
         make: impl FnOnce(&dyn Analysis) -> Result<Vec<Edit>, E>,
@@ -137,7 +137,7 @@ impl Editor {
         Ok(changed)
     }
 
-    /// Puts another text in the place of this one, which the field that shows it can undo.
+    /// Replaces the text; the field that shows it can undo this.
     pub fn replace(&mut self, text: String) {
         self.replaced.push(std::mem::replace(&mut self.text, text));
     }

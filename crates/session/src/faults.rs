@@ -1,5 +1,5 @@
-//! The faults of a program as they are shown. While somebody types, most faults are of what is not written yet: a
-//! fault is shown only after a pause, and one that is gone is gone at once.
+//! The faults of a program as they are shown. While the user types, most faults concern unfinished text: a fault is
+//! shown only after a pause, and one that is gone disappears at once.
 
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use syntax::diagnostic::Severity;
 
 use super::program::Finding;
 
-/// The faults of a text, and the objects that are therefore not shown as the text has them.
+/// The faults of a text, and the objects that are therefore shown in an earlier form.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Diagnosis {
-    /// The diagnostics, sorted by place; shared, since there may be a million of them.
+    /// The diagnostics, sorted by position; shared, since there may be a million of them.
     pub(crate) findings: Arc<[Finding]>,
-    /// The objects that are shown as they last were, and those that read something that is.
+    /// The objects that are shown in their last valid form, and those that depend on them.
     pub(crate) stale: BTreeSet<String>,
 }
 
@@ -25,7 +25,7 @@ pub struct ProgramFaults {
 }
 
 impl ProgramFaults {
-    /// Takes over the diagnosis of a newer text. What it no longer has is not shown any more.
+    /// Takes over the diagnosis of a newer text. Faults that it no longer has are no longer shown.
     pub(crate) fn take(&mut self, latest: Diagnosis) {
         let before = std::mem::take(&mut self.shown);
         let shown = before.findings.iter();
@@ -47,23 +47,23 @@ impl ProgramFaults {
         self.shown.clone_from(&self.latest);
     }
 
-    /// Returns whether a fault waits for a pause.
+    /// Returns whether a fault waits for a pause in typing.
     pub fn are_waiting(&self) -> bool {
         self.shown != self.latest
     }
 
-    /// The diagnostics that are shown, sorted by place.
+    /// Returns the diagnostics that are shown, sorted by position.
     pub fn findings(&self) -> &[Finding] {
         &self.shown.findings
     }
 
-    /// The errors among them.
+    /// Returns the errors among them.
     pub fn errors(&self) -> impl Iterator<Item = &Finding> {
         let is_error = |it: &&Finding| it.severity == Severity::Error;
         self.shown.findings.iter().filter(is_error)
     }
 
-    /// The objects that are marked as out of date.
+    /// Returns the objects that are marked as out of date.
     pub fn stale(&self) -> &BTreeSet<String> {
         &self.shown.stale
     }

@@ -11,10 +11,10 @@ use render::measured::{FigureMeasures, lines, measure};
 use crate::camera_controller::Subject;
 use crate::measuring::{Measured, Quantity, angle, number, place};
 
-/// The most geodesics that are listed.
+/// The maximum number of geodesics that are listed.
 const MOST_LISTED: usize = 8;
 
-/// Measures a figure. What cannot be measured is a note; of a figure that lacks places, these are marked.
+/// Measures a figure. A quantity that cannot be measured becomes a note; the points of an incomplete figure are marked.
 pub fn measured(surface: &dyn Surface, subject: &Subject, figure: &Figure) -> Measured {
     let figure = Arc::new(figure.clone());
     let finding = measure(surface, &figure);

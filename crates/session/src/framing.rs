@@ -1,6 +1,6 @@
-//! The place of the camera in space where a request gives none: from there everything is seen.
+//! The default camera in space, for requests without one: it sees everything.
 //!
-//! A request flows in; the camera flows out. It is kept for as long as what it depends on stays the same.
+//! In: a request. Out: the camera. It is kept for as long as everything that it depends on stays the same.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub struct Framing {
     known: Option<FramedScene>,
 }
 
-/// A camera that sees everything, and all that it depends on.
+/// A camera that sees everything, and all that determines it.
 #[derive(Debug)]
 struct FramedScene {
     scene: Shared<Scene>,
@@ -32,14 +32,14 @@ struct FramedScene {
     camera: SpaceCamera,
 }
 
-/// The target of a camera is not nearer than this, in radii of the scene.
+/// The minimum distance of a camera's target, in radii of the scene.
 const NEAREST_TARGET: f64 = 0.1;
 
 impl Framing {
-    /// Puts the camera that everything is seen from into a request of a view in space that has none, and returns it.
+    /// Sets the camera that sees everything in a request of a view in space without a camera, and returns it.
     ///
     /// # Errors
-    /// [`RenderError`] if the scene cannot be seen as a whole.
+    /// [`RenderError`] if there is no camera that sees the whole scene.
     pub fn fill_in(
         &mut self,
         request: &mut PictureRequest,
@@ -58,8 +58,8 @@ impl Framing {
         Ok(Some(camera))
     }
 
-    /// Returns the camera from which all that a request of a view in space shows is seen, whatever camera the request has
-    /// or the program declares; `None` of another view, or where there is none.
+    /// Returns the camera that sees everything that a request of a view in space shows, whatever camera the request has
+    /// or the program declares; `None` for another view, or if there is none.
     pub fn of_everything(&mut self, request: &PictureRequest) -> Option<SpaceCamera> {
         let mut request = request.clone();
         if !request.scene.stage.is_empty() {
@@ -103,7 +103,7 @@ impl Framing {
         );
         let world = |place: DVec3| (centre + radius * place).to_array();
         let ahead = camera.eye.dot(camera.axes[2]);
-        // A declared camera may look away from the middle of the scene.
+        // A declared camera may look away from the centre of the scene.
         let ahead = if ahead > NEAREST_TARGET { ahead } else { 1.0 };
         let [across, upward] = camera.half_tangents();
         let camera = SpaceCamera {

@@ -1,4 +1,4 @@
-//! Undo and redo of changes of the view, never of the text.
+//! Undo and redo of changes of the view. Changes of the text are not among them.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use super::view::View;
 /// The name of a change.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Step {
-    /// The title behind "Undo".
+    /// The title after "Undo".
     pub title: &'static str,
-    /// Steps in a row with the same mark are one, until [`History::settle`].
+    /// Consecutive steps with the same mark are joined into one, until [`History::settle`].
     pub mark: String,
 }
 
 impl Step {
-    /// A step that is joined with those like it.
+    /// Returns a step that is joined with those of the same mark.
     pub fn new(title: &'static str, mark: impl Into<String>) -> Self {
         Self {
             title,
@@ -28,7 +28,7 @@ impl Step {
     }
 }
 
-/// The steps that were made, and those that were taken back.
+/// The steps that were made, and those that were undone.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     past: VecDeque<MadeStep>,
@@ -44,20 +44,20 @@ struct MadeStep {
     trails: Trails,
 }
 
-/// The paths of geodesic cameras that a step has ended or gone on with, by their surfaces; none where there was none.
+/// The paths of geodesic cameras that a step has ended or extended, by surface; `None` where there was no path.
 pub(super) type Trails = BTreeMap<String, Option<EndedTrail>>;
 
-/// A path that has ended, and the params' values with which it is one.
+/// A path that has ended, and the params' values for which it is a geodesic path.
 #[derive(Clone, Debug)]
 pub(super) struct EndedTrail {
     pub(super) path: Arc<CameraPath>,
     pub(super) settings: Arc<ParamValues>,
 }
 
-/// The number of steps that are remembered.
+/// The maximum number of steps that are remembered.
 const MAX_STEPS: usize = 200;
 
-/// Puts a path in the place of that of a surface's camera, and returns that one.
+/// Replaces the path of a surface's camera, and returns the old one.
 pub(super) type ExchangeTrails<'f> = dyn FnMut(&str, Option<EndedTrail>) -> Option<EndedTrail> + 'f;
 
 impl History {
@@ -79,13 +79,13 @@ impl History {
         });
     }
 
-    /// Returns whether a step would be one with the last.
+    /// Returns whether a step would be joined with the last one.
     pub(super) fn joins(&self, step: &Step) -> bool {
         let last = self.past.back().map(|last| &last.step);
         !self.settled && last == Some(step)
     }
 
-    /// Ends a gesture: the next step is one of its own.
+    /// Ends a gesture: the next step is not joined with the last one.
     pub fn settle(&mut self) {
         self.settled = true;
     }
@@ -95,12 +95,12 @@ impl History {
         self.past.back().map(|last| last.step.title)
     }
 
-    /// Returns the title of the step that would be done again.
+    /// Returns the title of the step that would be redone.
     pub fn next(&self) -> Option<&'static str> {
         self.future.last().map(|next| next.step.title)
     }
 
-    /// Takes the last step back that has changed anything; returns its title.
+    /// Undoes the last step that has an effect. Returns its title.
     pub(super) fn undo(
         &mut self,
         view: &mut View,
@@ -116,7 +116,7 @@ impl History {
         }
     }
 
-    /// Makes the last step again that was taken back and would change anything; returns its title.
+    /// Redoes the next step that has an effect. Returns its title.
     pub(super) fn redo(
         &mut self,
         view: &mut View,
@@ -132,18 +132,18 @@ impl History {
         }
     }
 
-    /// The text has given a component of a param its value: no step does any more.
+    /// Drops a component of a param from all steps: the text has given it its value.
     pub(super) fn drop_value(&mut self, param: &str, component: usize) {
         self.each(|it| it.replaced.drop_value(param, component));
     }
 
-    /// Drops the 3D camera where the user has not moved it: it is placed anew.
+    /// Drops the 3D camera from all steps where the user has not moved it: it is placed anew.
     pub(super) fn reframe(&mut self) {
         self.each(|it| it.replaced.reframe());
     }
 
-    /// Drops what belongs to a scene that another one has replaced: the geodesic cameras that the user has not moved,
-    /// which are placed anew, and the paths.
+    /// Drops the entries that belong to a replaced scene: the geodesic cameras that the user has not moved, which are
+    /// placed anew, and the paths.
     pub(super) fn note_scene(&mut self) {
         self.each(|it| {
             it.replaced.settle_anew();
@@ -163,7 +163,7 @@ impl MadeStep {
         !self.replaced.is_empty() || self.trails.values().any(Option::is_some)
     }
 
-    /// Exchanges what the step has replaced with what is there now; nothing if that is the same.
+    /// Exchanges what the step has replaced with the current state. Returns `None` if the two are the same.
     fn travel(
         &mut self,
         view: &mut View,

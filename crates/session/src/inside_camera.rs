@@ -1,4 +1,4 @@
-//! The cameras of the geodesic views: places with two tangent vectors.
+//! The cameras of the geodesic views: points with two tangent vectors.
 
 use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
@@ -18,7 +18,8 @@ pub enum InsideCamera {
 }
 
 impl InsideCamera {
-    /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
+    /// Returns the distance on the surface from the picture's centre to the midpoint of an edge, along the shorter
+    /// side.
     pub fn zoom(&self) -> f64 {
         match self {
             Self::Chart(camera) => camera.zoom,
@@ -34,7 +35,7 @@ impl InsideCamera {
         }
     }
 
-    /// The camera on a surface or a metric, if it is one.
+    /// Returns the camera on a surface or a metric, if it is one.
     pub fn chart(&self) -> Option<&ChartCamera> {
         match self {
             Self::Chart(camera) => Some(camera),
@@ -42,7 +43,7 @@ impl InsideCamera {
         }
     }
 
-    /// Its place: (u, v), or (x, y, z).
+    /// Returns its position: (u, v), or (x, y, z).
     pub fn place(&self) -> &[f64] {
         match self {
             Self::Chart(camera) => &camera.at,
@@ -50,7 +51,7 @@ impl InsideCamera {
         }
     }
 
-    /// Returns whether it can be drawn with.
+    /// Returns whether a picture can be drawn from it.
     pub fn is_sane(&self) -> bool {
         match self {
             Self::Chart(camera) => camera.is_sane(),
@@ -58,7 +59,7 @@ impl InsideCamera {
         }
     }
 
-    /// Returns it as a request has it.
+    /// Returns the camera of a request.
     pub fn on(&self, surface: ObjectId) -> GeodesicCamera {
         GeodesicCamera {
             surface,
@@ -71,7 +72,7 @@ impl InsideCamera {
     }
 }
 
-/// The zooms that a camera can have.
+/// The range of valid zooms.
 const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 /// The camera of the geodesic view of a surface or a metric.
@@ -80,22 +81,22 @@ const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 pub struct ChartCamera {
     /// Its (u, v).
     pub at: [f64; 2],
-    /// X, in (u, v) or about the pole.
+    /// X, in (u, v), or in the pole's coordinates.
     pub x: [f64; 2],
     /// Y likewise.
     pub y: [f64; 2],
-    /// The pole whose coordinates X and Y are in: axis and end, see `geodesic::ends::Coordinates`.
+    /// The pole in whose coordinates X and Y are: axis and end, see `geodesic::ends::Coordinates`.
     #[serde(default)]
     pub pole: Option<[u8; 2]>,
     /// The length of X and Y on the surface.
     pub zoom: f64,
-    /// The user has moved it; otherwise it is put anew where its surface changes.
+    /// True if the user has moved it; otherwise it is placed anew when its surface changes.
     #[serde(default)]
     pub moved: bool,
 }
 
 impl ChartCamera {
-    /// Makes the camera of a frame.
+    /// Returns the camera of a frame.
     pub fn of(frame: &Frame, zoom: f64, moved: bool) -> Self {
         Self {
             at: frame.uv.0,
@@ -110,7 +111,7 @@ impl ChartCamera {
         }
     }
 
-    /// Returns it as a frame.
+    /// Returns its frame.
     pub fn frame(&self) -> Frame {
         Frame {
             uv: self.at.into(),
@@ -139,31 +140,31 @@ impl ChartCamera {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SolidCamera {
-    /// Its place in space.
+    /// Its position in space.
     pub at: [f64; 3],
-    /// X, as long as the zoom.
+    /// X, whose length is the zoom.
     pub x: [f64; 3],
     /// Y likewise.
     pub y: [f64; 3],
-    /// The user has moved it; otherwise it is put anew where its solid changes.
+    /// True if the user has moved it; otherwise it is placed anew when its solid changes.
     #[serde(default)]
     pub moved: bool,
 }
 
 impl SolidCamera {
-    /// Makes the camera of a frame.
+    /// Returns the camera of a frame.
     pub fn of(frame: &SpaceFrame, moved: bool) -> Self {
         let SpaceFrame { at, x, y } = *frame;
         Self { at, x, y, moved }
     }
 
-    /// Returns it as a frame.
+    /// Returns its frame.
     pub fn frame(&self) -> SpaceFrame {
         let Self { at, x, y, .. } = *self;
         SpaceFrame { at, x, y }
     }
 
-    /// The length of X and Y.
+    /// Returns the length of X and Y.
     pub fn zoom(&self) -> f64 {
         self.frame().zoom()
     }

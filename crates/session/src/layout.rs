@@ -1,4 +1,4 @@
-//! The panes' places as data: what is remembered between runs.
+//! The arrangement of the panes as data: it is saved between runs.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,18 +7,18 @@ use super::pane::Pane;
 /// An arrangement of the views.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Arrangement {
-    /// As when a program is opened.
+    /// The initial arrangement of a program.
     First,
     /// All in a row.
     Row,
     /// All in a column.
     Column,
-    /// One behind the other.
+    /// One behind the other, as tabs.
     Tabs,
 }
 
 impl Arrangement {
-    /// All of them, with their titles.
+    /// All arrangements, with their titles.
     pub const ALL: [(&'static str, Self); 4] = [
         ("As at first", Self::First),
         ("Views side by side", Self::Row),
@@ -27,7 +27,7 @@ impl Arrangement {
     ];
 }
 
-/// Panes and how they are arranged.
+/// Panes and their arrangement.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Layout {
@@ -50,14 +50,15 @@ pub enum Layout {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Share {
-    /// Its share of the room, compared with its neighbours.
+    /// Its size relative to those of its neighbours.
     pub share: f32,
     /// The panes in it.
     pub content: Layout,
 }
 
 impl Layout {
-    /// Lays out text and settings one above the other, `side` wide, and beside them the views, each as wide as 1.
+    /// Lays out text and settings one above the other, with the width `side`, and beside them the views, each with the
+    /// width 1.
     pub fn set_out(written: &[Pane], views: &[Pane], arrangement: Arrangement, side: f32) -> Self {
         let even = |layouts: Vec<Self>| -> Vec<Share> {
             let share = |content| Share {

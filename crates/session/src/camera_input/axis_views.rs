@@ -1,7 +1,8 @@
-//! Views along the axes: their names and keys, the way of the camera there, and where the ends of the axes are seen.
+//! Views along the axes: their names and keys, the turn of the camera to one, and the positions of the axes' ends in a
+//! picture.
 //!
-//! The camera in space turns about its target, in a quarter of a second. The ends of the axes are drawn as a gizmo; a click
-//! on one turns the camera to it.
+//! The camera in space turns about its target, in a quarter of a second. The ends of the axes are drawn as a gizmo; a
+//! click on one turns the camera to it.
 
 use glam::DVec3;
 
@@ -14,15 +15,15 @@ use crate::model::Model;
 pub struct AxisView {
     /// Its name: "Top".
     pub title: &'static str,
-    /// The digit whose key turns the camera to it.
+    /// The digit key that turns the camera to it.
     pub digit: char,
-    /// Set if Ctrl, or the command key of a Mac, is held with the digit: of the views from behind.
+    /// True if Ctrl, or the Command key of a Mac, is held with the digit: for the views from behind.
     pub command: bool,
-    /// The keys in words.
+    /// The keys, for the user.
     pub keys: &'static str,
     /// The axis in space, from 0.
     pub axis: usize,
-    /// 1 or −1: the end of the axis that is nearest to the eye.
+    /// 1 or −1: the end of the axis nearer to the eye.
     pub sign: f64,
 }
 
@@ -38,7 +39,7 @@ impl AxisView {
         }
     }
 
-    /// The view from the negative end.
+    /// Returns the view from the negative end.
     const fn negative(self) -> Self {
         Self { sign: -1.0, ..self }
     }
@@ -55,8 +56,8 @@ impl AxisView {
         self.sign * [DVec3::X, DVec3::Y, DVec3::Z][self.axis]
     }
 
-    /// Returns the end of the axis: "+z". `axis` is that of the text, from 0, which scripts may name otherwise than the
-    /// space.
+    /// Returns the end of the axis: "+z". `axis` is the axis of the text, from 0; scripts may name the axes of space
+    /// differently.
     pub fn end(&self, axis: usize) -> String {
         let sign = if self.sign < 0.0 { '−' } else { '+' };
         format!("{sign}{}", ["x", "y", "z"][axis])
@@ -77,19 +78,20 @@ pub static AXIS_VIEWS: [AxisView; 6] = [
         .with_command(),
 ];
 
-/// The end of an axis as a camera sees it.
+/// The end of an axis as seen by a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisEnd {
-    /// The view that looks from there.
+    /// The view from that end.
     pub view: &'static AxisView,
-    /// Its place about the middle of a gizmo, to the right and down; an axis across the line of sight has the length 1.
+    /// Its position relative to the centre of a gizmo, to the right and down; an axis across the line of sight has the
+    /// length 1.
     pub at: [f64; 2],
-    /// Its distance from the middle towards the eye, from −1 to 1.
+    /// Its coordinate towards the eye, from −1 to 1, 0 at the centre.
     pub depth: f64,
 }
 
 impl AxisEnd {
-    /// Returns the six ends as a camera sees them, the farthest first.
+    /// Returns the six ends as seen by a camera, the farthest first.
     pub fn all(camera: &SpaceCamera) -> [Self; 6] {
         let [right, up, back] = camera.axes();
         let mut ends = AXIS_VIEWS.each_ref().map(|view| {
@@ -104,37 +106,38 @@ impl AxisEnd {
         ends
     }
 
-    /// Returns the direction in which a click on it leads the eye: the end that faces the eye leads to the other side.
+    /// Returns the direction to which a click on it turns the eye: the end that already faces the eye leads to the
+    /// opposite one.
     pub fn leads_to(&self) -> DVec3 {
         let sign = if self.depth > 0.999 { -1.0 } else { 1.0 };
         sign * self.view.direction()
     }
 }
 
-/// Seconds for a turn.
+/// The duration of a turn, in seconds.
 const TURN_TIME: f64 = 0.25;
 
-/// A camera on its way to another direction.
+/// A camera that is turning to another direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     from: SpaceCamera,
     to: SpaceCamera,
-    /// The camera that was put in place last.
+    /// The camera of the last frame of the turn.
     last: SpaceCamera,
-    /// The time at which it began, in seconds.
+    /// The time at which it started, in seconds.
     begun: f64,
 }
 
 impl Turn {
-    /// Begins to turn the camera in space about its target, so that it looks against a direction: a step that can be
-    /// undone. `now` is in seconds, of any clock. `None` where there is no camera yet.
+    /// Starts to turn the camera in space about its target until its eye is in a direction: an undoable step. `now` is
+    /// in seconds, of any clock. Returns `None` if there is no camera yet.
     pub fn begin(model: &mut Model, direction: DVec3, now: f64) -> Option<Self> {
         let from = model.view.space?;
         let to = from.seen_from(direction);
         let step = Step::new("Turn the 3D camera", "");
         model.change(step, |view| view.space = Some(to));
         model.history.settle();
-        // The step leads to the end of the way; what is seen until then is none.
+        // The step leads to the end of the turn; the cameras before it are not steps.
         model.adjust(|view| view.space = Some(from));
         Some(Self {
             from,
@@ -144,8 +147,8 @@ impl Turn {
         })
     }
 
-    /// Moves a camera that is on its way to where it is `now`, and ends the way where it has arrived, or was moved
-    /// otherwise. Returns whether it has been moved.
+    /// Moves a turning camera to its direction at the time `now`. Ends the turn when it is complete, or the camera has
+    /// been moved otherwise. Returns whether the camera has moved.
     pub fn advance(turn: &mut Option<Self>, model: &mut Model, now: f64) -> bool {
         let Some(on_its_way) = turn.take() else {
             return false;
@@ -162,7 +165,7 @@ impl Turn {
         true
     }
 
-    /// Returns the camera at a share of the way, from 0 to 1.
+    /// Returns the camera at a fraction of the turn, from 0 to 1.
     fn at(&self, share: f64) -> SpaceCamera {
         if share >= 1.0 {
             return self.to;

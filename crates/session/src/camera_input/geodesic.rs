@@ -5,7 +5,7 @@ use crate::inside_camera::InsideCamera;
 use crate::model::Model;
 use crate::motion::Motion;
 
-/// Lengths of X a second.
+/// Lengths of X per second.
 const WALK_SPEED: f64 = 0.8;
 
 /// Returns the motions for the held keys; `speed` is that of the preferences.
@@ -33,14 +33,14 @@ pub fn motions_of_keys(held: Held, speed: f64) -> Vec<Motion> {
     motions
 }
 
-/// Returns the motion for a drag in points, to the right and down: the surface under the pointer goes with it. `side` is the
+/// Returns the motion for a drag in points, to the right and down: the surface follows the pointer. `side` is the
 /// picture's shorter side in points.
 pub fn dragged(by: [f64; 2], side: f64) -> Motion {
     let half = 0.5 * side.max(1.0);
     Motion::Walk([-by[0] / half, by[1] / half])
 }
 
-/// Returns the place of the camera of a surface in words, behind a view's name; `None` where there is no camera yet.
+/// Returns the position of a surface's camera in words, to follow a view's name; `None` if there is no camera yet.
 pub fn place(model: &Model, surface: &str) -> Option<String> {
     let camera = model.view.inside.get(surface)?;
     let zoom = camera.zoom();

@@ -1,4 +1,4 @@
-//! The camera in space: it goes, looks, and is carried around its target.
+//! The camera in space: it moves, turns, and is carried around its target.
 
 use glam::DVec2;
 
@@ -6,19 +6,19 @@ use super::{CameraKey, Held, Modifiers, TURN_SPEED, ZOOM_SPEED};
 use crate::camera::SpaceCamera;
 use crate::model::Model;
 
-/// Radii of the scene a second, at the camera speed 1.
+/// Radii of the scene per second, at the camera speed 1.
 const SPEED: f64 = 1.0;
-/// Distances to the target a second.
+/// Distances to the target per second.
 const PAN_SPEED: f64 = 0.8;
 /// Radians for a drag across a picture's shorter side.
 const TURN_DRAG: f64 = 1.2;
-/// Radians around the target for a drag across a picture's shorter side: what was in front is behind.
+/// Radians around the target for a drag across a picture's shorter side: half a turn.
 const ORBIT_DRAG: f64 = std::f64::consts::PI;
 
 /// A use of the pointer on a view in space.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Grip {
-    /// The camera turns where it stands.
+    /// The camera turns in place.
     Turn,
     /// The camera is carried around its target.
     Orbit,
@@ -27,8 +27,8 @@ pub enum Grip {
 }
 
 impl Grip {
-    /// Returns what a drag does: with the primary button, or with another one. `fly` exchanges what it does with Alt and
-    /// without.
+    /// Returns the effect of a drag: with the primary button, or with another one. `fly` swaps the effects with and
+    /// without Alt.
     pub fn of(is_primary: bool, modifiers: Modifiers, fly: bool) -> Self {
         if !is_primary || modifiers.shift {
             Self::Pan
@@ -45,27 +45,28 @@ impl Grip {
 pub fn dragged(camera: SpaceCamera, grip: Grip, by: [f64; 2], side: f64) -> SpaceCamera {
     let [x, y] = by.map(|x| x / side.max(1.0));
     match grip {
-        // As the thesis has it: the camera looks where the pointer goes.
+        // As in the thesis: the camera looks where the pointer moves.
         Grip::Turn => camera.turned(x * TURN_DRAG, -y * TURN_DRAG),
         Grip::Orbit => camera.orbited(x * ORBIT_DRAG, -y * ORBIT_DRAG),
         Grip::Pan => camera.panned(in_plane(by, side, &camera)),
     }
 }
 
-/// Brings the camera nearer by a factor below 1, or takes it farther by one above, towards what is seen at a point: its
-/// place from the middle of the picture in points, to the right and down. `side` is the picture's shorter side in points.
+/// Returns the camera nearer by a factor below 1, or farther by one above, towards a point of the picture: its position
+/// from the centre in points, to the right and down. `side` is the picture's shorter side in points.
 #[must_use]
 pub fn neared(camera: SpaceCamera, factor: f64, at: [f64; 2], side: f64) -> SpaceCamera {
     camera.neared(factor, in_plane(at, side, &camera))
 }
 
-/// Returns a way in points in the plane of the target, to the right and up, in shares of the distance.
+/// Converts a distance in points into one in the plane of the target, to the right and up, in fractions of the distance
+/// to it.
 fn in_plane(by: [f64; 2], side: f64, camera: &SpaceCamera) -> DVec2 {
     DVec2::new(by[0], -by[1]) * (2.0 * camera.tangent) / side.max(1.0)
 }
 
-/// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows. `speed` is that of the
-/// preferences. Where lines of sight are parallel, going forward would change nothing: it comes nearer instead.
+/// Moves or turns the camera by the held keys, in the direction of the letters and arrows. `speed` is that of the
+/// preferences. If lines of sight are parallel, moving forward would change nothing: the camera comes nearer instead.
 #[must_use]
 pub fn moved_by_keys(
     mut camera: SpaceCamera,
@@ -107,7 +108,8 @@ pub fn moved_by_keys(
     camera
 }
 
-/// Returns the place of the camera in words, behind a view's name; `None` where there is no camera yet, or no scene.
+/// Returns the position of the camera in words, to follow a view's name; `None` if there is no camera, or no scene,
+/// yet.
 pub fn place(model: &Model) -> Option<String> {
     let eye = model.view.space?.eye;
     let [x, y, z] = model.scene.as_ref()?.stated(eye);
