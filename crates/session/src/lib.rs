@@ -1,8 +1,8 @@
-//! A session: the program that somebody has open, what was chosen, the cameras, and what can be undone.
+//! A session: the open program, the user's choices, the cameras, and the undo history.
 //!
-//! It is plain data with the functions that change it: no window, no thread, no file, no clock. A window and a page put
-//! their own around it: they hand in texts, bytes of images, ways of the pointer and seconds, and draw the requests that
-//! come out.
+//! It is plain data with the functions that change it: no window, no thread, no file, no clock. A window and a page add
+//! their own: they pass in texts, bytes of images, distances of the pointer and seconds, and draw the resulting
+//! requests.
 //!
 //! ```text
 //! text ──reader──▶ Compiled ──take()──▶ Model ◀──change()── what the user does, each step under its name
@@ -67,28 +67,28 @@ pub use view::{
     WAVEFRONTS,
 };
 
-/// The subject of a sentence of the status line, which says how long it holds.
+/// The kind of a sentence of the status line, which determines how long it is shown.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum MessageKind {
-    /// Something failed: it stays until the next sentence.
+    /// Something failed: shown until the next sentence.
     Failed,
-    /// Something was done: it goes after a while.
+    /// Something was done: shown for a while.
     Done,
-    /// The place of a click and what lies there: it goes when the user moves a view or a param.
+    /// The point of a click and the object there: shown until the user moves a view or a param.
     Clicked,
 }
 
 /// A sentence for the status line.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct StatusMessage {
-    /// Its subject.
+    /// Its kind.
     pub kind: MessageKind,
     /// The sentence.
     pub text: String,
 }
 
 impl StatusMessage {
-    /// A sentence about something that failed.
+    /// Returns a sentence about a failure.
     pub fn error(text: impl Into<String>) -> Self {
         Self {
             kind: MessageKind::Failed,
@@ -96,7 +96,7 @@ impl StatusMessage {
         }
     }
 
-    /// A sentence about something that was done.
+    /// Returns a sentence about a completed action.
     pub fn info(text: impl Into<String>) -> Self {
         Self {
             kind: MessageKind::Done,
@@ -104,7 +104,7 @@ impl StatusMessage {
         }
     }
 
-    /// A sentence about what was clicked on.
+    /// Returns a sentence about the object that was clicked.
     pub fn clicked(text: impl Into<String>) -> Self {
         Self {
             kind: MessageKind::Clicked,

@@ -1,11 +1,11 @@
-//! Measuring: the places that were clicked on, the figure that they make, and what was found of it.
+//! Measuring: the points that were clicked, their figure, and its measured quantities.
 
 use std::sync::Arc;
 
 use render::figure::{Figure, FigureKind};
 use render::trail::Trail;
 
-/// The title of a kind of figure.
+/// Returns the title of a kind of figure.
 pub fn title(kind: FigureKind) -> &'static str {
     match kind {
         FigureKind::Place => "Place",
@@ -15,7 +15,7 @@ pub fn title(kind: FigureKind) -> &'static str {
     }
 }
 
-/// The clicks that a kind of figure takes, in words.
+/// Returns the clicks that a kind of figure requires, in words.
 pub fn hint(kind: FigureKind) -> &'static str {
     match kind {
         FigureKind::Place => "Click on a point of a surface, in any view.",
@@ -27,18 +27,18 @@ pub fn hint(kind: FigureKind) -> &'static str {
     }
 }
 
-/// A figure on a surface. The first place of a circle is that of the camera.
+/// A figure on a surface. The first point of a circle is the camera's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedFigure {
     /// The surface's name.
     pub surface: String,
-    /// The places that were clicked on, and what is measured of them.
+    /// The points that were clicked, and the kind of figure.
     pub figure: Figure,
 }
 
 impl PlacedFigure {
-    /// Returns the figure with a further place. One that is complete, of another kind or on another surface gives way to a
-    /// new one, which begins at `centre`, the camera's place, where it is a circle.
+    /// Returns the figure with a further point. A figure that is complete, of another kind or on another surface is
+    /// replaced by a new one; a circle begins at `centre`, the camera's position.
     #[must_use]
     pub fn with_place(
         begun: Option<Self>,
@@ -68,10 +68,10 @@ impl PlacedFigure {
     }
 }
 
-/// The answer for a figure.
+/// The measured quantities of a figure.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
-    /// Names with values, in the order in which they are shown.
+    /// The quantities, in the order in which they are shown.
     pub rows: Vec<Quantity>,
     /// A sentence on what is missing.
     pub note: Option<String>,
@@ -81,7 +81,7 @@ pub struct Measured {
     pub radius: Option<f64>,
 }
 
-/// A quantity of the answer.
+/// A measured quantity.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Quantity {
     /// The name of the quantity.
@@ -91,7 +91,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// Makes a quantity.
+    /// Returns a quantity.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -120,7 +120,7 @@ pub fn angle(radians: f64) -> String {
     format!("{} ({:.4}°)", number(radians), radians.to_degrees())
 }
 
-/// Formats a place of a surface.
+/// Formats a point of a surface.
 pub fn place([u, v]: [f64; 2]) -> String {
     format!("({}, {})", number(u), number(v))
 }

@@ -1,4 +1,4 @@
-//! The state of a session: the program that is shown, what the user has chosen, and what can be undone.
+//! The state of a session: the program that is shown, the user's choices, and the undo history.
 
 mod geodesic_cameras;
 mod looks;
@@ -27,31 +27,31 @@ use placement::Placement;
 /// The background of the views in space in a light window, sRGB.
 const LIGHT_BACKGROUND: [u8; 3] = [214, 218, 226];
 
-/// The state of what sets an object off in the views in space.
+/// The state of the emphasis of an object in the views in space.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Emphasis {
-    /// No object is set off.
+    /// No object is emphasised.
     #[default]
     Off,
-    /// The object is another one than before.
+    /// Another object has just been highlighted.
     Begins,
-    /// It is set off for a while.
+    /// The object is emphasised for a while.
     On,
 }
 
-/// A text that has been read, for the features of an editor.
+/// A text that has been read, for editor features.
 #[derive(Clone, Debug)]
 pub struct ReadText {
     /// Its version.
     pub version: i32,
-    /// All that an editor asks of it.
+    /// The analysis that answers an editor's questions.
     pub analysis: Arc<dyn Analysis>,
 }
 
 /// The state of a session.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// The user's choices of what is seen.
+    /// The user's choices of what is shown.
     pub view: View,
     /// The steps that can be undone.
     pub history: History,
@@ -61,36 +61,37 @@ pub struct Model {
     pub text: Arc<str>,
     /// Its version.
     pub version: i32,
-    /// Set if it has no errors.
+    /// True if it has no errors.
     pub ok: bool,
-    /// Set once a text has been compiled.
+    /// True once a text has been compiled.
     pub read: bool,
-    /// The time that compiling it took.
+    /// The time that its compilation took.
     pub took: std::time::Duration,
-    /// Its faults, as far as they are shown.
+    /// Its faults that are shown.
     pub faults: ProgramFaults,
-    /// The declarations of the text, in its order.
+    /// The declarations of the text, in order.
     pub declared: Vec<DeclarationRange>,
-    /// The text for the features of an editor.
+    /// The analysis of the text, for editor features.
     analysis: Option<Arc<dyn Analysis>>,
     /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
-    /// Set while that object is set off in the views in space too: for a while, so that its colours can be judged.
+    /// The state of that object's emphasis in the views in space. It ends after a while, so that the object's colours
+    /// can be judged.
     pub emphasis: Emphasis,
-    /// The window has a light theme.
+    /// True if the window has a light theme.
     pub is_light: bool,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
     pub paths: BTreeMap<String, Arc<CameraPath>>,
-    /// The lines of what is measured, with their surface's name.
+    /// The lines of the measured figure, with its surface's name.
     pub measured: Option<(String, Vec<Arc<Trail>>)>,
     controllers: BTreeMap<String, CameraController>,
     settings: Option<Arc<ParamValues>>,
-    /// A geodesic camera's new place that may still be withdrawn.
+    /// A geodesic camera's new position that may still be withdrawn.
     placing: Option<Placement>,
 }
 
 impl Model {
-    /// Takes over what was remembered of another program: no step leads back to the one before.
+    /// Takes over the saved view of another program. The history of the previous one is dropped.
     pub fn turn_to(&mut self, view: View) {
         self.history = History::default();
         self.placing = None;
@@ -100,7 +101,7 @@ impl Model {
         self.settings = None;
     }
 
-    /// Forgets the program that is shown, with its scene.
+    /// Drops the program that is shown, with its scene.
     pub fn forget_program(&mut self) {
         self.scene = None;
         self.text = "".into();
@@ -113,7 +114,7 @@ impl Model {
         self.controllers.clear();
     }
 
-    /// Takes over what a text compiled to. What it does not say stays as it is.
+    /// Takes over a compiled text. What the text does not determine stays as it is.
     pub fn take(&mut self, compiled: Compiled) {
         self.text = compiled.text;
         self.version = compiled.version;
@@ -125,7 +126,7 @@ impl Model {
         let stale = if compiled.scene.is_some() {
             compiled.stale.into_iter().collect()
         } else {
-            // All that is shown is of another text.
+            // Everything that is shown is from another text.
             let objects = self.scene.iter().flat_map(|scene| &scene.objects);
             objects.map(|object| object.name.clone()).collect()
         };
@@ -144,14 +145,14 @@ impl Model {
     /// Takes over another scene.
     pub fn take_scene(&mut self, scene: Arc<Scene>) {
         self.heed_openings(&scene);
-        // A camera that the user has not moved belongs to its scene.
+        // A camera that the user has not moved belongs to the old scene.
         self.history.note_scene();
         self.scene = Some(scene);
         self.renumber_paths();
         self.settings = None;
     }
 
-    /// Gives each param whose declared value has changed that value: the latest choice holds.
+    /// Resets each param whose declared value has changed to that value: the latest choice wins.
     fn heed_openings(&mut self, scene: &Scene) {
         for param in &scene.params {
             let now = Opening::all(param);
@@ -167,7 +168,7 @@ impl Model {
         self.note_openings(scene);
     }
 
-    /// Remembers what the text says of each param that has a value.
+    /// Stores the declared values of each param that has a chosen value.
     fn note_openings(&mut self, scene: &Scene) {
         let View {
             params, openings, ..
@@ -182,13 +183,13 @@ impl Model {
         }
     }
 
-    /// Returns whether it is shown that the text has errors, so that not all of it is shown as it is there.
+    /// Returns whether an error of the text is shown, so that not everything is shown as the text declares it.
     pub fn is_stale(&self) -> bool {
         self.faults.errors().next().is_some()
     }
 
-    /// Returns whether a view of the whole scene shows something that the text no longer has in this form. A declaration
-    /// that is not complete yet leaves what is shown as it is.
+    /// Returns whether a view of the whole scene shows an object in a form that the text no longer declares. An
+    /// incomplete declaration leaves the object as it was.
     pub fn is_stale_in(&self, view: &dyn render::view::View) -> bool {
         self.is_stale()
             && self.shown_in(view).any(|it| {
@@ -196,7 +197,7 @@ impl Model {
             })
     }
 
-    /// Returns whether a view of an object shows it, or a geodesic on it, in a form that the text no longer has.
+    /// Returns whether a view of an object shows it, or a geodesic on it, in a form that the text no longer declares.
     pub fn is_stale_on(&self, object: &str) -> bool {
         if !self.is_stale() {
             return false;
@@ -211,7 +212,7 @@ impl Model {
         id.is_none() || stale.contains(object) || on_it.any(|it| stale.contains(&it.name))
     }
 
-    /// The objects that a view shows.
+    /// Returns the objects that a view shows.
     fn shown_in<'m>(
         &'m self,
         view: &'m dyn render::view::View,
@@ -223,7 +224,7 @@ impl Model {
         })
     }
 
-    /// Does a step that can be undone.
+    /// Makes an undoable step.
     pub fn change(&mut self, step: Step, edit: impl FnOnce(&mut View)) {
         self.keep_placement();
         let before = self.view.clone();
@@ -234,7 +235,7 @@ impl Model {
         }
     }
 
-    /// Changes the view without a step: an animation, or what a worker has found out.
+    /// Changes the view without a step: for an animation, or a worker's result.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
         edit(&mut self.view);
         self.settings = None;
@@ -243,7 +244,7 @@ impl Model {
         }
     }
 
-    /// Chooses other overlays. Axes need room: a camera that the user has not moved is put anew for them.
+    /// Changes the overlays. Axes need room: a camera that the user has not moved is placed anew for them.
     pub fn set_marks(&mut self, marks: Marks) {
         let needs_room = marks.axes != self.view.preferences.marks.axes;
         let step = Step::new("Change the overlays", "");
@@ -254,12 +255,12 @@ impl Model {
         }
     }
 
-    /// Takes the last step back; returns its name.
+    /// Undoes the last step. Returns its title.
     pub fn undo(&mut self) -> Option<&'static str> {
         self.travel(History::undo)
     }
 
-    /// Does the last step again that was taken back; returns its name.
+    /// Redoes the last undone step. Returns its title.
     pub fn redo(&mut self) -> Option<&'static str> {
         self.travel(History::redo)
     }
@@ -273,7 +274,7 @@ impl Model {
         let paths = &mut self.paths;
         let mut exchange = |surface: &str, trail: Option<EndedTrail>| {
             let present = paths.remove(surface);
-            // A path on the surface with other values would be no geodesic there.
+            // With other params' values, the path would not be a geodesic path on the surface.
             if let Some(trail) = trail.filter(|it| Some(&it.settings) == settings.as_ref()) {
                 paths.insert(surface.to_owned(), trail.path);
             }
@@ -287,8 +288,8 @@ impl Model {
         Some(title)
     }
 
-    /// Returns the values that what depends on params has now, with the names, in the order of the text: `= 0.25`. Params
-    /// are not among them, and of a program in another process nothing is known.
+    /// Returns the current values of the declarations that depend on params, with their names, in the order of the
+    /// text: `= 0.25`. Params are not among them. For a program in another process the list is empty.
     pub fn derived_values(&mut self) -> Vec<(String, String)> {
         let (Some(scene), Some(settings)) = (self.scene.clone(), self.settings()) else {
             return Vec::new();
@@ -311,7 +312,7 @@ impl Model {
         named.collect()
     }
 
-    /// The params' values for the scene: those that were chosen, kept within their intervals.
+    /// Returns the params' values for the scene: the chosen ones, clamped to their intervals.
     pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
         let scene = self.scene.as_ref()?;
         let view = &self.view;
@@ -327,7 +328,7 @@ impl Model {
                         *value = chosen.clamp(range.min, range.max);
                     }
                 }
-                // Within their intervals, they are not refused.
+                // Within their intervals, values are not refused.
                 let _ = settings.set(scene, &param.name, &all);
             }
             Arc::new(settings)
@@ -335,7 +336,7 @@ impl Model {
         Some(Arc::clone(settings))
     }
 
-    /// The objects of the scene that are hidden in space.
+    /// Returns the objects of the scene that are hidden in space.
     pub fn hidden(&self) -> Vec<ObjectId> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let numbered = (0..).map(ObjectId::new).zip(objects);
@@ -343,18 +344,18 @@ impl Model {
         hidden.map(|(id, _)| id).collect()
     }
 
-    /// The object of a name.
+    /// Returns the object with a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
         self.scene.as_ref()?.object(name)
     }
 
-    /// Returns whether there are objects, and a view shows none of them.
+    /// Returns whether there are objects, none of which a view shows.
     pub fn is_unseen_in(&self, view: &dyn render::view::View) -> bool {
         let has_objects = self.scene.as_ref().is_some_and(|it| !it.objects.is_empty());
         has_objects && self.shown_in(view).next().is_none()
     }
 
-    /// The names of the surfaces and metrics, in the order of the text.
+    /// Returns the names of the surfaces and metrics, in the order of the text.
     pub fn surfaces(&self) -> Vec<String> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         objects
@@ -363,7 +364,7 @@ impl Model {
             .collect()
     }
 
-    /// The object that is declared around a place of the text.
+    /// Returns the name of the object whose declaration contains an offset of the text.
     pub fn declared_at(&self, offset: u32) -> Option<&str> {
         let next = self.declared.partition_point(|it| it.span.start <= offset);
         let declared = self.declared.get(next.checked_sub(1)?)?;
@@ -373,7 +374,7 @@ impl Model {
         Some(&self.object(name)?.1.name)
     }
 
-    /// Returns the text that was compiled last, for the features of an editor.
+    /// Returns the text that was compiled last, for editor features.
     pub fn read_text(&self) -> Option<ReadText> {
         let analysis = self.analysis.clone()?;
         Some(ReadText {
@@ -382,7 +383,7 @@ impl Model {
         })
     }
 
-    /// Returns the place at which the text declares a name.
+    /// Returns the range in which the text declares a name.
     pub fn place_of(&self, name: &str) -> Option<Span> {
         let mut declared = self.declared.iter();
         let found = declared.find(|it| self.name(it) == Some(name))?;
@@ -394,7 +395,7 @@ impl Model {
         self.text.get(start as usize..end as usize)
     }
 
-    /// Returns what the status line says about the text.
+    /// Returns the status line's sentence about the text.
     pub fn status(&self) -> String {
         match self.read {
             true => self.faults.count(),
@@ -402,7 +403,7 @@ impl Model {
         }
     }
 
-    /// Returns the background of the views in space: the chosen one, else that of the theme.
+    /// Returns the background of the views in space: the chosen one, or else that of the theme.
     pub fn background(&self) -> [u8; 3] {
         let of_theme = match self.is_light {
             true => LIGHT_BACKGROUND,
@@ -411,7 +412,7 @@ impl Model {
         self.view.preferences.background.unwrap_or(of_theme)
     }
 
-    /// Highlights an object: its declaration is at the cursor.
+    /// Highlights the object whose declaration the cursor is in.
     pub fn highlight(&mut self, name: Option<String>) {
         if self.highlighted != name {
             self.emphasis = Emphasis::Begins;
@@ -419,8 +420,8 @@ impl Model {
         }
     }
 
-    /// Moves what is animated by some seconds, each up to its greatest value and then from its least; whether
-    /// anything has moved.
+    /// Advances the animated components by some seconds, each up to its maximum and then from its minimum. Returns
+    /// whether any has changed.
     pub fn animate(&mut self, seconds: f64) -> bool {
         let Some(scene) = self.scene.clone() else {
             return false;
@@ -457,7 +458,7 @@ impl Model {
     }
 }
 
-/// A value that has grown by a step and begins anew at the least when it passes the greatest.
+/// Returns a value increased by a step; it restarts from the minimum when it passes the maximum.
 fn advanced(value: f64, step: f64, min: f64, max: f64) -> f64 {
     let next = value + step;
     if (min..=max).contains(&next) {

@@ -3,15 +3,15 @@
 /// A motion of a geodesic camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
-    /// Along the geodesic with the velocity xX + yY, for the time 1.
+    /// Along the geodesic with the velocity xX + yY, for unit time.
     Walk([f64; 2]),
-    /// Turned by radians, anticlockwise.
+    /// A turn by radians, anticlockwise.
     Turn(f64),
-    /// X and Y longer by a factor: what is seen lies farther away.
+    /// X and Y are scaled by a factor; above 1, the picture shows more of the surface.
     Zoom(f64),
 }
 
-/// Adds a motion to those that wait, joined with the last where that comes to the same.
+/// Appends a motion to the pending ones, or joins it with the last one if the effect is the same.
 pub(crate) fn push(motions: &mut Vec<Motion>, next: Motion) {
     match (motions.last_mut(), next) {
         (Some(Motion::Turn(last)), Motion::Turn(by)) => *last += by,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(from = "SavedPane", into = "SavedPane")]
 pub enum Pane {
-    /// A picture of a view.
+    /// The picture of a view.
     View(ViewId),
     /// Sliders, colours, textures.
     Settings,
@@ -17,7 +17,7 @@ pub enum Pane {
     Program,
 }
 
-/// A pane as a file has it.
+/// A pane as it is saved in a file.
 #[derive(Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 enum SavedPane {
@@ -68,8 +68,8 @@ impl From<Pane> for SavedPane {
     }
 }
 
-/// Returns the names of views of objects. A file of version 0.1 has the names of surfaces instead, whose geodesic views
-/// are meant.
+/// Returns the names of views of objects. A file of version 0.1 has the names of surfaces instead, which stand for
+/// their geodesic views.
 pub(super) fn saved_views(names: BTreeSet<String>) -> BTreeSet<String> {
     let names = names.into_iter();
     names

@@ -1,6 +1,6 @@
-//! The path that a geodesic camera has gone: its trail is drawn, and a recording plays its motions again.
+//! The path of a geodesic camera: its trail is drawn, and a recording replays its motions.
 //!
-//! Motions flow in from the camera's controller. Out go the trail, with its length, and any part of the motions.
+//! In: motions from the camera's controller. Out: the trail with its length, and any part of the motions.
 
 use std::sync::Arc;
 
@@ -11,25 +11,25 @@ use scene::ObjectId;
 use crate::ChartCamera;
 use crate::motion::{Motion, push};
 
-/// The greatest number of motions that are kept: a path of more can no longer be played again.
+/// The maximum number of motions that are stored: a path with more can no longer be replayed.
 const MOST: usize = 1 << 16;
-/// The places along a trail at which two surfaces are compared.
+/// The number of points along a trail at which two surfaces are compared.
 const SAMPLES: usize = 64;
 
-/// A path from where its trail began.
+/// A path from the start of its trail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraPath {
-    /// The path and its length.
+    /// The trail and its length.
     pub trail: Arc<Trail>,
-    /// The camera as it was at the beginning.
+    /// The camera at the start.
     pub start: ChartCamera,
-    /// The motions since then, in order; empty if there were too many to be kept.
+    /// The motions since then, in order; empty if there were too many to store.
     motions: Vec<Motion>,
     full: bool,
 }
 
 impl CameraPath {
-    /// Begins a path where a camera is.
+    /// Begins a path at a camera's position.
     pub fn begin(surface: ObjectId, camera: ChartCamera) -> Self {
         Self {
             trail: Arc::new(Trail::new(surface, camera.at)),
@@ -39,7 +39,7 @@ impl CameraPath {
         }
     }
 
-    /// Notes a motion that was made.
+    /// Records a completed motion.
     pub(crate) fn note(&mut self, motion: Motion) {
         if self.full {
             return;
@@ -51,7 +51,7 @@ impl CameraPath {
         }
     }
 
-    /// Returns the motions in order; none if there were too many to be kept.
+    /// Returns the motions in order; empty if there were too many to store.
     pub fn motions(&self) -> &[Motion] {
         &self.motions
     }
@@ -61,7 +61,7 @@ impl CameraPath {
         self.trail.points.last() == Some(&uv)
     }
 
-    /// Returns whether the trail is the same path of the same length on both surfaces, to rounding.
+    /// Returns whether the trail is the same path of the same length on both surfaces, up to rounding.
     pub(crate) fn fits(&self, before: &dyn Surface, after: &dyn Surface) -> bool {
         let points = &self.trail.points;
         let step = points.len().div_ceil(SAMPLES).max(1);
@@ -85,14 +85,14 @@ fn form(surface: &dyn Surface, uv: [f64; 2]) -> [f64; 3] {
 
 fn close(a: [f64; 3], b: [f64; 3]) -> bool {
     let size = a[0].abs().max(a[2].abs());
-    // What is undefined on both is the same on both.
+    // Coefficients that are undefined on both surfaces count as equal.
     a.iter()
         .zip(b)
         .all(|(a, b)| (a - b).abs() <= 1e-9 * size || a.is_nan() && b.is_nan())
 }
 
-/// Returns how much of a path a motion is: lengths of X, radians and logarithms count alike, so that turns take time
-/// too.
+/// Returns the contribution of a motion to a path: lengths of X, radians and logarithms count alike, so that turns take
+/// time too.
 fn weight(motion: &Motion) -> f64 {
     match motion {
         Motion::Walk([x, y]) => x.hypot(*y),
@@ -101,7 +101,7 @@ fn weight(motion: &Motion) -> f64 {
     }
 }
 
-/// Returns a share, from 0 to 1, of a motion.
+/// Returns a fraction, from 0 to 1, of a motion.
 fn part(motion: &Motion, share: f64) -> Motion {
     match motion {
         Motion::Walk(step) => Motion::Walk(step.map(|x| share * x)),
@@ -110,7 +110,7 @@ fn part(motion: &Motion, share: f64) -> Motion {
     }
 }
 
-/// Returns the part of some motions between two shares of the whole: 0 is its beginning and 1 its end.
+/// Returns the part of some motions between two fractions of the whole: 0 is its start and 1 its end.
 pub fn between(motions: &[Motion], [from, to]: [f64; 2]) -> Vec<Motion> {
     let whole: f64 = motions.iter().map(weight).sum();
     let (from, to) = (from * whole, to * whole);

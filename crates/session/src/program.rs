@@ -1,4 +1,4 @@
-//! A compiled program, as the model takes it over.
+//! A compiled program, in the form that the model takes over.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,20 +16,20 @@ pub struct Compiled {
     pub version: i32,
     /// The text.
     pub text: Arc<str>,
-    /// Set if the text has no errors.
+    /// True if the text has no errors.
     pub ok: bool,
-    /// The diagnostics, sorted by place.
+    /// The diagnostics, sorted by position.
     pub findings: Arc<[Finding]>,
-    /// The scene. The scene of a text with errors has the declarations without errors as they are now, and the others
-    /// as they last were. A text of which nothing can be shown has no scene.
+    /// The scene. For a text with errors, it has the declarations without errors in their current form, and the others
+    /// in their last valid one. A text of which nothing can be shown has no scene.
     pub scene: Option<Arc<Scene>>,
-    /// The objects of the scene that are shown as they last were, and those that read such an object.
+    /// The objects of the scene that are shown in their last valid form, and those that depend on them.
     pub stale: Vec<String>,
-    /// The declarations of the text, in its order.
+    /// The declarations of the text, in order.
     pub declared: Vec<DeclarationRange>,
-    /// The text for the features of an editor; none of a text that cannot be read.
+    /// The analysis of the text, for editor features; `None` if the text cannot be read.
     pub analysis: Option<Arc<dyn Analysis>>,
-    /// The time that compiling took.
+    /// The time that compilation took.
     pub took: Duration,
 }
 
@@ -38,7 +38,7 @@ pub struct Compiled {
 pub struct Finding {
     /// Its severity.
     pub severity: Severity,
-    /// Its place in the text.
+    /// Its range in the text.
     pub span: Span,
     /// Its line, from 1.
     pub line: u32,
@@ -48,6 +48,6 @@ pub struct Finding {
     pub message: String,
     /// Advice for the user.
     pub hint: Option<String>,
-    /// Changes of the text that correct it, one of which the user chooses.
+    /// Alternative changes of the text that fix it; the user chooses one.
     pub fixes: Vec<Fix>,
 }

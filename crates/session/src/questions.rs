@@ -1,7 +1,7 @@
-//! Questions about a surface, and their answers: a place, a figure, a walk, the way back.
+//! Questions about a surface, and their answers: a point, a figure, a walk, the way back.
 //!
-//! A surface with the params' values and a question flow in; rows of names and values flow out, and the lines of figures.
-//! A search for geodesics may take seconds.
+//! In: a surface with the params' values, and a question. Out: rows of names and values, and the lines of figures. A
+//! search for geodesics may take seconds.
 
 use geodesic::frame::Frame;
 use geodesic::measure;
@@ -19,41 +19,42 @@ use crate::{CameraPath, ChartCamera, InsideCamera};
 /// A question about a surface.
 #[derive(Clone, Debug)]
 pub enum MeasureQuestion {
-    /// The place under the pointer, with its distance and direction (radians) from the camera, where that is known.
+    /// The point under the pointer, with its distance and direction (radians) from the camera, if known.
     Pointer(PointedPlace, Option<[f64; 2]>),
     /// A figure.
     Figure(PlacedFigure),
     /// A walk from one frame to another.
     Walk {
-        /// The frame at the beginning.
+        /// The frame at the start.
         start: Frame,
         /// The frame at the end.
         end: Frame,
-        /// The sum of the turns on the way, in radians.
+        /// The sum of the turns along the walk, in radians.
         turned: f64,
-        /// The length of the way.
+        /// The length of the walk.
         length: f64,
     },
-    /// The way back from a frame to a place.
+    /// The way back from a frame to a point.
     WayBack {
         /// The frame.
         from: Frame,
-        /// The place (u, v).
+        /// The point (u, v).
         to: [f64; 2],
     },
 }
 
-/// The place under the pointer.
+/// The point under the pointer.
 #[derive(Clone, Copy, Debug)]
 pub enum PointedPlace {
     /// On a surface or metric: (u, v), and the camera of the surface.
     InChart([f64; 2], Option<Frame>),
-    /// On a solid: a place in space.
+    /// On a solid: a point in space.
     InSpace([f64; 3]),
 }
 
 impl MeasureQuestion {
-    /// The place of an object under the pointer; `None` if it is no surface, metric or solid. `camera` is the object's own.
+    /// Returns the question about the point under the pointer; `None` if the object is not a surface, metric or solid.
+    /// `camera` is the object's own.
     pub fn pointer(clicked: &ClickedObject<'_>, camera: Option<&InsideCamera>) -> Option<Self> {
         let shape = &clicked.object.shape;
         let place = if shape.manifold().is_some() {
@@ -66,7 +67,7 @@ impl MeasureQuestion {
         Some(Self::Pointer(place, clicked.hit.polar))
     }
 
-    /// A walk along a path, to where the camera is now.
+    /// Returns the question about a walk along a path, to the camera's current position.
     pub fn walk(path: &CameraPath, camera: &ChartCamera) -> Self {
         let turns = path.motions().iter().map(|motion| match motion {
             Motion::Turn(angle) => *angle,
@@ -80,7 +81,7 @@ impl MeasureQuestion {
         }
     }
 
-    /// The way back from where the camera is now to the start of a path.
+    /// Returns the question about the way back from the camera's current position to the start of a path.
     pub fn way_back(path: &CameraPath, camera: &ChartCamera) -> Self {
         Self::WayBack {
             from: camera.frame(),
@@ -98,19 +99,19 @@ pub const OLD_WAY_BACK: &str = "The camera has moved since: request the way back
 /// An answer.
 #[derive(Debug)]
 pub enum MeasureAnswer {
-    /// Of the place under the pointer: its rows, and in short.
+    /// About the point under the pointer: its rows, and a short form.
     Pointer(Vec<Quantity>, String),
-    /// Of a figure.
+    /// About a figure.
     Figure(PlacedFigure, Measured),
-    /// Of a walk.
+    /// About a walk.
     Walk(Vec<Quantity>),
     /// The way back.
     WayBack {
         /// The surface's name.
         surface: String,
-        /// The frame of the camera that was asked for.
+        /// The frame of the camera in the question.
         from: Frame,
-        /// The step of the camera that leads back, in units of that frame; none where no geodesic was found.
+        /// The step of the camera that leads back, in units of that frame; `None` if no geodesic was found.
         step: Option<[f64; 2]>,
     },
 }
@@ -122,7 +123,7 @@ pub struct Measurer {
 }
 
 impl Measurer {
-    /// Answers a question; `None` if it cannot be asked of its subject.
+    /// Answers a question; `None` if it does not apply to its subject.
     pub fn answer(
         &mut self,
         subject: &Subject,
@@ -182,7 +183,8 @@ fn answer(
     })
 }
 
-/// Figures and walks are measured in charts: of a solid, there is an answer for the place under the pointer.
+/// Answers a question about a solid. Only the point under the pointer has an answer: figures and walks are measured in
+/// charts.
 fn answer_on_solid(
     scene: &Scene,
     solid: &SolidSurface,
@@ -213,7 +215,7 @@ fn answer_on_solid(
 /// the shortest.
 const SEEN: &str = "length of the geodesic seen";
 
-/// Returns a place with its curvature and its distance from the camera, for the status line.
+/// Returns a point with its curvature and its distance from the camera, for the status line.
 fn in_short(place: String, curvature: Option<f64>, distance: Option<f64>) -> String {
     let curvature = curvature.map_or(String::new(), |k| format!(", K = {}", short(k)));
     let distance = distance.map(|length| format!(", {} from the camera", short(length)));
@@ -225,8 +227,8 @@ fn short(value: f64) -> String {
     number(format!("{value:.3e}").parse().unwrap_or(value))
 }
 
-/// Returns the distance of a place from the camera and the direction in which it is seen, as quantities, and the distance: the
-/// length of the geodesic that is seen there in a geodesic view, else of the shortest one.
+/// Returns the distance and direction of a point from the camera, as quantities, and the distance itself. In a geodesic
+/// view it is the length of the geodesic that is seen there, otherwise that of the shortest one.
 fn way_to(
     surface: &dyn Surface,
     uv: [f64; 2],
@@ -239,7 +241,7 @@ fn way_to(
         None => "distance from the camera",
     };
     if polar.is_none() && camera.is_some_and(|camera| is_here(surface, camera, uv)) {
-        // Geodesics from a place to itself are loops.
+        // Geodesics from a point to itself are loops.
         rows.push(Quantity::new(name, number(0.0)));
         return (rows, Some(0.0));
     }
@@ -256,10 +258,11 @@ fn way_to(
     (rows, seen.map(|[distance, _]| distance))
 }
 
-/// The share of the zoom that a place may lie apart from where the camera stands, if it is to count as that place.
+/// The maximum distance between a point and the camera's position at which the two count as equal, as a fraction of the
+/// zoom.
 const HERE: f64 = 1e-6;
 
-/// Returns whether a place is that of a camera.
+/// Returns whether a point is a camera's position.
 fn is_here(surface: &dyn Surface, camera: &Frame, [u, v]: [f64; 2]) -> bool {
     let [du, dv] = [u - camera.uv.0[0], v - camera.uv.0[1]];
     let form = measure::place(surface, [u, v]).map(|found| found.form);
@@ -271,7 +274,7 @@ fn is_here(surface: &dyn Surface, camera: &Frame, [u, v]: [f64; 2]) -> bool {
     })
 }
 
-/// The share of the zoom that the ends of a walk may lie apart, if the walk is to count as closed.
+/// The maximum distance between the ends of a walk that counts as closed, as a fraction of the zoom.
 const CLOSED: f64 = 1e-3;
 
 fn walk(
@@ -295,7 +298,7 @@ fn walk(
                 "none: left and right are exchanged",
             ));
         }
-        // What the way back adds: the gap is right only where the ends are near each other.
+        // The way back is needed here: the gap is accurate only if the ends are near each other.
         None => {
             let shortest = measure::distance(surface, end.uv, start.uv);
             if let Some(shortest) = shortest.ok().flatten() {
@@ -306,14 +309,14 @@ fn walk(
     rows
 }
 
-/// The step that leads a camera along the shortest geodesic to a place, in units of its frame.
+/// Returns the step that leads a camera along the shortest geodesic to a point, in units of its frame.
 fn way_back(surface: &dyn Surface, from: &Frame, to: [f64; 2]) -> Option<[f64; 2]> {
     let shortest = measure::distance(surface, from.uv, to).ok().flatten()?;
     let towards = in_frame(surface, from, shortest.direction.0)?;
     Some(towards.map(|x| x * shortest.length))
 }
 
-/// The coordinates of a tangent vector at a frame's place in the frame; `None` where there are none.
+/// Returns the coordinates of a tangent vector in a frame at the same point; `None` if there are none.
 fn in_frame(surface: &dyn Surface, frame: &Frame, vector: [f64; 2]) -> Option<[f64; 2]> {
     let plain = frame.plain(surface);
     let [[a, c], [b, d]] = [plain.x.0, plain.y.0];

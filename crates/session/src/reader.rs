@@ -1,7 +1,7 @@
 //! Reads the texts of a program, one after the other.
 //!
-//! In: a text and its language. Out: its diagnostics, its declarations, and its scene, and all of them as the model takes
-//! them over. Only the difference from the text before is read anew.
+//! In: a text and its language. Out: its diagnostics, its declarations and its scene, also combined in the form that
+//! the model takes over. Only the difference from the previous text is read again.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,29 +28,29 @@ pub struct Reader {
 /// The result of reading a text.
 #[derive(Debug, Default)]
 pub struct Read {
-    /// The diagnostics, sorted by place.
+    /// The diagnostics, sorted by position.
     pub diagnostics: Arc<[Diagnostic]>,
-    /// The declarations of the text, in its order.
+    /// The declarations of the text, in order.
     pub declarations: Vec<DeclarationRange>,
-    /// The scene, and what of it is as it last was.
+    /// The scene, and the objects that are in their last valid form.
     pub program: ProgramScene,
-    /// The text for the features of an editor; none of a text that cannot be read.
+    /// The analysis of the text, for editor features; `None` if the text cannot be read.
     pub analysis: Option<Arc<dyn Analysis>>,
 }
 
-/// A text that is to be read.
+/// A text to be read.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceText<'a> {
-    /// The language that it is written in.
+    /// The language of the text.
     pub language: &'a dyn Language,
     /// The whole text.
     pub text: &'a str,
-    /// The changes that make the text of the one that was read before; their places are those of that text.
+    /// The changes that turn the previously read text into this one; their offsets refer to the previous text.
     pub changes: Option<&'a Changes>,
 }
 
 impl Read {
-    /// Returns the text of a version as the model takes it over, read in no time.
+    /// Returns this version of the text in the form that the model takes over, with the duration zero.
     pub fn compiled(self, version: i32, text: Arc<str>) -> Compiled {
         let findings = findings(&text, &self.diagnostics);
         Compiled {
@@ -67,7 +67,7 @@ impl Read {
     }
 }
 
-/// Returns a text that reading has panicked on, with a finding that says so.
+/// Returns a text that caused a panic in its reader, with a finding that reports it.
 pub fn unreadable(version: i32, text: Arc<str>) -> Compiled {
     let fault = Finding {
         severity: Severity::Error,
@@ -127,8 +127,8 @@ impl Reader {
         }
     }
 
-    /// Brings the program to a text by its changes, or by the difference where they are not known, or opens the text
-    /// where there is no program of this language.
+    /// Updates the program to a text by its changes, or by the difference if they are not known. Opens the text if
+    /// there is no program of this language.
     fn bring(&mut self, source: &SourceText<'_>) -> Result<&dyn Program, EditError> {
         let name = source.language.name();
         let program = match self.program.take() {
@@ -137,7 +137,7 @@ impl Reader {
                     Some(changes) => changes.clone(),
                     None => Changes::between(&program.text().string(), source.text),
                 };
-                // From the last to the first: the places of the others stay those of the text before.
+                // From the last to the first, so that the offsets of the others stay valid.
                 for change in changes.iter().rev() {
                     let [start, end] = change.range;
                     program.edit(Span::new(start, end), &change.text)?;

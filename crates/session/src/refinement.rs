@@ -1,34 +1,34 @@
-//! Pictures that are coarse while a view moves, and traced ones that are refined while it rests.
+//! Pictures that are coarse while a view moves, and traced pictures that are refined while it rests.
 //!
-//! The cost of the picture that a pane shows flows in; the size of the next one, or the next request, flows out.
+//! In: the cost of the picture that a pane shows. Out: the size of the next picture, or the next request.
 
 use render::{PictureRequest, ViewId};
 
 use crate::request::differ_by_refinement;
 use crate::view::Preferences;
 
-/// The time that a picture of a moving view should take, in seconds.
+/// The target duration of a picture of a moving view, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
-/// The time that a step of a picture that is refined should take, in seconds.
+/// The target duration of a refinement step, in seconds.
 const REFINED_STEP: f64 = 0.1;
-/// A picture that is not traced and would take longer may be as coarse as a traced one while it moves, in seconds: a solid
-/// may take that long by itself.
+/// A picture that is not traced, but takes longer than this, in seconds, may be as coarse as a traced one while it
+/// moves: a single solid may take this long.
 const SLOW: f64 = 0.6;
 /// The scale of the first traced picture of a pane.
 const FIRST_TRACED: f64 = 0.25;
 
-/// The cost and the fineness of a picture that is shown.
+/// The cost and the level of detail of a picture that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureDetail {
-    /// The seconds that a pixel took; of a picture that is refined, a sample of it.
+    /// The seconds per pixel; for a picture that is refined, per sample.
     pub rate: f64,
-    /// The samples of each pixel, of a picture that is refined.
+    /// The samples per pixel, for a picture that is refined.
     pub samples: Option<u32>,
 }
 
 impl PictureDetail {
-    /// Of a picture of a size in pixels that took some seconds. `samples` are those of each pixel and those of them that were
-    /// added, of a picture that is refined.
+    /// Returns the detail of a picture with a size in pixels that took some seconds. `samples` are the total and the
+    /// added samples per pixel, for a picture that is refined.
     pub fn new(size: [u32; 2], seconds: f64, samples: Option<[u32; 2]>) -> Self {
         let [width, height] = size.map(f64::from);
         let added = samples.map_or(1, |[_, new]| new.max(1));
@@ -39,8 +39,8 @@ impl PictureDetail {
     }
 }
 
-/// Returns the size of the picture of a view that has room for so many pixels: coarser while it moves, if pictures take
-/// long, or may take long since none was `traced` yet. `shown` is what is there.
+/// Returns the size of the picture of a view with room for a number of pixels. It is coarser while the view moves, if
+/// pictures take long, or may take long because none was `traced` yet. `shown` is the present picture.
 pub fn size(
     preferences: &Preferences,
     id: &ViewId,
@@ -79,20 +79,20 @@ pub fn size(
 pub struct TracedPane<'a> {
     /// The request that was sent last.
     pub sent: Option<&'a PictureRequest>,
-    /// The picture that it shows.
+    /// The picture that is shown.
     pub shown: Option<PictureDetail>,
-    /// Set if the last request has been answered, and with a picture.
+    /// True if the last request has been answered with a picture.
     pub is_answered: bool,
-    /// Set if the view moves.
+    /// True if the view moves.
     pub moving: bool,
-    /// Set if a picture of what moves has just come, so that one of another size would be drawn for nothing.
+    /// True if a picture of the moving view has just arrived, so that drawing one of another size would be wasteful.
     pub again: bool,
 }
 
 impl TracedPane<'_> {
-    /// Returns the next request for the picture: a coarse one of something new, a whole one of what is at rest, and then more
-    /// samples of it, as many as take a moment, up to `most`; `None` where there is nothing to be asked for now.
-    /// `request` is for the picture as it is now, in the size of a picture at rest; `coarse` is that of a moving one.
+    /// Returns the next request for the picture: a coarse one of a new view, a full-size one of a view at rest, and
+    /// then further samples, as many as take a moment, up to `most`; `None` if nothing is to be requested now.
+    /// `request` is the current request at the size of a picture at rest; `coarse` is the size of a moving one.
     pub fn next(
         &self,
         mut request: PictureRequest,

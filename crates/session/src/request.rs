@@ -1,5 +1,5 @@
-//! The request for a view's picture: all that it shows, as data that can be compared. A picture is requested again only
-//! where its request has changed.
+//! The request for a view's picture: everything that it shows, as data that can be compared. A picture is requested
+//! again only if its request has changed.
 
 use render::geodesic_view::{PlacedCamera, PlacedSolidCamera};
 use render::request::{Overlays, Spacing};
@@ -36,11 +36,11 @@ pub fn picture_request(
     for setting in views.get(&id.kind)?.settings() {
         view.set(setting.name, marks.is_on(setting));
     }
-    // The surface that the view is seen from, else the one whose camera it shows.
+    // The surface of the view's own camera, or else the one whose camera it shows.
     let own = id.object.as_deref();
     let own = own.filter(|_| view.geodesic_camera().is_some());
     let shown = active.filter(|_| marks.cameras && view.space().is_some());
-    // Where a surface has no place for a camera, the renderer says why.
+    // If no camera can be on the surface, the renderer says why.
     if let Some(name) = own.or(shown)
         && let Some(camera) = model.settle_camera(name, own.is_some())
         && let Some((surface, _)) = scene.object(name)
@@ -105,10 +105,10 @@ pub fn picture_request(
     Some(request)
 }
 
-/// The share of its light that an object has while it is out of date.
+/// The fraction of its brightness that an object keeps while it is out of date.
 const DIMMED: f64 = 0.4;
 
-/// Returns the colours of objects: those that were chosen. With `dims`, objects that are out of date are dim.
+/// Returns the colours of objects for which one is chosen. With `dims`, objects that are out of date are dimmed.
 fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
     let Some(scene) = &model.scene else {
         return Vec::new();
@@ -140,8 +140,8 @@ fn overlays(marks: &Marks) -> Overlays {
     }
 }
 
-/// Returns the request for a picture that is kept: of a view at rest, with no object highlighted or dim, without overlays
-/// that the view does not draw, and with a geodesic camera that is placed by an angle.
+/// Returns the request for a picture that is saved: of a view at rest, with no object highlighted or dimmed, without
+/// overlays that the view does not draw, and with a geodesic camera that is specified by an angle.
 pub fn at_rest(mut request: PictureRequest, model: &Model, size: [u32; 2]) -> PictureRequest {
     request.size = size;
     request.moving = false;
@@ -191,7 +191,7 @@ pub fn differ_by_shown_camera(before: &PictureRequest, after: &PictureRequest) -
     before != after && like == *after
 }
 
-/// Returns whether two requests are for the same picture, as coarse and as fine as may be.
+/// Returns whether two requests are for the same picture, at any size and number of samples.
 pub fn differ_by_refinement(a: &PictureRequest, b: &PictureRequest) -> bool {
     let mut like = a.clone();
     like.size = b.size;

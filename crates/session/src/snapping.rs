@@ -1,8 +1,8 @@
-//! Picking for measuring, and the places to which clicks snap then: declared points that lie on a surface, the ends of declared
-//! geodesics, and the lettered places of figures.
+//! Picking for measurements, and the points to which clicks then snap: declared points on a surface, the ends of
+//! declared geodesics, and the lettered points of figures.
 //!
-//! A request and a pixel flow in; what is measured there flows out, or the place within a few pixels, exactly, with its pixel.
-//! The places of a scene are found once for its params.
+//! In: a request and a pixel. Out: the point to measure there, or the exact snapped point within a few pixels, with its
+//! pixel. The points of a scene are computed once for its params.
 
 use std::sync::Arc;
 
@@ -16,40 +16,41 @@ use render::view::Hit;
 use render::{PictureRequest, Renderer};
 use scene::{Object, ObjectId, ParamValues, Scene, Shape};
 
-/// The greatest distance of a click from a place to which it snaps, in pixels.
+/// The maximum distance between a click and a point to which it snaps, in pixels.
 const REACH: f64 = 10.0;
-/// The distance of the pixels that say how a geodesic view lies on its surface.
+/// The distance of the pixels that determine the scale of a geodesic view on its surface, in pixels.
 const PROBE: f64 = 2.0;
-/// A place lies on a surface if it is this near, as a share of the surface's size.
+/// The maximum distance of a point that counts as on a surface, as a fraction of the surface's size.
 const ON_SURFACE: f64 = 1e-6;
-/// A place of the picture shows a target if it is this near to it, as a share of the surface's size.
+/// The maximum distance between a picked point and a target that counts as visible there, as a fraction of the scene's
+/// radius.
 const SEEN: f64 = 0.03;
-/// The places along each side of a domain from which the place of a point is searched for.
+/// The number of points along each side of a domain from which the search for a point starts.
 const LATTICE: u32 = 32;
-/// The most steps of that search.
+/// The maximum number of steps of that search.
 const STEPS: u32 = 40;
-/// The most instances of an object.
+/// The maximum number of instances of an object.
 const INSTANCES: u64 = 64;
 
-/// A place to which clicks snap.
+/// A point to which clicks snap.
 #[derive(Clone, Copy, Debug)]
 struct SnapTarget {
     surface: ObjectId,
     uv: [f64; 2],
-    /// Its place in space; none on a metric.
+    /// Its position in space; `None` on a metric.
     position: Option<[f64; 3]>,
 }
 
-/// The treatment of a place that is near a point, an end or a corner.
+/// The treatment of a click near a point, an end or a corner.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Snapping {
-    /// It is taken to it.
+    /// The click snaps to it.
     On,
-    /// It is left where it is.
+    /// The click stays where it is.
     Off,
 }
 
-/// The places of a scene to which clicks snap.
+/// The points of a scene to which clicks snap.
 #[derive(Debug)]
 pub struct SnapTargets {
     scene: Shared<Scene>,
@@ -57,24 +58,24 @@ pub struct SnapTargets {
     declared: Vec<SnapTarget>,
 }
 
-/// A place that was snapped to.
+/// The result of snapping.
 #[derive(Clone, Copy, Debug)]
 struct Snap {
     hit: Hit,
     at: PixelPoint,
 }
 
-/// A place of a picture at which something is measured.
+/// A point of a picture at which something is measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MeasuredPlace {
-    /// The object there, and its place; `None` where there is none.
+    /// The object and point there; `None` if there is none.
     pub hit: Option<Hit>,
-    /// The pixel that was snapped to: `None` where the place is the one that was asked for.
+    /// The pixel that was snapped to; `None` if the click did not snap.
     pub snapped: Option<PixelPoint>,
 }
 
-/// Returns the place at which a click on a pixel measures: a surface or a metric that lies under a line there is meant, not
-/// the line. `known` keeps the places of the scene to which clicks snap.
+/// Returns the point that a click on a pixel measures. If a line covers a surface or a metric there, the latter is
+/// measured. `known` caches the scene's snap targets.
 pub fn measured_place(
     renderer: &mut Renderer,
     known: &mut Option<SnapTargets>,
@@ -101,14 +102,14 @@ pub fn measured_place(
     MeasuredPlace { hit, snapped: None }
 }
 
-/// Returns true if a place of an object can be measured at.
+/// Returns true if points of an object can be measured.
 fn is_measurable(scene: &Scene, id: ObjectId) -> bool {
     scene
         .get(id)
         .is_some_and(|object| object.shape.manifold().is_some())
 }
 
-/// The request of a view in space without points, vectors and curves; `None` of another view.
+/// Returns the request of a view in space without points, vectors and curves; `None` for another view.
 fn without_lines(request: &PictureRequest) -> Option<PictureRequest> {
     let mut request = request.clone();
     let scene = request.scene.clone();
@@ -119,7 +120,7 @@ fn without_lines(request: &PictureRequest) -> Option<PictureRequest> {
     Some(request)
 }
 
-/// Returns what a click on a pixel snaps to. `known` keeps the places of the scene.
+/// Returns the target to which a click on a pixel snaps. `known` caches the scene's snap targets.
 fn snap(
     renderer: &mut Renderer,
     known: &mut Option<SnapTargets>,
@@ -150,7 +151,7 @@ fn snap(
     }
 }
 
-/// Snaps in a view in space: to the nearest place that is seen.
+/// Snaps in a view in space, to the nearest visible target.
 fn in_space<'t>(
     renderer: &mut Renderer,
     request: &PictureRequest,
@@ -182,8 +183,8 @@ fn in_space<'t>(
     })
 }
 
-/// Snaps in a geodesic view. Where the pixels beside the one that was clicked on lie on the surface says how far from it,
-/// in pixels, a place is.
+/// Snaps in a geodesic view. The points of the surface at the neighbouring pixels determine the distance of a target
+/// from the click in pixels.
 fn from_inside<'t>(
     renderer: &mut Renderer,
     request: &PictureRequest,
@@ -231,7 +232,7 @@ impl SnapTarget {
     }
 }
 
-/// The step from one place of the chart to another, across sides that wrap.
+/// Returns the step from one point of the chart to another, across sides that wrap.
 fn between(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let (domain, sides) = (surface.domain(), surface.sides());
     [0, 1].map(|axis| {
@@ -246,7 +247,7 @@ fn between(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     })
 }
 
-/// The lettered places of the figures in a picture.
+/// Returns the lettered points of the figures in a picture.
 fn corners(request: &PictureRequest) -> Vec<SnapTarget> {
     let marks = request
         .trails
@@ -265,7 +266,7 @@ fn corners(request: &PictureRequest) -> Vec<SnapTarget> {
     all
 }
 
-/// The declared points that lie on surfaces, and the ends of the declared geodesics.
+/// Returns the declared points that lie on surfaces, and the ends of the declared geodesics.
 fn declared(scene: &Scene, params: &ParamValues) -> Vec<SnapTarget> {
     let points: Vec<[f64; 3]> = scene
         .objects
@@ -310,7 +311,7 @@ fn target(surface: &dyn Surface, id: ObjectId, uv: [f64; 2]) -> SnapTarget {
     }
 }
 
-/// The places of the instances of a point; none of another object.
+/// Returns the positions of the instances of a point; empty for another object.
 fn positions(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 3]> {
     let Shape::Point { position } = &object.shape else {
         return Vec::new();
@@ -331,9 +332,9 @@ fn positions(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 
     (0..instances).map(place).collect()
 }
 
-/// The place of a surface that is a point of space; `None` where none is.
+/// Returns the (u, v) of a surface at a point of space; `None` if the point is not on the surface.
 ///
-/// Gauss–Newton steps lead to it from the nearest place of a lattice.
+/// Gauss–Newton steps start from the nearest point of a lattice.
 fn locate(surface: &dyn Surface, place: [f64; 3]) -> Option<[f64; 2]> {
     let domain = surface.domain();
     let off = |uv: [f64; 2]| {

@@ -1,7 +1,7 @@
 //! Images for surfaces: the texture of each choice, and the images that programs name.
 //!
-//! Choices and words of a scene flow in, textures flow out. Where the images come from is the matter of an
-//! [`ImageSource`]: files of a computer, or bytes that a page was given.
+//! In: choices, and the names of images in a scene. Out: textures. The images come from an [`ImageSource`]: files of a
+//! computer, or bytes that a page was given.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,13 +15,14 @@ use crate::view::Choice;
 
 /// Finds images and reads them.
 pub trait ImageSource {
-    /// Returns the file that a program names by a word, whether it can be read or not; `None` where none can be meant.
+    /// Returns the file that a program names by a word, whether it can be read or not; `None` if the word cannot name a
+    /// file.
     fn file_of(&self, word: &str) -> Option<PathBuf>;
 
-    /// Returns whether there is a file now that a program names by a word.
+    /// Returns whether the file that a program names by a word exists now.
     fn has(&self, word: &str) -> bool;
 
-    /// Reads an image that something else than the user names: at once, or so that the library gets it later by
+    /// Reads an image that the user has not chosen directly: at once, or so that the library receives it later by
     /// [`Library::take`].
     fn read(&mut self, path: &Path) -> ImageState;
 }
@@ -38,11 +39,11 @@ pub struct TextureRead {
 /// The state of an image of the library.
 #[derive(Clone, Debug)]
 pub enum ImageState {
-    /// It is on its way.
+    /// It is being read.
     Reading,
     /// It has been read.
     Ready(Arc<Texture>),
-    /// It cannot be read, in a sentence.
+    /// It cannot be read; the sentence says why.
     Failed(String),
 }
 
@@ -50,14 +51,14 @@ pub enum ImageState {
 #[derive(Debug, Default)]
 pub struct Library<S> {
     images: BTreeMap<PathBuf, ImageState>,
-    /// The files of the words by which programs name images.
+    /// The files for the words by which programs name images.
     named: BTreeMap<String, Option<PathBuf>>,
     /// The source that reads them.
     pub source: S,
 }
 
 impl<S: ImageSource> Library<S> {
-    /// An empty library.
+    /// Returns an empty library.
     pub fn new(source: S) -> Self {
         Self {
             images: BTreeMap::new(),
@@ -66,7 +67,8 @@ impl<S: ImageSource> Library<S> {
         }
     }
 
-    /// The texture of a choice. An image that has not been read is sent for, and shows nothing until it comes.
+    /// Returns the texture of a choice. An image that has not been read is requested, and shows nothing until it
+    /// arrives.
     pub fn texture(&mut self, choice: &Choice) -> Option<Arc<Texture>> {
         match choice {
             Choice::Default | Choice::Curvature => None,
@@ -84,7 +86,7 @@ impl<S: ImageSource> Library<S> {
         }
     }
 
-    /// The images that a scene names and that have been read; the others are sent for.
+    /// Returns the images that a scene names and that have been read; the others are requested.
     pub fn named(&mut self, scene: &Scene) -> Vec<(String, Shared<Texture>)> {
         let mut images = Vec::new();
         for word in scene.image_words() {
@@ -99,13 +101,13 @@ impl<S: ImageSource> Library<S> {
         images
     }
 
-    /// Forgets all images: another program is shown, whose words mean other files.
+    /// Drops all images: another program is shown, whose words name other files.
     pub fn forget(&mut self) {
         self.images.clear();
         self.named.clear();
     }
 
-    /// Looks again for the files of images that programs name, and that were not there.
+    /// Looks again for the files of named images that were missing.
     pub fn look_again(&mut self) {
         let (images, source) = (&mut self.images, &self.source);
         self.named.retain(|word, file| {
@@ -129,12 +131,12 @@ impl<S: ImageSource> Library<S> {
         }
     }
 
-    /// Sets the state of an image, which may have had another one: the user has chosen it, or a page has its bytes.
+    /// Sets the state of an image, and replaces an earlier one: the user has chosen the image, or a page has its bytes.
     pub fn put(&mut self, path: PathBuf, state: ImageState) {
         self.images.insert(path, state);
     }
 
-    /// Takes over an image that was read; returns the sentence about one that cannot be.
+    /// Takes over an image that was read. Returns the error sentence if it cannot be used.
     pub fn take(&mut self, read: TextureRead) -> Option<String> {
         let (state, trouble) = match read.texture {
             Ok(texture) => (ImageState::Ready(texture), None),

@@ -1,27 +1,27 @@
-//! The help of an editor with what is typed: brackets in pairs, comments, indentation. Places are bytes.
+//! An editor's typing aids: brackets in pairs, comments, indentation. Positions are byte offsets.
 
 use std::ops::Range;
 
 /// The brackets that come in pairs.
 const PAIRS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('{', '}')];
 
-/// Returns the bracket that closes this one, if this one opens.
+/// Returns the matching closing bracket, if this is an opening one.
 pub fn closing(open: char) -> Option<char> {
     let pair = PAIRS.iter().find(|pair| pair.0 == open);
     pair.map(|pair| pair.1)
 }
 
-/// Returns whether a bracket closes.
+/// Returns whether this is a closing bracket.
 pub fn is_closing(bracket: char) -> bool {
     PAIRS.iter().any(|pair| pair.1 == bracket)
 }
 
-/// Returns whether a bracket that is opened in front of this character is closed at once: not in front of a word.
+/// Returns whether a bracket that is opened before this character is closed at once: not before a word.
 pub fn closes_before(next: Option<char>) -> bool {
     next.is_none_or(|next| next.is_whitespace() || is_closing(next) || matches!(next, ',' | ';'))
 }
 
-/// Returns the white space that the line of a place begins with.
+/// Returns the white space at the start of the line that contains a position.
 pub fn indentation(text: &str, at: usize) -> &str {
     let before = text.get(..at).unwrap_or(text);
     let line = &before[before.rfind('\n').map_or(0, |end| end + 1)..];
@@ -32,8 +32,8 @@ pub fn indentation(text: &str, at: usize) -> &str {
 /// One step of indentation, as the canonical layout has it.
 const INDENT: &str = "    ";
 
-/// Indents the lines of a selection of several lines; writes a step of indentation in the place of any other one. Returns the
-/// text and the selection then.
+/// Indents the lines of a selection of several lines; replaces any other selection by a step of indentation. Returns
+/// the new text and selection.
 pub fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     if !text[selection.clone()].contains('\n') {
         let end = selection.start + INDENT.len();
@@ -46,7 +46,7 @@ pub fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     })
 }
 
-/// Takes a step of indentation from the lines of a selection; returns the text and the selection then.
+/// Removes a step of indentation from the lines of a selection. Returns the new text and selection.
 pub fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     change_lines(text, selection, |line| {
         let blanks = line.bytes().take_while(|byte| *byte == b' ').count();
@@ -55,7 +55,7 @@ pub fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
     })
 }
 
-/// Changes the beginnings of the lines that a selection touches; returns the text and the selection then.
+/// Changes the starts of the lines that a selection touches. Returns the new text and selection.
 fn change_lines(
     text: &str,
     selection: Range<usize>,
@@ -79,7 +79,7 @@ fn change_lines(
 /// Returns the range of the lines that a selection touches, without the last line break.
 fn lines_of(text: &str, selection: &Range<usize>) -> Range<usize> {
     let first = text[..selection.start].rfind('\n').map_or(0, |at| at + 1);
-    // A line of which nothing but the break before it is selected is not meant.
+    // A line of which only the preceding break is selected does not count.
     let last = match selection.end > selection.start && text[..selection.end].ends_with('\n') {
         true => selection.end - 1,
         false => selection.end,
@@ -87,7 +87,7 @@ fn lines_of(text: &str, selection: &Range<usize>) -> Range<usize> {
     first..text[last..].find('\n').map_or(text.len(), |at| last + at)
 }
 
-/// Makes comments of the lines of a selection, or of comments lines; returns the text and the selection then.
+/// Comments out the lines of a selection, or uncomments them. Returns the new text and selection.
 pub fn toggle_comment(text: &str, selection: Range<usize>, mark: &str) -> (String, Range<usize>) {
     let Range { start: first, end } = lines_of(text, &selection);
     let lines: Vec<&str> = text[first..end].split('\n').collect();
@@ -97,7 +97,7 @@ pub fn toggle_comment(text: &str, selection: Range<usize>, mark: &str) -> (Strin
         lines.iter().all(|line| is_blank(line) || is_comment(line)) && !lines.iter().all(is_blank);
     let mut result = text[..first].to_owned();
     let mut moved = [selection.start, selection.end];
-    // Where the line begins in the text.
+    // The start of the line in the text.
     let mut from = first;
     for (number, line) in lines.iter().enumerate() {
         if number > 0 {
@@ -135,8 +135,8 @@ pub fn toggle_comment(text: &str, selection: Range<usize>, mark: &str) -> (Strin
     (result, moved[0]..moved[1])
 }
 
-/// Returns the places of the bracket at a place, before it or behind it, and of its partner. Brackets in comments, which
-/// begin with `comment` and end with their lines, have none.
+/// Returns the position of the bracket at a position, before or after it, and that of its partner. Brackets in
+/// comments, which start with `comment` and end at the end of the line, have none.
 pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 2]> {
     let is_bracket = |c: char| closing(c).is_some() || is_closing(c);
     let before = text.get(..at)?.char_indices().next_back();
@@ -156,7 +156,7 @@ pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 
         if let Some(close) = closing(c) {
             open.push((at, close));
         } else if is_closing(c) {
-            // A bracket of another kind leaves those that are open without partners.
+            // A closing bracket of another kind leaves the open ones without partners.
             let Some((partner, _)) = open.pop().filter(|(_, close)| *close == c) else {
                 open.clear();
                 continue;
@@ -169,7 +169,7 @@ pub fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 
     None
 }
 
-/// Returns the places of a text in another, up to 1000 of them; capitals count if the wanted text has some.
+/// Returns the occurrences of a text in another, at most 1000; case matters if the wanted text has capitals.
 pub fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
     if wanted.is_empty() {
         return Vec::new();
@@ -183,7 +183,7 @@ pub fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
     };
     match has_capitals {
         true => places(text, wanted),
-        // Places stay what they are.
+        // ASCII lower case preserves offsets.
         false => places(&text.to_ascii_lowercase(), &wanted.to_ascii_lowercase()),
     }
 }

@@ -1,5 +1,5 @@
-//! The user's choices of what is seen. All of them are kept by name, so that they outlive compiles, and are written
-//! down, so that they outlive the session.
+//! The user's choices of what is shown. They are identified by name, so that they survive a new compilation, and are
+//! saved, so that they survive the session.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -12,31 +12,31 @@ use super::camera::SpaceCamera;
 use super::inside_camera::InsideCamera;
 use super::pane::saved_views;
 
-/// Everything that is chosen.
+/// All choices.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct View {
-    /// The appearance of objects, by their names.
+    /// The appearance of objects, by name.
     pub looks: BTreeMap<String, Look>,
-    /// The params' values, by component, where one was chosen.
+    /// The chosen values of params, by component.
     pub params: BTreeMap<String, Vec<Option<f64>>>,
-    /// The declared values of the params that have a value here, by component.
+    /// The declared values of the params that have a chosen value, by component.
     pub openings: BTreeMap<String, Vec<Opening>>,
     /// The animated params.
     pub animations: BTreeMap<String, Animation>,
-    /// The camera of the views in space; if it is missing, everything is seen.
+    /// The camera of the views in space; if absent, everything is seen.
     pub space: Option<SpaceCamera>,
     /// The cameras of the geodesic views, by their surfaces' names.
     pub inside: BTreeMap<String, InsideCamera>,
-    /// The views of objects that were closed, by their names: `geodesic:s`.
+    /// The closed views of objects, by name: `geodesic:s`.
     pub closed: BTreeSet<String>,
-    /// The views that were opened of those that do not open by themselves, by their names.
+    /// The opened views among those that do not open by themselves, by name.
     pub opened: BTreeSet<String>,
-    /// Image files that surfaces may show, in the order in which they were opened.
+    /// The image files that surfaces may show, in the order in which they were opened.
     pub textures: Vec<PathBuf>,
     /// The texture of surfaces without a choice of their own.
     pub default_texture: Choice,
-    /// All else.
+    /// All other choices.
     pub preferences: Preferences,
 }
 
@@ -44,13 +44,13 @@ pub struct View {
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Look {
-    /// Its colour, sRGB; that of its kind where none is chosen.
+    /// Its colour, sRGB; `None` for the default of its kind.
     pub colour: Option<[u8; 3]>,
     /// The texture of a surface.
     pub texture: Choice,
-    /// Its image lies on it the other way up.
+    /// True if its image is upside down.
     pub flipped: bool,
-    /// It is not drawn.
+    /// True if it is not drawn.
     pub hidden: bool,
 }
 
@@ -58,12 +58,12 @@ pub struct Look {
 #[derive(Clone, Debug, Default, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Choice {
-    /// The session's default; of the default itself, the built-in picture that shows directions.
+    /// The session's default; as the default itself, the built-in picture that shows directions.
     #[default]
     Default,
-    /// No picture: the colour alone.
+    /// No picture: only the colour.
     Plain,
-    /// The Gaussian curvature, as colours.
+    /// The Gaussian curvature, in colours.
     Curvature,
     /// An image file.
     Image(PathBuf),
@@ -73,16 +73,16 @@ pub enum Choice {
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Opening {
-    /// The value that it opens with: the declared one, else the least.
+    /// The initial value: the declared one, or else the minimum.
     pub value: f64,
-    /// The least that it can be.
+    /// The minimum.
     pub min: f64,
-    /// The greatest.
+    /// The maximum.
     pub max: f64,
 }
 
 impl Opening {
-    /// Of each component of a param.
+    /// Returns the values of all components of a param.
     pub fn all(param: &Param) -> Vec<Self> {
         let values = param.initial.iter().zip(&param.ranges);
         let opening = |(value, range): (&f64, &Range)| Self {
@@ -105,9 +105,9 @@ impl Opening {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Animation {
-    /// By component.
+    /// True for each animated component.
     pub on: Vec<bool>,
-    /// Units a second.
+    /// Units per second.
     pub speed: f64,
 }
 
@@ -120,16 +120,16 @@ impl Default for Animation {
     }
 }
 
-/// Light or dark.
+/// A light or dark theme.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Theme {
-    /// As the desktop has it.
+    /// The desktop's theme.
     #[default]
     System,
-    /// Dark on light.
+    /// Dark text on a light background.
     Light,
-    /// Light on dark.
+    /// Light text on a dark background.
     Dark,
 }
 
@@ -137,7 +137,7 @@ pub enum Theme {
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Marks {
-    /// A key to lines and hatchings.
+    /// A key to lines and hatching.
     pub legend: bool,
     /// Geodesic circles around the camera.
     pub wavefronts: bool,
@@ -147,15 +147,15 @@ pub struct Marks {
     pub cut_locus: bool,
     /// The estimated error.
     pub error: bool,
-    /// Names at what is seen.
+    /// Names beside the objects.
     pub labels: bool,
     /// A box with ticks around the scene.
     pub axes: bool,
-    /// The geodesic cameras in the views in space.
+    /// The geodesic cameras, in the views in space.
     pub cameras: bool,
-    /// The paths that geodesic cameras have walked.
+    /// The paths of geodesic cameras.
     pub trail: bool,
-    /// The settings of views that were chosen, by their names.
+    /// The chosen settings of views, by name.
     #[serde(flatten)]
     pub of_views: BTreeMap<String, bool>,
 }
@@ -188,10 +188,10 @@ impl Default for Marks {
 /// The title of the overlay of wavefronts in the menu.
 pub const WAVEFRONTS: &str = "Wavefronts (geodesic circles)";
 
-/// The sizes that the window's controls can have, as factors.
+/// The available sizes of the window's controls, as factors.
 pub const SCALES: [f32; 5] = [0.8, 1.0, 1.25, 1.5, 2.0];
 
-/// The most samples to which a pixel of a traced picture may be refined.
+/// The maximum number of samples to which a pixel of a traced picture may be refined.
 pub const MOST_SAMPLES: u32 = 4096;
 
 /// Choices that belong to no object.
@@ -200,29 +200,29 @@ pub const MOST_SAMPLES: u32 = 4096;
 pub struct Preferences {
     /// The speed of cameras, 1 by default.
     pub camera_speed: f64,
-    /// Behind everything in the views in space, sRGB; that of the pictures where none is chosen.
+    /// The background of the views in space, sRGB; `None` for the default.
     pub background: Option<[u8; 3]>,
-    /// Light or dark.
+    /// The theme.
     pub theme: Theme,
-    /// The side of pictures of the whole scene in pixels; that of their panes where none is chosen.
+    /// The side of pictures of the whole scene in pixels; `None` for the size of their panes.
     pub space_size: Option<u32>,
-    /// The side of pictures of one object in pixels; that of their panes where none is chosen.
+    /// The side of pictures of one object in pixels; `None` for the size of their panes.
     pub inside_size: Option<u32>,
     /// The overlays of pictures.
     pub marks: Marks,
-    /// Set if a drag in space turns the camera where it stands, and not about its target.
+    /// True if a drag in space turns the camera in place, and not about its target.
     pub fly: bool,
-    /// Set if the lines of sight of the views in space are parallel.
+    /// True if the lines of sight of the views in space are parallel.
     pub orthographic: bool,
-    /// Set if the pane of the whole scene shows it traced: with its lights, shadows, mirrors and glass.
+    /// True if the pane of the whole scene shows it traced: with its lights, shadows, mirrors and glass.
     pub traced: bool,
-    /// The declared camera where the views in space open; the first one if none is chosen.
+    /// The declared camera from which the views in space open; the first one if none is chosen.
     pub camera: Option<String>,
-    /// The samples to which each pixel of a traced picture at rest is refined.
+    /// The number of samples to which each pixel of a traced picture at rest is refined.
     pub samples: u32,
-    /// Set if a slider that is let go writes its value into the text.
+    /// True if releasing a slider writes its value into the text.
     pub write_on_release: bool,
-    /// Set if the status line has what draws the pictures, how long that takes, and how exact they are.
+    /// True if the status line shows what draws the pictures, the time that takes, and their accuracy.
     pub run_times: bool,
     /// The scale of text and controls, 1 by default.
     pub scale: f32,
@@ -250,7 +250,7 @@ impl Default for Preferences {
 }
 
 impl View {
-    /// Chooses a value for a component, from 0, of a param, or leaves it to the text.
+    /// Chooses a value for a component, from 0, of a param, or with `None` leaves it to the text.
     pub fn choose(&mut self, param: &str, component: usize, value: Option<f64>) {
         let values = self.params.entry(param.to_owned()).or_default();
         if values.len() <= component {
@@ -271,12 +271,12 @@ impl View {
         all[component] = on;
     }
 
-    /// The look of an object.
+    /// Returns the look of an object.
     pub fn look(&self, name: &str) -> Look {
         self.looks.get(name).cloned().unwrap_or_default()
     }
 
-    /// Returns the texture of a surface: never [`Choice::Default`] unless that is the built-in picture.
+    /// Returns the texture of a surface; [`Choice::Default`] only stands for the built-in picture.
     pub fn texture(&self, name: &str) -> &Choice {
         match self.looks.get(name).map(|look| &look.texture) {
             None | Some(Choice::Default) => &self.default_texture,
@@ -284,7 +284,7 @@ impl View {
         }
     }
 
-    /// The view with every number in a range in which it makes sense: a file may hold anything.
+    /// Returns the view with every number in its valid range: a file may hold anything.
     #[must_use]
     pub fn sane(mut self) -> Self {
         let preferences = &mut self.preferences;

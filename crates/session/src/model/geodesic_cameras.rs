@@ -1,4 +1,4 @@
-//! The geodesic cameras of the model: each is put on its surface as that is now, and moved there.
+//! The geodesic cameras of the model: each is settled on its surface in its current form, and moved there.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use crate::motion::Motion;
 use crate::{CameraPath, InsideCamera, Step};
 
 impl Model {
-    /// Puts the geodesic camera of a surface on that surface as it is now, and returns it; nothing if the surface has
-    /// no place for a camera. In its own view (`is_own_view`) it leaves a trail, where trails are shown.
+    /// Settles the geodesic camera of a surface on the surface in its current form, and returns it; `None` if no camera
+    /// can be there. In the surface's own view (`is_own_view`) it leaves a trail, if trails are shown.
     pub fn settle_camera(&mut self, surface: &str, is_own_view: bool) -> Option<InsideCamera> {
         let subject = self.subject(surface)?;
         let before = self.view.inside.get(surface).copied();
@@ -42,7 +42,7 @@ impl Model {
         Some(camera)
     }
 
-    /// Moves the geodesic camera of a surface: a step that is joined with those before it of the same gesture.
+    /// Moves the geodesic camera of a surface: a step that is joined with the earlier ones of the same gesture.
     pub fn move_camera(&mut self, surface: &str, motion: Motion) {
         self.keep_placement();
         let Some(camera) = self.settle_camera(surface, true) else {
@@ -66,7 +66,7 @@ impl Model {
         }
     }
 
-    /// Begins the trails of all cameras anew: a step of its own.
+    /// Restarts the trails of all cameras: an undoable step.
     pub fn clear_trails(&mut self) {
         self.keep_placement();
         let names: Vec<String> = self.paths.keys().cloned().collect();
@@ -82,7 +82,7 @@ impl Model {
         self.paths.clear();
     }
 
-    /// Returns the path of a surface's camera, if it is longer than its first place.
+    /// Returns the path of a surface's camera, if it is more than its start.
     pub(super) fn ended_trail(&mut self, surface: &str) -> Option<EndedTrail> {
         let path = self.paths.get(surface)?;
         if path.trail.points.len() < 2 {
@@ -102,8 +102,8 @@ impl Model {
         })
     }
 
-    /// Runs `work` with the camera controller of a surface. A panic costs the controller, but not the session: the
-    /// surface's picture says what is wrong.
+    /// Runs `work` with the camera controller of a surface. After a panic, the controller is dropped, but the session
+    /// continues: the surface's picture reports the fault.
     fn control<T>(
         &mut self,
         surface: &str,
@@ -122,7 +122,7 @@ impl Model {
         };
     }
 
-    /// Gives each path the number that its surface has in the scene: declarations above it may have come or gone.
+    /// Updates the object number of each path's surface: declarations before it may have been added or removed.
     pub(super) fn renumber_paths(&mut self) {
         let Some(scene) = &self.scene else {
             return;

@@ -1,4 +1,4 @@
-//! The looks of objects that the user has not chosen.
+//! The default looks of objects.
 
 use render::style::Theme;
 
@@ -13,7 +13,7 @@ impl Model {
         manifolds.any(|object| *self.view.texture(&object.name) == Choice::Curvature)
     }
 
-    /// Returns the colour (sRGB) that an object has where none is chosen.
+    /// Returns the colour (sRGB) of an object for which none is chosen.
     pub fn default_colour(&self, name: &str) -> [u8; 3] {
         let own = self.scene.as_ref().and_then(|scene| {
             let (id, _) = scene.object(name)?;

@@ -1,7 +1,7 @@
-//! Geodesic cameras that are put somewhere, by other means than walking.
+//! Geodesic cameras that are placed by other means than walking.
 //!
-//! A click puts one somewhere at once, and may turn out to be the first half of a double click, which means something
-//! else: until that is known it is no step, and can be withdrawn as though it had never been.
+//! A click places a camera at once, but may turn out to be the first half of a double click, which has another meaning.
+//! Until that is known, the placement is not a step, and can be withdrawn without a trace.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use crate::difference::Difference;
 use crate::history::EndedTrail;
 use crate::{CameraPath, ChartCamera, InsideCamera, Step};
 
-/// A placing that can be withdrawn.
+/// A placement that can be withdrawn.
 #[derive(Debug)]
 pub(super) struct Placement {
     surface: String,
     before: Option<InsideCamera>,
-    /// The path that led to where the camera was.
+    /// The path that led to the previous position.
     path: Option<Arc<CameraPath>>,
 }
 
 impl Model {
-    /// Puts the geodesic camera of a surface at its first place.
+    /// Returns the geodesic camera of a surface to its initial position.
     pub fn reset(&mut self, surface: &str) {
         self.keep_placement();
         let trails = [(surface.to_owned(), self.ended_trail(surface))].into();
@@ -34,8 +34,8 @@ impl Model {
         self.history.settle();
     }
 
-    /// Puts the geodesic camera of a surface somewhere, until [`Model::keep_placement`] makes a step of it or
-    /// [`Model::withdraw_placement`] undoes it.
+    /// Places the geodesic camera of a surface, until [`Model::keep_placement`] makes a step of it or
+    /// [`Model::withdraw_placement`] reverts it.
     pub fn place(&mut self, surface: &str, camera: InsideCamera) {
         self.keep_placement();
         self.placing = Some(Placement {
@@ -46,7 +46,7 @@ impl Model {
         self.put(surface, Some(camera), None);
     }
 
-    /// A camera that was put somewhere stays there: a step of its own.
+    /// Keeps a placed camera where it is: an undoable step.
     pub fn keep_placement(&mut self) {
         if let Some(Placement {
             surface,
@@ -66,8 +66,8 @@ impl Model {
         }
     }
 
-    /// Turns what is seen in the geodesic view of a surface upside down without turning it around: the surface is seen from
-    /// its other side. Such a view has north up where v grows southward.
+    /// Mirrors the geodesic view of a surface upside down without rotating it: the surface is seen from its other side.
+    /// This puts north up on a surface where v increases southward.
     pub fn mirror(&mut self, surface: &str) {
         if let Some(InsideCamera::Chart(camera)) = self.settle_camera(surface, true) {
             let mirrored = ChartCamera {
@@ -80,7 +80,7 @@ impl Model {
         }
     }
 
-    /// Puts a camera back where it was before it was put somewhere, with the trail that led there.
+    /// Returns a placed camera to its previous position, with the trail that led there.
     pub fn withdraw_placement(&mut self) {
         if let Some(Placement {
             surface,

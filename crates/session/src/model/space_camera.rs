@@ -1,4 +1,4 @@
-//! The camera in space of the model: all views in space share it.
+//! The model's camera in space, which all views in space share.
 
 use scene::{Object, Shape};
 
@@ -7,7 +7,7 @@ use crate::camera::SpaceCamera;
 use crate::history::Step;
 
 impl Model {
-    /// Puts the 3D camera anew where everything is seen, unless the user has moved it.
+    /// Places the 3D camera anew where it sees everything, unless the user has moved it.
     pub fn reframe(&mut self) {
         if self.view.space.is_some_and(|camera| !camera.moved) {
             self.adjust(|view| view.space = None);
@@ -15,20 +15,20 @@ impl Model {
         self.history.reframe();
     }
 
-    /// The cameras that the program declares, in its order.
+    /// Returns the cameras that the program declares, in order.
     pub fn declared_cameras(&self) -> impl Iterator<Item = &Object> {
         let stage = self.scene.iter().flat_map(|scene| &scene.stage);
         stage.filter(|object| matches!(object.shape, Shape::Camera(_)))
     }
 
-    /// The declared camera where the views in space open.
+    /// Returns the declared camera from which the views in space open.
     pub fn declared_camera(&self) -> Option<&Object> {
         let chosen = self.view.preferences.camera.as_deref();
         let chosen = chosen.and_then(|name| self.declared_cameras().find(|it| it.name == name));
         chosen.or_else(|| self.declared_cameras().next())
     }
 
-    /// Opens the views in space in a declared camera.
+    /// Opens the views in space from a declared camera.
     pub fn look_through(&mut self, camera: &str) {
         self.change(Step::new("Look through a camera", ""), |view| {
             view.preferences.camera = Some(camera.to_owned());
@@ -37,26 +37,26 @@ impl Model {
         self.history.settle();
     }
 
-    /// Returns whether the views in space stand where the program declares a camera: the user has not moved away.
+    /// Returns whether the views in space are seen from a declared camera: the user has not moved away.
     pub fn follows_declared_camera(&self) -> bool {
         self.view.space.is_none_or(|camera| !camera.moved) && self.declared_camera().is_some()
     }
 
-    /// Moves the camera in space: a step that is joined with those before it of the same `gesture`.
+    /// Moves the camera in space: a step that is joined with the earlier ones of the same `gesture`.
     pub fn move_space(&mut self, gesture: &str, camera: SpaceCamera) {
         let step = Step::new("Move the 3D camera", gesture);
         self.change(step, |view| view.space = Some(camera));
     }
 
-    /// Puts the camera in space where everything is seen, from the first direction.
+    /// Returns the camera in space to its initial direction, where it sees everything.
     pub fn reset_space(&mut self) {
         let step = Step::new("Reset the 3D camera", "");
         self.change(step, |view| view.space = None);
         self.history.settle();
     }
 
-    /// Puts the camera in space where everything is seen, from where it looks now. `home` is a camera that sees everything:
-    /// see [`crate::framing::Framing::of_everything`].
+    /// Moves the camera in space until it sees everything, in its current direction. `home` is a camera that sees
+    /// everything: see [`crate::framing::Framing::of_everything`].
     pub fn frame_everything(&mut self, home: &SpaceCamera) {
         if let Some(camera) = self.view.space {
             let step = Step::new("Frame everything", "");
@@ -66,8 +66,8 @@ impl Model {
         }
     }
 
-    /// Takes over the camera that a picture was seen from whose request left it open: from then on it stays, whatever the
-    /// params do. The camera of the program is taken over each time, for it may depend on params.
+    /// Takes over the camera of a picture whose request had none. From then on it stays, whatever the params do. A
+    /// camera of the program is taken over each time, since it may depend on params.
     pub fn take_first_camera(&mut self, first: SpaceCamera) {
         let is_open = self.view.space.is_none() || self.follows_declared_camera();
         if is_open && self.view.space != Some(first) {
@@ -82,7 +82,7 @@ impl Model {
         self.history.settle();
     }
 
-    /// Shows the whole scene traced, or not.
+    /// Shows the whole scene ray-traced, or not.
     pub fn set_traced(&mut self, traced: bool) {
         if self.view.preferences.traced != traced {
             let step = Step::new("Change a setting", "traced");
