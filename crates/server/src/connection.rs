@@ -1,4 +1,4 @@
-//! The connection to the editor: each message that was read calls the protocol's service directly.
+//! The connection to the editor: each message calls the protocol's service directly.
 //!
 //! ```text
 //! frames ──▶ requests ──▶ service ──▶ responses ─┐
@@ -6,9 +6,9 @@
 //!                         raw responses ─────────┘
 //! ```
 //!
-//! The futures of the requests run beside each other in one task, which also reads and writes: each is polled first in the
-//! order of the messages. `tower_lsp::Server` does the same behind streams of its own, which would frame and parse every
-//! message a second time, without the recovery of `frames::FrameReader`.
+//! The futures of the requests run concurrently in one task, which also reads and writes: each is first polled in the
+//! order of the messages. `tower_lsp::Server` does the same on streams of its own, which would frame and parse every
+//! message a second time, without the error recovery of `frames::FrameReader`.
 
 use futures::channel::{mpsc, oneshot};
 use futures::{FutureExt, Sink, SinkExt, Stream, StreamExt, TryFutureExt, future, join, stream};
@@ -23,19 +23,19 @@ use tower_service::Service;
 use crate::frames::Frame;
 use crate::raw_responses::{Message, RawSender};
 
-/// The number of messages that are processed at once; a cancellation waits for a free place.
+/// The maximum number of messages that are processed at once; a cancellation waits for a free slot.
 const CONCURRENCY: usize = 64;
-/// The number of requests that may wait for a place.
+/// The maximum number of requests that wait for a slot.
 const WAITING: usize = 100;
 
-/// JSON-RPC 2.0, section 5.1: what was read is no JSON, …
+/// JSON-RPC 2.0, section 5.1: the message is not JSON, …
 const PARSE_ERROR: i64 = -32700;
-/// … or no request.
+/// … or not a request.
 const INVALID_REQUEST: i64 = -32600;
 
-/// Serves the connection to an editor, whose messages come from `frames`; the bodies of those to it go to `output`. `raw`
-/// are the messages that `raw_sender` takes. Ends behind the last frame or `exit`, when everything that was said is written
-/// or the editor does not read any more.
+/// Serves the connection to an editor, whose messages come from `frames`; the bodies of messages to it are written to
+/// `output`. `raw` receives the messages of `raw_sender`. Ends after the last frame or `exit`, when all messages are
+/// written or the editor has stopped reading.
 pub(crate) async fn run<S>(
     frames: impl Stream<Item = Frame>,
     output: impl Sink<Vec<u8>>,
@@ -49,7 +49,7 @@ pub(crate) async fn run<S>(
     let (requests, mut answers) = socket.split();
     let (requests_end, ended) = oneshot::channel::<()>();
     let requests = until(requests, ended);
-    // A response waits until the one before is written.
+    // A response waits until the previous one is written.
     let (responses, to_write) = mpsc::channel(0);
     let messages = stream::select(to_write.map(json::<Response>), requests.map(json));
     let writing = write_all(Box::pin(output), raw, Box::pin(messages));
@@ -69,7 +69,7 @@ pub(crate) async fn run<S>(
                     Frame::Request(request)
                         if request.method().starts_with("$/") && request.id().is_some() =>
                     {
-                        // The service takes them all for notifications.
+                        // The service treats them all as notifications.
                         let id = request.id().cloned().unwrap_or_default();
                         let unknown = Response::from_error(id, Error::method_not_found());
                         raw_sender.send(json(unknown));
@@ -108,17 +108,17 @@ pub(crate) async fn run<S>(
                     }
                 }
             }
-            // The responses of what is under way are still written, but no more requests are sent to the editor.
+            // The responses of running requests are still written, but no more requests are sent to the editor.
             drop(requests_end);
         };
         join!(work, read);
     };
-    // One task, in this order: what a handler has said is written in the same turn, without waking another thread.
+    // One task, in this order: a handler's messages are written in the same turn, without waking another thread.
     join!(serving, writing);
 }
 
-/// The items of a stream until the sender of `ended` is dropped. The stream is dropped then: a handler that waits for room
-/// in the channel behind it would wait for ever, and the connection for the handler.
+/// Returns the items of a stream until the sender of `ended` is dropped. Then it drops the stream: otherwise a handler
+/// could wait forever for room in the channel behind it, and the connection for the handler.
 fn until<S: Stream + Unpin>(
     stream: S,
     ended: oneshot::Receiver<()>,
@@ -132,8 +132,8 @@ fn until<S: Stream + Unpin>(
     })
 }
 
-/// Writes messages as they come, those that are sent raw first, so that their order with responses that go the protocol's
-/// way is kept.
+/// Writes messages as they arrive. Raw messages are written first, so that their order relative to the protocol's
+/// responses is preserved.
 async fn write_all(
     mut output: impl Sink<Vec<u8>> + Unpin,
     mut raw: UnboundedReceiver<Message>,
@@ -152,7 +152,7 @@ async fn write_all(
             return;
         }
     }
-    // Raw messages that have been sent are still written.
+    // Raw messages that have already been sent are still written.
     while let Ok(message) = raw.try_recv() {
         if output.send(message.body).await.is_err() {
             return;
@@ -160,12 +160,12 @@ async fn write_all(
     }
 }
 
-/// The body of a message. The protocol's types can all be written.
+/// Returns the body of a message. All types of the protocol can be serialised.
 fn json<T: Serialize>(message: T) -> Vec<u8> {
     serde_json::to_vec(&message).unwrap_or_default()
 }
 
-/// The response to a message that has no identifier that could be read.
+/// Returns the response to a message without a readable identifier.
 fn error(code: i64, message: &str) -> Vec<u8> {
     let error = serde_json::json!({
         "jsonrpc": "2.0",
@@ -175,7 +175,7 @@ fn error(code: i64, message: &str) -> Vec<u8> {
     error.to_string().into_bytes()
 }
 
-/// The notification of an error for the editor's log.
+/// Returns the notification of an error for the editor's log.
 fn log(message: &str) -> Vec<u8> {
     let notification = serde_json::json!({
         "jsonrpc": "2.0",

@@ -1,8 +1,8 @@
-//! The open documents: one owner, changed in the order of the messages; readers take snapshots.
+//! The open documents: they have one owner, and change in the order of the messages; readers work on snapshots.
 //!
-//! A document is read and checked as it changes, declaration by declaration, so that what is wrong with it is known at
-//! once. A query (hover, rename, …) works on a snapshot, which shares with the document all that has been read, and is
-//! made on the first query.
+//! A document is read and checked as it changes, declaration by declaration, so that its diagnostics are known at once.
+//! A query (hover, rename, …) works on a snapshot, which is created by the first query and shares everything that has
+//! been read with the document.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -17,22 +17,22 @@ use syntax::span::Span;
 
 use crate::encoding::{Encoding, LineStarts, Place};
 
-/// The distance in bytes over which a place is counted from another.
+/// The maximum distance in bytes over which a position is counted from another.
 const NEAR: u32 = 4096;
 
 /// The positions of a text's spans, in its editor's units.
 pub(crate) trait Places {
-    /// Both ends of a span.
+    /// Returns both ends of a span.
     fn range(&self, span: Span) -> [Place; 2];
 }
 
 /// A document as it was at a version: for workers, whatever happens to the document meanwhile.
 ///
-/// Positions are cheap in any order of the spans, and cheapest in that of the text: each is counted from the last one. Each
-/// request therefore has a copy of its own.
+/// Positions can be requested in any order of the spans, and are cheapest in the order of the text: each is counted
+/// from the last one. Each request therefore has its own copy.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
-    /// The document's name: its URI as the editor writes it.
+    /// The document's URI, as the editor writes it.
     pub(crate) uri: String,
     /// The editor's version.
     pub(crate) version: i32,
@@ -44,7 +44,7 @@ pub(crate) struct Snapshot {
 }
 
 impl Snapshot {
-    /// A text that may not be open anywhere.
+    /// Returns the snapshot of a text that need not be open.
     pub(crate) fn new(uri: &str, language: &dyn Language, text: &str, encoding: Encoding) -> Self {
         Self {
             uri: uri.to_owned(),
@@ -56,17 +56,17 @@ impl Snapshot {
         }
     }
 
-    /// The features of the document.
+    /// Returns the analysis of the document.
     pub(crate) fn analysis(&self) -> &dyn Analysis {
         &*self.analysis
     }
 
-    /// The text.
+    /// Returns the text.
     pub(crate) fn text(&self) -> &dyn Text {
         self.analysis.text()
     }
 
-    /// The offset of a place.
+    /// Returns the offset of a position.
     pub(crate) fn offset(&self, place: Place) -> u32 {
         self.counted().offset(place)
     }
@@ -87,13 +87,14 @@ impl Places for Snapshot {
     }
 }
 
-/// The lines of a text as the protocol has them, where they may not be those of a document, which end at `\n` alone.
+/// Returns the lines of a text as the protocol defines them, if they may differ from a document's, which end only at
+/// `\n`.
 fn own_lines(text: &str) -> Option<Arc<LineStarts>> {
     text.contains('\r').then(|| Arc::new(LineStarts::new(text)))
 }
 
-/// Two offsets with their places, the last that were counted: what is found somewhere may refer to something far above. A
-/// line may be as long as the text, so that not all of its places are counted from its start.
+/// The last two offsets that were counted, with their positions: a result may refer to a range far above it. A line may
+/// be as long as the text, so not every position is counted from the start of its line.
 #[derive(Debug, Default)]
 struct LastPlaces(Mutex<[(u32, Place); 2]>);
 
@@ -109,7 +110,7 @@ impl Clone for LastPlaces {
     }
 }
 
-/// A text, and how its editor counts places in it.
+/// A text, and the editor's way of counting positions in it.
 #[derive(Clone, Copy)]
 struct Counted<'t> {
     text: &'t dyn Text,
@@ -139,7 +140,7 @@ impl Counted<'_> {
     fn place(self, offset: u32) -> Place {
         let offset = offset.min(self.text.len());
         let mut last = self.last.lock();
-        // The older one is the second, and goes if neither is near.
+        // The second is the older one; it is replaced if neither is near.
         let near = |last: (u32, Place)| self.place_near(last, offset);
         let place = match near(last[0]) {
             Some(place) => place,
@@ -152,8 +153,8 @@ impl Counted<'_> {
         place
     }
 
-    /// The place of an offset, counted from that of another; `None` if they are far from each other, or if lines end between
-    /// them in a way that has to be looked up.
+    /// Returns the position of an offset, counted from another position; `None` if the two are far apart, or separated
+    /// by line ends that require a lookup.
     fn place_near(self, (from, place): (u32, Place), offset: u32) -> Option<Place> {
         if from.abs_diff(offset) > NEAR {
             return None;
@@ -182,7 +183,7 @@ impl Counted<'_> {
         }
     }
 
-    /// The place of an offset, counted from the start of its line.
+    /// Returns the position of an offset, counted from the start of its line.
     fn place_anew(self, offset: u32) -> Place {
         let text = self.text;
         let (line, start) = match self.lines {
@@ -216,7 +217,7 @@ pub(crate) struct ContentChange {
 /// All open documents.
 #[derive(Debug)]
 pub(crate) struct Documents {
-    /// The languages that documents may be in.
+    /// The supported languages.
     pub(crate) languages: Languages,
     /// The unit of the editor's columns.
     pub(crate) encoding: Encoding,
@@ -224,13 +225,13 @@ pub(crate) struct Documents {
     revision: u64,
 }
 
-/// A document as it is now.
+/// A document in its current state.
 #[derive(Debug)]
 pub(crate) struct Open {
     uri: String,
     /// The editor's version.
     pub(crate) version: i32,
-    /// Counts the changes of all documents, so that two states differ by it.
+    /// The number of changes of all documents up to this state; it identifies the state.
     pub(crate) revision: u64,
     encoding: Encoding,
     program: Box<dyn Program>,
@@ -242,7 +243,7 @@ pub(crate) struct Open {
 }
 
 impl Documents {
-    /// No documents, with positions in the default encoding.
+    /// Returns an empty set of documents, with positions in the default encoding.
     pub(crate) fn new(languages: Languages) -> Self {
         Self {
             languages,
@@ -252,7 +253,8 @@ impl Documents {
         }
     }
 
-    /// The language of a document: that of its extension, else the one that the editor names, else the default.
+    /// Returns the language of a document: that of its extension, or else the one that the editor names, or else the
+    /// default.
     fn language(&self, uri: &str, name: &str) -> Arc<dyn Language> {
         let languages = &self.languages;
         let language = languages.by_extension(Path::new(uri));
@@ -260,10 +262,10 @@ impl Documents {
         language.unwrap_or(languages.default_language()).clone()
     }
 
-    /// Opens a document, or replaces it. `language` is the name that the editor gives its language.
+    /// Opens a document, or replaces it. `language` is the editor's name of its language.
     ///
     /// # Errors
-    /// If the text is too large; the document is not open then.
+    /// If the text is too large; the document is then not open.
     pub(crate) fn open(
         &mut self,
         uri: &str,
@@ -288,8 +290,8 @@ impl Documents {
         Ok(self.open.entry(uri.to_owned()).or_insert(opened))
     }
 
-    /// Applies changes in their order; `None` for a document that is not open. If they are `recorded`, the document
-    /// returns them as [`Open::changes`].
+    /// Applies changes in order. Returns `None` for a document that is not open. If they are `recorded`,
+    /// [`Open::changes`] returns them.
     ///
     /// # Errors
     /// If a text would be too large; the changes before it have been made.
@@ -318,12 +320,12 @@ impl Documents {
         self.open.remove(uri);
     }
 
-    /// The document as it is now.
+    /// Returns the current state of a document.
     pub(crate) fn get(&self, uri: &str) -> Option<&Open> {
         self.open.get(uri)
     }
 
-    /// All documents as they are now, by name.
+    /// Returns snapshots of all documents, by name.
     pub(crate) fn snapshots(&self) -> Vec<Arc<Snapshot>> {
         let mut all: Vec<_> = self.open.values().map(Open::snapshot).collect();
         all.sort_by(|a, b| a.uri.cmp(&b.uri));
@@ -339,7 +341,7 @@ impl Documents {
 }
 
 impl Open {
-    /// The state for workers.
+    /// Returns a snapshot for workers.
     pub(crate) fn snapshot(&self) -> Arc<Snapshot> {
         let made = self.snapshot.get_or_init(|| {
             Arc::new(Snapshot {
@@ -354,7 +356,7 @@ impl Open {
         made.clone()
     }
 
-    /// Returns the diagnostics that are known without running the program, and true if a run may find more.
+    /// Returns the diagnostics that are known without running the program, and whether a run may find more.
     pub(crate) fn findings(&self) -> (Arc<[Diagnostic]>, bool) {
         match self.program.findings() {
             Some(found) => (found, true),
@@ -362,12 +364,12 @@ impl Open {
         }
     }
 
-    /// The text as it is now.
+    /// Returns the current text.
     pub(crate) fn text(&self) -> &dyn Text {
         self.program.text()
     }
 
-    /// The changes that led to this version, where they were recorded.
+    /// Returns the changes that led to this version, if they were recorded.
     pub(crate) fn changes(&self) -> &Changes {
         &self.changes
     }
@@ -384,7 +386,7 @@ impl Open {
         let made = match (recorded, change.range) {
             (false, _) => None,
             (true, Some(_)) => Some(Changes::one([span.start, span.end], change.text.as_str())),
-            // Most of the text may be the same.
+            // Most of the text may be unchanged.
             (true, None) => Some(Changes::between(&text.string(), &change.text)),
         };
         self.program.edit(span, &change.text)?;
@@ -392,7 +394,7 @@ impl Open {
             self.changes = self.changes.then(&made);
         }
         if self.lines.is_some() || change.text.contains('\r') {
-            // Rare: a text with carriage returns. It is gone through once for each change.
+            // A rare case: a text with carriage returns. Its lines are found anew for each change.
             self.lines = Some(Arc::new(LineStarts::new(&self.program.text().string())));
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Places in a text as editors count them: lines from 0, columns in code units of an agreed encoding.
+//! Positions in a text as editors count them: lines from 0, columns in code units of an agreed encoding.
 
 #[cfg(test)]
 use syntax::span::Span;
@@ -8,14 +8,14 @@ use syntax::span::Span;
 pub(crate) enum Encoding {
     /// Bytes.
     Utf8,
-    /// Code units of UTF-16, where a character beyond the basic plane is two: what every editor knows.
+    /// Code units of UTF-16, in which a character beyond the basic plane is two: every editor supports it.
     #[default]
     Utf16,
     /// Unicode scalar values.
     Utf32,
 }
 
-/// A place as an editor names it.
+/// A position as an editor specifies it.
 #[derive(Clone, Copy, Debug, Default, Eq, Ord, PartialEq, PartialOrd)]
 pub(crate) struct Place {
     /// The line, from 0.
@@ -32,11 +32,11 @@ pub(crate) struct LineStarts {
 }
 
 impl Encoding {
-    /// The length of a text in code units.
+    /// Returns the length of a text in code units.
     pub(crate) fn length(self, text: &str) -> u32 {
         let length = match self {
             Self::Utf8 => text.len(),
-            // Bytes that begin a character; those of four bytes are two code units.
+            // Bytes that begin a character; characters of four bytes are two code units.
             Self::Utf16 => text
                 .bytes()
                 .map(|byte| usize::from(byte & 0xC0 != 0x80) + usize::from(byte >= 0xF0))
@@ -46,7 +46,8 @@ impl Encoding {
         length as u32
     }
 
-    /// The byte of a line at a column; a column past the line's end is its end, one within a character its start.
+    /// Returns the byte offset of a column in a line; for a column past the line's end, the end; for one within a
+    /// character, its start.
     pub(crate) fn byte(self, line: &str, column: u32) -> usize {
         if self == Self::Utf8 || line.is_ascii() {
             let mut byte = (column as usize).min(line.len());
@@ -71,7 +72,7 @@ impl Encoding {
 }
 
 impl LineStarts {
-    /// The lines of a text of less than 4 GiB; a line ends at `\n`, `\r\n` or `\r`, as the protocol has it.
+    /// Returns the lines of a text of less than 4 GiB; a line ends at `\n`, `\r\n` or `\r`, as in the protocol.
     pub(crate) fn new(text: &str) -> Self {
         let bytes = text.as_bytes();
         let mut starts = vec![0];
@@ -86,14 +87,14 @@ impl LineStarts {
         Some((start, self.starts.get(line + 1).copied()))
     }
 
-    /// The line, from 0, that holds an offset, and where it starts.
+    /// Returns the line, from 0, that contains an offset, and the start of the line.
     pub(crate) fn line_of(&self, offset: u32) -> (u32, u32) {
         let line = self.starts.partition_point(|start| *start <= offset) - 1;
         (line as u32, self.starts[line])
     }
 }
 
-/// Returns the starts of the lines that follow the ends of lines.
+/// Returns the starts of the lines that follow a line end.
 fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     let all = bytes.iter().enumerate();
     all.filter_map(move |(k, byte)| {
@@ -107,10 +108,10 @@ fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     })
 }
 
-/// The plain way through a whole text, with which documents are compared.
+/// The direct way through a whole text, with which documents are compared.
 #[cfg(test)]
 impl LineStarts {
-    /// The offset of a place. A line past the last is the text's end.
+    /// Returns the offset of a position. For a line past the last, it is the text's end.
     pub(crate) fn offset(&self, text: &str, encoding: Encoding, place: Place) -> u32 {
         let Some(&start) = self.starts.get(place.line as usize) else {
             return text.len() as u32;
@@ -119,7 +120,7 @@ impl LineStarts {
         start + encoding.byte(line, place.column) as u32
     }
 
-    /// The place of an offset; one past the end is the end.
+    /// Returns the position of an offset; for an offset past the end, that of the end.
     pub(crate) fn place(&self, text: &str, encoding: Encoding, offset: u32) -> Place {
         let mut offset = (offset as usize).min(text.len());
         while !text.is_char_boundary(offset) {
@@ -136,12 +137,12 @@ impl LineStarts {
         }
     }
 
-    /// Both ends of a span.
+    /// Returns both ends of a span.
     pub(crate) fn range(&self, text: &str, encoding: Encoding, span: Span) -> [Place; 2] {
         [span.start, span.end].map(|offset| self.place(text, encoding, offset))
     }
 
-    /// The end of a line without what ends it.
+    /// Returns the end of a line without its line terminator.
     fn line_end(&self, text: &str, line: usize) -> usize {
         let start = self.starts[line] as usize;
         let next = self

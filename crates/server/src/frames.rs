@@ -1,15 +1,16 @@
 //! Messages on a stream of bytes: `Content-Length: N`, a blank line, N bytes of JSON.
 //!
-//! The reader never gives up. A header without a length, a length that is wrong, a body that is no JSON become a
-//! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found. A message is parsed here, and only here.
+//! The reader always recovers. A header without a length, a wrong length, or a body that is not JSON becomes a
+//! [`Frame::Bad`] with a reason, and reading continues at the next header that can be found. Messages are parsed here
+//! and nowhere else.
 
 use futures::{Sink, Stream, sink, stream};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tower_lsp::jsonrpc::{Request, Response};
 
-/// The longest message that is read; an editor sends whole files, but not of this size.
+/// The maximum length of a message that is read, in bytes; an editor sends whole files, but none of this size.
 const LONGEST: usize = 256 << 20;
-/// The longest header.
+/// The maximum length of a header, in bytes.
 const LONGEST_HEADER: usize = 64 << 10;
 const LENGTH: &[u8] = b"Content-Length:";
 
@@ -20,11 +21,11 @@ pub(crate) enum Frame {
     Request(Request),
     /// The response to a request of the server.
     Response(Response),
-    /// Something else, and why: completes "this is no message: …".
+    /// Anything else, with the reason: completes "this is no message: …".
     Bad(String),
-    /// Valid JSON that is neither a request, a notification nor an answer.
+    /// Valid JSON that is neither a request, a notification nor a response.
     Invalid,
-    /// The stream cannot be read any more; the system's reason. No frame comes behind it.
+    /// The stream can no longer be read; the system's reason. No frame follows.
     Failed(String),
 }
 
@@ -32,10 +33,10 @@ pub(crate) enum Frame {
 pub(crate) struct FrameReader<R> {
     stream: R,
     buffer: Vec<u8>,
-    /// Bytes at the start of the buffer that have been used.
+    /// The number of bytes at the start of the buffer that have been used.
     used: usize,
     ended: bool,
-    /// The reason of an end that is a failure, until it has been returned.
+    /// The reason of an end by a failure, until it has been returned.
     failure: Option<String>,
 }
 
@@ -50,7 +51,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         }
     }
 
-    /// The next frame; `None` at the end of the stream.
+    /// Returns the next frame; `None` at the end of the stream.
     pub(crate) async fn next(&mut self) -> Option<Frame> {
         let Some(header) = self.header().await else {
             return self.failure.take().map(Frame::Failed);
@@ -78,7 +79,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
                 return Some(Frame::Invalid);
             }
         }
-        // The length may be wrong: the next header is looked for from the body's start on.
+        // The length may be wrong: search for the next header from the start of the body.
         self.skip_to_header(body);
         Some(Frame::Bad(
             "its body is not valid JSON of the length in its header".to_owned(),
@@ -127,7 +128,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         self.used = from + (0..rest.len()).find(begins_header).unwrap_or(rest.len());
     }
 
-    /// Reads more; false at the end of the stream.
+    /// Reads more bytes. Returns false at the end of the stream.
     async fn fill(&mut self) -> bool {
         if self.ended {
             return false;
@@ -143,7 +144,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
     }
 }
 
-/// The frames of a stream, to its end.
+/// Returns the frames of a stream, up to its end.
 pub(crate) fn read(stream: impl AsyncRead + Unpin) -> impl Stream<Item = Frame> {
     stream::unfold(FrameReader::new(stream), async |mut reader| {
         let frame = reader.next().await?;
@@ -160,7 +161,7 @@ pub(crate) fn write(stream: impl AsyncWrite + Unpin) -> impl Sink<Vec<u8>, Error
     })
 }
 
-/// The bytes of a message with its header.
+/// Returns the bytes of a message with its header.
 pub(crate) fn framed(body: &[u8]) -> Vec<u8> {
     let mut bytes = format!("Content-Length: {}\r\n\r\n", body.len()).into_bytes();
     bytes.extend_from_slice(body);
@@ -176,8 +177,8 @@ fn length_of(header: &[u8]) -> Option<usize> {
     })
 }
 
-/// Parses a body as a message. To the protocol's type of requests the method is optional, so that a response is a request
-/// without one.
+/// Parses a body as a message. The method is optional in the protocol's type of requests, so a response is a request
+/// without a method.
 pub(crate) fn message(body: &[u8]) -> Option<Frame> {
     let request: Option<Request> = serde_json::from_slice(body).ok();
     match request {

@@ -1,4 +1,4 @@
-//! From the protocol's messages to the features, and their answers back.
+//! Translates the protocol's messages into calls of features, and their results into answers.
 //!
 //! ```text
 //! lifecycle   initialize, shutdown, and what both sides can do
@@ -10,8 +10,8 @@
 //! window      a document's preview window, from its start to its end
 //! ```
 //!
-//! Every handler takes what it needs from the session before it waits for anything: handlers run beside each other,
-//! and only so does the state change in the order of the messages. What takes time runs on workers over a snapshot.
+//! Every handler takes what it needs from the session before it first awaits. Handlers run concurrently, and only in
+//! this way does the state change in the order of the messages. Long work runs on workers over a snapshot.
 
 mod conversion;
 mod documents;
@@ -34,10 +34,10 @@ use crate::raw_responses::{self, RawSender};
 use crate::session::Session;
 pub(crate) use window::close_all;
 
-/// The notification by which an editor reports the place of its cursor, which the protocol lacks: its params are those
-/// of a hover.
+/// The notification by which an editor reports the position of its cursor, which the protocol lacks. Its params are
+/// those of a hover.
 pub(crate) const CURSOR: &str = "geotrace/cursor";
-/// The number of features that run at once: more would only share the processors, and each needs its memory.
+/// The maximum number of features that run at once: more would only share the processors, and each needs its memory.
 const MOST_AT_WORK: usize = 2;
 
 /// The server as the protocol sees it; cheap to clone.
@@ -45,16 +45,16 @@ const MOST_AT_WORK: usize = 2;
 pub(crate) struct Backend {
     client: Client,
     session: Arc<Mutex<Session>>,
-    /// Diagnostics are sent one after the other, so that an older list never comes behind a newer one.
+    /// Diagnostics are sent one after the other, so that an older list never follows a newer one.
     publishing: Arc<tokio::sync::Mutex<()>>,
-    /// The places for features that are at work at once.
+    /// The permits of features that run at once.
     places: Arc<Semaphore>,
     end: Arc<crate::End>,
     /// The writer of messages that bypass the protocol.
     raw_sender: RawSender,
 }
 
-/// Adds the methods that answer with text to those of the protocol.
+/// Adds the methods that answer with text to the protocol's methods.
 pub(crate) fn with_texts(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
     builder
         .custom_method(raw_responses::CODE_LENS, ranges::code_lens)
@@ -95,12 +95,12 @@ impl Backend {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The cursor has moved: [`CURSOR`].
+    /// Handles a move of the cursor: [`CURSOR`].
     pub(crate) async fn cursor(&self, params: lsp::TextDocumentPositionParams) {
         self.point_at(&params);
     }
 
-    /// Stores the place of the cursor in a document, and sends it to the document's window, if it has one.
+    /// Stores the position of the cursor in a document, and sends it to the document's window, if it has one.
     fn point_at(&self, at: &lsp::TextDocumentPositionParams) {
         let uri = at.text_document.uri.as_str();
         let mut session = self.session();

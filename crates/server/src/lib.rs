@@ -1,4 +1,4 @@
-//! The language server: messages of an editor in, answers and diagnostics out.
+//! The language server. In: messages of an editor. Out: answers and diagnostics.
 //!
 //! ```text
 //! bytes ──connection──▶ tower-lsp ──incoming──▶ session, documents (changed at once, in the order of the messages)
@@ -8,10 +8,10 @@
 //!                                                     └─────── raw_responses ───────▲
 //! ```
 //!
-//! A preview window is a process of its own beside each document that has one (`preview`).
+//! A preview window is a separate process beside each document that has one (`preview`).
 //!
-//! The protocol's types live in `incoming` and `to_lsp`. Nothing a client sends ends the server but `exit`, the end of
-//! its input, and the death of the process that started it.
+//! Only `incoming` and `to_lsp` use the protocol's types. No client message ends the server except `exit`; it also ends
+//! with its input, and with the process that started it.
 
 mod connection;
 mod documents;
@@ -54,20 +54,20 @@ pub(crate) struct End {
 }
 
 impl End {
-    /// The editor has said `shutdown`.
+    /// Records that the editor has sent `shutdown`.
     pub(crate) fn was_asked_for(&self) {
         self.asked_for.store(true, Ordering::SeqCst);
     }
 
-    /// The session ends, whatever is under way.
+    /// Ends the session at once, whatever is running.
     pub(crate) fn now(&self) {
         self.now.notify_one();
     }
 }
 
-/// Serves one editor on standard input and output until it leaves. True if it left as it should: by `shutdown`, then
-/// `exit` or the end of its input. Documents are in one of the `languages`. `window` is what is started for a preview;
-/// without one the editor gets a message.
+/// Serves one editor on standard input and output until it leaves. Returns true if it left properly: by `shutdown`,
+/// then `exit` or the end of its input. Documents are in one of the `languages`. `window` is the program that is
+/// started for a preview; without one the editor gets a message.
 ///
 /// # Errors
 /// If the system has no threads or timers left.
@@ -84,7 +84,7 @@ pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Resu
         languages,
         window,
     ));
-    // A read of standard input may be waiting for an editor that says nothing more.
+    // A read of standard input may be blocked by an editor that sends nothing more.
     runtime.shutdown_background();
     Ok(clean)
 }
@@ -108,13 +108,13 @@ where
         _ = &mut connection => {}
         () = end.now.notified() => {}
     }
-    // The editor has gone, with a word or without one: its windows go too.
+    // The editor has quit, properly or not: close its windows too.
     incoming::close_all(&session).await;
     connection.abort();
     end.asked_for.load(Ordering::SeqCst)
 }
 
-/// A session with an editor, from its first message to its last.
+/// Starts a session with an editor.
 fn start(
     frames: impl Stream<Item = Frame>,
     output: impl Sink<Vec<u8>>,

@@ -1,13 +1,13 @@
-//! The operating system: what the standard library does not have portably. Each function has a portable side, which
-//! does less where a system offers less.
+//! The operating system: functions that the standard library does not offer portably. Each function has a portable
+//! fallback, which does less if the system offers less.
 
 use std::process::Command;
 
-/// Sets a window's process apart from this one before it is started: a key that interrupts an editor in a terminal is not
-/// meant for the window. On systems other than Unix and Windows it stays in the group of its parent.
+/// Separates a window's process from this one before it is started: a key that interrupts an editor in a terminal must
+/// not reach the window. On systems other than Unix and Windows the window stays in its parent's group.
 ///
-/// Windows gives it a console of its own, which is not seen, and schedules it behind the server; elsewhere the window
-/// lowers its priority by itself.
+/// On Windows it gets a hidden console of its own and a lower priority than the server; elsewhere the window lowers its
+/// own priority.
 pub(crate) fn set_apart(command: &mut Command) {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
@@ -28,10 +28,10 @@ pub(crate) fn set_apart(command: &mut Command) {
 /// Calls `then` when a process has ended, on a thread that sleeps until then. A server whose editor has ended ends too,
 /// even if its input stays open.
 ///
-/// Does nothing where the process cannot be watched: there the end of the input must do.
+/// Does nothing if the process cannot be watched: then only the end of the input ends the server.
 #[cfg(any(target_os = "linux", target_os = "macos", windows))]
 pub(crate) fn when_process_ends(process: u32, then: impl FnOnce() + Send + 'static) {
-    /// The number of the system's error for a process that does not exist: `ERROR_INVALID_PARAMETER`, `ESRCH`.
+    /// The system's error code for a process that does not exist: `ERROR_INVALID_PARAMETER`, `ESRCH`.
     const NO_SUCH_PROCESS: i32 = if cfg!(windows) { 87 } else { 3 };
 
     let Ok(process) = i32::try_from(process) else {
@@ -48,7 +48,7 @@ pub(crate) fn when_process_ends(process: u32, then: impl FnOnce() + Send + 'stat
         Err(error) => error.raw_os_error() == Some(NO_SUCH_PROCESS),
     };
     let thread = std::thread::Builder::new().name("editor watch".to_owned());
-    // Without a thread the end of the input must do, too.
+    // Without a thread, only the end of the input ends the server.
     let _ = thread.spawn(move || {
         if wait() {
             then();
@@ -56,6 +56,6 @@ pub(crate) fn when_process_ends(process: u32, then: impl FnOnce() + Send + 'stat
     });
 }
 
-/// Does nothing: no process can be watched here.
+/// Does nothing: processes cannot be watched here.
 #[cfg(not(any(target_os = "linux", target_os = "macos", windows)))]
 pub(crate) fn when_process_ends(_process: u32, _then: impl FnOnce() + Send + 'static) {}

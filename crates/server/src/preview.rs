@@ -5,9 +5,9 @@
 //! the window's task ◀──── what it writes ◀──process.rs──┘
 //! ```
 //!
-//! A window closes a little after its document, since an editor that reads a file anew closes it and opens it again; and
-//! with the editor, whether that says goodbye or is just gone. Where the server is killed, the window notices by itself
-//! and keeps its picture.
+//! A window closes shortly after its document, since an editor that reloads a file closes it and opens it again; and
+//! with the editor, whether it shuts down properly or not. If the server is killed, the window notices that and keeps
+//! its picture.
 
 mod process;
 mod sent;
@@ -26,33 +26,34 @@ use crate::documents::{Open, Snapshot};
 pub(crate) use process::{Gone, Process, WindowOutput};
 pub(crate) use sent::SentVersions;
 
-/// The command that opens a preview: its arguments are a document's URI and, perhaps, `{"view": "3d"}` or
-/// `{"view": "geodesic", "surface": NAME}`.
+/// The command that opens a preview. Its arguments are a document's URI and, optionally, `{"view": "3d"}` or `{"view":
+/// "geodesic", "surface": NAME}`.
 pub(crate) const COMMAND: &str = "geotrace.preview";
 
-/// The command that starts a preview window: a program that speaks the messages of `protocol` on its standard streams.
+/// The command that starts a preview window: a program that exchanges the messages of `protocol` on its standard
+/// streams.
 #[derive(Clone, Debug)]
 pub struct WindowProgram {
     /// The program.
     pub program: PathBuf,
     /// Its arguments.
     pub arguments: Vec<OsString>,
-    /// The time that it may take to send its version.
+    /// The maximum time until it sends its version.
     pub version_timeout: Duration,
-    /// The time for which it outlives its document: an editor that reads a file anew closes it and opens it again.
+    /// The time for which it outlives its document: an editor that reloads a file closes it and opens it again.
     pub close_delay: Duration,
 }
 
 impl WindowProgram {
-    /// The time that a window may take to send its version: it does so before it opens a display.
+    /// The default maximum time until a window sends its version, which it does before it opens a display.
     pub const VERSION_TIMEOUT: Duration = Duration::from_secs(10);
-    /// The time for which a window outlives its document.
+    /// The default time for which a window outlives its document.
     pub const CLOSE_DELAY: Duration = Duration::from_millis(500);
 
-    /// This program itself, with these arguments.
+    /// Returns the command that starts this program itself, with these arguments.
     ///
     /// # Errors
-    /// If the system does not name the running program.
+    /// If the system cannot name the running program.
     pub fn own(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> std::io::Result<Self> {
         Ok(Self {
             program: std::env::current_exe()?,
@@ -67,7 +68,7 @@ impl WindowProgram {
 #[derive(Debug, Default)]
 pub(crate) struct Previews {
     open: HashMap<String, Preview>,
-    /// Those that have been forgotten, but perhaps have not received the command to close.
+    /// Windows that have been forgotten, but may not have received the command to close.
     leaving: Vec<Arc<Process>>,
     counter: u64,
 }
@@ -75,27 +76,27 @@ pub(crate) struct Previews {
 /// A window, as the session knows it.
 #[derive(Debug)]
 pub(crate) struct Preview {
-    /// The number by which it differs from an earlier one of the same document.
+    /// A number that distinguishes it from an earlier window of the same document.
     id: u64,
     path: Option<String>,
     process: Arc<Process>,
-    /// The versions of the text that the window may speak of.
+    /// The versions of the text to which the window may refer.
     pub(crate) sent: SentVersions,
-    /// The text as it was when the document was closed, until it is opened again.
+    /// The text when the document was closed, until it is opened again.
     closed_text: Option<String>,
     /// The params' values in the window, by name.
     pub(crate) live: BTreeMap<String, Vec<f64>>,
-    /// The number of a text, and the place in it.
+    /// The number of a text, and the offset of the cursor in it.
     cursor: Option<(i32, u32)>,
-    /// Its document has been closed.
+    /// Set if its document has been closed.
     left: Option<Left>,
 }
 
-/// That a document was closed, once: opened and closed again, it is another time.
+/// Identifies one closing of a document: after it has been opened and closed again, the value differs.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct Left(u64);
 
-/// A window that has just been started.
+/// A window that has just started.
 #[derive(Debug)]
 pub(crate) struct Started {
     pub(crate) id: u64,
@@ -109,8 +110,8 @@ impl Previews {
         self.open.contains_key(uri)
     }
 
-    /// Brings a document's window to the front; false if it has none. One that has ended without having been heard of
-    /// yet is forgotten.
+    /// Brings a document's window to the front. Returns false if it has none. A window that has ended, but whose end
+    /// has not been reported yet, is forgotten.
     pub(crate) fn show(&mut self, uri: &str, view: Option<&View>) -> bool {
         let Some(preview) = self.open.get(uri) else {
             return false;
@@ -125,7 +126,7 @@ impl Previews {
         true
     }
 
-    /// Starts a document's window; `cursor` is where it stands in the text, if that is known.
+    /// Starts a document's window; `cursor` is the position of the cursor in the text, if known.
     ///
     /// # Errors
     /// If the program cannot be started.
@@ -152,7 +153,7 @@ impl Previews {
         process.send(Command::Hello(Hello::own()));
         self.open.insert(snapshot.uri.clone(), preview);
         self.text(&snapshot.uri, snapshot.version, snapshot.text().string());
-        // Without a view that is named the window opens as it was left.
+        // Unless a view is named, the window opens as the user left it.
         if view.is_some() {
             process.send(Command::Show { view });
         }
@@ -178,8 +179,8 @@ impl Previews {
         preview.send_text(uri, number, text);
     }
 
-    /// Sends an edit to a document's window, if it has one; the whole text, where that is shorter than the edits that the
-    /// window has not read yet.
+    /// Sends an edit to a document's window, if it has one; or the whole text, if that is shorter than the edits that
+    /// the window has not read yet.
     pub(crate) fn edit(&mut self, uri: &str, open: &Open, changes: &Changes) {
         let Some(preview) = self.open.get_mut(uri) else {
             return;
@@ -200,14 +201,14 @@ impl Previews {
         }
     }
 
-    /// Keeps the text of a document that is closed or read anew, to find the places in it again.
+    /// Keeps the text of a document that is closed or reloaded, so that ranges in it can be located later.
     pub(crate) fn keep_text(&mut self, uri: &str, open: &Open) {
         if let Some(preview) = self.open.get_mut(uri) {
             preview.closed_text = Some(open.text().string());
         }
     }
 
-    /// Sends the whole text once more to a window that lacks it.
+    /// Sends the whole text again to a window that lacks it.
     pub(crate) fn resend(&mut self, uri: &str, id: u64, open: &Open) {
         if let Some(preview) = self.of(uri, id)
             && let Some(number) = preview.sent.last()
@@ -216,7 +217,7 @@ impl Previews {
         }
     }
 
-    /// Sends a document's window, if it has one, the place of the cursor in the text of the editor's version.
+    /// Sends the position of the cursor in the text of the editor's version to a document's window, if it has one.
     pub(crate) fn cursor(&mut self, uri: &str, version: i32, offset: u32) {
         let Some(preview) = self.open.get_mut(uri) else {
             return;
@@ -227,8 +228,9 @@ impl Previews {
         }
     }
 
-    /// Records that a window shows the text of a number. Returns its version, if the editor still knows it. The place of
-    /// the cursor is sent again: the window may not have read a text with that place when it was sent first.
+    /// Records that a window shows the text with a number. Returns its version, if the editor still knows it. The
+    /// position of the cursor is sent again, since the window may not have read that text when the position was first
+    /// sent.
     pub(crate) fn shown(&mut self, uri: &str, id: u64, number: i32, ok: bool) -> Option<i32> {
         let preview = self.of(uri, id)?;
         preview.sent.shown(number, ok);
@@ -240,8 +242,8 @@ impl Previews {
         preview.sent.version(number)
     }
 
-    /// A document has been closed: its window, if it has one, is to close too, by [`Self::close`], unless the document
-    /// has been opened again until then.
+    /// Notes that a document has been closed: its window, if it has one, is to be closed by [`Self::close`], unless the
+    /// document has been opened again by then.
     pub(crate) fn leave(&mut self, uri: &str) -> Option<Left> {
         let preview = self.open.get_mut(uri)?;
         self.counter += 1;
@@ -249,7 +251,7 @@ impl Previews {
         preview.left
     }
 
-    /// Closes the window of a document that was closed and has not been opened since, and removes it.
+    /// Closes and removes the window of a document that was closed and has not been opened since.
     pub(crate) fn close(&mut self, uri: &str, left: Left) {
         let is_left = |preview: &Preview| preview.left == Some(left);
         if self.open.get(uri).is_some_and(is_left)
@@ -259,7 +261,7 @@ impl Previews {
         }
     }
 
-    /// Sends the command to close to all windows that have not received it.
+    /// Sends the command to close to all windows. Returns those that may not have received it yet.
     pub(crate) fn close_all(&mut self) -> Vec<Arc<Process>> {
         let all: Vec<_> = self.open.drain().map(|(_, it)| it.process).collect();
         for process in all {
@@ -274,18 +276,18 @@ impl Previews {
         self.leaving.push(process);
     }
 
-    /// Forgets a window that has ended or is about to; what it was, unless that has been forgotten already.
+    /// Forgets a window that has ended or is about to. Returns it, unless it was already forgotten.
     pub(crate) fn forget(&mut self, uri: &str, id: u64) -> Option<Preview> {
         self.of(uri, id)?;
         self.open.remove(uri)
     }
 
-    /// A window, unless it has been forgotten.
+    /// Returns a window, unless it has been forgotten.
     pub(crate) fn of(&mut self, uri: &str, id: u64) -> Option<&mut Preview> {
         self.open.get_mut(uri).filter(|preview| preview.id == id)
     }
 
-    /// The params' values in a document's window, by name.
+    /// Returns the params' values in a document's window, by name.
     pub(crate) fn live(&self, uri: &str) -> Option<&BTreeMap<String, Vec<f64>>> {
         let preview = self.open.get(uri)?;
         (!preview.live.is_empty()).then_some(&preview.live)
@@ -303,7 +305,7 @@ impl Preview {
         self.never_read(&overtaken);
     }
 
-    /// Versions will not be read because a later one has taken their place in the mailbox.
+    /// Notes that versions will not be read because a later one has replaced them in the mailbox.
     fn never_read(&mut self, numbers: &[i32]) {
         for number in numbers {
             self.sent.never_read(*number);

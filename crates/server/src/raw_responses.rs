@@ -1,9 +1,9 @@
-//! Large answers: written as text where they are made, and sent past the protocol's own way, which would first build a
+//! Large answers: serialised where they are computed, and sent past the protocol's own path, which would first build a
 //! tree of all their values.
 //!
-//! Input: requests, and for some of them an answer that is JSON already. Output: whole messages for the writer, in
-//! their order, beside those that the protocol writes. State, cancellation and errors stay the protocol's business: a
-//! request is only given the name of a method that answers with text.
+//! In: requests, and for some of them an answer that is already JSON. Out: whole messages for the writer, in order,
+//! beside those that the protocol writes. State, cancellation and errors remain the protocol's: a request only gets the
+//! name of a method that answers with text.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -16,12 +16,12 @@ use tower_lsp::jsonrpc::{Error, Id, Request, Response, Result};
 use tower_lsp::ls_types::LSPAny;
 use tower_service::Service;
 
-/// The methods that answer with text, by the protocol's names and by ours.
+/// The methods that answer with text, by the protocol's names and by this server's.
 macro_rules! methods {
     ($($name:ident = $method:literal;)*) => {
         $(pub(crate) const $name: &str = concat!("text:", $method);)*
 
-        /// Our name for a method of the protocol that answers with text.
+        /// Returns this server's name for a method of the protocol that answers with text.
         fn named(method: &str) -> Option<&'static str> {
             match method {
                 $($method => Some($name),)*
@@ -46,25 +46,25 @@ methods! {
     TOKENS_RANGE = "textDocument/semanticTokens/range";
 }
 
-/// The number of large answers and of replies to faults that may wait for the editor to read them. While they do, their
-/// requests are not done, and nothing is read behind a fault.
+/// The maximum number of large answers and of error responses that wait for the editor to read them. Until then their
+/// requests are not complete, and no message after an invalid one is read.
 const MOST_WAITING: usize = 8;
 
 /// An answer as JSON.
 #[derive(Debug)]
 pub(crate) struct Answer(String);
 
-/// It passes the protocol as one string.
+/// It passes through the protocol as a single string.
 impl Serialize for Answer {
     fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
         to.serialize_str(&self.0)
     }
 }
 
-/// Writes an answer.
+/// Serialises an answer.
 ///
 /// # Errors
-/// An internal error; the protocol's types can all be written.
+/// An internal error; all types of the protocol can be serialised.
 pub(crate) fn answer(value: &impl Serialize) -> Result<Answer> {
     serde_json::to_string(value)
         .map(Answer)
@@ -75,7 +75,7 @@ pub(crate) fn answer(value: &impl Serialize) -> Result<Answer> {
 #[derive(Debug)]
 pub(crate) struct Message {
     pub(crate) body: Vec<u8>,
-    /// Given back when the message has been written.
+    /// Released when the message has been written.
     _room: Option<OwnedSemaphorePermit>,
 }
 
@@ -85,7 +85,7 @@ impl From<Vec<u8>> for Message {
     }
 }
 
-/// Takes messages for the editor, from the first to the last.
+/// Sends messages to the editor, in order.
 #[derive(Clone, Debug)]
 pub(crate) struct RawSender {
     messages: UnboundedSender<Message>,
@@ -93,14 +93,14 @@ pub(crate) struct RawSender {
 }
 
 impl RawSender {
-    /// A sender, and where its messages come out.
+    /// Returns a sender and the receiver of its messages.
     pub(crate) fn new() -> (Self, UnboundedReceiver<Message>) {
         let (messages, out) = unbounded_channel();
         let room = Arc::new(Semaphore::new(MOST_WAITING));
         (Self { messages, room }, out)
     }
 
-    /// Sends a small message at once. Only messages whose number the server limits may go this way.
+    /// Sends a small message at once. Only messages whose number the server limits may be sent in this way.
     pub(crate) fn send(&self, body: Vec<u8>) {
         let _ = self.messages.send(body.into());
     }
@@ -128,7 +128,7 @@ impl RawSender {
     }
 }
 
-/// The protocol's service, past which some answers go.
+/// The protocol's service, which some answers bypass.
 #[derive(Debug)]
 pub(crate) struct RawResponses<S> {
     inner: S,

@@ -1,8 +1,8 @@
-//! The settings of a user.
+//! The user's settings.
 
 use serde_json::Value;
 
-/// The settings under `geotrace` that the server heeds.
+/// The settings under `geotrace` that the server uses.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct Settings {
     /// Show how words are split: `geotrace.inlayHints.splits`.
@@ -11,8 +11,8 @@ pub(crate) struct Settings {
     pub(crate) values: bool,
     /// Offer the views of surfaces above them: `geotrace.codeLens`.
     pub(crate) lenses: bool,
-    /// Open the window of each document that is opened: `geotrace.preview.open` is `"onOpen"`, and `geotrace.preview.in`
-    /// is not `"panel"`, which the editor opens itself.
+    /// Open the window of each document that is opened: `geotrace.preview.open` is `"onOpen"`, and
+    /// `geotrace.preview.in` is not `"panel"`, which the editor opens itself.
     pub(crate) preview_on_open: bool,
 }
 
@@ -28,8 +28,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// From the editor's JSON: the section itself, or an object that holds it. What is missing or of another type is as
-    /// it was.
+    /// Returns the settings with the editor's JSON applied: the section itself, or an object that contains it. Values
+    /// that are missing or of another type stay as they are.
     #[must_use]
     pub(crate) fn with(self, json: &Value) -> Self {
         let section = json.get("geotrace").unwrap_or(json);

@@ -1,5 +1,4 @@
-//! Tasks that run beside the handlers and mostly wait, and work that takes time: on tokio's threads, or, in a browser, in
-//! turns.
+//! Tasks that run beside the handlers and mostly wait, and long work: on tokio's threads, or, in a browser, in turns.
 
 #[cfg(not(target_family = "wasm"))]
 pub(crate) use threads::{spawn, work};
@@ -22,7 +21,7 @@ mod threads {
         tokio::spawn(task);
     }
 
-    /// Does work on a worker. Work that has not begun when nobody waits for it any more is never begun.
+    /// Does work on a worker. Work that has not started when its result is no longer awaited never starts.
     pub(crate) async fn work<T: Send + 'static>(
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Panicked> {
@@ -30,7 +29,7 @@ mod threads {
         (&mut worker.0).await.map_err(|_| Panicked)
     }
 
-    /// Is cancelled when it is dropped.
+    /// Cancels its work when it is dropped.
     struct Worker<T>(JoinHandle<T>);
 
     impl<T> Drop for Worker<T> {
@@ -40,7 +39,8 @@ mod threads {
     }
 }
 
-/// Messages come first: work waits for a turn, so that an edit which has come in the meantime is heeded before it begins.
+/// Messages come first: work waits for a turn, so that an edit that has arrived meanwhile is applied before the work
+/// starts.
 #[cfg(target_family = "wasm")]
 mod turns {
     use std::cell::RefCell;
@@ -62,11 +62,11 @@ mod turns {
 
     /// Starts a task.
     pub(crate) fn spawn(task: impl Future<Output = ()> + 'static) {
-        // It fails only when the thread ends.
+        // Fails only when the thread ends.
         let _ = SPAWNER.with(|spawner| spawner.spawn_local(task));
     }
 
-    /// Does work in a turn of its own. Work that has not begun when nobody waits for it any more is never begun.
+    /// Does work in a turn of its own. Work that has not started when its result is no longer awaited never starts.
     pub(crate) async fn work<T: 'static>(
         work: impl FnOnce() -> T + 'static,
     ) -> Result<T, Panicked> {
@@ -80,12 +80,12 @@ mod turns {
         result.await.map_err(|_| Panicked)
     }
 
-    /// Lets the tasks go on until all of them wait.
+    /// Runs the tasks until all of them wait.
     pub(crate) fn run() {
         POOL.with_borrow_mut(LocalPool::run_until_stalled);
     }
 
-    /// Does the work that has waited longest; false if none waits.
+    /// Does the work that has waited longest. Returns false if none waits.
     pub(crate) fn turn() -> bool {
         let Some(work) = WORK.with_borrow_mut(VecDeque::pop_front) else {
             return false;

@@ -1,4 +1,4 @@
-//! From plain data to the protocol's types.
+//! Converts plain data into the protocol's types.
 
 use ide::color::StatedColor;
 use ide::completion::{Completion, CompletionKind, Completions};
@@ -153,7 +153,7 @@ pub(crate) fn diagnostics(
     found.map(|d| diagnostic(places, uri, d, related)).collect()
 }
 
-/// `related` says whether the editor takes the related places.
+/// `related` says whether the editor accepts related locations.
 fn diagnostic(
     places: &impl Places,
     uri: &lsp::Uri,
@@ -211,12 +211,12 @@ pub(crate) fn hover(snapshot: &Snapshot, offset: u32, markdown: bool) -> Option<
     })
 }
 
-/// The part of a completion that is resolved later, in the item's data.
+/// Returns the data of a completion item by which its remaining parts are resolved later.
 pub(crate) fn later(uri: &str, offset: u32) -> serde_json::Value {
     serde_json::json!({ "uri": uri, "offset": offset })
 }
 
-/// The editor requests an incomplete list again when more has been written.
+/// The editor requests an incomplete list again when the user has typed more.
 pub(crate) fn completions(snapshot: &Snapshot, found: Completions) -> lsp::CompletionResponse {
     let list = found.list.into_iter();
     let items = list.map(|it| completion(snapshot, found.range, it));
@@ -248,7 +248,7 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
         lsp::InsertTextFormat::PLAIN_TEXT
     };
     lsp::CompletionItem {
-        // Editors that trust the server with an edit's range filter by this.
+        // Editors that accept the server's ranges of edits filter by this.
         filter_text: Some(completion.label.clone()),
         label: completion.label,
         kind: Some(kind),
@@ -263,7 +263,7 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
     }
 }
 
-/// `markdown` is `None` where the editor takes strings alone.
+/// `markdown` is `None` if the editor accepts only strings.
 pub(crate) fn documentation(
     description: &ide::description::Description,
     markdown: Option<bool>,
@@ -274,7 +274,8 @@ pub(crate) fn documentation(
     }
 }
 
-/// `offsets` says whether the editor takes a parameter as a part of the label; else it is given its text.
+/// `offsets` says whether the editor accepts a parameter as a range of the label; otherwise it gets the parameter's
+/// text.
 pub(crate) fn signature(signature: &Signature, offsets: bool) -> lsp::SignatureHelp {
     let units = |at: u32| signature.label[..at as usize].encode_utf16().count() as u32;
     let parameters = signature.parameters.iter();
@@ -308,7 +309,7 @@ pub(crate) fn text_edits(snapshot: &Snapshot, edits: &[Edit]) -> Vec<lsp::TextEd
     edits.collect()
 }
 
-/// Edits of a document that must be of the snapshot's version.
+/// Returns edits of a document, which must have the snapshot's version.
 pub(crate) fn workspace_edit(
     snapshot: &Snapshot,
     uri: &lsp::Uri,
@@ -372,10 +373,10 @@ pub(crate) fn fix_all(
 
 /// The command that writes a document in another language into a new file: its argument is the document's URI.
 pub(crate) const CONVERT_COMMAND: &str = "geotrace.convert";
-/// The kind of the action that does.
+/// The kind of that action.
 pub(crate) const CONVERT: lsp::CodeActionKind = lsp::CodeActionKind::new("source.convert");
 
-/// The action that writes a document in Geotrace's language, into a new file.
+/// Returns the action that writes a document in Geotrace's language, into a new file.
 pub(crate) fn conversion(uri: &lsp::Uri) -> lsp::CodeActionOrCommand {
     let title = "Convert to Geotrace's language".to_owned();
     lsp::CodeActionOrCommand::CodeAction(lsp::CodeAction {
@@ -390,7 +391,7 @@ pub(crate) fn conversion(uri: &lsp::Uri) -> lsp::CodeActionOrCommand {
     })
 }
 
-/// The edit that creates a file with a text.
+/// Returns the edit that creates a file with a text.
 pub(crate) fn new_file(uri: &lsp::Uri, text: String) -> lsp::WorkspaceEdit {
     let create = lsp::ResourceOp::Create(lsp::CreateFile {
         uri: uri.clone(),
@@ -497,8 +498,9 @@ pub(crate) fn color_presentation(
     }
 }
 
-/// The chain of ranges, from the smallest to the largest. Each holds the next one, in memory and in the message, and what is that
-/// deep overflows stacks: of a long chain, the smallest are there, and some of the others up to the largest.
+/// Returns the chain of ranges, from the smallest to the largest. Each contains the next one, in memory and in the
+/// message, and deep nesting overflows stacks: of a long chain, only the smallest and a sample of the larger ones are
+/// returned.
 pub(crate) fn selection(snapshot: &Snapshot, chain: &[Span]) -> lsp::SelectionRange {
     const SMALL: usize = 64;
     const LARGE: usize = 32;

@@ -1,4 +1,4 @@
-//! Semantic tokens as the protocol writes them, and the differences between two lists of them.
+//! Semantic tokens in the protocol's encoding, and the differences between two lists of them.
 
 use ide::semantic::TokenType;
 use syntax::span::Span;
@@ -10,7 +10,7 @@ use crate::encoding::Place;
 /// type, modifiers.
 pub(crate) type Encoded = [u32; 5];
 
-/// The tokens that touch a range, encoded.
+/// Returns the tokens that touch a range, encoded.
 pub(crate) fn encode(snapshot: &Snapshot, range: Option<[Place; 2]>) -> Vec<Encoded> {
     let span = match range {
         None => Span::new(0, snapshot.text().len()),
@@ -30,7 +30,7 @@ pub(crate) fn encode(snapshot: &Snapshot, range: Option<[Place; 2]>) -> Vec<Enco
         .unwrap_or_default();
     let piece = |start: u32, end: u32| &text[(start - first) as usize..(end - first) as usize];
     let mut before = Place::default();
-    // Tokens come in order: what stands between two is counted once.
+    // Tokens are in order: the text between two is counted once.
     let [mut place, _] = snapshot.range(Span::new(first, first));
     let mut counted = first;
     let encoded = tokens.iter().map(|token| {
@@ -66,8 +66,8 @@ fn index(token_type: TokenType) -> u32 {
     position.unwrap_or_default() as u32
 }
 
-/// One replacement that turns a list into another: where it starts, how many tokens go, which come. `None` where they
-/// are the same.
+/// Returns one replacement that turns a list into another: its start, the number of tokens that it removes, and those
+/// that it inserts. `None` if the lists are equal.
 pub(crate) fn difference(old: &[Encoded], new: &[Encoded]) -> Option<(usize, usize, Vec<Encoded>)> {
     let prefix = old.iter().zip(new).take_while(|(a, b)| a == b).count();
     if prefix == old.len() && prefix == new.len() {

@@ -1,4 +1,4 @@
-//! The server where there are no threads: in a Worker of a browser, which hands it each message and gives it turns.
+//! The server without threads: in a Worker of a browser, which passes each message to it and gives it turns.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -20,7 +20,7 @@ pub struct ServerByTurns {
 }
 
 impl ServerByTurns {
-    /// A server for documents in these languages. It has no windows.
+    /// Returns a server for documents in these languages. It has no windows.
     pub fn new(languages: Languages) -> Self {
         let (incoming, frames) = mpsc::unbounded();
         let outgoing = Rc::<RefCell<Vec<String>>>::default();
@@ -41,7 +41,7 @@ impl ServerByTurns {
         tasks::run();
     }
 
-    /// Does the work that has waited longest; false if none waits.
+    /// Does the work that has waited longest. Returns false if none waits.
     pub fn turn(&self) -> bool {
         tasks::turn()
     }

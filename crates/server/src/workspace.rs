@@ -7,14 +7,15 @@ use ide::Languages;
 use ide::language::LONGEST_PROGRAM;
 use ide::limited::read_file;
 
-/// The most programs that are looked for, …
+/// The maximum number of programs that are found, …
 const MOST: usize = 2000;
-/// … the most folders, …
+/// … of folders, …
 const MOST_FOLDERS: usize = 5000;
-/// … and how deep.
+/// … and of nested folders.
 const DEEPEST: usize = 12;
 
-/// The files with an extension of one of the languages, in the folders and those within; hidden ones and those of tools are passed by.
+/// Returns the files with an extension of one of the languages, in the folders and their subfolders. Hidden files and
+/// those of tools are skipped.
 pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBuf> {
     let mut programs = Vec::new();
     let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
@@ -27,12 +28,12 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
         let Ok(entries) = std::fs::read_dir(&folder) else {
             continue;
         };
-        // Which programs are found does not depend on the order in which the system lists them.
+        // Sorted, so that the result does not depend on the order in which the system lists the entries.
         let mut entries: Vec<_> = entries.flatten().collect();
         entries.sort_by_key(DirEntry::file_name);
         for entry in entries {
             let path = entry.path();
-            // A link may lead back: only what lies here counts.
+            // A link may lead back to a parent: only real entries count.
             let Ok(kind) = entry.file_type() else {
                 continue;
             };
@@ -50,7 +51,7 @@ pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBu
     programs
 }
 
-/// Reads a program; `None` if it cannot be read, is too long or is not UTF-8.
+/// Reads a program. Returns `None` if it cannot be read, is too long or is not UTF-8.
 pub(crate) fn read(path: &Path) -> Option<String> {
     String::from_utf8(read_file(path, LONGEST_PROGRAM).ok()?).ok()
 }

@@ -1,4 +1,5 @@
-//! The command `geotrace.convert`: a document's text in another language, in a new file that the editor creates and shows.
+//! The command `geotrace.convert`: a document's text in another language, in a new file that the editor creates and
+//! shows.
 
 use tower_lsp::Client;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
@@ -10,10 +11,10 @@ use crate::documents::Open;
 use crate::tasks;
 use crate::to_lsp::{self, CONVERT_COMMAND};
 
-/// Names that are tried for the new file before it is given up.
+/// The number of names that are tried for the new file.
 const MOST_NAMES: u32 = 100;
 
-/// Converts a document; the edit is sent to the editor behind the answer.
+/// Converts a document; the edit is sent to the editor after the answer.
 pub(super) async fn convert(
     server: &Backend,
     params: lsp::ExecuteCommandParams,
@@ -69,7 +70,7 @@ pub(super) async fn convert(
             return show_message(&client, format!("the script is not converted: {reason}"));
         }
     };
-    // Requests to the editor are never waited for within a handler.
+    // Handlers never wait for requests to the editor.
     tasks::spawn(async move {
         let edit = to_lsp::new_file(&target, text);
         let params = lsp::ApplyWorkspaceEditParams {
@@ -100,7 +101,7 @@ pub(super) async fn convert(
     Ok(None)
 }
 
-/// `forest.gtr` beside `forest.crt`; with another count `forest-2.gtr`.
+/// Returns `forest.gtr` beside `forest.crt`; with a larger count `forest-2.gtr`.
 fn sibling(uri: &lsp::Uri, count: u32, extension: &str) -> String {
     let stem = uri.as_str();
     let name = stem.rfind('/').map_or(0, |slash| slash + 1);
@@ -116,7 +117,7 @@ fn sibling(uri: &lsp::Uri, count: u32, extension: &str) -> String {
     format!("{stem}{number}.{extension}")
 }
 
-/// Returns true if there is such a file on this system: what an editor has elsewhere is its own business.
+/// Returns true if the file exists on this system; files that an editor has elsewhere are not checked.
 fn exists(uri: &lsp::Uri) -> bool {
     uri.as_str().starts_with("file:") && uri.to_file_path().is_some_and(|path| path.exists())
 }

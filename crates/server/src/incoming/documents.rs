@@ -31,7 +31,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
             )
             .map(|open| Findings::of(open, &uri, related));
         session.preview_text(uri.as_str());
-        // What an editor reads anew has its window already, which stays where it is.
+        // A document that an editor reloads already has its window, which stays where it is.
         let opens = session.settings.preview_on_open && !session.previews.has(uri.as_str());
         (opened, opens)
     };
@@ -61,7 +61,7 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
             .documents
             .change(uri.as_str(), version, changes.collect(), previewed);
         let changed = changed.map(|open| {
-            // An editor that pulls diagnostics gets none pushed.
+            // Nothing is pushed to an editor that pulls diagnostics.
             open.map(|open| (!pulled).then(|| Findings::of(open, &uri, related)))
         });
         session.preview_edit(uri.as_str());
@@ -102,7 +102,7 @@ pub(super) async fn diagnostic(
     let uri = params.text_document.uri;
     let first = server.session().pulled.insert(uri.as_str().to_owned());
     if first {
-        // What was sent unasked is taken back: else the editor would show everything twice.
+        // Diagnostics that were pushed are withdrawn: otherwise the editor would show them twice.
         let (client, uri) = (server.client.clone(), uri.clone());
         let publishing = server.publishing.clone();
         tasks::spawn(async move {
@@ -136,7 +136,7 @@ pub(super) async fn diagnostic(
             let snapshot = snapshot.clone();
             let run = server.work(move || snapshot.analysis().diagnostics());
             let found = run.await?;
-            // The edit has ended the run.
+            // An edit has ended the run.
             let session = server.session();
             if !session.documents.is_current(uri.as_str(), revision) {
                 let message = "the document has changed";
@@ -156,14 +156,15 @@ pub(super) async fn diagnostic(
     ))
 }
 
-/// Returns true if a document's preview opens by itself: not that of an older version which an editor shows beside it.
+/// Returns true if a document's preview opens by itself; that of an older version which an editor shows for comparison
+/// does not.
 pub(super) fn is_previewed(uri: &lsp::Uri) -> bool {
     ["file:", "untitled:"]
         .iter()
         .any(|scheme| uri.as_str().starts_with(scheme))
 }
 
-/// The diagnostics of a document, at a revision of it.
+/// The diagnostics of a document at a revision.
 struct Findings {
     revision: u64,
     version: i32,
@@ -185,13 +186,14 @@ impl Findings {
 }
 
 impl Backend {
-    /// Sends what is wrong with a document at a revision, unless it has changed meanwhile; then what a run of it finds.
+    /// Sends the diagnostics of a document at a revision, unless it has changed meanwhile; then those that a run of it
+    /// finds.
     async fn publish(&self, uri: lsp::Uri, findings: Findings) {
         self.publish_found(&uri, &findings).await;
         let Some(snapshot) = findings.runs.clone() else {
             return;
         };
-        // The handler ends: only a few may be under way.
+        // End the handler, since only a few may run at once.
         let server = self.clone();
         let related = self.session().editor.related_places;
         tasks::spawn(async move {

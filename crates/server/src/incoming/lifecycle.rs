@@ -1,4 +1,4 @@
-//! The life of a session: what the editor offers, what the server can do, and the end.
+//! The life of a session: the editor's capabilities, the server's, and the end.
 
 use std::path::PathBuf;
 
@@ -41,7 +41,7 @@ pub(super) async fn initialize(
     })
 }
 
-/// Returns the folders of the workspace; of an editor that knows none, the root.
+/// Returns the folders of the workspace, or the root if the editor does not support folders.
 fn folders(params: &lsp::InitializeParams) -> Vec<PathBuf> {
     let path = |uri: &lsp::Uri| uri.to_file_path().map(|path| path.into_owned());
     #[allow(deprecated)]
@@ -56,7 +56,7 @@ pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
     request_settings(server);
 }
 
-/// Asks the editor for its settings, if it answers that.
+/// Requests the editor's settings, if it answers such requests.
 pub(super) fn request_settings(server: &Backend) {
     if server.session().editor.configuration {
         let (client, session) = (server.client.clone(), server.session.clone());
@@ -109,7 +109,8 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
             .and_then(|c| c.documentation_format.as_ref())
             .map(|formats| formats.contains(&lsp::MarkupKind::Markdown)),
         snippets: completion.and_then(|c| c.snippet_support).unwrap_or(false),
-        // Operations on files stand in the list of changes: who takes them takes that too, though Neovim does not say so.
+        // File operations are part of the list of changes: an editor that supports them supports that list too, though
+        // Neovim does not declare it.
         creates_files: edit.is_some_and(|edit| {
             let mut operations = edit.resource_operations.iter().flatten();
             operations.any(|it| *it == lsp::ResourceOperationKind::Create)
@@ -141,7 +142,7 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     }
 }
 
-/// The encoding of positions: of those that the editor offers, the one that it prefers. It names that first.
+/// Returns the encoding of positions: the editor's preferred one, which is the first that it offers.
 fn encoding(capabilities: &lsp::ClientCapabilities) -> Encoding {
     let offered = capabilities
         .general

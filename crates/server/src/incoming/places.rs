@@ -1,4 +1,4 @@
-//! Requests at a place of a document: hover, completion, definition, rename, …
+//! Requests at a position of a document: hover, completion, definition, rename, …
 
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
@@ -9,7 +9,7 @@ use crate::documents::Open;
 use crate::raw_responses::Answer;
 use crate::to_lsp;
 
-/// The protocol's code for a request that failed for a reason that the user should read.
+/// The protocol's code for a request that failed for a reason that the user should see.
 const REQUEST_FAILED: i64 = -32803;
 
 pub(super) async fn hover(
@@ -48,7 +48,7 @@ pub(super) async fn completion_resolve(
         return Ok(item);
     };
     let format = server.session().editor.documentation;
-    // A document that has been closed meanwhile has no details any more.
+    // A document that has been closed meanwhile has no details.
     let Some(snapshot) = server.session().documents.get(uri).map(Open::snapshot) else {
         return Ok(item);
     };
@@ -118,7 +118,7 @@ pub(super) async fn document_highlight(
     params: lsp::DocumentHighlightParams,
 ) -> Result<Option<Vec<lsp::DocumentHighlight>>> {
     let at = params.text_document_position_params;
-    // Editors ask for this where the cursor stands.
+    // Editors request this at the cursor.
     server.point_at(&at);
     server
         .ask(&at.text_document.uri, move |snapshot| {

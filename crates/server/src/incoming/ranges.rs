@@ -54,7 +54,7 @@ pub(super) async fn document_link(
     let uri = params.text_document.uri;
     server
         .ask(&uri.clone(), move |snapshot| {
-            // Paths are relative to the folder of the document, which an untitled one does not have.
+            // Paths are relative to the document's folder; an untitled document has none.
             let file = uri.to_file_path()?;
             let folder = file.parent()?;
             let links = snapshot.analysis().links().into_iter();
@@ -119,7 +119,8 @@ pub(super) async fn semantic_tokens_full_delta(
     tokens_since(server, params.text_document.uri, Some(known)).await
 }
 
-/// All tokens, or how they differ from those that the editor knows by a name, where those were sent last.
+/// Returns all tokens, or their difference from the last tokens sent if the editor still has those under the name
+/// `known`.
 async fn tokens_since(server: &Backend, uri: lsp::Uri, known: Option<String>) -> Result<Answer> {
     let (name, old) = {
         let mut session = server.session();
@@ -188,7 +189,7 @@ pub(super) async fn inlay_hint(server: &Backend, params: lsp::InlayHintParams) -
                 found.extend(snapshot.analysis().preview_values(range, &values));
                 found.sort_by_key(|hint| hint.offset);
             }
-            // Values stand apart from the text, splits within it.
+            // Values are set apart from the text; splits are within it.
             let wanted = found.iter().filter(|hint| {
                 if hint.apart {
                     settings.values
@@ -222,7 +223,7 @@ pub(super) async fn code_action(
     let editor = server.session().editor;
     let versioned = editor.versioned_edits;
     let uri = params.text_document.uri;
-    // A kind holds those below it: everything below the empty kind.
+    // A kind includes its sub-kinds; the empty kind includes all.
     let only = params.context.only;
     let admits = |kind: lsp::CodeActionKind| {
         only.as_ref().is_none_or(|kinds| {
@@ -255,7 +256,8 @@ pub(super) async fn code_action(
             }
             if all {
                 let (edits, count) = analysis.fix_all();
-                // In a list of all kinds it stands below the fixes of this place, where there is more than one mistake.
+                // If all kinds are requested, it follows the fixes at this position, and only if there are several
+                // mistakes.
                 let is_listed = match unrestricted {
                     true => !actions.is_empty() && count > 1,
                     false => count > 0,
@@ -297,7 +299,7 @@ pub(super) async fn range_formatting(
         .await
 }
 
-/// The span between two places, in the order of the text.
+/// Returns the span between two positions, in the order of the text.
 fn span(snapshot: &Snapshot, range: lsp::Range) -> Span {
     let [start, end] = places(range).map(|place| snapshot.offset(place));
     Span::new(start.min(end), start.max(end))

@@ -1,7 +1,7 @@
-//! A preview window, from its start to its end: what it says becomes requests to the editor.
+//! A preview window, from its start to its end: its events become requests to the editor.
 //!
-//! One task listens to each window. It never waits for the editor: requests to it are sent by a second task, one thing
-//! after the other.
+//! One task receives the events of each window. It never waits for the editor: a second task sends the requests to it,
+//! one after the other.
 
 mod requests;
 
@@ -20,13 +20,13 @@ use crate::session::Session;
 use crate::tasks;
 use requests::{WindowRequest, run_all};
 
-/// The time in which windows must have received the command to close when the editor leaves.
+/// The time within which windows must have received the command to close when the editor quits.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(500);
 /// The time that a window may take to close after the command.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
-/// The number of requests that may wait: a user does not click faster than an editor jumps.
+/// The maximum number of waiting requests: a user does not click faster than an editor responds.
 const MOST_WAITING: usize = 16;
-/// Hints follow the sliders, but are not refreshed more often than this.
+/// Hints follow the sliders, but are refreshed at most once in this time.
 const HINTS_EVERY: Duration = Duration::from_millis(200);
 
 /// Opens a document's preview, or brings it to the front.
@@ -55,14 +55,14 @@ pub(super) fn open(
             });
             tasks::spawn(run(window, outputs, version_timeout));
         }
-        // Requests and notifications are never waited for within a handler.
+        // Handlers never wait for requests and notifications to the editor.
         Err((kind, message)) => {
             tasks::spawn(async move { client.show_message(kind, message).await });
         }
     }
 }
 
-/// Closes the window of a document that was closed, unless that is opened again soon.
+/// Closes the window of a closed document after a delay, unless the document has been opened again.
 pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: Left) {
     let program = lock(session).window.clone();
     let close_delay = program.map_or(Duration::ZERO, |program| program.close_delay);
@@ -73,11 +73,11 @@ pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: L
     });
 }
 
-/// Sends all windows the command to close; those that do not respond are ended.
+/// Sends the command to close to all windows, and kills those that have not received it in time.
 pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     let all = lock(session).previews.close_all();
     if all.is_empty() {
-        // A browser, which has no windows, has no clock for the deadline either.
+        // A browser has no windows, and no clock for the deadline.
         return;
     }
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
@@ -97,7 +97,7 @@ struct PreviewWindow {
     session: Arc<Mutex<Session>>,
 }
 
-/// The notification of each picture, for editors that support it: `geotrace/shown`.
+/// The notification of each shown picture, for editors that support it: `geotrace/shown`.
 enum Shown {}
 
 #[derive(serde::Deserialize, serde::Serialize)]
@@ -118,7 +118,7 @@ fn lock(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
     session.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The document's name as its user knows it.
+/// Returns the document's name for the user.
 fn name(uri: &lsp::Uri) -> String {
     let path = uri.to_file_path();
     let name = path.as_ref().and_then(|path| path.file_name());
@@ -128,7 +128,7 @@ fn name(uri: &lsp::Uri) -> String {
     )
 }
 
-/// The window that was started, with its `version_timeout`; `None` where there is one already.
+/// Starts a window. Returns it with its `version_timeout`; `None` if there already is one.
 fn start(
     session: &mut Session,
     uri: &lsp::Uri,
@@ -182,7 +182,7 @@ fn start(
     }
 }
 
-/// Listens to a window until it has ended.
+/// Handles the events of a window until it has ended.
 async fn run(
     window: Arc<PreviewWindow>,
     mut outputs: Receiver<WindowOutput>,
@@ -276,13 +276,13 @@ impl PreviewWindow {
         }
     }
 
-    /// Ends a window with which there is nothing to talk about.
+    /// Ends a window whose messages cannot be understood.
     async fn give_up(&self, message: String) {
         let known = lock(&self.session)
             .previews
             .forget(self.uri.as_str(), self.id);
         self.process.kill();
-        // One that was closed meanwhile is no one's concern.
+        // If it was closed meanwhile, the user needs no message.
         if known.is_some() {
             self.client
                 .show_message(lsp::MessageType::ERROR, message)
@@ -290,8 +290,8 @@ impl PreviewWindow {
         }
     }
 
-    /// The window has ended: it is removed, and if its end was not requested, the user gets a message. One that has
-    /// never said a word may not end silently, whatever its status.
+    /// Removes a window that has ended. If its end was not requested, the user gets a message. A window that has never
+    /// sent a greeting gets one whatever its exit status.
     async fn gone(&self, gone: Gone, greeted: bool) {
         let known = lock(&self.session)
             .previews
@@ -418,7 +418,7 @@ impl PreviewWindow {
                     .forget(self.uri.as_str(), self.id);
                 return known.is_some_and(|preview| !preview.live.is_empty());
             }
-            // A greeting again, or what a later version of the messages adds.
+            // A repeated greeting, or an event of a later version of the messages.
             _ => {}
         }
         false

@@ -1,4 +1,4 @@
-//! Requests that read a document run on a worker, over the document as it was when the request came.
+//! Requests that read a document run on a worker, over a snapshot of the document at the time of the request.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ use crate::raw_responses::{Answer, answer};
 use crate::tasks;
 
 impl Backend {
-    /// The document as it is now.
+    /// Returns a snapshot of the document.
     pub(super) fn snapshot(&self, uri: &lsp::Uri) -> Result<Arc<Snapshot>> {
         let session = self.session();
         let open = session.documents.get(uri.as_str());
         open.map(Open::snapshot).ok_or_else(|| not_open(uri))
     }
 
-    /// Runs a feature on a worker, over a document as it is now. A panic in it is an error of this request alone.
+    /// Runs a feature on a worker, over a snapshot of a document. A panic in it is an error of this request only.
     pub(super) async fn ask<T: Send + 'static>(
         &self,
         uri: &lsp::Uri,
@@ -29,7 +29,7 @@ impl Backend {
         self.work(move || feature(&snapshot)).await
     }
 
-    /// Runs a task with a large answer, which is written on the worker too.
+    /// Runs a task with a large answer, which is also serialised on the worker.
     pub(super) async fn answer<T: Serialize>(
         &self,
         uri: &lsp::Uri,
@@ -38,14 +38,14 @@ impl Backend {
         self.ask(uri, |snapshot| answer(&feature(snapshot))).await?
     }
 
-    /// Runs something on a worker when there is a place. A request that is cancelled while it waits is never begun.
+    /// Runs work on a worker when a permit is free. A request that is cancelled while it waits never starts.
     pub(super) async fn work<T: Send + 'static>(
         &self,
         feature: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T> {
         let place = self.places.clone().acquire_owned().await;
         let done = tasks::work(move || {
-            // Held until the work is done, whether anyone waits for it or not.
+            // Held until the work is done, even if the request has been cancelled.
             let _place = place;
             feature()
         });

@@ -1,4 +1,4 @@
-//! Requests that concern no document alone: settings, folders, symbols of all programs, commands.
+//! Requests that do not concern a single document: settings, folders, symbols of all programs, commands.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,7 +21,7 @@ use crate::tasks;
 use crate::to_lsp;
 use crate::workspace;
 
-/// The most symbols that a search in the workspace gives.
+/// The maximum number of symbols that a search in the workspace returns.
 const MOST_SYMBOLS: usize = 1000;
 
 pub(super) async fn did_change_configuration(
@@ -30,7 +30,7 @@ pub(super) async fn did_change_configuration(
 ) {
     let settings = params.settings.as_object();
     if settings.is_none_or(|settings| settings.is_empty()) {
-        // The editor only says that they have changed.
+        // The notification only says that the settings have changed.
         request_settings(server);
         return;
     }
@@ -67,7 +67,7 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
         token.map(|token| Progress::begin(&server.raw_sender, token, "Reading the workspace"));
     let searched = server.work(move || {
         let mut found = Vec::new();
-        // By their paths: a file has more than one URI, such as with C: and with c%3A.
+        // Compared by path: a file has several URIs, such as with C: and with c%3A.
         let mut paths: Vec<PathBuf> = Vec::new();
         for snapshot in &open {
             let uri = snapshot.uri.parse::<lsp::Uri>().ok();
@@ -91,7 +91,7 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
         answer(&found)
     });
     let found = searched.await;
-    // The answer comes behind it.
+    // The answer follows the end of the progress.
     drop(progress);
     found?
 }
@@ -113,7 +113,7 @@ pub(super) async fn execute_command(
         return Err(failed(ErrorCode::InvalidParams, message));
     };
     let view = arguments.next().unwrap_or_default();
-    // Which views there are is the window's business.
+    // The window defines which views exist.
     let view = serde_json::from_value::<View>(view).ok();
     let Ok(uri) = uri.parse::<lsp::Uri>() else {
         let message = format!("{uri} is not the URI of a document");
@@ -123,7 +123,7 @@ pub(super) async fn execute_command(
     Ok(None)
 }
 
-/// Takes new settings, and has the editor ask again for what they change.
+/// Applies new settings, and has the editor refresh everything that depends on them.
 pub(super) fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_json::Value) {
     let (before, after, editor) = {
         let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
@@ -144,7 +144,7 @@ pub(super) fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_j
     }
     let hints = (before.splits, before.values) != (after.splits, after.values);
     let lenses = before.lenses != after.lenses;
-    // Requests to the editor are never waited for within a handler.
+    // Handlers never wait for requests to the editor.
     tasks::spawn(async move {
         if hints && editor.refreshes_hints {
             let _ = client.inlay_hint_refresh().await;
@@ -155,7 +155,7 @@ pub(super) fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_j
     });
 }
 
-/// The symbols of a document whose names hold the letters of the query in their order.
+/// Adds the symbols of a document whose names contain the letters of the query in order.
 fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInformation>) {
     let Ok(uri) = snapshot.uri.parse::<lsp::Uri>() else {
         return;
@@ -171,8 +171,8 @@ fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInforma
     found.extend(entries.map(|entry| to_lsp::symbol_information(snapshot, &uri, entry)));
 }
 
-/// A progress bar that the editor has offered with a request: from the first to the last that is said of it. It goes the
-/// way of the answers, so that it ends before they come.
+/// A progress bar that the editor offered with a request, from its first to its last report. Its reports are sent on
+/// the same path as the answers, so that it ends before they arrive.
 struct Progress<'o> {
     raw_sender: &'o RawSender,
     token: lsp::ProgressToken,
@@ -204,7 +204,7 @@ impl<'o> Progress<'o> {
     }
 }
 
-/// Ends the progress, also if the request is cancelled.
+/// Ends the progress, even if the request is cancelled.
 impl Drop for Progress<'_> {
     fn drop(&mut self) {
         let end = lsp::WorkDoneProgressEnd::default();

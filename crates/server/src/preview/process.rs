@@ -1,4 +1,4 @@
-//! The process of a window: threads that write to it and listen to it, and how it ended.
+//! The process of a window: the threads that write to it and read from it, and its end.
 //!
 //! ```text
 //! mailbox ──writer──▶ standard input        the only thread that a window which does not read can stop
@@ -21,29 +21,29 @@ use tokio::sync::{Notify, mpsc, watch};
 use super::WindowProgram;
 use crate::platform;
 
-/// The number of outputs that may wait: beyond it an event waits, and a line for the log is dropped.
+/// The maximum number of waiting outputs: beyond it an event waits, and a line for the log is dropped.
 const MOST_WAITING: usize = 64;
-/// The most lines for the log that are taken from one window.
+/// The maximum number of log lines that are taken from one window.
 const MOST_LINES: usize = 1000;
-/// The longest of them, in bytes.
+/// The maximum length of such a line, in bytes.
 const LONGEST_LINE: u64 = 4096;
-/// The number of last lines that are kept, to find the reason of an end in them.
+/// The number of last lines that are kept, to find the reason of the end in them.
 const LAST_LINES: usize = 20;
-/// The time that a process may go on after it has closed its standard output.
+/// The maximum time that a process may continue after it has closed its standard output.
 const SILENCE_LIMIT: Duration = Duration::from_secs(2);
-/// The time that the last lines of the standard error may take after the process has ended.
+/// The maximum time for the last lines of the standard error after the process has ended.
 const LINES_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// An output of a window.
 #[derive(Debug)]
 pub(crate) enum WindowOutput {
-    /// It has said something.
+    /// A message of the window.
     Event(Event),
-    /// A line for the log: of its standard error, or of what is no event.
+    /// A line for the log: from its standard error, or one that is not a message.
     Line(String),
     /// A sentence for the user: a message could not be sent to it.
     NotSent(String),
-    /// It has ended. The last that is heard.
+    /// It has ended. This is its last output.
     Gone(Gone),
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Gone {
     pub(crate) clean: bool,
     /// The exit status or the signal, in words.
     pub(crate) status: String,
-    /// Its own words, from the last lines of its standard error.
+    /// Its own reason, from the last lines of its standard error.
     pub(crate) reason: Option<String>,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct Gone {
 pub(crate) struct Process {
     child: Mutex<Child>,
     mailbox: Mailbox,
-    /// It is to close.
+    /// Notified when it is to close.
     closing: Notify,
     /// Notified when all messages have been sent.
     all_written: watch::Sender<bool>,
@@ -96,7 +96,7 @@ impl Process {
         let started = process.clone().start_threads(input, output, error, outputs);
         if let Err(error) = started {
             process.kill();
-            // A process that nobody waits for stays in the system's table.
+            // Reaps the process, which would otherwise stay in the system's table.
             let _ = process.child().wait();
             return Err(error);
         }
@@ -108,7 +108,7 @@ impl Process {
         self.mailbox.put(command)
     }
 
-    /// The length in a message, about, of the edits that the window has not read yet.
+    /// Returns the approximate length in a message of the edits that the window has not read yet, in bytes.
     pub(crate) fn waiting_edits(&self) -> usize {
         self.mailbox.waiting_edits()
     }
@@ -139,15 +139,15 @@ impl Process {
         *self.all_written.borrow()
     }
 
-    /// Returns true if the process has ended, though its end may not have been heard yet.
+    /// Returns true if the process has ended, even if its end has not been reported yet.
     pub(crate) fn has_ended(&self) -> bool {
         !matches!(self.child().try_wait(), Ok(None))
     }
 
-    /// Ends the process.
+    /// Kills the process.
     pub(crate) fn kill(&self) {
         self.mailbox.close();
-        // One that has ended already cannot be killed: that is what was wanted.
+        // A process that has already ended cannot be killed, which is fine.
         let _ = self.child().kill();
     }
 
@@ -266,7 +266,7 @@ fn record(
     let mut bytes = Vec::new();
     loop {
         bytes.clear();
-        // A longer line comes in pieces.
+        // A longer line arrives in pieces.
         match (&mut reader)
             .take(LONGEST_LINE)
             .read_until(b'\n', &mut bytes)
@@ -291,8 +291,7 @@ fn record(
     }
 }
 
-/// Returns the sentence among the last lines that gives the reason of the end: a panic's message, its error, else the
-/// last.
+/// Returns the reason of the end among the last lines: a panic's message, or an error, or else the last line.
 fn reason<'l>(lines: impl DoubleEndedIterator<Item = &'l String> + Clone) -> Option<String> {
     let error =
         |line: &&String| line.starts_with("error: ") || line.starts_with("internal error: ");

@@ -1,23 +1,24 @@
-//! The versions of the text that a window has been sent, for as long as it may speak of them, and where their places are
-//! now.
+//! The versions of the text that a window has been sent, for as long as it may refer to them, and the current locations
+//! of their ranges.
 //!
-//! A window gets a number with each text, which only grows. It is the editor's version, until the document is closed
-//! and opened again: editors may count from the start then, or give a number twice.
+//! A window gets a number with each text, which only increases. It is the editor's version, until the document is
+//! closed and opened again: then editors may count from the start, or use a number twice.
 
 use std::collections::VecDeque;
 
 use protocol::changes::Changes;
 
-/// The number of versions that are kept. A window reads on while it compiles, but it speaks of what it shows.
+/// The maximum number of versions that are kept. A window reads ahead while it compiles, but refers to the version that
+/// it shows.
 const MOST: usize = 16;
 
 /// The versions by number, oldest first.
 #[derive(Debug, Default)]
 pub(crate) struct SentVersions {
-    /// Each with the changes from its text to that of the next one.
+    /// Each with the changes from its text to the next one.
     versions: VecDeque<(i32, Changes)>,
     /// The last version that was shown without errors, since its picture stays while later ones have errors; with the
-    /// changes to the first of `versions`.
+    /// changes that lead to the first of `versions`.
     good: Option<(i32, Changes)>,
     numbers: Numbers,
 }
@@ -33,8 +34,8 @@ struct Numbers {
 }
 
 impl SentVersions {
-    /// Adds a version of the editor, and returns its number. `changes` lead to it from the last one; without them places
-    /// in earlier versions are lost.
+    /// Adds a version of the editor. Returns its number. `changes` lead to it from the last one; without them, ranges
+    /// in earlier versions can no longer be located.
     pub(crate) fn put(&mut self, version: i32, changes: Option<&Changes>) -> i32 {
         match (self.versions.back_mut(), changes) {
             (Some((_, last)), Some(changes)) => *last = last.then(changes),
@@ -51,24 +52,24 @@ impl SentVersions {
         number
     }
 
-    /// The number of the last version.
+    /// Returns the number of the last version.
     pub(crate) fn last(&self) -> Option<i32> {
         self.numbers.last
     }
 
-    /// The number of a version that the editor has now.
+    /// Returns the number of a current version of the editor.
     pub(crate) fn number(&self, version: i32) -> i32 {
         self.numbers.of(version)
     }
 
-    /// The editor's version of a number; `None` for a document that has been opened anew since.
+    /// Returns the editor's version of a number; `None` if the document has been opened again since.
     pub(crate) fn version(&self, number: i32) -> Option<i32> {
         let version = i64::from(number) - self.numbers.above;
         let known = number >= self.numbers.since;
         known.then(|| i32::try_from(version).ok()).flatten()
     }
 
-    /// Forgets a version that a later one has overtaken before the window has read it.
+    /// Forgets a version that a later one has superseded before the window has read it.
     pub(crate) fn never_read(&mut self, number: i32) {
         let last = self.versions.len().saturating_sub(1);
         let mut known = self.versions.iter();
@@ -84,7 +85,7 @@ impl SentVersions {
         }
     }
 
-    /// The window shows a version: it speaks no more of those before it.
+    /// Notes that the window shows a version: it no longer refers to earlier ones.
     pub(crate) fn shown(&mut self, number: i32, ok: bool) {
         let mut known = self.versions.iter();
         let Some(at) = known.position(|(known, _)| *known == number) else {
@@ -98,7 +99,7 @@ impl SentVersions {
         }
     }
 
-    /// Returns the present place of a range of a version; `None` for a version that is not known.
+    /// Returns the current location of a range of a version; `None` if the version is not known.
     pub(crate) fn moved(&self, number: i32, mut range: [u32; 2]) -> Option<[u32; 2]> {
         let mut known = self.versions.iter();
         let first = match known.position(|(known, _)| *known == number) {
@@ -121,7 +122,7 @@ impl SentVersions {
         }
     }
 
-    /// The number of versions that are kept.
+    /// Returns the number of versions that are kept.
     #[cfg(test)]
     fn len(&self) -> usize {
         self.versions.len() + usize::from(self.good.is_some())
@@ -129,7 +130,7 @@ impl SentVersions {
 }
 
 impl Numbers {
-    /// The number of the next text, which has a version.
+    /// Returns the number of the next text, which has a version.
     fn next(&mut self, version: i32) -> i32 {
         let number = match self.last {
             Some(last) if self.of(version) <= last => last.saturating_add(1),

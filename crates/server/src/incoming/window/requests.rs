@@ -15,27 +15,27 @@ use crate::documents::{Open, Snapshot};
 use crate::tasks;
 use crate::to_lsp;
 
-/// The time that the editor may take for one request; the next is sent then.
+/// The maximum time for one request to the editor; then the next one is sent.
 const EDITOR_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A request to the editor.
 #[derive(Debug)]
 pub(super) enum WindowRequest {
-    /// A declaration is to be shown: its range in the text of a version.
+    /// To show a declaration: its range in the text of a version.
     Open { version: i32, range: [u32; 2] },
-    /// A param's value is to be written into the text.
+    /// To write a param's value into the text.
     Write { param: String, value: Vec<f64> },
-    /// A camera is to be written into the text.
+    /// To write a camera into the text.
     WriteCamera {
         name: String,
         direction: [f64; 3],
         position: [f64; 3],
     },
-    /// The colour of an object is to be written into the text.
+    /// To write the colour of an object into the text.
     WriteColor { object: String, color: [f64; 3] },
 }
 
-/// Asks the editor what a window requests, one thing after the other.
+/// Sends the requests of a window to the editor, one after the other.
 pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<WindowRequest>) {
     while let Some(request) = requests.recv().await {
         let done = async {
@@ -54,7 +54,7 @@ pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<W
                 }
             }
         };
-        // An editor that asks its user first may take its time, but other requests do not wait for ever.
+        // An editor may ask its user first, but other requests do not wait forever.
         let _ = timeout(EDITOR_TIMEOUT, done).await;
     }
 }
@@ -70,7 +70,7 @@ impl PreviewWindow {
             };
             let [start, end] = range;
             let range = [start.min(end), start.max(end)];
-            // No place can be found of a version that is not known; the document is shown all the same.
+            // In an unknown version no range can be located; the document is shown all the same.
             let preview = session.previews.of(uri, self.id);
             let moved = preview.and_then(|preview| preview.sent.moved(version, range));
             (
@@ -130,7 +130,7 @@ impl PreviewWindow {
             .await;
     }
 
-    /// Has the editor make an edit, and tells the user where it was not made. `subject` begins that sentence.
+    /// Requests an edit from the editor, and tells the user if it was not made. `subject` begins that sentence.
     async fn write(
         &self,
         label: String,
@@ -156,7 +156,7 @@ impl PreviewWindow {
             return Err("this editor does not accept edits from its language server".to_owned());
         }
         let mut reason = None;
-        // The user may have typed meanwhile: then the edit is made once more, of the text as it is now.
+        // The user may have typed meanwhile: then the edit is made once more, in the current text.
         for _ in 0..2 {
             let Some(snapshot) = self.snapshot() else {
                 return Err("it is no longer open".to_owned());
@@ -198,7 +198,7 @@ impl PreviewWindow {
         self.client.show_message(kind, message).await;
     }
 
-    /// The document as it is now, if it is still open.
+    /// Returns a snapshot of the document, if it is still open.
     fn snapshot(&self) -> Option<Arc<Snapshot>> {
         let session = lock(&self.session);
         session.documents.get(self.uri.as_str()).map(Open::snapshot)
