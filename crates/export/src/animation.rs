@@ -1,11 +1,11 @@
-//! Animations: scripts of what changes from frame to frame (`script.rs`), and files that hold many pictures.
+//! Animations: scripts of the changes from frame to frame (`script.rs`), and files that hold many pictures.
 //!
 //! ```text
 //! Course + number ──▶ share
 //! Script + PictureRequest + share ──▶ PictureRequest ──(drawn by the caller)──▶ picture ──Recorder──▶ GIF, APNG
 //! ```
 //!
-//! A recorder keeps one picture at a time, however many there are.
+//! A recorder keeps one picture at a time, whatever their number.
 
 mod palette;
 mod script;
@@ -21,11 +21,11 @@ pub use script::{Course, ParamChange, Script, ScriptError};
 
 /// The default number of pictures of an animation.
 pub const FRAMES: u32 = 60;
-/// The default number of pictures a second.
+/// The default number of pictures per second.
 pub const RATE: f64 = 25.0;
 
-/// The file of one frame in a sequence of `frames` pictures: `OUT-0001.png` for frame 0 of `OUT.png`, with as many
-/// digits as the last number needs, and at least four.
+/// Returns the file of one frame in a sequence of `frames` pictures: `OUT-0001.png` for frame 0 of `OUT.png`, with as
+/// many digits as the last number needs, and at least four.
 pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
     let digits = frames.to_string().len().max(4);
     let stem = path.file_stem().unwrap_or_default();
@@ -39,12 +39,12 @@ pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
 pub enum AnimationFormat {
     /// GIF: 255 colours for each picture, dithered; a pixel is opaque or transparent.
     Gif,
-    /// Animated PNG: all colours, partly transparent pixels.
+    /// Animated PNG: all colours, with partial transparency.
     Apng,
 }
 
 impl AnimationFormat {
-    /// The format of a file name's extension, without its dot, in any case of letters.
+    /// Returns the format for a file name's extension, without its dot, in any case of letters.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension.to_lowercase().as_str() {
             "gif" => Some(Self::Gif),
@@ -53,7 +53,7 @@ impl AnimationFormat {
         }
     }
 
-    /// The parts of a second in which a file counts how long a picture is shown.
+    /// Returns the number of units per second in which a file counts durations.
     fn parts(self) -> u32 {
         match self {
             Self::Gif => 100,
@@ -69,21 +69,21 @@ pub struct Clip {
     pub frames: u32,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Pictures a second, positive.
+    /// Pictures per second, positive.
     pub rate: f64,
 }
 
-/// The reason for which an animation could not be written.
+/// The reason why an animation could not be written.
 #[derive(Debug)]
 pub enum RecordError {
     /// The writer failed.
     Write(io::Error),
-    /// The format cannot hold such an animation, or the pictures differ in size or number from the clip; the encoder's
+    /// The format cannot hold this animation, or the pictures differ in size or number from the clip; the encoder's
     /// sentence.
     Format(String),
 }
 
-/// Writes an animation picture by picture, with the crates `gif` and `png`. The animation repeats without end.
+/// Writes an animation picture by picture, with the crates `gif` and `png`. The animation repeats endlessly.
 pub struct Recorder<W: Write> {
     clip: Clip,
     added: u32,
@@ -173,10 +173,10 @@ impl<W: Write> Recorder<W> {
         self.end()
     }
 
-    /// Ends a GIF with the pictures that it has.
+    /// Ends a GIF with the pictures that it has so far.
     ///
     /// # Errors
-    /// See [`RecordError`]; an APNG says at its beginning how many pictures it has.
+    /// See [`RecordError`]; an APNG states its number of pictures at its start.
     pub fn finish_early(self) -> Result<(), RecordError> {
         match self.encoder {
             Encoder::Gif(_) => self.end(),
@@ -186,7 +186,7 @@ impl<W: Write> Recorder<W> {
 
     fn end(self) -> Result<(), RecordError> {
         match self.encoder {
-            // The end is written when the encoder gives its writer back.
+            // The end is written when the encoder returns its writer.
             Encoder::Gif(encoder) => encoder.into_inner()?.flush()?,
             Encoder::Apng(encoder) => encoder.finish()?,
         }
@@ -195,14 +195,14 @@ impl<W: Write> Recorder<W> {
 }
 
 impl Clip {
-    /// The length of a film in seconds, as its file states it.
+    /// Returns the duration of an animation in seconds, as its file states it.
     pub fn seconds(&self, format: AnimationFormat) -> f64 {
         let parts = format.parts();
         let ticks = (0..self.frames).map(|frame| u64::from(self.ticks(frame, parts)));
         ticks.sum::<u64>() as f64 / f64::from(parts)
     }
 
-    /// The duration of a picture in units of 1/`parts` second, rounded so that the errors do not add up.
+    /// Returns the duration of a picture in units of 1/`parts` second, rounded so that errors do not accumulate.
     fn ticks(&self, frame: u32, parts: u32) -> u16 {
         let until = |frames: u32| (f64::from(frames) * f64::from(parts) / self.rate).round();
         let ticks = until(frame + 1) - until(frame);

@@ -1,4 +1,4 @@
-//! The files that hold an animation: one for all pictures, or one for each.
+//! The files that hold an animation: one for all pictures, or one per picture.
 
 use std::fmt;
 use std::io::{self, Cursor};
@@ -10,32 +10,32 @@ use crate::animation::{AnimationFormat, Clip, RecordError, Recorder, numbered};
 use crate::video::{Video, VideoError, VideoFormat};
 use crate::whole_file::{FileSeries, write_whole_at, write_whole_with};
 
-/// A kind of files that hold an animation.
+/// A kind of file that holds an animation.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum AnimationFile {
     /// One file with all pictures.
     Film(AnimationFormat),
-    /// A file that `ffmpeg` makes.
+    /// A video file made by `ffmpeg`.
     Video(VideoFormat),
-    /// A PNG file for each picture, as [`numbered`] names it.
+    /// A PNG file for each picture, named by [`numbered`].
     Series,
 }
 
-/// The reason for which an animation has no file. `E` is the reason for which there is no picture.
+/// The reason why an animation has no file. `E` is the reason why there is no picture.
 #[derive(Debug)]
 pub enum AnimationError<E> {
     /// There is no picture.
     Picture(E),
     /// A file cannot be written.
     Unwritable {
-        /// The file of a series; `None` for the path that was given.
+        /// The file of a series; `None` for the given path.
         file: Option<PathBuf>,
         /// The system's reason.
         error: io::Error,
     },
     /// The format cannot hold the animation.
     Format(RecordError),
-    /// There is no video.
+    /// The video could not be made.
     Video(VideoError),
     /// A picture cannot be encoded.
     Encoding(ImageError),
@@ -51,14 +51,14 @@ impl AnimationFile {
         (Self::Series, "PNG sequence", "png"),
     ];
 
-    /// Returns the kind of a path's extension, in any case of letters.
+    /// Returns the kind for a path's extension, in any case of letters.
     pub fn of_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_string_lossy().to_lowercase();
         let found = Self::ALL.into_iter().find(|(.., it)| *it == extension);
         found.map(|(kind, ..)| kind)
     }
 
-    /// Returns the time in seconds that the file takes to play; `None` for a series.
+    /// Returns the duration of the file in seconds; `None` for a series.
     pub fn seconds(self, clip: Clip) -> Option<f64> {
         match self {
             Self::Film(format) => Some(clip.seconds(format)),
@@ -67,11 +67,11 @@ impl AnimationFile {
         }
     }
 
-    /// Writes an animation, whose pictures `next` returns by their numbers. It ends early where that returns `None`.
+    /// Writes an animation. `next` returns the pictures by number; the animation ends early if it returns `None`.
     ///
     /// # Errors
-    /// See [`AnimationError`]. No file is left, and an existing one stays as it was, unless a file of a series cannot be given
-    /// its name.
+    /// See [`AnimationError`]. No file is left, and existing ones are unchanged, unless a file of a series cannot be
+    /// renamed.
     pub fn write<E>(
         self,
         path: &Path,

@@ -1,7 +1,7 @@
-//! The command that draws a picture again: a request flows in, the options of `geotrace render` flow out, and a line for a
+//! The command that draws a picture again. In: a request. Out: the options of `geotrace render`, and a line for a
 //! shell.
 //!
-//! Numbers have as many digits as they need to be read back as they are.
+//! Numbers have as many digits as they need to be read back exactly.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,20 +19,21 @@ use render::viewpoint::{GeodesicCamera, Pose, Projection};
 use render::{PictureMethod, PictureRequest, ViewId, Views};
 use scene::{GridId, ObjectId};
 
-/// The most places of a path that has an option: Linux takes words up to 128 KiB, and a place takes up to 50 bytes.
+/// The maximum number of points of a path that has an option: Linux accepts words up to 128 KiB, and a point takes up
+/// to 50 bytes.
 pub const MOST_PLACES: usize = 2000;
 
 /// An option of `geotrace render`.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct PictureOption {
-    /// Its name, without the dashes before it.
+    /// Its name, without the leading dashes.
     pub name: &'static str,
-    /// Its value; `None` of an option that takes none.
+    /// Its value; `None` for an option without one.
     pub value: Option<String>,
 }
 
 impl PictureOption {
-    /// The word of a command line: `--name` or `--name=value`.
+    /// Returns the word of a command line: `--name` or `--name=value`.
     pub fn word(&self) -> String {
         match &self.value {
             Some(value) => format!("--{}={value}", self.name),
@@ -41,9 +42,9 @@ impl PictureOption {
     }
 }
 
-/// Returns the options with which `geotrace render` draws the picture of a request. What is at its default has none.
+/// Returns the options with which `geotrace render` draws the picture of a request. Defaults are omitted.
 pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
-    // A field that is added needs an option here, or a reason.
+    // A new field requires an option here, or a reason for having none.
     let PictureRequest {
         scene: _,
         params: _,
@@ -60,7 +61,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         overlays,
         scale,
         trails,
-        // A picture that is kept is of a view at rest.
+        // A picture that is saved is of a view at rest.
         moving: _,
     } = request;
     let mut options = Vec::new();
@@ -107,7 +108,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
     options
 }
 
-/// Returns a line for a shell that draws a program's picture with these options.
+/// Returns a shell command line that draws a program's picture with these options.
 pub fn command(program: &Path, output: &Path, options: &[PictureOption]) -> String {
     let mut line = "geotrace render".to_owned();
     let fixed = [
@@ -125,7 +126,7 @@ pub fn command(program: &Path, output: &Path, options: &[PictureOption]) -> Stri
     line
 }
 
-/// A word as a shell reads it.
+/// Quotes a word for a shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -164,7 +165,7 @@ fn list(numbers: &[f64]) -> String {
     numbers.join(",")
 }
 
-/// The settings of the view, and its method.
+/// Adds the settings of the view, and its method.
 fn settings(options: &mut Vec<PictureOption>, request: &PictureRequest, views: &Views) {
     let known = views.get(request.view.name()).map(View::settings);
     for setting in known.unwrap_or_default() {
@@ -203,7 +204,7 @@ fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
     let camera = &space.camera;
     for (name, place) in [("eye", camera.eye), ("target", camera.target)] {
         if let Some(place) = place {
-            // In the coordinates of the text.
+            // In the text's coordinates.
             options.numbers(name, &request.scene.stated(place.0));
         }
     }
@@ -223,7 +224,7 @@ fn hexadecimal(parts: &[u8]) -> String {
     parts.iter().map(|part| format!("{part:02x}")).collect()
 }
 
-/// Adds the place of a geodesic camera.
+/// Adds the position of a geodesic camera.
 fn geodesic_camera(
     options: &mut Vec<PictureOption>,
     request: &PictureRequest,
@@ -266,7 +267,7 @@ fn geodesic_camera(
     }
 }
 
-/// The camera with its direction as an angle; as it is where it stands nowhere.
+/// Returns the camera with its direction as an angle; unchanged if it cannot be placed.
 fn by_angle(request: &PictureRequest, camera: &GeodesicCamera) -> GeodesicCamera {
     let placed = || PlacedCamera::new(&request.scene, &request.params, camera, request.size).ok();
     let on_solid = || {
@@ -280,7 +281,7 @@ fn by_angle(request: &PictureRequest, camera: &GeodesicCamera) -> GeodesicCamera
     }
 }
 
-/// Returns the number of degrees that is read back as this angle, where there is one.
+/// Returns the number of degrees that is read back as exactly this angle, if there is one.
 fn degrees(angle: f64) -> f64 {
     let near = angle.to_degrees();
     let candidates = [near, near.next_up(), near.next_down()];
@@ -304,7 +305,7 @@ fn objects(options: &mut Vec<PictureOption>, request: &PictureRequest) {
     }
 }
 
-/// The word for the image of a surface; `None` where it shows the built-in one.
+/// Returns the word for the image of a surface; `None` if it shows the built-in one.
 fn texture(request: &PictureRequest, id: ObjectId) -> Option<String> {
     let own = request.textures.iter().rev().find(|(it, _)| *it == id);
     let is_curved = |texture: &Texture| texture.curvature_scale().is_some();
@@ -346,7 +347,7 @@ fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
     }
 }
 
-/// The figures that are drawn, and the paths that were walked.
+/// Adds the figures and paths that are drawn.
 fn trails(options: &mut Vec<PictureOption>, request: &PictureRequest, trails: &[Shared<Trail>]) {
     let mut known: Vec<(ObjectId, &Arc<Figure>)> = Vec::new();
     for trail in trails {
@@ -373,7 +374,7 @@ fn trails(options: &mut Vec<PictureOption>, request: &PictureRequest, trails: &[
     }
 }
 
-/// Returns whether a path has an option: one of many places does not, because a command line has limits.
+/// Returns whether a path has an option: command lines are limited, so a path of many points has none.
 pub fn has_option(trail: &Trail) -> bool {
     trail.kind != TrailKind::Walked || trail.points.len() <= MOST_PLACES
 }

@@ -8,7 +8,7 @@
 //! pictures, one after the other ──video.rs──▶ ffmpeg ──▶ MP4, WebM
 //! ```
 //!
-//! `animation_file.rs` writes an animation by any of the last two, or as a PNG for each picture.
+//! `animation_file.rs` writes an animation as any of the last two, or as one PNG per picture.
 
 pub mod animation;
 pub mod animation_file;

@@ -1,4 +1,4 @@
-//! A scene's objects as files for other programs: meshes, lines and points, in the scene's own units.
+//! A scene's objects as files for other programs: meshes, lines and points, in the scene's units.
 //!
 //! ```text
 //! PictureRequest ──weld.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
@@ -6,10 +6,10 @@
 //!                              curves, geodesics, vectors, points ────┘
 //! ```
 //!
-//! Positions are evaluated in f64, not taken from the samples that are drawn, and keep as many digits as a format holds:
-//! all of them in OBJ and PLY, those of single precision in STL and glTF. A file leaves open what a picture leaves open.
+//! Positions are evaluated in f64, not taken from the samples that are drawn, and keep as many digits as a format
+//! holds: all of them in OBJ and PLY, single precision in STL and glTF. A mesh has the same holes as the picture.
 //!
-//! No library serves for the model: those for meshes have no surface that is welded where its samples coincide.
+//! No library is used for the model: mesh libraries have no surfaces that are welded where their samples coincide.
 
 mod gltf;
 mod obj;
@@ -38,14 +38,14 @@ use solid::Fineness;
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum MeshFormat {
-    /// Wavefront OBJ: text; an object for each name, with normals, texture coordinates and colours of the picture at the
+    /// Wavefront OBJ: text; an object for each name, with normals, texture coordinates and the picture's colours at the
     /// vertices; lines and points.
     Obj,
-    /// Stanford PLY, binary, little endian: f64 places, normals, colours of the picture at the vertices; edges.
+    /// Stanford PLY, binary, little endian: f64 positions, normals, the picture's colours at the vertices; edges.
     Ply,
-    /// STL, binary: the triangles of surfaces and nothing else.
+    /// STL, binary: only the triangles of surfaces.
     Stl,
-    /// glTF 2.0 as one JSON file with everything in it: materials, images, lines and points.
+    /// glTF 2.0 as one self-contained JSON file: materials, images, lines and points.
     Gltf,
     /// glTF 2.0 as one binary file.
     Glb,
@@ -54,7 +54,7 @@ pub enum MeshFormat {
 /// The content of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
-    /// The objects, in the order of the scene; those of which nothing is defined are absent.
+    /// The objects, in the order of the scene; an object that is defined nowhere is absent.
     pub parts: Vec<Part>,
     /// Sentences for the user, such as "`s` is undefined at 3 of its 100 samples and has holes there".
     pub notes: Vec<String>,
@@ -67,9 +67,9 @@ pub struct Part {
     pub object: ObjectId,
     /// Its name.
     pub name: String,
-    /// Its colour, sRGB; multiplies the texture. Colours of places replace it.
+    /// Its colour, sRGB; multiplies the texture. Colours of points replace it.
     pub colour: [u8; 3],
-    /// The colours of its places, sRGB; none where its colour is that of all.
+    /// The colours of its points, sRGB; empty if all have the part's colour.
     pub colours: Vec<[u8; 3]>,
     /// Its shape.
     pub geometry: Geometry,
@@ -91,14 +91,14 @@ pub enum Geometry {
 pub struct Polylines {
     /// Points in space.
     pub places: Vec<[f64; 3]>,
-    /// Indices into the places, at least two for each line; a closed line ends with its first place.
+    /// Indices into the points, at least two per line; a closed line ends with its first point.
     pub strips: Vec<Vec<u32>>,
 }
 
-/// A shape with the colours of its places, sRGB; none where they are all alike.
+/// A shape with the colours of its points, sRGB; empty if they are all equal.
 type Coloured<T> = (T, Vec<[u8; 3]>);
 
-/// The reason for which a file could not be made.
+/// The reason why a file could not be written.
 #[derive(Debug)]
 pub enum ExportError {
     /// The format holds none of the objects.
@@ -107,10 +107,10 @@ pub enum ExportError {
         format: MeshFormat,
         /// The names of the objects that the format does not hold.
         left_out: Vec<String>,
-        /// The model's notes: they may say why nothing is there.
+        /// The model's notes, which may say why.
         notes: Vec<String>,
     },
-    /// The format cannot count so many vertices or bytes.
+    /// The format cannot count this many vertices or bytes.
     TooLarge {
         /// The format.
         format: MeshFormat,
@@ -123,7 +123,7 @@ impl MeshFormat {
     /// All formats.
     pub const ALL: [Self; 5] = [Self::Obj, Self::Ply, Self::Stl, Self::Gltf, Self::Glb];
 
-    /// Returns the format of a file name's extension, without its dot, in any case of letters.
+    /// Returns the format for a file name's extension, without its dot, in any case of letters.
     pub fn from_extension(extension: &str) -> Option<Self> {
         let wanted = extension.to_lowercase();
         Self::ALL
@@ -136,22 +136,22 @@ impl MeshFormat {
         self.names().0
     }
 
-    /// Returns its usual name, for sentences.
+    /// Returns its short name, for sentences.
     pub const fn name(self) -> &'static str {
         self.names().1
     }
 
-    /// Returns its whole name, for lists of formats.
+    /// Returns its full name, for lists of formats.
     pub const fn title(self) -> &'static str {
         self.names().2
     }
 
-    /// True if it holds triangles only: no lines, no points and no vertices that triangles share.
+    /// True if it holds only triangles: no lines, no points and no vertices shared by triangles.
     pub const fn has_only_triangles(self) -> bool {
         matches!(self, Self::Stl)
     }
 
-    /// Returns the extension, the usual name and the whole name.
+    /// Returns the extension, the short name and the full name.
     const fn names(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::Obj => ("obj", "OBJ", "Wavefront OBJ"),
@@ -163,8 +163,8 @@ impl MeshFormat {
     }
 }
 
-/// Builds the content of a file from the objects that the request does not hide, or from those that are listed. The
-/// request also gives their colours and textures.
+/// Builds the content of a file from the objects that the request does not hide, or from the listed ones. The request
+/// also determines their colours and textures.
 pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.space();
@@ -238,7 +238,7 @@ impl Model {
             });
         }
         let vertices: usize = self.parts.iter().map(|part| part.vertices(format)).sum();
-        // PLY's indices are signed, and glTF keeps the greatest one for itself.
+        // PLY's indices are signed, and glTF reserves the greatest one.
         if vertices > i32::MAX as usize {
             return Err(ExportError::TooLarge { format });
         }
@@ -263,7 +263,7 @@ impl Model {
 }
 
 impl Part {
-    /// Makes the colour of all places, where it is one, the part's.
+    /// If all points have the same colour, makes it the part's.
     fn join_colours(&mut self) {
         if let Some(&first) = self.colours.first()
             && self.colours.iter().all(|colour| *colour == first)
@@ -273,8 +273,8 @@ impl Part {
         }
     }
 
-    /// The colours of the places, sRGB: its own; on a surface times the image at the first vertex of a place, averaged over the
-    /// distance to its neighbours.
+    /// Returns the colours of the points, sRGB: their own; on a surface multiplied by the image at the first vertex of
+    /// a point, averaged over the distance to its neighbours.
     fn colours_of_places(&self) -> Vec<[u8; 3]> {
         let own = |place: usize| self.colours.get(place).copied().unwrap_or(self.colour);
         let count = match &self.geometry {
@@ -290,7 +290,7 @@ impl Part {
         (0..count).map(own).collect()
     }
 
-    /// The number of triangles.
+    /// Returns the number of triangles.
     pub fn triangles(&self) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => mesh.triangles.len(),
@@ -298,8 +298,8 @@ impl Part {
         }
     }
 
-    /// The number of vertices in a file: in OBJ and PLY, one for each place; else one for each corner with a normal or texture
-    /// coordinates of its own.
+    /// Returns the number of vertices in a file: in OBJ and PLY, one per point; otherwise one per corner with its own
+    /// normal or texture coordinates.
     pub fn vertices(&self, format: MeshFormat) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => match format {
@@ -313,9 +313,10 @@ impl Part {
 }
 
 impl Mesh {
-    /// The image at the first vertex of each place, averaged over the distance to its neighbours, times the place's own colour.
+    /// Returns the image at the first vertex of each point, averaged over the distance to its neighbours, times the
+    /// point's own colour.
     fn colours_of_places(&self, texture: &Texture, own: impl Fn(usize) -> [u8; 3]) -> Vec<[u8; 3]> {
-        // About how far apart the vertices of an instance are: there are as many as in a square grid.
+        // The approximate distance between the vertices of an instance, as in a square grid of the same number.
         let vertices = self.vertices.len() as f32 / self.instances.max(1) as f32;
         let step = 1.0 / vertices.sqrt().max(1.0);
         let sampler = texture.sampler();
@@ -336,7 +337,7 @@ impl Mesh {
 }
 
 impl Polylines {
-    /// Adds a polyline. A missing place interrupts it; coinciding ends close it.
+    /// Adds a polyline. A missing point interrupts it; coinciding ends close it.
     fn add(&mut self, places: &[Option<[f64; 3]>]) {
         let defined = places.iter().flatten();
         let tolerance = weld::tolerance(defined.copied());
@@ -361,11 +362,11 @@ impl Polylines {
         self.keep(strip);
     }
 
-    /// Adds a strip whose places are there already.
+    /// Adds a strip whose points have already been added.
     fn keep(&mut self, strip: Vec<u32>) {
         match strip[..] {
             [] => {}
-            // A lone place is no line.
+            // A single point is not a line.
             [_] => {
                 self.places.pop();
             }
@@ -374,8 +375,8 @@ impl Polylines {
     }
 }
 
-/// The shape of an object that is no solid, if any of it is defined, with the colours of its places where instances differ in
-/// them, and sentences for the user. `own` are the colours of the instances.
+/// Returns the shape of an object that is not a solid, if it is defined anywhere, with the colours of its points if its
+/// instances differ in colour, and sentences for the user. `own` are the colours of the instances.
 fn geometry(
     request: &PictureRequest,
     id: ObjectId,
@@ -386,7 +387,7 @@ fn geometry(
     let (scene, params) = (&*request.scene, &*request.params);
     let (samples, notes) = sample_with_notes(scene, params, id, placement);
     let mut colours = Vec::new();
-    // An instance gives all its places, of which there are now so many, its colour.
+    // Gives an instance's colour to its points, up to the total `count`.
     let mut paint = |instance: usize, count: usize| {
         colours.resize(count, own[instance.min(own.len() - 1)]);
     };

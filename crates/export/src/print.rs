@@ -1,6 +1,6 @@
-//! Pictures for print: a picture in layers flows in, an SVG or a PDF file flows out.
+//! Pictures for print. In: a picture in layers. Out: an SVG or a PDF file.
 //!
-//! The pixels are embedded; the lines and words above them are vectors, which stay sharp in print and can be edited.
+//! The pixels are embedded; the lines and words on top are vectors, which stay sharp in print and can be edited.
 
 mod pdf;
 mod svg;
@@ -13,14 +13,14 @@ use render::layers::Layers;
 /// A format for print.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum PrintFormat {
-    /// Scalable vector graphics; words are text.
+    /// Scalable Vector Graphics; words are text.
     Svg,
-    /// The portable document format, one page of the picture's size; words are outlines, so that no font is needed.
+    /// Portable Document Format, one page of the picture's size; words are outlines, so that no font is needed.
     Pdf,
 }
 
 impl PrintFormat {
-    /// The format of files with an extension.
+    /// Returns the format for a file's extension.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension.to_ascii_lowercase().as_str() {
             "svg" => Some(Self::Svg),
@@ -32,7 +32,7 @@ impl PrintFormat {
     /// Returns the bytes of a file.
     ///
     /// # Errors
-    /// The sentence of the encoder of its pixels.
+    /// The error sentence of the pixels' encoder.
     pub fn bytes(self, layers: &Layers, title: &str) -> Result<Vec<u8>, String> {
         match self {
             Self::Svg => Ok(svg::text(layers, title)?.into_bytes()),

@@ -1,7 +1,8 @@
-//! Videos: pictures flow in, one after the other, and through a pipe to `ffmpeg`, which writes a file.
+//! Videos. In: pictures, one after the other. Out: a file, written by `ffmpeg`, which receives the pictures through a
+//! pipe.
 //!
-//! The caller gives the path of a temporary file and names it when the video is whole. A process that still runs when its
-//! [`Video`] is dropped, or when [`end_all`] is called, is ended: nothing writes to the file afterwards.
+//! The caller passes the path of a temporary file and renames it when the video is complete. If its [`Video`] is
+//! dropped, or [`end_all`] is called, a running process is killed: nothing writes to the file afterwards.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -22,22 +23,22 @@ pub const PROGRAM: &str = "ffmpeg";
 /// A format of videos.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum VideoFormat {
-    /// MP4 with H.264, which every player and slide program shows.
+    /// MP4 with H.264, which every player and presentation program supports.
     Mp4,
     /// WebM with VP9, for the web.
     Webm,
 }
 
-/// The reason for which there is no video.
+/// The reason why there is no video.
 #[derive(Debug)]
 pub enum VideoError {
     /// `ffmpeg` is not installed.
     NoProgram,
     /// `ffmpeg` cannot be started.
     Start(io::Error),
-    /// `ffmpeg` has ended with an error, in its own words.
+    /// `ffmpeg` has ended with an error; its message.
     Refused(String),
-    /// A picture is of another size than the video.
+    /// A picture differs in size from the video.
     OtherSize,
 }
 
@@ -50,17 +51,17 @@ pub struct Video {
     messages: Option<JoinHandle<String>>,
 }
 
-/// The processes that run.
+/// The running processes, by number.
 static RUNNING: Mutex<BTreeMap<u32, Child>> = Mutex::new(BTreeMap::new());
 
 fn running() -> MutexGuard<'static, BTreeMap<u32, Child>> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the processes of all videos.
+/// Kills the processes of all videos.
 pub fn end_all() {
     for (_, mut process) in std::mem::take(&mut *running()) {
-        // One that has ended by itself cannot be ended.
+        // A process that has already ended cannot be killed.
         let _ = process.kill();
         let _ = process.wait();
     }
@@ -70,7 +71,7 @@ impl VideoFormat {
     /// All formats.
     pub const ALL: [Self; 2] = [Self::Mp4, Self::Webm];
 
-    /// The extension of its files.
+    /// Returns the extension of its files.
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Mp4 => "mp4",
@@ -78,23 +79,23 @@ impl VideoFormat {
         }
     }
 
-    /// The format of files with an extension.
+    /// Returns the format for a file's extension.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let mut all = Self::ALL.into_iter();
         all.find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// The options of `ffmpeg` for its codec.
+    /// Returns the options of `ffmpeg` for its codec.
     fn codec(self) -> &'static [&'static str] {
         match self {
-            // The index at the front lets a page play a file before all of it is there.
+            // With the index at the front, a page can start to play a file before it is fully loaded.
             Self::Mp4 => &["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"],
             Self::Webm => &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"],
         }
     }
 }
 
-/// Even sides, which the codecs need, and the colours of high-definition video.
+/// Pads to even sides, which the codecs require, and sets the colours of high-definition video.
 const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
 
 /// Returns the arguments of `ffmpeg` for a video from raw pictures on standard input.
@@ -136,7 +137,7 @@ fn arguments(format: VideoFormat, clip: Clip, path: &Path) -> Vec<OsString> {
         &file,
     ];
     let words = words.concat().into_iter().map(OsString::from);
-    // A path never looks like an option or a protocol.
+    // Ensures that a path never looks like an option or a protocol.
     let mut target = OsString::from("file:");
     target.push(path);
     words.chain([target]).collect()
@@ -163,7 +164,7 @@ impl Video {
         let messages = process.stderr.take().map(|mut stream| {
             std::thread::spawn(move || {
                 let mut bytes = Vec::new();
-                // What could be read is enough for a sentence.
+                // A partial message is enough for a sentence.
                 let _ = stream.read_to_end(&mut bytes);
                 String::from_utf8_lossy(&bytes).into_owned()
             })
@@ -178,7 +179,7 @@ impl Video {
         })
     }
 
-    /// Adds the next picture. What is transparent becomes white.
+    /// Adds the next picture. Transparency becomes white.
     ///
     /// # Errors
     /// See [`VideoError`].
@@ -194,7 +195,7 @@ impl Video {
         let written = self.pictures.as_mut().map(|pipe| pipe.write_all(&bytes));
         match written {
             Some(Ok(())) => Ok(()),
-            // It has ended, and says why.
+            // It has ended, and its message says why.
             _ => Err(self.refusal()),
         }
     }
@@ -204,7 +205,7 @@ impl Video {
     /// # Errors
     /// [`VideoError::Refused`].
     pub fn finish(mut self) -> Result<(), VideoError> {
-        // The end of the pictures.
+        // Closing the pipe ends the pictures.
         self.pictures = None;
         let process = running().remove(&self.id);
         let ended = process.map(|mut process| process.wait());

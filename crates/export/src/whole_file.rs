@@ -1,8 +1,9 @@
-//! Files that are whole or absent: bytes flow in, and a file takes its name when its last byte is on the disk.
+//! Files that are complete or absent. In: bytes. Out: a file that gets its name when its last byte is on the disk.
 //!
-//! A temporary file beside the target (so that renaming stays within one file system) takes the target's place. Its
-//! name and its removal on failure are `tempfile`'s. By hand: a symbolic link keeps pointing to its file, the permissions
-//! of a replaced file are kept, a device or a pipe is written to and not replaced, and several files appear together.
+//! A temporary file beside the target (so that renaming stays within one file system) replaces the target. `tempfile`
+//! chooses its name and removes it on failure. This module adds the following: a symbolic link keeps pointing to its
+//! file, the permissions of a replaced file are preserved, a device or a pipe is written to instead of replaced, and
+//! several files appear together.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -13,21 +14,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// Begins the name of each temporary file; short, so that a target's name may have the greatest length.
+/// The prefix of each temporary file's name; short, so that a target's name may have the maximum length.
 const PREFIX: &str = ".geotrace-";
 
-/// Writes a file: all of it, or nothing.
+/// Writes a file, completely or not at all.
 ///
 /// # Errors
-/// The system's; an existing file stays as it was, unless it is a device or a pipe.
+/// The system's; an existing file is unchanged, unless it is a device or a pipe.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole_with(path, |out| out.write_all(bytes))
 }
 
-/// Writes a file piece by piece, buffered: all of it, or nothing.
+/// Writes a file piece by piece, buffered, completely or not at all.
 ///
 /// # Errors
-/// The system's, and those of `write`; an existing file stays as it was, unless it is a device or a pipe.
+/// The system's, and those of `write`; an existing file is unchanged, unless it is a device or a pipe.
 pub fn write_whole_with<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
@@ -40,11 +41,11 @@ pub fn write_whole_with<E: From<io::Error>>(
     Ok(Unnamed::new(path, write)?.persist()?)
 }
 
-/// Writes a file that `create` creates, which receives the path of a temporary file: all of it, or nothing. A file that is
-/// replaced keeps its attributes.
+/// Writes a file that `create` creates at the path of a temporary file, completely or not at all. A replaced file keeps
+/// its attributes.
 ///
 /// # Errors
-/// The system's; an existing file stays as it was.
+/// The system's; an existing file is unchanged.
 pub fn write_whole_created(
     path: &Path,
     create: impl FnMut(&Path) -> io::Result<File>,
@@ -54,10 +55,11 @@ pub fn write_whole_created(
     Unnamed::made(path, create, write)?.persist()
 }
 
-/// Writes a file by something else that knows only paths: `write` receives that of a temporary file. All of it, or nothing.
+/// Writes a file by means of code that only takes paths: `write` receives the path of a temporary file. Completely or
+/// not at all.
 ///
 /// # Errors
-/// The system's, and those of `write`; an existing file stays as it was. A device or a pipe is refused.
+/// The system's, and those of `write`; an existing file is unchanged. A device or a pipe is refused.
 pub fn write_whole_at<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&Path) -> Result<(), E>,
@@ -70,8 +72,8 @@ pub fn write_whole_at<E: From<io::Error>>(
 
 /// Writes a file under the first free name of those that `name` returns for 1, 2, …, and returns its path.
 ///
-/// The name is taken first and the bytes follow: where a file system cannot rename without replacing, a text is still
-/// rescued.
+/// The name is created first and the bytes follow, so that a text can be rescued even if the file system cannot rename
+/// without replacing.
 ///
 /// # Errors
 /// The system's; no file is left.
@@ -93,24 +95,24 @@ pub fn write_new(folder: &Path, name: impl Fn(u32) -> String, bytes: &[u8]) -> i
     Ok(path)
 }
 
-/// The reason for which a file cannot be written, as far as it is known beforehand. Displayed as a phrase.
+/// The reason why a file cannot be written, as far as it is known in advance. Displayed as a phrase.
 #[derive(Debug)]
 pub enum TargetError {
     /// The path is that of a directory.
     IsDirectory,
     /// The existing file is read-only.
     IsReadOnly,
-    /// The path ends in no name.
+    /// The path does not end in a name.
     NamesNoFile,
-    /// The path above the file is no directory.
+    /// A parent of the path is not a directory.
     NoDirectory(PathBuf),
-    /// The directory of the file does not exist, or is closed to this user.
+    /// The directory of the file does not exist, or is not accessible to this user.
     NoSuchDirectory(PathBuf),
     /// The system refused.
     System(io::Error),
 }
 
-/// Checks that a file can be written, so that nothing is computed in vain. Creates and removes a temporary file.
+/// Checks that a file can be written before anything is computed for it. Creates and removes a temporary file.
 ///
 /// # Errors
 /// See [`TargetError`].
@@ -138,7 +140,7 @@ pub fn check_target(path: &Path) -> Result<(), TargetError> {
         .map_err(TargetError::System)
 }
 
-/// Files that get their names together, when all of them are whole. Without [`finish`](Self::finish) none is left.
+/// Files that get their names together, when all of them are complete. Without [`finish`](Self::finish) none is left.
 #[derive(Debug, Default)]
 pub struct FileSeries {
     files: Vec<Unnamed>,
@@ -155,11 +157,11 @@ impl FileSeries {
         Ok(())
     }
 
-    /// Gives all files their names, unless one of the names is taken by a directory.
+    /// Gives all files their names, unless one of the names is that of a directory.
     ///
     /// # Errors
-    /// The file that could not be named, and why. Where that shows only when it is named, files before it keep their names;
-    /// those after it are removed.
+    /// The file that could not be renamed, and why. If that is only detected while renaming, the files before it keep
+    /// their names; those after it are removed.
     pub fn finish(self) -> Result<(), (PathBuf, io::Error)> {
         let mut targets = self.files.iter().map(|file| &file.target);
         if let Some(target) = targets.find(|target| target.is_dir()) {
@@ -180,22 +182,22 @@ fn temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the processes that write, removes the temporary files of all threads and calls `end`, which ends the process: until
-/// then no file is created or named.
+/// Kills the processes that write, removes the temporary files of all threads and calls `end`, which ends the process.
+/// Until then no file is created or renamed.
 pub fn abandon_all(end: impl FnOnce()) {
     let all = temporaries();
     crate::video::end_all();
     for path in all.iter() {
-        // One that cannot be removed is left.
+        // A file that cannot be removed is left.
         let _ = fs::remove_file(path);
     }
     end();
 }
 
-/// A whole file that does not have its name yet. It is removed when it is dropped.
+/// A complete file that does not have its name yet. It is removed when it is dropped.
 #[derive(Debug)]
 struct Unnamed {
-    /// Closed, so that a series of thousands stays within the number of open files.
+    /// Closed, so that a series of thousands does not exceed the limit of open files.
     temporary: Option<TempPath>,
     target: PathBuf,
 }
@@ -222,7 +224,7 @@ impl Unnamed {
         })
     }
 
-    /// A file that `create` creates and `write` fills, which receives it and its path.
+    /// Returns a file that `create` creates and `write` fills. `write` receives the file and its path.
     fn made<E: From<io::Error>>(
         path: &Path,
         create: impl FnMut(&Path) -> io::Result<File>,
@@ -230,7 +232,7 @@ impl Unnamed {
     ) -> Result<Self, E> {
         let target = resolved(path);
         let (file, temporary) = {
-            // Created and noted at once, as far as another thread can see.
+            // Created and registered atomically, as seen by other threads.
             let mut all = temporaries();
             let created = temporary_beside(&target, create)?;
             all.insert(created.path().to_owned());
@@ -256,14 +258,14 @@ impl Unnamed {
         };
         let mut all = temporaries();
         all.remove::<Path>(temporary.as_ref());
-        // `tempfile` would take the attributes away that the file has on Windows.
+        // `tempfile` would drop the attributes that the file has on Windows.
         fs::rename(&temporary, &self.target)?;
         temporary.disable_cleanup(true);
         Ok(())
     }
 }
 
-/// The path behind symbolic links; a path that does not exist stays as it is.
+/// Returns the path with symbolic links resolved; a path that does not exist is returned unchanged.
 fn resolved(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -275,7 +277,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A new empty file in the directory of `path`, by `create`.
+/// Creates a new empty file in the directory of `path`, by `create`.
 fn temporary_beside(
     path: &Path,
     create: impl FnMut(&Path) -> io::Result<File>,
@@ -285,12 +287,13 @@ fn temporary_beside(
         .make_in(folder_of(path), create)
 }
 
-/// Creates a file with the permissions of any new file: `tempfile` would close it to other users.
+/// Creates a file with the default permissions of a new file: `tempfile` would make it private.
 fn create_new(path: &Path) -> io::Result<File> {
     File::create_new(path)
 }
 
-/// A system's words as a phrase that follows a colon: without the number that Rust adds, and in lower case.
+/// Converts a system's message into a phrase that follows a colon: without the number that Rust adds, and in lower
+/// case.
 pub fn phrase(text: &str) -> String {
     let text = match text.find(" (os error") {
         Some(end) => &text[..end],

@@ -1,8 +1,8 @@
-//! Pictures of a GIF: all colours flow in, 255 colours and a transparent one flow out. The palette is found by the crate
-//! `color_quant`; no library dithers with a pattern that is the same in every frame.
+//! Pictures of a GIF. In: all colours. Out: 255 colours and a transparent one. The crate `color_quant` finds the
+//! palette; no library dithers with a pattern that is the same in every frame.
 //!
-//! Where the palette lacks a colour, the pixels of a 4 × 4 pattern alternate between two of its colours (ordered
-//! dithering, B. E. Bayer 1973). The pattern does not move, so that what is still in the animation stays still.
+//! A colour that the palette lacks is approximated by alternating between two of its colours in a 4 × 4 pattern
+//! (ordered dithering, B. E. Bayer 1973). The pattern does not move, so that still parts of the animation stay still.
 
 use std::collections::HashMap;
 
@@ -11,14 +11,14 @@ use gif::{DisposalMethod, Frame};
 use image::RgbaImage;
 use rayon::prelude::*;
 
-/// The colours of a picture, without the transparent one.
+/// The number of colours of a picture, without the transparent one.
 const COLOURS: usize = 255;
-/// The palette is fitted to all pixels of pictures up to this size, and to a sample of the pixels of larger ones.
+/// The maximum number of pixels to which the palette is fitted; larger pictures are sampled.
 const LOOKED_AT: usize = 1 << 17;
-/// Bayer's threshold matrix: the order in which the pixels of the pattern turn to the second colour.
+/// Bayer's threshold matrix: the order in which the pixels of the pattern switch to the second colour.
 const PATTERN: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
-/// Encodes a picture with a palette of its own, shown for `delay` hundredths of a second. Its sides are below 65,536.
+/// Encodes a picture with its own palette, shown for `delay` hundredths of a second. Its sides must be below 65,536.
 pub(super) fn frame(image: &RgbaImage, delay: u16) -> Frame<'static> {
     let (width, height) = image.dimensions();
     let palette = Palette::of(image);
@@ -51,7 +51,7 @@ pub(super) fn frame(image: &RgbaImage, delay: u16) -> Frame<'static> {
     }
 }
 
-/// The colour of a pixel; `None` if it is more transparent than opaque.
+/// Returns the colour of a pixel; `None` if it is more transparent than opaque.
 fn colour_of(pixel: &[u8]) -> Option<[u8; 3]> {
     (pixel[3] >= 128).then_some([pixel[0], pixel[1], pixel[2]])
 }
@@ -61,7 +61,7 @@ struct Palette {
     finder: Finder,
 }
 
-/// Finds the entry that is nearest to a colour.
+/// Finds the entry nearest to a colour.
 enum Finder {
     /// The picture has no other colours.
     Exact(HashMap<[u8; 3], u8>),
@@ -99,8 +99,8 @@ impl Palette {
         }
     }
 
-    /// The two entries that replace a colour: the nearest one, and the one nearest to the colour's mirror image about
-    /// it, so that their mixture can reach the colour.
+    /// Returns the two entries that replace a colour: the nearest one, and the one nearest to that entry's mirror image
+    /// about the colour, so that a mixture of the two can approximate the colour.
     fn pair(&self, colour: [u8; 3]) -> [u8; 2] {
         let network = match &self.finder {
             Finder::Exact(entries) => {
@@ -111,14 +111,15 @@ impl Palette {
         let nearest = |[r, g, b]: [u8; 3]| network.index_of(&[r, g, b, 255]) as u8;
         let first = nearest(colour);
         let entry = self.entry(first);
-        // The first entry, reflected at the colour.
+        // The first entry, reflected about the colour.
         let beyond = std::array::from_fn(|k| {
             (2 * i16::from(colour[k]) - i16::from(entry[k])).clamp(0, 255) as u8
         });
         [first, nearest(beyond)]
     }
 
-    /// Chooses one of two entries for a cell of the pattern, so that the mean over the pattern is nearest to the colour.
+    /// Chooses one of two entries for a cell of the pattern, so that the mean over the pattern is as close as possible
+    /// to the colour.
     fn mixed(&self, colour: [u8; 3], [first, second]: [u8; 2], place: u8) -> u8 {
         let (low, high) = (self.entry(first), self.entry(second));
         let (mut along, mut square) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Scripts: what changes from one frame of an animation to the next.
+//! Scripts: the changes from one frame of an animation to the next.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -19,25 +19,25 @@ use scene::{SetError, Shape};
 pub struct Script {
     /// Params and grids that change from one value to another.
     pub changes: Vec<ParamChange>,
-    /// The distance that the geodesic camera moves along its X axis; negative is backwards. The camera is that of a
+    /// The distance that the geodesic camera moves along its X axis, backwards if negative. The camera is that of a
     /// geodesic view, or the one that a 3D view shows.
     pub walk: Option<f64>,
     /// Draws the path of the camera.
     pub trail: bool,
-    /// Turns the camera of a 3D view once about the vertical line through its target, counterclockwise as seen from above.
+    /// Turns the camera of a 3D view once about the vertical line through its target, anticlockwise as seen from above.
     pub turntable: bool,
 }
 
-/// The way in which an animation passes from its start to its end.
+/// The course of an animation between its start and its end.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Course {
     /// From the start to the end; the first frame shows the start and the last one the end.
     #[default]
     Once,
-    /// From the start towards the end. The frame behind the last one would show the end, so that an animation whose start
-    /// and end look the same repeats without a pause.
+    /// From the start towards the end. The frame after the last one would show the end, so an animation whose start and
+    /// end look the same repeats without a pause.
     Loop,
-    /// To the end and back. The frame behind the last one would show the start.
+    /// To the end and back. The frame after the last one would show the start.
     BackAndForth,
 }
 
@@ -49,7 +49,7 @@ impl Course {
         (Self::BackAndForth, "back and forth"),
     ];
 
-    /// The share of the animation that has passed at frame `frame` of `frames`, counted from 0: from 0 to 1.
+    /// Returns the fraction of the animation at frame `frame` of `frames`, counted from 0: from 0 to 1.
     pub fn share(self, frame: u32, frames: u32) -> f64 {
         let of = |count: u32| f64::from(frame) / f64::from(count.max(1));
         match self {
@@ -60,7 +60,7 @@ impl Course {
     }
 }
 
-/// The number of frames whose bounds place a fixed camera.
+/// The number of frames whose bounds determine a fixed camera.
 const LOOKS: u32 = 9;
 
 /// A param or grid that changes from one value to another.
@@ -74,18 +74,18 @@ pub struct ParamChange {
     pub to: Vec<f64>,
 }
 
-/// The reason for which a frame cannot be drawn.
+/// The reason why a frame cannot be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptError {
     /// A param or grid cannot have that value.
     Set(SetError),
-    /// The camera cannot be placed there, or cannot move there.
+    /// The camera cannot be placed or moved there.
     Camera(RenderError),
 }
 
 impl Script {
-    /// Returns the request of a frame. `share` is the part of the animation that has passed: 0 at its start, 1 at its
-    /// end. The script leaves the rest of `request` as it is.
+    /// Returns the request of a frame. `share` is the fraction of the animation that has passed: 0 at its start, 1 at
+    /// its end. The script changes nothing else in `request`.
     ///
     /// # Errors
     /// See [`ScriptError`].
@@ -97,7 +97,7 @@ impl Script {
         let mut request = request.clone();
         for ParamChange { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
-                // Rounding must not change the values at both ends.
+                // Rounding must not change the values at either end.
                 if share <= 0.0 {
                     *from
                 } else if share >= 1.0 {
@@ -126,8 +126,8 @@ impl Script {
         Ok(request)
     }
 
-    /// Fixes a camera in space: where the request does not place it, it is placed so that it sees every frame of the
-    /// animation. Other requests stay as they are.
+    /// Fixes a camera in space: if the request does not specify one, it is placed so that it sees every frame of the
+    /// animation. Other requests are returned unchanged.
     ///
     /// # Errors
     /// See [`ScriptError`].
@@ -172,8 +172,8 @@ impl Script {
         let mut target = camera.eye - back * distance;
         let mut eye = camera.eye;
         if self.turntable && back.truncate() != DVec2::ZERO {
-            // The line of sight crosses the axis of the turn, which is the vertical line through the middle of the scene. An
-            // orthographic picture is as large as its eye is far from the target.
+            // Move the target to the axis of the turn, which is the vertical line through the centre of the scene. The
+            // size of an orthographic picture is determined by the distance between eye and target.
             let slope = back.truncate();
             target = eye - back * (eye.truncate().dot(slope) / slope.length_squared());
             if camera.parallel.is_some() {
@@ -191,8 +191,8 @@ impl Script {
         Ok(request)
     }
 
-    /// True if the picture is seen by a camera that the program declares, and that stands in each frame where its expressions
-    /// put it.
+    /// True if the picture is seen from a camera that the program declares, which in each frame is where its
+    /// expressions put it.
     fn follows_declared(&self, request: &PictureRequest) -> bool {
         let mut stage = request.scene.stage.iter();
         let is_free = request
@@ -221,7 +221,7 @@ impl Script {
             .walk(placed.manifold(), &start, [length / placed.zoom, 0.0])
             .map_err(RenderError::cannot_walk)?;
         RenderError::check_walk(trace.status, trace.length)?;
-        // What rounding leaves beyond an edge is no place for a camera.
+        // Rounding may lead beyond an edge, where no camera can be.
         let moved = moved.within_domain(placed.manifold().surface());
         request.view.show_camera(camera.with_frame(moved));
         if self.trail {
@@ -231,7 +231,7 @@ impl Script {
     }
 }
 
-/// Adds the places that a full turn about the vertical line through their middle takes points to.
+/// Adds the points that a full turn about the vertical line through the cloud's centre maps its points to.
 fn turn(cloud: &mut Vec<[f64; 3]>) {
     let Some(first) = cloud.first().map(|place| DVec3::from(*place)) else {
         return;

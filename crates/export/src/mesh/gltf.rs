@@ -1,8 +1,9 @@
-//! glTF 2.0, as JSON with embedded data, or binary. The crate `gltf` has the types of the JSON document and the binary
-//! container.
+//! glTF 2.0, as JSON with embedded data, or binary. The crate `gltf` provides the types of the JSON document and the
+//! binary container.
 //!
-//! The y axis of glTF points up, and the z axis of a scene does: the root node turns one into the other. Places are in single
-//! precision; if a scene lies far from zero, the root node holds its offset, so that its shape keeps its digits.
+//! In glTF the y axis points up, in a scene the z axis: the root node rotates one into the other. Positions are in
+//! single precision; if a scene is far from the origin, the root node holds its offset, so that the shape keeps its
+//! digits.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -30,9 +31,9 @@ use super::{ExportError, Geometry, MeshFormat, Model, Part};
 use render::style;
 use render::texture::Texture;
 
-/// A scene is shifted if its distance from zero is more than this multiple of its size.
+/// A scene is shifted if its distance from the origin exceeds this multiple of its size.
 const FAR: f64 = 64.0;
-/// The roughness of the surfaces, chosen so that the highlight is about that of the 3D view.
+/// The roughness of the surfaces, chosen to give about the same highlight as the 3D view.
 const ROUGHNESS: f32 = 0.55;
 
 /// Writes one JSON file, with its buffer as a data URI.
@@ -52,7 +53,7 @@ pub(super) fn write_text(model: &Model, out: &mut dyn Write) -> Result<(), Expor
 pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), ExportError> {
     let document = GltfDocument::of(model, MeshFormat::Glb)?;
     let json = document.root.to_vec().map_err(io::Error::from)?;
-    // The header, and the chunks with theirs.
+    // The header, and the chunks with their own headers.
     let length = 12 + 8 + json.len().next_multiple_of(4) + 8 + document.bytes.len();
     let Ok(length) = u32::try_from(length) else {
         return Err(ExportError::TooLarge {
@@ -78,9 +79,9 @@ pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), Exp
 struct GltfDocument {
     root: Root,
     bytes: Vec<u8>,
-    /// The textures that were added, by their images.
+    /// The textures that were added, by image.
     textures: Vec<(Arc<Texture>, Index<gltf::json::Texture>)>,
-    /// The offset that is subtracted from all places.
+    /// The offset that is subtracted from all positions.
     shift: [f32; 3],
 }
 
@@ -134,7 +135,7 @@ impl GltfDocument {
 
     fn mesh(&mut self, part: &Part) -> Result<Index<JsonMesh>, ExportError> {
         let mut attributes = BTreeMap::new();
-        // Those of the vertices, if the part has several.
+        // The colours of the vertices, if the part has several.
         let mut colours = part.colours.clone();
         let (indices, mode, texture) = match &part.geometry {
             Geometry::Surface(mesh, texture) => {
@@ -195,7 +196,7 @@ impl GltfDocument {
         part: &Part,
         texture: Option<&Arc<Texture>>,
     ) -> Result<Index<Material>, ExportError> {
-        // It multiplies the colours of vertices.
+        // It multiplies the vertices' colours.
         let [r, g, b] = match part.colours.is_empty() {
             true => style::linear(part.colour),
             false => [1.0; 3],
@@ -271,7 +272,7 @@ impl GltfDocument {
         Ok(index)
     }
 
-    /// Adds places, with the bounds that the format requires.
+    /// Adds positions, with the bounds that the format requires.
     fn positions(&mut self, places: impl Iterator<Item = [f64; 3]>) -> Index<Accessor> {
         let shift = self.shift;
         let local = |place: [f64; 3]| -> [f32; 3] {
@@ -332,7 +333,7 @@ impl GltfDocument {
         })
     }
 
-    /// Adds data, and zeros up to the next multiple of four.
+    /// Adds data, padded with zeros to a multiple of four bytes.
     fn view(&mut self, bytes: Vec<u8>, target: Option<Target>) -> Index<View> {
         let (offset, length) = (self.bytes.len(), bytes.len());
         self.bytes.extend(bytes);
@@ -350,7 +351,7 @@ impl GltfDocument {
     }
 }
 
-/// The middle of all places if they lie far from zero, otherwise zero.
+/// Returns the centre of all points if it is far from the origin, otherwise zero.
 fn shift(model: &Model) -> [f32; 3] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for part in &model.parts {

@@ -1,10 +1,10 @@
-//! Wavefront OBJ. Written by hand: no writer of it is maintained, and its lines are words and numbers.
+//! Wavefront OBJ. Written by hand: no maintained writer exists, and its lines consist of words and numbers.
 
 use std::io::{self, Write};
 
 use super::{Geometry, Model};
 
-/// Writes an object for each part; indices count from 1 through the whole file.
+/// Writes an object for each part; indices start at 1 and run through the whole file.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     writeln!(out, "# written by geotrace {}", env!("CARGO_PKG_VERSION"))?;
@@ -64,8 +64,8 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// A place and its colour, sRGB from 0 to 1: not in the format's first description, but what other programs write and read.
-/// All digits: reading them gives the same f64.
+/// Writes a point and its colour, sRGB from 0 to 1: not in the original format, but other programs write and read it.
+/// Writes all digits: reading them gives the same f64.
 fn write_place(out: &mut impl Write, place: [f64; 3], colour: [u8; 3]) -> io::Result<()> {
     write!(out, "v")?;
     for x in place {

@@ -1,5 +1,5 @@
-//! Stanford PLY, binary, little endian. Written by hand: the file is a header and fixed records, and the writers
-//! of the libraries take each vertex as a map from names to values.
+//! Stanford PLY, binary, little endian. Written by hand: the file is a header and fixed records, while the libraries'
+//! writers expect each vertex as a map from names to values.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{Geometry, Mesh, MeshFormat, Model, Part};
 
-/// Writes the vertices of all parts, then faces, then edges. Each place is one vertex, also where seams meet.
+/// Writes the vertices of all parts, then faces, then edges. Each point is one vertex, even where seams meet.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     let places = |part: &Part| part.vertices(MeshFormat::Ply);
@@ -101,8 +101,8 @@ fn record(
     out.write_all(&colour)
 }
 
-/// The normals of the places: the mean over the vertices of a place, or the normal of its first vertex where they cancel,
-/// as on the seam of a one-sided surface.
+/// Returns the normals of the points: the mean over the vertices of a point, or the normal of its first vertex where
+/// they cancel, as on the seam of a one-sided surface.
 fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     let mut first: Vec<Option<Vec3>> = vec![None; mesh.places.len()];
     let mut sums = vec![Vec3::ZERO; mesh.places.len()];

@@ -9,34 +9,37 @@ use tracer::{BoundingBox, SolidMesh, SurfaceId, WorkBudget, contour, encoded};
 use super::Coloured;
 use super::weld::{Mesh, Vertex, is_held};
 
-/// The most cells along the longest side of the box of a solid whose intervals state no counts.
+/// The maximum number of cells along the longest side of the box of a solid whose intervals specify no counts.
 pub const USUAL_CELLS: u32 = 128;
-/// The least.
+/// The minimum number.
 pub const LEAST_CELLS: u32 = 8;
-/// The most cells along the longest side where intervals state counts. The corners of a grid of so many take 128 MB, and a
-/// solid that fills its box has some three million triangles.
+/// The maximum number of cells along the longest side if intervals specify counts. The corners of a grid of this size
+/// take 128 MB, and a solid that fills its box has some three million triangles.
 pub const MOST_CELLS: u32 = 512;
-/// So many solids have the usual cells; more of them have fewer, so that all together have about as many triangles.
+/// The number of solids up to which each has the usual number of cells; with more solids each has fewer, so that the
+/// total number of triangles stays about the same.
 pub const FINE_SOLIDS: usize = 32;
-/// The most work that the meshes of a file's solids may take, in operations on numbers.
+/// The maximum work for the meshes of a file's solids, in operations on numbers.
 pub const MAX_MESH_WORK: u64 = 1 << 32;
-/// A vertex has the normal of a triangle's plane where its own is farther from it than this cosine says: at edges.
+/// The minimum cosine between a vertex's own normal and that of a triangle's plane; below it, at edges, the vertex gets
+/// the plane's normal.
 const SMOOTH: f32 = 0.9;
-/// The share by which a cell may be too large, for rounding.
+/// The relative rounding error that is allowed for the size of a cell.
 const ROUNDING: f64 = 1e-6;
 
-/// The size of the meshes of a file's solids.
+/// The resolution of the meshes of a file's solids.
 pub(super) struct Fineness {
-    /// The number of cells along the longest side of a solid's box, unless its intervals state counts.
+    /// The number of cells along the longest side of a solid's box, unless its intervals specify counts.
     pub(super) cells: u32,
-    /// The work that is left to read their shapes.
+    /// The remaining work for reading their shapes.
     shape_work: u64,
-    /// The work that is left to mesh them.
+    /// The remaining work for meshing them.
     mesh_work: WorkBudget,
 }
 
 impl Fineness {
-    /// That of so many solids. The number of triangles of a mesh goes with the square of that of its cells.
+    /// Returns the resolution for a number of solids. The number of triangles of a mesh is proportional to the square
+    /// of its number of cells.
     pub(super) fn of(solids: usize) -> Self {
         let share = FINE_SOLIDS as f64 / solids.max(1) as f64;
         let cells = f64::from(USUAL_CELLS) * share.sqrt();
@@ -48,7 +51,8 @@ impl Fineness {
     }
 }
 
-/// Meshes a solid with all its instances; `colour`, sRGB, is that of faces that state none. The sentences are for the user.
+/// Meshes a solid with all its instances; `colour`, sRGB, is that of faces that specify none. The sentences are for the
+/// user.
 pub(super) fn meshed(
     scene: &Scene,
     params: &ParamValues,
@@ -65,9 +69,9 @@ pub(super) fn meshed(
     };
     let rays = RayScene::of_solid(scene, params, &options, object, &mut fineness.shape_work);
     let told = || -> Vec<String> {
-        // Vertices lie a little off curved surfaces: attributes may leave their ranges there and nowhere else.
+        // Vertices are slightly off curved surfaces: attributes may leave their ranges only there.
         let notes = rays.notes().into_iter();
-        // That a mesh is empty is told of all meshes.
+        // An empty mesh is reported for every kind of mesh.
         let is_kept =
             |note: &RayNote| !matches!(note.fault, RayFault::ClampedAttribute(_) | RayFault::Empty);
         let notes = notes.filter(is_kept);
@@ -106,7 +110,7 @@ pub(super) fn meshed(
     };
     let mesh = of_contour(&found);
     let colours = colours(&rays, &found, colour);
-    // The attributes have been read: it is known where they are undefined.
+    // The attributes have been evaluated: it is known where they are undefined.
     let mut notes = told();
     if let Some(asked) = asked.filter(|asked| *asked > f64::from(MOST_CELLS)) {
         notes.push(format!(
@@ -122,7 +126,7 @@ fn of_contour(found: &SolidMesh) -> Mesh {
         places: found.positions.iter().map(|at| at.to_array()).collect(),
         ..Mesh::default()
     };
-    // Each place has the vertex of its own normal at its index; those of edges follow.
+    // Each point has the vertex with its own normal at its index; the additional vertices at edges follow.
     let vertex = |(place, normal): (usize, &DVec3)| Vertex {
         place: place as u32,
         normal: normal.as_vec3().to_array(),
@@ -149,10 +153,10 @@ fn of_contour(found: &SolidMesh) -> Mesh {
     mesh
 }
 
-/// The sRGB colours of the places: those of the leaves that own them, without images.
+/// Returns the sRGB colours of the points: those of the leaves to which they belong, without images.
 fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]> {
     let mut leaves = found.leaves.clone();
-    // A place whose leaf is not known has that of a neighbour.
+    // A point whose leaf is not known has that of a neighbour.
     for triangle in &found.triangles {
         let corners = triangle.map(|corner| corner as usize);
         if let Some(known) = corners.iter().find_map(|corner| found.leaves[*corner]) {
@@ -182,7 +186,7 @@ fn colours(rays: &RayScene, found: &SolidMesh, unstated: [u8; 3]) -> Vec<[u8; 3]
     places.map(colour).collect()
 }
 
-/// A sentence about what a mesh lacks because it is thinner than a cell.
+/// Returns a sentence about the parts that a mesh lacks because they are thinner than a cell.
 fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Option<String> {
     let sides = bounds.upper - bounds.lower;
     let longest = sides.max_element();
@@ -206,7 +210,7 @@ fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Opti
         return Some(text);
     }
     let axis = (0..3).find(|&k| sides[k] >= longest).unwrap_or(0);
-    // The interval contains the box, but for rounding, with three digits.
+    // The interval contains the box up to rounding, with three digits.
     let unit = 10f64.powi(2 - longest.log10().floor() as i32);
     let low = (bounds.lower[axis] * unit + ROUNDING).floor() / unit;
     let high = (bounds.upper[axis] * unit - ROUNDING).ceil() / unit;
@@ -216,7 +220,7 @@ fn thin(name: &str, bounds: &BoundingBox, cells: u32, found: &SolidMesh) -> Opti
     ))
 }
 
-/// A length with two digits.
+/// Returns a length rounded to two digits.
 fn brief(length: f64) -> f64 {
     format!("{length:.1e}").parse().unwrap_or(length)
 }

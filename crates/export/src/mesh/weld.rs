@@ -1,8 +1,8 @@
-//! Surfaces as connected triangles: a grid of samples flows in, welded triangles flow out.
+//! Surfaces as connected triangles. In: a grid of samples. Out: welded triangles.
 //!
-//! Samples become one place where they coincide: at sides that are glued, at poles, where a parameter line has no
-//! length. Vertices, which carry normals and texture coordinates, stay apart at such seams. A surface may run through
-//! itself: only samples that are neighbours, or lie on the border of the grid, can become one.
+//! Samples that coincide become one point: at glued sides, at poles, and where a parameter line has no length.
+//! Vertices, which carry normals and texture coordinates, stay separate at such seams. A surface may intersect itself:
+//! only samples that are neighbours, or are on the border of the grid, can be joined.
 
 use std::collections::HashMap;
 
@@ -10,29 +10,29 @@ use glam::{DVec3, Vec3};
 
 use render::sample::SurfaceSample;
 
-/// Two places coincide if their distance is at most this share of the surface's extent.
+/// The maximum distance at which two points coincide, as a fraction of the surface's extent.
 const COINCIDE: f64 = 1e-9;
-/// A triangle whose height is at most this share of its longest side is left out.
+/// The maximum height of a triangle that is left out, as a fraction of its longest side.
 const FLAT: f64 = 1e-12;
 
 /// Triangles, in the scene's units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Points in space, each at most once for an instance.
+    /// Points in space, each at most once per instance.
     pub places: Vec<[f64; 3]>,
     /// The corners of the triangles.
     pub vertices: Vec<Vertex>,
-    /// Indices into the vertices. Seen from where the normals point to, triangles run counterclockwise; those of a
-    /// closed surface are seen so from outside.
+    /// Indices into the vertices. Triangles run anticlockwise as seen from the side to which the normals point; for a
+    /// closed surface that is the outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The number of instances, each of which has the whole image.
+    /// The number of instances, each of which shows the whole image.
     pub(super) instances: u32,
 }
 
 /// A corner of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// An index into the places.
+    /// An index into the points.
     pub place: u32,
     /// The unit normal.
     pub normal: [f32; 3],
@@ -41,12 +41,12 @@ pub struct Vertex {
 }
 
 impl Mesh {
-    /// Adds an instance: the grid's `places`, u fastest, with the normals and the definedness of its `samples`.
+    /// Adds an instance: the grid's `places`, u fastest, with the normals and definedness of its `samples`.
     pub(super) fn add(&mut self, count: [u32; 2], places: &[[f64; 3]], samples: &[SurfaceSample]) {
         self.instances += 1;
         let grid = SampleGrid::new(count, places, samples);
         let triangles: Vec<[usize; 3]> = grid.triangles().collect();
-        // Vertices in the order of the grid, those only that a triangle needs.
+        // Vertices in the order of the grid, and only those that a triangle needs.
         let mut vertex_of = vec![None; places.len()];
         for &corner in triangles.iter().flatten() {
             vertex_of[corner] = Some(0);
@@ -88,12 +88,12 @@ impl Mesh {
         self.complete_normals(first, start);
     }
 
-    /// The corners of a triangle in space.
+    /// Returns the corners of a triangle in space.
     pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
         triangle.map(|vertex| self.places[self.vertices[vertex as usize].place as usize])
     }
 
-    /// The unit normal of a triangle; zero if it has none.
+    /// Returns the unit normal of a triangle; zero if it has none.
     pub fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
         let [a, b, c] = self.corners(triangle).map(DVec3::from);
         let scale = (b - a).abs().max((c - a).abs()).max_element();
@@ -122,7 +122,7 @@ impl Mesh {
     }
 }
 
-/// The greatest distance at which two of these places coincide.
+/// Returns the maximum distance at which two of these points coincide.
 pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for place in places.map(DVec3::from) {
@@ -130,7 +130,7 @@ pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     }
     let extent = (high - low).max_element().max(0.0);
     let farthest = low.abs().max(high.abs()).max_element();
-    // Far from zero, the rounding of the coordinates exceeds that share.
+    // Far from the origin, the rounding of the coordinates exceeds that fraction.
     let rounding = 8.0 * f64::EPSILON * farthest;
     let all = COINCIDE * extent + rounding;
     if all.is_finite() { all } else { 0.0 }
@@ -144,7 +144,7 @@ pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 struct SampleGrid<'a> {
     places: &'a [[f64; 3]],
     defined: Vec<bool>,
-    /// The samples whose quads are left open.
+    /// True for samples whose quads are left out.
     open: Vec<bool>,
     /// Columns (samples along u) and rows.
     size: [usize; 2],
@@ -152,7 +152,7 @@ struct SampleGrid<'a> {
     class: Vec<u32>,
 }
 
-/// True if single precision holds a place. Every format leaves open what it does not, so that all formats agree.
+/// True if single precision can represent a point. All formats leave out other points, so that they agree.
 pub(super) fn is_held(place: &[f64; 3]) -> bool {
     place.iter().all(|x| x.abs() < f64::from(f32::MAX))
 }
@@ -173,7 +173,7 @@ impl<'a> SampleGrid<'a> {
         grid
     }
 
-    /// Joins samples that coincide: neighbours in the grid, and samples of its border.
+    /// Joins coinciding samples: neighbours in the grid, and samples of its border.
     fn weld(&mut self) {
         let [columns, rows] = self.size;
         let defined = self.places.iter().zip(&self.defined);
@@ -198,8 +198,8 @@ impl<'a> SampleGrid<'a> {
         }
     }
 
-    /// Joins samples of the border that coincide, wherever they lie on it. Cells of twice the tolerance hold the samples
-    /// that are known, so that a sample is compared with those of 27 cells and not with the whole border.
+    /// Joins coinciding samples of the border, wherever they are on it. A hash grid with cells of twice the tolerance
+    /// holds the samples so far, so that each sample is compared only with those of 27 cells.
     fn weld_border(&mut self, tolerance: f64) {
         let [columns, rows] = self.size;
         let edge = |index: usize| {
@@ -227,8 +227,8 @@ impl<'a> SampleGrid<'a> {
                     }
                 }
             }
-            // One sample stands for all that coincide in a cell: otherwise the samples of a pole would be compared pair
-            // by pair.
+            // One sample represents all that coincide in a cell: otherwise the samples of a pole would be compared
+            // pairwise.
             if !joined {
                 cells
                     .entry(cell(place, [0; 3]))
@@ -247,15 +247,15 @@ impl<'a> SampleGrid<'a> {
         root(&mut self.class, index)
     }
 
-    /// The two triangles of the quad whose least corner is sample `at`, as the 3D view draws them.
+    /// Returns the two triangles of the quad whose lowest corner is sample `at`, as the 3D view draws them.
     fn quad(&self, at: usize) -> [[usize; 3]; 2] {
         let columns = self.size[0];
         let [a, b, c, d] = [at, at + 1, at + columns + 1, at + columns];
         [[a, b, c], [a, c, d]]
     }
 
-    /// Reports whether a triangle of [`SampleGrid::quad`] is drawn: all corners are defined, its quad is not left open, and
-    /// it has an area, or corners that coincide.
+    /// Returns whether a triangle of [`SampleGrid::quad`] is drawn: all corners are defined, its quad is not left out,
+    /// and it has an area, or corners that coincide.
     fn is_there(&self, triangle: [usize; 3]) -> bool {
         !self.open[triangle[0]]
             && triangle.iter().all(|&corner| self.defined[corner])
@@ -274,7 +274,7 @@ impl<'a> SampleGrid<'a> {
         (p / longest).cross(q / longest).length() > FLAT
     }
 
-    /// The place of a sample after welding.
+    /// Returns the position of a sample after welding.
     fn place(&self, index: usize) -> DVec3 {
         DVec3::from(self.places[self.class[index] as usize])
     }
@@ -289,7 +289,7 @@ impl<'a> SampleGrid<'a> {
         (0..rows - 1).flat_map(move |j| (0..columns - 1).map(move |i| j * columns + i))
     }
 
-    /// Reports whether the surface is closed and its triangles run counterclockwise as seen from inside, by the sign of
+    /// Returns whether the surface is closed and its triangles run anticlockwise as seen from inside, by the sign of
     /// the enclosed volume (the sum of the tetrahedra over its triangles).
     fn faces_inwards(&self, triangles: &[[usize; 3]]) -> bool {
         let Some(&[first, ..]) = triangles.first() else {
@@ -306,7 +306,7 @@ impl<'a> SampleGrid<'a> {
         triangles.iter().map(volume).sum::<f64>() < 0.0
     }
 
-    /// Reports whether the triangles have no boundary: each edge is passed equally often in both directions.
+    /// Returns whether the triangles have no boundary: each edge is passed equally often in both directions.
     fn is_closed(&self) -> bool {
         let [columns, rows] = self.size;
         let mut balance: HashMap<[u32; 2], i32> = HashMap::new();
@@ -317,7 +317,7 @@ impl<'a> SampleGrid<'a> {
                 *balance.entry([from.min(to), from.max(to)]).or_default() += sign;
             }
         };
-        // Within the grid, neighbours run through their common edge both ways: only the others are counted.
+        // Within the grid, neighbours pass their common edge in both directions: only the other edges are counted.
         for at in self.quads() {
             let (i, j) = (at % columns, at / columns);
             let [lower, upper] = self.quad(at);
@@ -354,7 +354,8 @@ impl<'a> SampleGrid<'a> {
     }
 }
 
-/// The representative of a sample's class in the union-find forest: the first of the samples that are joined with it.
+/// Returns the representative of a sample's class in the union-find forest: the first of the samples that are joined
+/// with it.
 fn root(class: &mut [u32], mut index: usize) -> usize {
     while class[index] as usize != index {
         // Halving the path keeps long chains (a pole) cheap.

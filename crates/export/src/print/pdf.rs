@@ -6,9 +6,9 @@ use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use render::layers::{Layers, PlacedWords, Stroke, outlines};
 
-/// The length of a pixel in points: 96 pixels are an inch.
+/// The size of a pixel in points: 96 pixels per inch.
 const POINTS: f32 = 72.0 / 96.0;
-/// The level of compression, of 10.
+/// The compression level, of 10.
 const LEVEL: u8 = 6;
 /// The name of the image on its page.
 const IMAGE: Name<'static> = Name(b"Pixels");
@@ -35,7 +35,7 @@ pub(super) fn bytes(layers: &Layers, title: &str) -> Vec<u8> {
     pdf.finish()
 }
 
-/// Adds the pixels, and where they are transparent a mask.
+/// Adds the pixels, and a mask if they are partly transparent.
 fn embed(pdf: &mut Pdf, pixels: &RgbaImage, [image, mask]: [Ref; 2]) {
     let [width, height] = [pixels.width(), pixels.height()].map(|side| side as i32);
     let colours: Vec<u8> = pixels
@@ -62,14 +62,14 @@ fn embed(pdf: &mut Pdf, pixels: &RgbaImage, [image, mask]: [Ref; 2]) {
     }
 }
 
-/// The page's content.
+/// Returns the page's content.
 fn drawing(layers: &Layers, [width, height]: [f32; 2]) -> Vec<u8> {
     let mut content = Content::new();
     content.save_state();
     content.transform([width, 0.0, 0.0, height, 0.0, 0.0]);
     content.x_object(IMAGE);
     content.restore_state();
-    // From here on lengths are pixels, and y points down.
+    // From here on, lengths are in pixels, and y points down.
     content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
     content.set_line_cap(LineCapStyle::RoundCap);
     content.set_line_join(LineJoinStyle::RoundJoin);

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use render::layers::{Layers, PlacedWords, Stroke};
 
-/// The fonts of words: that of the program's pictures, then those that are everywhere.
+/// The fonts of words: that of the program's pictures, then common ones.
 const FONTS: &str = "Ubuntu, 'Helvetica Neue', Arial, sans-serif";
 
 pub(super) fn text(layers: &Layers, title: &str) -> Result<String, String> {
@@ -39,7 +39,7 @@ fn path(stroke: &Stroke) -> String {
     let mut d = String::new();
     for (k, [x, y]) in stroke.points.iter().enumerate() {
         let letter = if k == 0 { "M" } else { " L" };
-        // Writing to a text does not fail.
+        // Writing to a string does not fail.
         let _ = write!(d, "{letter}{} {}", number(*x), number(*y));
     }
     let dashes = stroke.dashes().map_or_else(String::new, |[dash, gap]| {
@@ -53,8 +53,8 @@ fn path(stroke: &Stroke) -> String {
     )
 }
 
-/// The words, and below all of them their rims: a browser that spaces letters draws them one by one, each with its rim, which
-/// would lie over the letter before.
+/// Returns the words, with the outlines of all of them underneath: a browser that spaces letters draws them one by one,
+/// and each outline would cover the previous letter.
 fn label(words: &PlacedWords) -> String {
     let [x, y] = words.baseline;
     let text = |paint: &str| {
@@ -75,7 +75,7 @@ fn label(words: &PlacedWords) -> String {
     text(&rim) + &text(&format!("fill=\"{}\"", colour(words.colour)))
 }
 
-/// A number with as many digits as can be seen.
+/// Formats a number with as many digits as are visible.
 fn number(x: f32) -> String {
     let text = format!("{x:.2}");
     match text.contains('.') {
@@ -88,7 +88,7 @@ fn colour([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A text as the content of an element.
+/// Escapes a text as the content of an element.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -96,7 +96,7 @@ fn escaped(text: &str) -> String {
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
-            // XML has no way to write other control characters.
+            // XML cannot represent other control characters.
             _ if letter.is_control() => escaped.push(' '),
             _ => escaped.push(letter),
         }
