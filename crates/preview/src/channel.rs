@@ -1,9 +1,9 @@
 //! The event channel between threads and window: each part sends events of its own type, and the window receives them
-//! as one.
+//! as one type.
 //!
 //! An [`EventSender`] is generic over its event type, so that a part knows nothing of the parts above it. The window
-//! makes one sender for its own type of event and derives from it a sender for each part ([`EventSender::for_part`]).
-//! An event wakes the window, except where another one is about to follow.
+//! creates one sender for its own event type and derives a sender for each part from it ([`EventSender::for_part`]). An
+//! event wakes the window, unless another one is about to follow.
 
 use std::fmt;
 use std::io;
@@ -26,7 +26,7 @@ pub(crate) struct EventSender<T> {
 #[derive(Debug, Default)]
 struct Waker {
     context: Mutex<egui::Context>,
-    /// The window waits for events at this moment and need not be woken.
+    /// True while the window waits for events and need not be woken.
     listens: AtomicBool,
 }
 
@@ -46,7 +46,7 @@ impl<T> fmt::Debug for EventSender<T> {
 }
 
 impl<T: Send + 'static> EventSender<T> {
-    /// Makes the channel of a window.
+    /// Returns the channel of a window.
     pub(crate) fn new(context: egui::Context) -> (Self, Receiver<T>) {
         let (sender, receiver) = channel();
         let events = Self {
@@ -59,7 +59,7 @@ impl<T: Send + 'static> EventSender<T> {
         (events, receiver)
     }
 
-    /// Returns a sender for a part whose events become events of this type by `wrap`.
+    /// Returns a sender for a part whose events are converted to this type by `wrap`.
     pub(crate) fn for_part<U>(
         &self,
         wrap: impl Fn(U) -> T + Send + Sync + 'static,
@@ -73,7 +73,7 @@ impl<T: Send + 'static> EventSender<T> {
 }
 
 impl<T> EventSender<T> {
-    /// Sends an event and wakes the window; returns false when the window no longer exists.
+    /// Sends an event and wakes the window. Returns false if the window no longer exists.
     pub(crate) fn send(&self, event: T) -> bool {
         let sent = (self.deliver)(event);
         if !self.waker.listens.load(Ordering::SeqCst) {
@@ -82,26 +82,27 @@ impl<T> EventSender<T> {
         sent
     }
 
-    /// Sends an event that the next one announces; returns false when the window no longer exists.
+    /// Sends an event without waking the window, since another one follows. Returns false if the window no longer
+    /// exists.
     pub(crate) fn send_quietly(&self, event: T) -> bool {
         (self.deliver)(event)
     }
 
-    /// Says whether the window waits for events from now on. When it stops, it must look once more: events that were
-    /// sent before have not woken it.
+    /// Sets whether the window waits for events. When it stops waiting, it must check once more: events that were sent
+    /// before have not woken it.
     pub(crate) fn listen(&self, listens: bool) {
         self.waker.listens.store(listens, Ordering::SeqCst);
     }
 
-    /// Wakes the window, which has something to look at.
+    /// Wakes the window, which has something to process.
     pub(crate) fn wake(&self) {
         let context = self.waker.context.lock();
         let context = context.unwrap_or_else(PoisonError::into_inner);
-        // At once, but once: without any delay it would be drawn twice.
+        // Immediately, but only once: without any delay it would be drawn twice.
         context.request_repaint_after(Duration::from_nanos(1));
     }
 
-    /// Sends the events to the window of another context from now on.
+    /// Redirects future events to the window of another context.
     pub(crate) fn readdress(&self, context: egui::Context) {
         let own = self.waker.context.lock();
         *own.unwrap_or_else(PoisonError::into_inner) = context;
@@ -111,7 +112,7 @@ impl<T> EventSender<T> {
 /// Starts a thread with a name.
 ///
 /// # Errors
-/// The system's.
+/// The system's error.
 pub(crate) fn start_thread(
     name: &str,
     work: impl FnOnce() + Send + 'static,
@@ -120,7 +121,7 @@ pub(crate) fn start_thread(
     thread.spawn(work)
 }
 
-/// Does slow work on a thread of its own, and sends the sentence that it ends with.
+/// Does slow work on a thread of its own, and sends the resulting sentence.
 pub(crate) fn report_when_done(
     events: EventSender<StatusMessage>,
     work: impl FnOnce() -> Result<String, String> + Send + 'static,

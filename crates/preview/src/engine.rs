@@ -1,5 +1,5 @@
-//! The workers of the window, on threads of their own: the compiler, the renderer, measuring, recordings, textures; and
-//! the file of the window's own text.
+//! The window's workers, on threads of their own: the compiler, the renderer, measuring, recordings, textures; and the
+//! file of the window's own text.
 
 pub(crate) mod compiler;
 pub(crate) mod measure_thread;

@@ -1,4 +1,4 @@
-//! The programs to begin with: the examples, which are part of the window, and short templates.
+//! The programs to start from: the examples, which are embedded in the window, and short templates.
 
 /// An example: a program of the folder `examples`, with its picture in the gallery.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub(crate) const EXAMPLES: &[Example] = examples![
 ];
 
 impl Example {
-    /// Returns what it says it is: the first sentence of the comment that it begins with.
+    /// Returns the description of the program: the first sentence of its initial comment.
     pub(crate) fn description(&self) -> String {
         let lines = self.text.lines().map_while(|line| line.strip_prefix('#'));
         let first = lines.map(str::trim).take_while(|line| !line.is_empty());
@@ -69,10 +69,10 @@ impl Example {
     }
 }
 
-/// A short program to begin with.
+/// A short program to start from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Template {
-    /// The thing that it declares.
+    /// The object that it declares.
     pub(crate) title: &'static str,
     /// The program.
     pub(crate) text: &'static str,

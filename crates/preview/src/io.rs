@@ -1,4 +1,4 @@
-//! The window's connections with the world: the server's messages, files, the desktop's dialogs.
+//! The window's input and output: the server's messages, files, the desktop's dialogs.
 
 pub(crate) mod file_dialogs;
 pub(crate) mod files;

@@ -1,4 +1,4 @@
-//! The live preview window: views of a program while it is written.
+//! The live preview window: shows views of a program while it is being written.
 //!
 //! ```text
 //! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ session::Model
@@ -9,13 +9,14 @@
 //!                                    engine/render_thread: the renderer ──pictures──▶ ui/panes
 //! ```
 //!
-//! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window makes
-//! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `channel`,
-//! `ending`, `queue`, `examples` and `platform`. What is neither window nor thread nor file is in the crate `session`.
+//! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window combines
+//! them in one enum. The folders use each other only downward: `ui`, then `engine`, then `io`, then `channel`,
+//! `ending`, `queue`, `examples` and `platform`. Code that involves no window, thread or file is in the crate
+//! `session`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
-//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
-//! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
+//! only an animation or a held key makes it draw continuously. The window's own thread waits for others only where the
+//! user does not notice: for pictures that are expected within the frame, and for files when it closes.
 
 mod channel;
 mod ending;
@@ -44,29 +45,28 @@ pub use ui::window::Window;
 pub struct Options {
     /// The source of its text.
     pub source: Source,
-    /// Asked to end it from elsewhere.
+    /// Requests from elsewhere that the window end.
     pub ending: Ending,
-    /// The languages of programs; the extension of a file chooses one of them.
+    /// The languages of programs; a file's extension selects one of them.
     pub languages: Languages,
     /// The views that it offers.
     pub views: Views,
     /// The backend that draws the pictures.
     pub backend: Backend,
-    /// A file for counters, one JSON object a line for each frame of the window: for tests of the real
-    /// window. See [`Counters`].
+    /// A file for counters, one JSON object per line for each frame, for tests of the real window. See [`Counters`].
     pub report: Option<PathBuf>,
 }
 
 /// Faults of a window's GPU, for tests of the real window.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
-    /// It is given up, as though it were lost, when there is a file of this name.
+    /// The GPU is given up, as though it were lost, when a file of this name exists.
     pub loses_gpu: Option<PathBuf>,
-    /// The number of times that it is given up.
+    /// The number of times that the GPU is given up.
     pub losses: u32,
-    /// It is given up when a frame is laid out and not yet painted, rather than before a frame.
+    /// True if it is given up after a frame's layout and before its painting, rather than before a frame.
     pub loses_in_frame: bool,
-    /// It refuses shaders of samples.
+    /// True if it refuses the shaders that compute samples.
     pub refuses_samples: bool,
 }
 
@@ -75,41 +75,41 @@ pub struct Faults {
 pub enum Source {
     /// A file, which is watched, and which the window's own pane edits.
     File(PathBuf),
-    /// No program yet: the window offers new ones, those that were opened last, and the examples.
+    /// No program yet: the window offers new ones, recent ones, and the examples.
     Welcome,
     /// An editor's language server, over standard input and output.
     Attached,
 }
 
-/// The reason why there is no window.
+/// The reason why no window can be opened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// There is no display, or it refuses a window.
     NoDisplay {
-        /// In the system's words.
+        /// The system's message.
         reason: String,
     },
-    /// Nothing can draw the window: no graphics driver was found.
+    /// The window cannot be drawn: no graphics driver was found.
     NoGraphics {
-        /// In the system's words.
+        /// The system's message.
         reason: String,
     },
-    /// The system starts no thread for the window's work.
+    /// The system cannot start a thread for the window's work.
     NoThread {
-        /// In the system's words.
+        /// The system's message.
         reason: String,
     },
     /// The file cannot be read.
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// In the system's words.
+        /// The system's message.
         reason: String,
     },
 }
 
 impl Failure {
-    /// With what else the user must know, behind the reason.
+    /// Appends a further sentence for the user to the reason.
     fn and(mut self, sentence: Option<String>) -> Self {
         let (Self::NoDisplay { reason }
         | Self::NoGraphics { reason }
@@ -146,7 +146,7 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Of a thread that the system refuses.
+/// The failure to start a thread.
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         Self::NoThread {

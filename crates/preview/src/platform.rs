@@ -1,9 +1,9 @@
-//! The parts of the window that depend on the operating system, each with a portable side.
+//! The parts of the window that depend on the operating system, each with a portable fallback.
 
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
-/// Returns the folder for what the window remembers between runs that belongs to no program.
+/// Returns the folder for state that is kept between runs and belongs to no program.
 pub(crate) fn state_folder() -> Option<PathBuf> {
     let folder = |variable: &str| {
         let path = PathBuf::from(std::env::var_os(variable)?);
@@ -20,19 +20,19 @@ pub(crate) fn state_folder() -> Option<PathBuf> {
 }
 
 /// Lowers the priority of this process, so that an editor's requests are answered before a picture is drawn. On Windows
-/// the server has started it with a lower one.
+/// the server has already started it with a lower priority.
 pub(crate) fn lower_priority() {
     #[cfg(unix)]
     {
-        // A process that may not be nice is as urgent as before.
+        // If the priority cannot be lowered, it stays as it is.
         let _ = rustix::process::nice(5);
     }
 }
 
-/// Creates a file that folders do not show. Its name begins with a dot, which is enough except on Windows.
+/// Creates a hidden file. Its name begins with a dot, which suffices except on Windows.
 ///
 /// # Errors
-/// The system's; an existing file is left as it is.
+/// The system's error; an existing file is unchanged.
 pub(crate) fn create_hidden(path: &Path) -> std::io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);

@@ -1,12 +1,12 @@
 //! A queue between two threads in which the latest value of each key wins.
 //!
-//! A value that has not been taken is replaced by a newer one with the same key, and the newer one keeps its turn, so
-//! that no key waits for ever. No channel crate has this: they drop the oldest or the newest value, whatever its key.
+//! A newer value replaces a waiting one with the same key and keeps its turn, so that no key waits forever. No channel
+//! crate does this: they drop the oldest or the newest value, whatever its key.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// The queue; clones are the same queue.
+/// The queue; clones share it.
 #[derive(Debug)]
 pub(crate) struct LatestQueue<K, V> {
     shared: Arc<(Mutex<Entries<K, V>>, Condvar)>,
@@ -14,7 +14,7 @@ pub(crate) struct LatestQueue<K, V> {
 
 #[derive(Debug)]
 struct Entries<K, V> {
-    /// By key: the rank, the turn in which the key came, and the value. The least rank and turn is next.
+    /// By key: the rank, the turn in which the key arrived, and the value. The lowest rank and turn is next.
     waiting: BTreeMap<K, (u8, u64, V)>,
     turn: u64,
     closed: bool,
@@ -42,7 +42,7 @@ impl<K, V> Default for LatestQueue<K, V> {
 }
 
 impl<K: Clone + Ord, V> LatestQueue<K, V> {
-    /// Adds a value, in the place of a waiting one with the same key. Values of a lower rank are taken first.
+    /// Adds a value, replacing a waiting one with the same key. Values of a lower rank are taken first.
     pub(crate) fn push(&self, rank: u8, key: K, value: V) {
         self.update(rank, key, |_| value);
     }
@@ -61,8 +61,8 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         self.shared.1.notify_one();
     }
 
-    /// Puts a value back that was taken, unless a newer one with the same key waits or the queue is closed. Only the thread
-    /// that takes values may call it: no other one is woken.
+    /// Puts back a value that was taken, unless a newer one with the same key waits or the queue is closed. Only the
+    /// thread that takes values may call this: no other one is woken.
     pub(crate) fn restore(&self, rank: u8, key: K, value: V) {
         let mut entries = self.lock();
         if !entries.closed && !entries.waiting.contains_key(&key) {
@@ -77,7 +77,7 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         self.lock().waiting.remove(key);
     }
 
-    /// Takes the next value, and waits while there is none; returns nothing when the queue is closed and empty.
+    /// Takes the next value, and waits while there is none. Returns `None` when the queue is closed and empty.
     pub(crate) fn take(&self) -> Option<(K, V)> {
         let mut entries = self.lock();
         loop {
@@ -104,13 +104,13 @@ impl<K: Clone + Ord, V> LatestQueue<K, V> {
         self.lock().closed
     }
 
-    /// Ends the queue when the waiting values have been taken.
+    /// Closes the queue; waiting values can still be taken.
     pub(crate) fn close(&self) {
         self.lock().closed = true;
         self.shared.1.notify_one();
     }
 
-    /// Drops the waiting values and ends the queue.
+    /// Drops the waiting values and closes the queue.
     pub(crate) fn abandon(&self) {
         self.lock().waiting.clear();
         self.close();

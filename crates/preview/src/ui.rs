@@ -1,4 +1,4 @@
-//! The window as it is seen and used: panes, menu, dialogs, input, and the GPU that it is shown by.
+//! The window's user interface: panes, menu, dialogs, input, and the GPU that displays it.
 
 pub(crate) mod app;
 pub(crate) mod camera_input;

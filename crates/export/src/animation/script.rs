@@ -24,7 +24,7 @@ pub struct Script {
     pub walk: Option<f64>,
     /// Draws the path of the camera.
     pub trail: bool,
-    /// Turns the camera of a 3D view once about the vertical line through its target, anticlockwise as seen from above.
+    /// Turns the camera of a 3D view once about the vertical line through its target, counterclockwise as seen from above.
     pub turntable: bool,
 }
 

@@ -22,7 +22,7 @@ pub struct Mesh {
     pub places: Vec<[f64; 3]>,
     /// The corners of the triangles.
     pub vertices: Vec<Vertex>,
-    /// Indices into the vertices. Triangles run anticlockwise as seen from the side to which the normals point; for a
+    /// Indices into the vertices. Triangles run counterclockwise as seen from the side to which the normals point; for a
     /// closed surface that is the outside.
     pub triangles: Vec<[u32; 3]>,
     /// The number of instances, each of which shows the whole image.
@@ -289,7 +289,7 @@ impl<'a> SampleGrid<'a> {
         (0..rows - 1).flat_map(move |j| (0..columns - 1).map(move |i| j * columns + i))
     }
 
-    /// Returns whether the surface is closed and its triangles run anticlockwise as seen from inside, by the sign of
+    /// Returns whether the surface is closed and its triangles run counterclockwise as seen from inside, by the sign of
     /// the enclosed volume (the sum of the tetrahedra over its triangles).
     fn faces_inwards(&self, triangles: &[[usize; 3]]) -> bool {
         let Some(&[first, ..]) = triangles.first() else {

@@ -1,4 +1,4 @@
-//! The thread that compiles: texts flow in, the latest wins; scenes and findings flow out.
+//! The thread that compiles. In: texts, of which the latest wins. Out: scenes and findings.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,13 +21,13 @@ pub(crate) struct CompiledText {
     pub(crate) arrived: Instant,
 }
 
-/// Hands texts to the thread, which ends with the last clone; cheap to clone.
+/// Sends texts to the thread, which ends with the last clone; cheap to clone.
 #[derive(Clone, Debug)]
 pub(crate) struct Compiler {
     queue: Arc<Texts>,
 }
 
-/// The queue that the clones share. The thread has the queue itself, so that it does not keep itself alive.
+/// The queue that the clones share. The thread holds the inner queue, so that it does not keep itself alive.
 #[derive(Debug)]
 struct Texts(LatestQueue<(), Waiting>);
 
@@ -37,7 +37,7 @@ struct Waiting {
     language: Arc<dyn Language>,
     version: i32,
     text: Arc<str>,
-    /// The changes that make the text of the one that was compiled last; none where they are not known.
+    /// The changes that lead from the last compiled text to this one; `None` if they are not known.
     changes: Option<Changes>,
     arrived: Instant,
 }
@@ -46,12 +46,12 @@ impl Compiler {
     /// Starts the thread.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's error.
     pub(crate) fn start(events: EventSender<CompiledText>) -> io::Result<Self> {
         Self::reading_by(events, Reader::read)
     }
 
-    /// Starts the thread with another function that reads texts.
+    /// Starts the thread with another function for reading texts.
     fn reading_by(
         events: EventSender<CompiledText>,
         read: impl Fn(&mut Reader, &SourceText<'_>) -> Read + Send + 'static,
@@ -64,8 +64,8 @@ impl Compiler {
         })
     }
 
-    /// Queues a text for compilation, in the place of one that has not been begun. `changes` make it of the text that was
-    /// queued before it.
+    /// Queues a text for compilation, replacing one that has not been started. `changes` lead to it from the text that
+    /// was queued before it.
     pub(crate) fn compile(
         &self,
         language: Arc<dyn Language>,
@@ -75,7 +75,7 @@ impl Compiler {
     ) {
         self.queue.0.update(0, (), |before| {
             let (arrived, changes) = match before {
-                // The text that is overtaken has waited since it arrived, and so has the one that takes its place.
+                // A superseded text has waited since it arrived, and so has the text that replaces it.
                 Some(before) => {
                     let composed = before.changes.zip(changes);
                     (
@@ -111,8 +111,8 @@ fn work(
     let mut reader = Reader::default();
     while let Some(((), order)) = queue.take() {
         let start = Instant::now();
-        // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped. The next text comes
-        // whole beside its changes, and is opened anew.
+        // A panic must not end the thread: it becomes a sentence, and the reader's state is dropped. The next text is
+        // queued whole beside its changes, and is opened afresh.
         let source = SourceText {
             language: &*order.language,
             text: &order.text,

@@ -1,4 +1,5 @@
-//! The thread that measures: figures, places and walks flow in, the latest of each kind wins; answers flow out.
+//! The thread that measures. In: questions about figures, points and walks, of which the latest of each kind wins. Out:
+//! answers.
 //!
 //! A search for geodesics may take seconds, so it never runs on the frame's thread.
 
@@ -11,7 +12,7 @@ use session::questions::{MeasureAnswer, MeasureQuestion, Measurer};
 use crate::channel::{EventSender, start_thread};
 use crate::queue::LatestQueue;
 
-/// The order in which questions are taken, and the key under which the latest wins.
+/// The order in which questions are answered, and the key under which the latest wins.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum QuestionKind {
     WayBack,
@@ -20,7 +21,7 @@ enum QuestionKind {
     Figure,
 }
 
-/// Hands questions to the thread, which ends when this is dropped.
+/// Sends questions to the thread, which ends when this is dropped.
 #[derive(Debug)]
 pub(crate) struct MeasureThread {
     queue: LatestQueue<QuestionKind, (Subject, MeasureQuestion)>,
@@ -30,7 +31,7 @@ impl MeasureThread {
     /// Starts the thread.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's error.
     pub(crate) fn start(events: EventSender<MeasureAnswer>) -> io::Result<Self> {
         let queue = LatestQueue::default();
         let own = queue.clone();
@@ -38,7 +39,7 @@ impl MeasureThread {
         Ok(Self { queue })
     }
 
-    /// Asks a question, in the place of one of its kind that has not been begun.
+    /// Asks a question, replacing one of its kind that has not been started.
     pub(crate) fn ask(&self, subject: Subject, question: MeasureQuestion) {
         let key = match question {
             MeasureQuestion::Pointer(..) => QuestionKind::Pointer,
@@ -62,7 +63,7 @@ fn work(
 ) {
     let mut measurer = Measurer::default();
     while let Some((_, (subject, question))) = queue.take() {
-        // A panic must not end the thread: the question has no answer.
+        // A panic must not end the thread: the question remains unanswered.
         let answered = catch_unwind(AssertUnwindSafe(|| measurer.answer(&subject, &question)));
         if let Ok(Some(answer)) = answered
             && !events.send(answer)

@@ -1,4 +1,4 @@
-//! A recording that runs: a thread that draws the pictures of an animation and writes them.
+//! A running recording: a thread that draws the pictures of an animation and writes them.
 
 pub(crate) mod film;
 
@@ -13,7 +13,7 @@ use session::StatusMessage;
 use crate::channel::{EventSender, start_thread};
 use film::{Ended, Film};
 
-/// A recording that runs. Dropped, it is called off, and leaves nothing behind.
+/// A running recording. Dropping it cancels it, and leaves no file.
 #[derive(Debug)]
 pub(crate) struct Recording {
     shared: Arc<Shared>,
@@ -23,7 +23,7 @@ pub(crate) struct Recording {
 #[derive(Debug)]
 struct Shared {
     frames: u32,
-    /// The picture that is being drawn, counted from 1; 0 before the first.
+    /// The number of the picture that is being drawn, from 1; 0 before the first.
     now: AtomicU32,
     cancelled: AtomicBool,
     ended: AtomicBool,
@@ -33,7 +33,7 @@ impl Recording {
     /// Starts to record a film into a file.
     ///
     /// # Errors
-    /// The system's, which refuses a thread.
+    /// The system's error if it cannot start a thread.
     pub(crate) fn start(
         events: EventSender<StatusMessage>,
         film: Film,
@@ -67,7 +67,7 @@ impl Recording {
         })
     }
 
-    /// Calls the recording off.
+    /// Cancels the recording.
     pub(crate) fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
@@ -77,7 +77,7 @@ impl Recording {
         (self.shared.now.load(Ordering::Relaxed), self.shared.frames)
     }
 
-    /// Returns whether nothing more comes of it.
+    /// Returns whether it has ended.
     pub(crate) fn has_ended(&self) -> bool {
         let panicked = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
         self.shared.ended.load(Ordering::Acquire) || panicked
@@ -87,7 +87,7 @@ impl Recording {
 impl Drop for Recording {
     fn drop(&mut self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
-        // It ends with the picture that it draws now.
+        // The thread ends after the picture that it is drawing.
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }

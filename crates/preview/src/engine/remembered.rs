@@ -1,4 +1,4 @@
-//! A picture as the window would show it: what is remembered of a program flows in, a request flows out, without a window.
+//! A picture as the window would show it, without a window. In: the remembered view of a program. Out: a request.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,8 +18,8 @@ use session::{Choice, Model};
 use crate::engine::textures::Library;
 use crate::io::persistence::{self, Drawn, DrawnFigure};
 
-/// Returns the request for a view's picture as the window remembers it: of the params, cameras, colours, textures and
-/// overlays that were chosen there. A window that follows the desktop's theme is taken for a dark one.
+/// Returns the request for a view's picture as the window remembers it: with the chosen params, cameras, colours,
+/// textures and overlays. A window that follows the desktop's theme counts as dark.
 ///
 /// # Errors
 /// A sentence: nothing is remembered of the program, an image cannot be read, or there is no such view.
@@ -45,7 +45,7 @@ pub fn remembered(
             library.put(path.clone(), ImageState::Ready(Arc::new(texture)));
         }
     }
-    // The surface whose camera a window shows that has just been opened.
+    // The surface whose camera a newly opened window shows.
     let active = model.surfaces().into_iter().next();
     let active = active.as_deref();
     let request = picture_request(&mut model, &mut library, views, id, size, active, false);
@@ -54,7 +54,8 @@ pub fn remembered(
     Ok(at_rest(request, &model, size))
 }
 
-/// The trails of a view: in space those on all surfaces, from inside those on its own. What cannot be drawn is left out.
+/// Returns the trails of a view: in space those on all surfaces, in a geodesic view those on its own. Those that cannot
+/// be drawn are left out.
 fn trails(model: &mut Model, id: &ViewId, drawn: &Drawn) -> Vec<Shared<Trail>> {
     let is_shown = |name: &str| id.object.as_deref().is_none_or(|own| own == name);
     let mut all = Vec::new();

@@ -1,5 +1,4 @@
-//! The thread that draws: requests flow in, the latest of each pane wins; pictures flow out. How one is drawn is in
-//! `worker.rs`.
+//! The thread that draws. In: requests, of which the latest of each pane wins. Out: pictures, which `worker.rs` draws.
 
 mod worker;
 
@@ -25,18 +24,18 @@ pub(crate) enum RenderEvent {
     /// A picture was drawn, or failed with a sentence.
     Drawn {
         pane: ViewId,
-        /// The picture; it took the time from the request to pixels that can be shown.
+        /// The picture, with the time from the request to displayable pixels.
         picture: Result<Box<RenderedImage>, String>,
-        /// The camera that a view in space is seen from, where its request leaves that open.
+        /// The camera of a view in space, if its request specifies none.
         space_camera: Option<SpaceCamera>,
         request: Box<VersionedRequest>,
         counters: WorkCounters,
     },
-    /// An object was found under a place of a picture, or none.
+    /// An object was found at a point of a picture, or none.
     Picked {
         request: Box<PictureRequest>,
         hit: Option<Hit>,
-        /// The pixel of a place that was snapped to.
+        /// The pixel that was snapped to.
         snapped: Option<[f64; 2]>,
         purpose: Purpose,
     },
@@ -44,7 +43,7 @@ pub(crate) enum RenderEvent {
     Framed(Option<SpaceCamera>),
 }
 
-/// A request with the version of the text that its scene is of. The picture does not depend on the version.
+/// A request with the version of its scene's text. The picture does not depend on the version.
 #[derive(Clone, Debug)]
 pub(crate) struct VersionedRequest {
     pub(crate) picture: PictureRequest,
@@ -54,18 +53,18 @@ pub(crate) struct VersionedRequest {
 /// The purpose of a pick.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Purpose {
-    /// The geodesic camera is to go there; the number of the click that says so.
+    /// To place the geodesic camera there; with the number of the click.
     Place(u64),
-    /// Its declaration is to be shown.
+    /// To show its declaration.
     Open,
-    /// The place is one of a figure that is measured.
+    /// To add the point to a figure that is measured.
     Measure(Snapping),
-    /// The place is under the pointer while it rests or moves.
+    /// To show the point under the pointer while it rests or moves.
     Pointer(Snapping),
 }
 
 impl Purpose {
-    /// Returns the snapping of a place that is measured; `None` of another.
+    /// Returns the snapping of a point that is measured; `None` for another purpose.
     pub(crate) fn snapping(self) -> Option<Snapping> {
         match self {
             Self::Measure(snapping) | Self::Pointer(snapping) => Some(snapping),
@@ -74,23 +73,23 @@ impl Purpose {
     }
 }
 
-/// The longest time for which a finished picture waits for another one, so that the window draws itself once for both.
+/// The maximum time for which a finished picture waits for another one, so that the window draws itself once for both.
 const TOGETHER: Duration = Duration::from_millis(16);
 
-/// Hands requests to the thread.
+/// Sends requests to the thread.
 #[derive(Debug)]
 pub(crate) struct RenderThread {
     queue: LatestQueue<JobKey, Job>,
-    /// The number of requests that are no pictures: each has a key of its own.
+    /// The number of requests that are not for pictures: each has its own key.
     questions: u64,
-    /// The number of them that the window has had an answer to.
+    /// The number of them that have been answered.
     answers: u64,
     thread: Option<JoinHandle<()>>,
-    /// Set once the thread has had a renderer on a GPU.
+    /// True once the thread has had a renderer on a GPU.
     has_used_gpu: bool,
 }
 
-/// The key of a job: a newer job takes the place of a waiting one with the same key.
+/// The key of a job: a newer job replaces a waiting one with the same key.
 #[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum JobKey {
     Renderer,
@@ -99,7 +98,7 @@ enum JobKey {
     Pane(ViewId),
 }
 
-/// The rank of a job: those of a lower rank are done first.
+/// The rank of a job: jobs of a lower rank are done first.
 #[derive(Clone, Copy, Debug)]
 enum Rank {
     Renderer,
@@ -123,7 +122,7 @@ impl RenderThread {
     /// Starts the thread, which draws with a renderer. The pictures of a renderer on the window's own GPU stay there.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's error.
     pub(crate) fn start(events: EventSender<RenderEvent>, renderer: Renderer) -> io::Result<Self> {
         let queue = LatestQueue::default();
         let own = queue.clone();
@@ -138,14 +137,14 @@ impl RenderThread {
         })
     }
 
-    /// Draws with another renderer from now on.
+    /// Switches to another renderer.
     pub(crate) fn set_renderer(&mut self, renderer: Renderer) {
         self.has_used_gpu |= renderer.gpu().is_some();
         let job = Job::Move(Box::new(renderer));
         self.queue.push(Rank::Renderer as u8, JobKey::Renderer, job);
     }
 
-    /// Asks for a picture, in the place of one of the same pane that has not been begun.
+    /// Requests a picture, replacing a request of the same pane that has not been started.
     pub(crate) fn draw(&self, pane: ViewId, request: VersionedRequest) {
         let refines = request.picture.view.samples().is_some_and(|it| it > 1);
         let rank = if refines { Rank::Refine } else { Rank::Draw };
@@ -153,33 +152,34 @@ impl RenderThread {
         self.queue.push(rank as u8, JobKey::Pane(pane), job);
     }
 
-    /// Drops the request of a pane that has not been begun.
+    /// Drops the request of a pane if it has not been started.
     pub(crate) fn forget(&self, pane: &ViewId) {
         self.queue.remove(&JobKey::Pane(pane.clone()));
     }
 
-    /// Asks what is under a pixel of the picture that a request describes.
+    /// Requests the object at a pixel of the picture that a request describes.
     pub(crate) fn pick(&mut self, request: PictureRequest, at: [f64; 2], purpose: Purpose) {
         self.ask(Rank::Pick, Job::Pick(Box::new(request), at, purpose));
     }
 
-    /// Asks what is under the pointer, in the place of an earlier such question that has not been begun.
+    /// Requests the object under the pointer, replacing such a request that has not been started.
     pub(crate) fn point(&self, request: PictureRequest, at: [f64; 2], snapping: Snapping) {
         let job = Job::Pick(Box::new(request), at, Purpose::Pointer(snapping));
         self.queue.push(Rank::Pointer as u8, JobKey::Pointer, job);
     }
 
-    /// Asks for the camera that sees everything that a request shows.
+    /// Requests the camera that sees everything that a request shows.
     pub(crate) fn frame(&mut self, request: PictureRequest) {
         self.ask(Rank::Frame, Job::Frame(Box::new(request)));
     }
 
-    /// Counts the answer to a pick that is not of the pointer, or to a request for a camera. Each of them has one.
+    /// Counts the answer to a pick (other than under the pointer) or to a request for a camera. Each has exactly one
+    /// answer.
     pub(crate) fn note_answer(&mut self) {
         self.answers += 1;
     }
 
-    /// Returns whether a pick or a request for a camera has no answer yet.
+    /// Returns whether a pick or a request for a camera is unanswered.
     pub(crate) fn is_asked(&self) -> bool {
         self.answers < self.questions
     }
@@ -194,12 +194,12 @@ impl RenderThread {
 impl Drop for RenderThread {
     fn drop(&mut self) {
         self.queue.abandon();
-        // The process may end next, and that unloads the GPU's driver. A thread that still uses the driver then would
-        // crash the process. A picture of the processor needs no such care, and may take long: nothing waits for it.
+        // The process may end next, which unloads the GPU's driver; a thread that still uses the driver would then
+        // crash. A picture drawn by the processor needs no such care, and may take long: it is not waited for.
         if self.has_used_gpu
             && let Some(thread) = self.thread.take()
         {
-            // A panic of the thread has been reported where it occurred.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }
@@ -207,11 +207,11 @@ impl Drop for RenderThread {
 
 fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
     let waiting = queue.clone();
-    // A picture that is being drawn gives way to what waits, and to the end of the window.
+    // A picture that is being drawn is abandoned for waiting jobs, and when the window ends.
     let interrupt = Interrupt::new(move || waiting.is_closed() || waiting.next_key().is_some());
     let mut worker = Worker::new(renderer, interrupt);
     while let Some((key, job)) = queue.take() {
-        // A panic must not take the window with it: it becomes a sentence.
+        // A panic must not end the window: it becomes a sentence.
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
             (JobKey::Pane(pane), Job::Draw(request)) => worker.draw(pane, request),
             (_, Job::Pick(request, at, purpose)) => Some(worker.pick(request, *at, *purpose)),
@@ -224,7 +224,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 continue;
             }
             (Ok(Some(event)), ..) => event,
-            // Given up for what waits: it is drawn later, unless a newer one is asked for.
+            // Abandoned for waiting jobs: it is drawn later, unless a newer one is requested.
             (Ok(None), key @ JobKey::Pane(_), job) => {
                 queue.restore(Rank::Refine as u8, key, job);
                 continue;
@@ -252,7 +252,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 worker.leave_gpu();
                 RenderEvent::Framed(None)
             }
-            // A picture has the key of a pane.
+            // Only pictures have the key of a pane.
             (Ok(None) | Err(_), ..) => continue,
         };
         // The next picture wakes the window for this one too, if it is expected soon.

@@ -1,6 +1,6 @@
-//! The file of the window's own text: saving, and rescuing what was not saved.
+//! The file of the window's own text: saves it, and rescues unsaved changes.
 //!
-//! An [`Editor`] flows in; a file that is whole flows out, and what the editor knows of it.
+//! In: an [`Editor`]. Out: a complete file, and the editor's updated knowledge of it.
 
 use std::path::{Path, PathBuf};
 
@@ -9,21 +9,20 @@ use session::editor::Editor;
 
 use crate::io::watch::Unreadable;
 
-/// The effect of saving.
+/// The result of saving.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Saved {
     /// The file holds the text.
     Written,
-    /// Nothing had been written here, but the file holds another text: that is shown now.
+    /// There were no unsaved changes, but the file holds another text, which is now shown.
     Followed,
 }
 
-/// Writes the text to the file, unless that has content that was never shown here: it may not be watched, or the
-/// news of it
-/// may be on its way.
+/// Writes the text to the file, unless the file has content that was never shown here: it may not be watched, or its
+/// change may not have been reported yet.
 ///
 /// # Errors
-/// A sentence; the file is as it was.
+/// A sentence; the file is unchanged.
 pub(crate) fn save(editor: &mut Editor) -> Result<Saved, String> {
     match crate::io::watch::read(&editor.path) {
         Ok(text) => {
@@ -51,10 +50,10 @@ pub(crate) fn save(editor: &mut Editor) -> Result<Saved, String> {
     Ok(Saved::Written)
 }
 
-/// Writes the text to another file, which is its own from then on.
+/// Writes the text to another file, which becomes its own.
 ///
 /// # Errors
-/// A sentence; the text belongs to the file that it had.
+/// A sentence; the text keeps its previous file.
 pub(crate) fn save_as(editor: &mut Editor, path: PathBuf) -> Result<(), String> {
     write_whole(&path, editor.text.as_bytes())
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
@@ -65,9 +64,8 @@ pub(crate) fn save_as(editor: &mut Editor, path: PathBuf) -> Result<(), String> 
     Ok(())
 }
 
-/// Writes a text that has not been saved beside its file, or where that cannot be, among the system's temporary
-/// files:
-/// under a name that nothing has yet. A sentence that says where, or why not; none where all is saved.
+/// Writes an unsaved text beside its file, or else among the system's temporary files, under an unused name. Returns a
+/// sentence that says where, or why it could not be written; `None` if everything is saved.
 pub(crate) fn rescue(editor: &Editor) -> Option<String> {
     if !editor.is_changed() {
         return None;

@@ -1,7 +1,7 @@
 //! Images for surfaces: each file is read once, on one thread for all.
 //!
-//! The file that a window remembers a view in may come from somebody else, beside a program. An image that it names is opened
-//! only if it lies below the program's folder, or if the user has opened it before.
+//! The file in which a window remembers a view may come from someone else, beside a program. An image that it names is
+//! opened only if it is below the program's folder, or if the user has opened it before.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,19 +25,19 @@ pub(crate) struct ImageFiles {
     pub(crate) folder: Option<PathBuf>,
     /// The images that the user has opened, in this window or before.
     pub(crate) opened: PathList,
-    /// The texels that they have together.
+    /// The budget of texels that they share.
     pub(crate) budget: TexelBudget,
     events: Option<EventSender<TextureRead>>,
     /// The thread that reads, once there is something to read.
     reader: Option<ReaderThread>,
 }
 
-/// Hands paths to the thread that reads images, which ends when this is dropped.
+/// Sends paths to the thread that reads images, which ends when this is dropped.
 #[derive(Debug)]
 struct ReaderThread(LatestQueue<PathBuf, TexelBudget>);
 
 impl ImageFiles {
-    /// Files that are read on a thread, whose images are sent as events.
+    /// Returns a source that reads files on a thread and sends the images as events.
     pub(crate) fn new(events: EventSender<TextureRead>) -> Self {
         Self {
             events: Some(events),
@@ -51,7 +51,7 @@ impl ImageFiles {
         }
     }
 
-    /// Begins to read an image.
+    /// Starts to read an image.
     fn begin(&mut self, path: PathBuf) -> ImageState {
         if let Err(error) = self.queue(&path) {
             let texture = Err(format!("cannot read `{}`: {error}", path.display()));
@@ -60,7 +60,7 @@ impl ImageFiles {
         ImageState::Reading
     }
 
-    /// Has the thread read an image, and starts it for the first one.
+    /// Queues an image for the thread, and starts the thread for the first one.
     fn queue(&mut self, path: &Path) -> io::Result<()> {
         let Some(events) = &self.events else {
             return Ok(());
@@ -107,7 +107,7 @@ impl Drop for ReaderThread {
 impl ImageSource for ImageFiles {
     fn file_of(&self, word: &str) -> Option<PathBuf> {
         let folders = self.folder.as_slice();
-        // Reading says of a file that is not there that it cannot be read.
+        // For a missing file, reading reports that it cannot be read.
         let missing = || named_files(word, folders.first()?).into_iter().next();
         named_file(word, folders).or_else(missing)
     }
@@ -116,13 +116,13 @@ impl ImageSource for ImageFiles {
         named_file(word, self.folder.as_slice()).is_some()
     }
 
-    /// Reads an image if it can be trusted; else says that it is not opened.
+    /// Reads an image if it can be trusted; otherwise returns that it is not opened.
     fn read(&mut self, path: &Path) -> ImageState {
         let inside = self.folder.as_deref().and_then(|folder| {
             let folder = folder.canonicalize().ok()?;
             Some(path.canonicalize().ok()?.starts_with(folder))
         });
-        // Of a file that is not there, reading says so.
+        // If the file is missing, reading reports that.
         if inside != Some(false) || self.opened.contains(path) {
             return self.begin(path.to_owned());
         }
@@ -137,7 +137,7 @@ impl ImageSource for ImageFiles {
     }
 }
 
-/// Goes on with the program in a folder, or with one that has none yet.
+/// Switches to the program in a folder, or to one without a folder.
 pub(crate) fn turn_to(library: &mut Library, folder: Option<&Path>) {
     if library.source.folder.as_deref() != folder {
         library.forget();

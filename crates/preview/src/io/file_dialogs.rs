@@ -1,4 +1,4 @@
-//! The desktop's own dialogs for files, each on a thread of its own; and what is known of a desktop that has none.
+//! The desktop's own file dialogs, each on a thread of its own, and whether the desktop has any.
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -15,20 +15,20 @@ use crate::channel::{EventSender, start_thread};
 pub(crate) enum FileChoice {
     /// Image files.
     Images(Vec<PathBuf>),
-    /// A program to be opened.
+    /// A program to open.
     Program(PathBuf),
-    /// The place of a file that is to be written.
+    /// The path of a file to write.
     Target(PathBuf),
-    /// No dialog can be opened in which images could be chosen.
+    /// No dialog can be opened for choosing images.
     NoDialogForImages,
-    /// No dialog can be opened in which a program could be chosen.
+    /// No dialog can be opened for choosing a program.
     NoDialogForProgram,
 }
 
 /// The sentence for a desktop without dialogs.
 pub(crate) const NO_DIALOG: &str = "No file dialog can be opened here: type the file's name.";
 
-/// Set when a dialog was requested and could not be opened.
+/// True once a requested dialog could not be opened.
 static MISSING: AtomicBool = AtomicBool::new(false);
 
 /// Returns whether dialogs can be opened, as far as is known.
@@ -68,13 +68,13 @@ pub(crate) fn choose_program(
     );
 }
 
-/// Lets the user choose the place of a file that is written; the window's open dialog gets its name.
+/// Lets the user choose the path of a file to write; the window's open dialog receives it.
 pub(crate) fn choose_target(events: EventSender<FileChoice>, title: String, proposed: PathBuf) {
     let name = proposed.file_name().unwrap_or_default().to_string_lossy();
     let dialog = in_folder(FileDialog::new(), proposed.parent())
         .set_title(title)
         .set_file_name(name);
-    // The window's dialog says that the desktop has none.
+    // The window's dialog reports that the desktop has none.
     ask(events, move || dialog.save_file(), FileChoice::Target, None);
 }
 
@@ -85,8 +85,8 @@ fn in_folder(dialog: FileDialog, folder: Option<&Path>) -> FileDialog {
     }
 }
 
-/// Opens a dialog on a thread of its own. Sends what was chosen as `done` makes it an event, or `missing` where no dialog can
-/// be opened; wakes the window where there is nothing to send.
+/// Opens a dialog on a thread of its own. Sends the choice as the event that `done` makes of it, or `missing` if no
+/// dialog can be opened; wakes the window if there is nothing to send.
 fn ask<T: 'static>(
     events: EventSender<FileChoice>,
     dialog: impl FnOnce() -> Option<T> + Send + 'static,
@@ -115,21 +115,20 @@ fn answer(events: &EventSender<FileChoice>, choice: Option<FileChoice>) {
     }
 }
 
-/// No dialog can be opened.
+/// The error that no dialog can be opened.
 struct NoDialog;
 
 thread_local! {
-    /// Set if the dialog of this thread could not be opened.
+    /// True if the dialog of this thread could not be opened.
     static FAILED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Returns the result of a dialog. One that cannot be opened returns nothing, like one that is cancelled, and says
-/// which only in the
-/// log.
+/// Returns the result of a dialog. A dialog that cannot be opened returns `None`, like one that is cancelled; only the
+/// log tells the two apart.
 fn opened<T>(dialog: impl FnOnce() -> Option<T>) -> Result<Option<T>, NoDialog> {
     static LISTENS: Once = Once::new();
     LISTENS.call_once(|| {
-        // Where a program has a log of its own, nothing is heard here, and a dialog that fails looks called off.
+        // If the program has a log of its own, nothing is received here, and a failed dialog looks cancelled.
         if log::set_logger(&Listener).is_ok() {
             log::set_max_level(LevelFilter::Error);
         }
@@ -143,7 +142,7 @@ fn opened<T>(dialog: impl FnOnce() -> Option<T>) -> Result<Option<T>, NoDialog> 
     Ok(given)
 }
 
-/// Hears what the dialogs say of themselves.
+/// Receives the dialogs' log messages.
 struct Listener;
 
 impl Log for Listener {
@@ -152,7 +151,7 @@ impl Log for Listener {
     }
 
     fn log(&self, record: &Record<'_>) {
-        // The program zenity is asked last, where the desktop's portal does not answer.
+        // The program zenity is tried last, if the desktop's portal does not answer.
         if self.enabled(record.metadata()) && record.args().to_string().contains("zenity") {
             FAILED.set(true);
         }

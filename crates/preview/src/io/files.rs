@@ -1,4 +1,4 @@
-//! Pictures that are written.
+//! Writes pictures.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use export::whole_file::write_whole;
 use image::RgbaImage;
 use render::{Backend, PictureRequest, Views};
 
-/// Draws a picture and writes it: as PNG, SVG or PDF, as the file is called.
+/// Draws a picture and writes it: as PNG, SVG or PDF, by the file's extension.
 ///
 /// # Errors
-/// A sentence, also where the file is called otherwise; nothing is written.
+/// A sentence, also for another extension; nothing is written.
 pub(crate) fn save_picture(
     path: &Path,
     views: &Views,
@@ -42,7 +42,7 @@ pub(crate) fn save_picture(
     ))
 }
 
-/// An image as a PNG file.
+/// Encodes an image as a PNG file.
 ///
 /// # Errors
 /// A sentence.

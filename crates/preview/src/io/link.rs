@@ -1,7 +1,7 @@
-//! The editor's side: the server's commands flow in over standard input, events flow out over standard output.
+//! The connection to the editor. In: the server's commands, over standard input. Out: events, over standard output.
 //!
-//! Reading and writing have a thread each, so that the window waits for neither. What waits for a reader that
-//! does not read is bounded: of values and of texts that were shown only the latest is kept.
+//! Reading and writing each have a thread, so that the window waits for neither. The number of events that wait for a
+//! reader is bounded: of values and of shown texts only the latest is kept.
 
 use std::io::{self, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -20,23 +20,23 @@ use crate::queue::LatestQueue;
 pub(crate) enum LinkEvent {
     /// The server has sent a command.
     Command(Command),
-    /// A view is to be shown of the text of a version.
+    /// A view of the text of a version is to be shown.
     Show {
-        /// The view; the first view of the scene where none is named.
+        /// The view; the first view of the scene if none is named.
         view: Option<protocol::View>,
-        /// The version of the last text that came before, if one did.
+        /// The version of the last text before it, if there was one.
         version: Option<i32>,
     },
-    /// Nothing more comes from the server.
+    /// The server sends nothing more.
     Disconnected(DisconnectReason),
 }
 
 /// The reason why the conversation with a server has ended.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum DisconnectReason {
-    /// It is gone; in the system's words, unless its commands just end.
+    /// The server is gone; the system's message, unless its commands simply ended.
     Gone(Option<String>),
-    /// It does not speak the window's version of the messages; a sentence.
+    /// The server does not speak the window's version of the messages; a sentence.
     Refused(String),
 }
 
@@ -46,14 +46,14 @@ pub(crate) struct Link {
     outbox: Outbox,
 }
 
-/// The events for a server that does not read them yet.
+/// The events that the server has not read yet.
 #[derive(Clone, Debug, Default)]
 struct Outbox {
     queue: LatestQueue<EventKind, Event>,
     sent: Arc<std::sync::atomic::AtomicU64>,
 }
 
-/// The kind of an event: of some kinds only the latest is kept.
+/// The kind of an event: for some kinds only the latest is kept.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum EventKind {
     Values,
@@ -61,17 +61,17 @@ enum EventKind {
     Each(u64),
 }
 
-/// Sends the greeting. A server that has ended is noticed by the thread that reads.
+/// Sends the greeting. The thread that reads notices if the server has ended.
 pub(crate) fn greet(output: &mut impl Write) {
     let _ = line::write(output, &Event::Hello(Hello::own()));
 }
 
 impl Link {
-    /// Starts the conversation, behind [`greet`]: listens, and says what it is given. Texts go to `compile`, with
-    /// the path or the URI of their document and the changes of the text before it, without waiting for the window.
+    /// Starts the conversation, after [`greet`]. Texts are passed to `compile`, with the path or the URI of their
+    /// document and the changes of the text before it, without waiting for the window.
     ///
     /// # Errors
-    /// The system's, which refuses a thread.
+    /// The system's error if it cannot start a thread.
     pub(crate) fn start(
         events: EventSender<LinkEvent>,
         compile: impl Fn(&Path, i32, Arc<str>, Option<Changes>) + Send + 'static,
@@ -105,7 +105,7 @@ impl Outbox {
             Event::Shown { .. } => EventKind::Shown,
             _ => EventKind::Each(self.sent.fetch_add(1, std::sync::atomic::Ordering::Relaxed)),
         };
-        // The later event is about later texts and pictures: it goes behind what was said meanwhile.
+        // The later event is about later texts and pictures: it follows the events that were sent meanwhile.
         self.queue.remove(&kind);
         self.queue.push(0, kind, event);
     }
@@ -113,7 +113,7 @@ impl Outbox {
 
 fn write(queue: &LatestQueue<EventKind, Event>, mut output: impl Write) {
     while let Some((_, event)) = queue.take() {
-        // A reader that has ended is noticed by the thread that reads too.
+        // The thread that reads also notices if the reader has ended.
         if line::write(&mut output, &event).is_err() {
             return;
         }
@@ -146,7 +146,7 @@ fn read(
                 ))));
                 return;
             }
-            // What is no message is passed by.
+            // A line that is not a message is skipped.
             Err(_) => continue,
         };
         if !greeted {
@@ -170,9 +170,9 @@ fn read(
             text,
         } = &command
         {
-            // Compiled without waiting for the window, which learns only of a document that is another one.
+            // Compiled without waiting for the window, which is only told of a change of document.
             let (version, text) = (*version, text.clone());
-            // A text that is in no file has its kind at the end of its name.
+            // The name of a text without a file ends with its extension.
             place = PathBuf::from(path.as_ref().unwrap_or(uri));
             let same = document.as_ref() == Some(&(uri.clone(), path.clone()));
             if !same {

@@ -1,32 +1,32 @@
-//! The programs and the images that were opened last: lists of paths in the user's state folder, which all windows share.
+//! The programs and images that were opened last: lists of paths in the user's state folder, which all windows share.
 //!
-//! It is a convenience: a list that cannot be read is empty, and one that cannot be written is not kept.
+//! They are a convenience: a list that cannot be read is empty, and one that cannot be written is not kept.
 
 use std::path::{Path, PathBuf};
 
 use export::whole_file::write_whole;
 use serde_json::Value;
 
-/// The longest file of a list that is read, in bytes.
+/// The maximum length of a list's file that is read, in bytes.
 const LONGEST: u64 = 1 << 20;
 
 /// The paths of a kind, newest first.
 #[derive(Debug, Default)]
 pub(crate) struct PathList {
-    /// The file with the list; none where nothing is to be remembered.
+    /// The file with the list; `None` if nothing is to be remembered.
     file: Option<PathBuf>,
     paths: Vec<PathBuf>,
-    /// The greatest number of paths.
+    /// The maximum number of paths.
     most: usize,
 }
 
 impl PathList {
-    /// Reads the list of programs that is kept in a folder.
+    /// Reads the list of programs in a folder.
     pub(crate) fn programs(folder: &Path) -> Self {
         Self::new(folder.join("recent.json"), 10)
     }
 
-    /// Reads the list of images that is kept in a folder.
+    /// Reads the list of images in a folder.
     pub(crate) fn images(folder: &Path) -> Self {
         Self::new(folder.join("images.json"), 1000)
     }
@@ -39,7 +39,7 @@ impl PathList {
         }
     }
 
-    /// The paths, newest first.
+    /// Returns the paths, newest first.
     pub(crate) fn paths(&self) -> &[PathBuf] {
         &self.paths
     }
@@ -49,7 +49,7 @@ impl PathList {
         std::path::absolute(path).is_ok_and(|path| self.paths.contains(&path))
     }
 
-    /// Puts a path at the head of the list.
+    /// Moves a path to the head of the list.
     pub(crate) fn note(&mut self, path: &Path) {
         let Ok(path) = std::path::absolute(path) else {
             return;
@@ -62,12 +62,12 @@ impl PathList {
         });
     }
 
-    /// Takes a path off the list.
+    /// Removes a path from the list.
     pub(crate) fn forget(&mut self, path: &Path) {
         self.write(|paths| paths.retain(|it| it != path));
     }
 
-    /// Changes the list as it is now: another window may have changed it.
+    /// Changes the current list, which another window may have changed.
     fn write(&mut self, change: impl FnOnce(&mut Vec<PathBuf>)) {
         let Some(file) = &self.file else {
             return;
@@ -88,7 +88,7 @@ impl PathList {
     }
 }
 
-/// Returns the paths of a list; those that make no sense are left out.
+/// Returns the paths of a list; invalid ones are left out.
 fn read(file: &Path, most: usize) -> Vec<PathBuf> {
     let bytes = ide::limited::read_file(file, LONGEST).unwrap_or_default();
     let Ok(Value::Array(entries)) = serde_json::from_slice(&bytes) else {

@@ -1,9 +1,8 @@
-//! The window's memory between runs: a small JSON file beside the program's.
+//! The window's state between runs: a small JSON file beside the program's.
 //!
-//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the places of the panes, and a format
-//! number. What it does not
-//! have is at its default, what is not known is passed by, and what makes no sense is left out; a file that cannot be
-//! read is kept under another name before it is written over.
+//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the layouts of the panes, and a format
+//! number. Missing entries have their defaults, unknown ones are skipped, and invalid ones are left out. A file that
+//! cannot be read is renamed before a new one is written.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -24,9 +23,9 @@ use crate::channel::{EventSender, start_thread};
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
-/// The longest file that is read, in bytes.
+/// The maximum length of a file that is read, in bytes.
 const MOST_BYTES: u64 = 4 << 20;
-/// The most files that are kept because they could not be read; another one takes the place of the first.
+/// The maximum number of unreadable files that are kept; a further one replaces the first.
 const MOST_ASIDE: usize = 9;
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -39,23 +38,23 @@ struct Remembered {
 /// The part of the window's state that is remembered for a program.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Known {
-    /// The user's choices of what is seen.
+    /// The user's choices of what is shown.
     pub(crate) view: View,
-    /// The layouts of the panes, for a window alone and for one beside an editor.
+    /// The layouts of the panes, for a standalone window and for one beside an editor.
     #[serde(default)]
     pub(crate) layouts: BTreeMap<String, Value>,
-    /// The lines that are drawn on surfaces beside those of the program.
+    /// The lines that are drawn on surfaces besides those of the program.
     #[serde(default)]
     pub(crate) drawn: Drawn,
 }
 
-/// The lines that are drawn on surfaces: a figure that is measured, and the paths of walks.
+/// The lines that are drawn on surfaces: a measured figure, and the paths of walks.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default)]
 pub(crate) struct Drawn {
     /// The figure.
     pub(crate) figure: Option<DrawnFigure>,
-    /// The places (u, v) of paths, by their surfaces' names; those that a command line cannot take are left out.
+    /// The points (u, v) of paths, by surface name; paths too long for a command line are left out.
     pub(crate) paths: BTreeMap<String, Vec<[f64; 2]>>,
 }
 
@@ -81,7 +80,7 @@ impl From<&PlacedFigure> for DrawnFigure {
 }
 
 impl DrawnFigure {
-    /// The figure; `None` if what is remembered makes no sense.
+    /// Returns the figure; `None` if the saved one is invalid.
     pub(crate) fn placed(&self) -> Option<PlacedFigure> {
         let kind = FigureKind::ALL
             .into_iter()
@@ -105,12 +104,12 @@ pub(crate) fn place(program: &Path) -> Option<PathBuf> {
     Some(program.with_file_name(format!(".{name}.geotrace.json")))
 }
 
-/// The reason for which nothing is remembered of a program.
+/// The reason why nothing is remembered of a program.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum NotKnown {
     /// There is no file.
     NoFile,
-    /// The file cannot be read, in the system's words.
+    /// The file cannot be read; the system's message.
     Unreadable(PathBuf, String),
     /// The file is damaged, or of a later version.
     Unusable(PathBuf, String),
@@ -134,13 +133,13 @@ impl fmt::Display for NotKnown {
     }
 }
 
-/// Reads what is remembered, and changes nothing.
+/// Reads the saved state, and changes nothing.
 ///
 /// # Errors
 /// See [`NotKnown`].
 pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
     let place = place(program).ok_or(NotKnown::NoFile)?;
-    // A link would be written through, over a file that the window did not make.
+    // Writing through a link would replace a file that the window did not create.
     if place.is_symlink() {
         return Err(NotKnown::Unusable(place, "it is a link".into()));
     }
@@ -159,7 +158,7 @@ pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
     }
 }
 
-/// Reads what is remembered; returns the default, with a sentence, where the file cannot be read.
+/// Reads the saved state; returns the default, with a sentence, if the file cannot be read.
 pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
     let sentence = match read(program) {
         Ok(known) => return (known, None),
@@ -186,10 +185,10 @@ fn set_aside(place: &Path, reason: &str) -> String {
     format!("the saved view cannot be used ({reason}); {kept}")
 }
 
-/// Writes what is to be remembered, whole or not at all.
+/// Writes the state, completely or not at all.
 ///
 /// # Errors
-/// A sentence; what was remembered before still is.
+/// A sentence; the previous file is kept.
 pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     let Some(place) = place(program) else {
         return Ok(());
@@ -203,12 +202,12 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     written.map_err(|error| format!("the view cannot be saved (`{}`: {error})", place.display()))
 }
 
-/// The time for which a view must stay the same before it is written.
+/// The time for which a view must stay unchanged before it is written.
 const QUIET: Duration = Duration::from_millis(400);
-/// The longest time for which an animation delays writing.
+/// The maximum time for which an animation delays writing.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Writes the view when it has changed, on a thread of its own; and once more, if need be, when it is dropped.
+/// Writes the view when it has changed, on a thread of its own; and once more, if necessary, when it is dropped.
 #[derive(Debug)]
 pub(crate) struct ViewStore {
     last: Known,
@@ -217,7 +216,7 @@ pub(crate) struct ViewStore {
 }
 
 impl ViewStore {
-    /// Starts to keep the view of a program; `known` is what is remembered already.
+    /// Starts to save the view of a program; `known` is the state that is already saved.
     pub(crate) fn start(
         program: PathBuf,
         known: Known,
@@ -267,7 +266,8 @@ impl ViewStore {
         }
     }
 
-    /// Takes a view to be remembered, and the panes' places in a kind of window if they were arranged, without waiting.
+    /// Queues a view to be saved, and the layout of the panes in a kind of window if they were arranged, without
+    /// waiting.
     pub(crate) fn keep(
         &mut self,
         view: &View,

@@ -1,6 +1,6 @@
-//! For tests of the real window: one JSON object a line, after each time that it has drawn itself. What has happened so
-//! far ([`Counters`]) goes to the file; beside it, to a file with the extension `.controls` more, goes where everything
-//! that has a name is in the window.
+//! For tests of the real window: one JSON object per line after each frame. The counters so far ([`Counters`]) are
+//! written to the file; the positions of all named controls in the window are written to a second file, with the
+//! additional extension `.controls`.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -15,9 +15,9 @@ use serde::Serialize;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Counters {
-    /// Times that the window has drawn itself.
+    /// Frames that were drawn.
     pub frames: u64,
-    /// Pictures of views that have reached it.
+    /// Pictures of views that have arrived.
     pub pictures: u64,
     /// Pictures that the renderer has drawn.
     pub drawn: u64,
@@ -25,35 +25,35 @@ pub struct Counters {
     pub sampled: u64,
     /// Pipelines that were built.
     pub pipelines: u64,
-    /// Geodesic views whose geodesics were followed.
+    /// Geodesic views whose geodesics were traced.
     pub looks: u64,
-    /// Scenes that were prepared for rays.
+    /// Scenes that were prepared for ray casting.
     pub worlds: u64,
     /// Rays of the 3D view that were cast at solids.
     pub rays: u64,
-    /// Samples of pixels of traced pictures.
+    /// Pixel samples of traced pictures.
     pub traced: u64,
-    /// The samples of each pixel in the traced pictures that panes show.
+    /// The samples per pixel in the traced pictures that panes show.
     pub samples: BTreeMap<String, u32>,
     /// Texts that were compiled.
     pub compiled: u64,
-    /// The text's version that is on the screen.
+    /// The version of the text on the screen.
     pub version: i32,
-    /// Set if what is on the screen is marked as stale.
+    /// True if the picture on the screen is marked as stale.
     pub stale: bool,
-    /// Set if every view on the screen shows its newest picture.
+    /// True if every view on the screen shows its newest picture.
     pub settled: bool,
     /// The status line's first part.
     pub status: String,
     /// The params' values.
     pub params: BTreeMap<String, Vec<f64>>,
-    /// The place of the 3D camera.
+    /// The position of the 3D camera.
     pub eye: Option<[f64; 3]>,
-    /// The places of the geodesic cameras.
+    /// The positions of the geodesic cameras.
     pub inside: BTreeMap<String, Vec<f64>>,
-    /// The lengths of the trails that geodesic cameras have left.
+    /// The lengths of the geodesic cameras' trails.
     pub trails: BTreeMap<String, f64>,
-    /// The places of the panes' pictures in the window, in pixels: left, top, width, height.
+    /// The rectangles of the panes' pictures in the window, in pixels: left, top, width, height.
     pub panes: BTreeMap<String, [f32; 4]>,
 }
 
@@ -67,10 +67,10 @@ pub(crate) struct Report {
 type Lines = Arc<Mutex<std::fs::File>>;
 
 impl Report {
-    /// Begins the files.
+    /// Creates the files.
     ///
     /// # Errors
-    /// The system's.
+    /// The system's error.
     pub(crate) fn create(path: &Path) -> std::io::Result<Self> {
         let mut beside = path.as_os_str().to_owned();
         beside.push(".controls");
@@ -81,7 +81,7 @@ impl Report {
         })
     }
 
-    /// Reports from now on the place of everything that has a name.
+    /// Starts to report the positions of all named controls.
     pub(crate) fn tell_places(&self, context: &Context) {
         context.enable_accesskit();
         context.add_plugin(Places {
@@ -90,7 +90,7 @@ impl Report {
         });
     }
 
-    /// Writes a line; a file that cannot be written does not trouble the window.
+    /// Writes a line; errors are ignored.
     pub(crate) fn write(&self, counters: &Counters) {
         write(&self.counters, counters);
     }
@@ -104,7 +104,7 @@ fn write(lines: &Lines, line: &impl Serialize) {
     }
 }
 
-/// Reads the tree that screen readers get.
+/// Reads the accessibility tree.
 struct Places {
     lines: Lines,
     /// By "role: name": left, top, width, height in pixels of the window.
@@ -122,7 +122,7 @@ impl Plugin for Places {
         };
         let scale = f64::from(output.pixels_per_point);
         let own = |node: &Node| node.label().or(node.value()).map(str::to_owned);
-        // A control may have its name from a label beside it.
+        // A control may get its name from a label beside it.
         let name = |node: &Node| match (node.label(), node.labelled_by().first()) {
             (None, Some(label)) => {
                 let label = tree.nodes.iter().find(|(id, _)| id == label);

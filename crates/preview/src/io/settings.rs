@@ -1,6 +1,6 @@
-//! The settings that hold for all programs: a small file in the user's state folder, which all windows share.
+//! The settings for all programs: a small file in the user's state folder, which all windows share.
 //!
-//! A file that cannot be read has the defaults; where none can be written, a setting holds for the window alone.
+//! A file that cannot be read yields the defaults; if none can be written, a setting only applies to this window.
 
 use std::path::{Path, PathBuf};
 
@@ -12,9 +12,9 @@ use session::Theme;
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(crate) struct Settings {
-    /// Set if what is chosen for a program is remembered in a file beside it.
+    /// True if the choices for a program are saved in a file beside it.
     pub(crate) remembers_views: bool,
-    /// Light or dark, once it is chosen.
+    /// The theme, once it is chosen.
     pub(crate) theme: Option<Theme>,
     /// The scale of text and controls, once it is chosen.
     pub(crate) scale: Option<f32>,
@@ -30,16 +30,16 @@ impl Default for Settings {
     }
 }
 
-/// The settings with the file that they are kept in.
+/// The settings, with their file.
 #[derive(Debug, Default)]
 pub(crate) struct SharedSettings {
-    /// None where nothing is to be kept.
+    /// `None` if nothing is to be saved.
     file: Option<PathBuf>,
     now: Settings,
 }
 
 impl SharedSettings {
-    /// Reads the settings that are kept in a folder.
+    /// Reads the settings in a folder.
     pub(crate) fn in_folder(folder: &Path) -> Self {
         let file = folder.join("settings.json");
         Self {
@@ -48,12 +48,12 @@ impl SharedSettings {
         }
     }
 
-    /// Returns the settings.
+    /// Returns the current settings.
     pub(crate) fn now(&self) -> Settings {
         self.now
     }
 
-    /// Changes the settings as they are now, which another window may have changed: for this window, and for all that are
+    /// Changes the current settings, which another window may have changed: for this window, and for all that are
     /// opened from now on.
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut Settings)) {
         if let Some(file) = &self.file {
@@ -70,7 +70,7 @@ impl SharedSettings {
     }
 }
 
-/// Reads the settings of a file; those that it does not have are at their defaults.
+/// Reads the settings of a file; missing ones have their defaults.
 fn read(file: &Path) -> Settings {
     let bytes = std::fs::read(file).unwrap_or_default();
     serde_json::from_slice(&bytes).unwrap_or_default()

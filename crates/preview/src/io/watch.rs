@@ -1,8 +1,8 @@
-//! The file that is watched: its text flows to the window whenever it holds another one.
+//! A watched file: its text is sent to the window whenever it changes.
 //!
-//! Its folder is what the system watches, since many editors write a new file and rename it. What comes in a burst is
-//! read once, a little later; a burst that does not end is read now and then. A folder that goes, as with another branch, is
-//! looked for until it is there again.
+//! The system watches the file's folder, since many editors write a new file and rename it. A burst of changes is read
+//! once, after a short delay; an endless burst is read periodically. A folder that disappears, as when a branch is
+//! switched, is looked for until it exists again.
 
 use std::fmt;
 use std::io::ErrorKind;
@@ -18,11 +18,11 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
 use crate::channel::{EventSender, start_thread};
 
-/// The time for which nothing must happen before the file is read.
+/// The time without changes after which the file is read.
 const QUIET: Duration = Duration::from_millis(30);
-/// The longest time from a change until the file is read, though it goes on changing.
+/// The maximum time from a change until the file is read, even if it keeps changing.
 const LONGEST_BURST: Duration = Duration::from_millis(300);
-/// The time after which a file that is not there is looked for again.
+/// The time after which a missing file is looked for again.
 const ABSENCE: Duration = Duration::from_millis(500);
 
 /// Watches a file for as long as it lives.
@@ -31,19 +31,19 @@ pub(crate) struct Watch {
     _watcher: Arc<Mutex<RecommendedWatcher>>,
 }
 
-/// A change that the system has told of.
+/// A change that the system has reported.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum FolderEvent {
     /// The file may hold another text.
     File,
-    /// The folder has gone, or lies elsewhere: another one may have its name.
+    /// The folder has been removed or moved: another one may have its name.
     Folder,
 }
 
-/// The text of a watched file as it is now.
+/// The current text of a watched file.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) struct ChangedFile {
-    /// The file, by the path that it was watched by: the window may show another one by now.
+    /// The watched path: the window may show another file by now.
     pub(crate) path: PathBuf,
     /// Its text.
     pub(crate) text: Result<String, Unreadable>,
@@ -52,11 +52,11 @@ pub(crate) struct ChangedFile {
 /// The reason why a file has no text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum Unreadable {
-    /// The file does not exist; in the system's words.
+    /// The file does not exist; the system's message.
     Missing(String),
-    /// It cannot be read; in the system's words.
+    /// The file cannot be read; the system's message.
     Refused(String),
-    /// It holds something else.
+    /// The file is not text.
     NoText,
 }
 
@@ -69,7 +69,7 @@ impl fmt::Display for Unreadable {
     }
 }
 
-/// The text of a file.
+/// Returns the text of a file.
 ///
 /// # Errors
 /// See [`Unreadable`].
@@ -85,7 +85,7 @@ impl Watch {
     /// Starts to watch. `known` is the text that the window has.
     ///
     /// # Errors
-    /// In the system's words.
+    /// The system's message.
     pub(crate) fn start(
         path: &Path,
         known: String,
@@ -99,14 +99,14 @@ impl Watch {
         let watched_folder = folder.clone();
         let handler = move |event: notify::Result<notify::Event>| {
             let Ok(event) = event else {
-                // A watcher that has lost events says so by an error: look, to be sure.
+                // A watcher reports lost events by an error: check, to be sure.
                 let _ = sender.send(FolderEvent::Folder);
                 return;
             };
             if event.kind.is_access() {
                 return;
             }
-            // Some systems take a name in any case.
+            // Some systems ignore the case of names.
             let is_file = |it: &PathBuf| {
                 it.file_name()
                     .is_some_and(|it| it.eq_ignore_ascii_case(&name))
@@ -150,7 +150,8 @@ impl Watch {
     }
 }
 
-/// Waits for a change and the end of its burst; of a file that is absent, only for so long. `None` at the end of watching.
+/// Waits for a change and the end of its burst; for an absent file, only for a limited time. Returns `None` when
+/// watching ends.
 fn next(changes: &Receiver<FolderEvent>, is_absent: bool) -> Option<FolderEvent> {
     let mut change = match is_absent {
         false => changes.recv().ok()?,
@@ -171,13 +172,13 @@ fn next(changes: &Receiver<FolderEvent>, is_absent: bool) -> Option<FolderEvent>
     Some(change)
 }
 
-/// Watches the folder that has this name now, if there is one. Returns false at the end of watching.
+/// Watches the folder that has this name now, if there is one. Returns false when watching ends.
 fn watch_again(watcher: &Weak<Mutex<RecommendedWatcher>>, folder: &Path) -> bool {
     let Some(watcher) = watcher.upgrade() else {
         return false;
     };
     let mut watcher = watcher.lock().unwrap_or_else(PoisonError::into_inner);
-    // What is not watched any more cannot be given up, and what is not there cannot be watched yet.
+    // Unwatching a folder that is no longer watched fails, and so does watching a missing one.
     let _ = watcher.unwatch(folder);
     let _ = watcher.watch(folder, RecursiveMode::NonRecursive);
     true

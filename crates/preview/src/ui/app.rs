@@ -21,14 +21,15 @@ use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::{Next, Window};
 use crate::{Ending, Failure, Faults, Options, Source};
 
-/// The drivers that are looked for at first. OpenGL's takes a third of the time until the first frame to be loaded, and is
-/// there for machines that have no other.
+/// The drivers that are tried first. OpenGL's takes a third of the time until the first frame to load, and serves
+/// machines that have no other.
 const FIRST_DRIVERS: Backends = Backends::PRIMARY;
 
 /// The number of times that a lost GPU is replaced before the window gives up.
 const REVIVALS: u32 = 3;
 
-/// Opens the window and runs it until it is closed. Where its GPU is lost, it is opened again on a new one, as it was.
+/// Opens the window and runs it until it is closed. If its GPU is lost, it is opened again on a new one, in the same
+/// state.
 ///
 /// # Errors
 /// See [`Failure`].
@@ -36,7 +37,7 @@ pub fn run(options: Options) -> Result<(), Failure> {
     open(options, &Faults::default())
 }
 
-/// As [`run`], but with faults of the window's GPU: for tests of what happens then.
+/// Like [`run`], but with faults of the window's GPU, for tests.
 ///
 /// # Errors
 /// See [`Failure`].
@@ -45,7 +46,7 @@ pub fn run_with_faults(options: Options, faults: &Faults) -> Result<(), Failure>
 }
 
 fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
-    // Read before anything is opened: a file that is not there needs no window.
+    // Read before anything is opened: a missing file needs no window.
     if let Source::File(path) = &options.source {
         crate::io::watch::read(path).map_err(|reason| Failure::Unreadable {
             path: path.clone(),
@@ -53,7 +54,7 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         })?;
     }
     if options.source == Source::Attached {
-        // Before a display or a device is looked for, which may take its time: the server waits for a word.
+        // Before the search for a display and a device, which may be slow: the server waits for the greeting.
         crate::io::link::greet(&mut std::io::stdout());
         crate::platform::lower_priority();
     }
@@ -93,7 +94,7 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
         match shown {
             WindowEnd::Refused => Ended::Refused(refusal()),
-            // The code that draws the controls may meet the loss first, and panics: the window goes on.
+            // The code that draws the controls may notice the loss first, and panic: the window continues.
             WindowEnd::Ended | WindowEnd::Panicked { .. } if lost => Ended::Lost,
             WindowEnd::Ended => Ended::Closed,
             WindowEnd::Panicked { panic, message } => {
@@ -104,20 +105,20 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     })
 }
 
-/// The way in which a window's time on a screen has ended.
+/// The way in which a window on a screen has ended.
 enum Ended {
-    /// By its user's hand, or its server's.
+    /// Closed by its user or its server.
     Closed,
-    /// Its GPU is gone.
+    /// Its GPU is lost.
     Lost,
     /// The system has refused to open it.
     Refused(Failure),
-    /// By a fault of ours.
+    /// By a bug in this program.
     Broken(Box<dyn Any + Send>),
 }
 
-/// Runs the window until it is closed; when the GPU is lost, opens it again on a new one. Where it ends
-/// otherwise, a text that was not saved is not lost.
+/// Runs the window until it is closed; when the GPU is lost, opens it again on a new one. If it ends otherwise, unsaved
+/// text is rescued.
 fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<(), Failure> {
     let rescued = || {
         let window = slot.borrow();
@@ -142,10 +143,10 @@ fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<
     Err(lost.and(rescued()))
 }
 
-/// The place of the window, which outlives its screens.
+/// The slot of the window, which outlives its screens.
 type Slot = Rc<RefCell<Option<Window>>>;
 
-/// Returns the options of the desktop's window; one that is opened again is as large as it was.
+/// Returns the options of the desktop's window; a reopened one keeps its size.
 fn native(size: Option<egui::Vec2>, drivers: Backends) -> NativeOptions {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = Backends::from_env().unwrap_or(drivers);
@@ -160,13 +161,13 @@ fn native(size: Option<egui::Vec2>, drivers: Backends) -> NativeOptions {
             .with_inner_size(size.unwrap_or(egui::vec2(1280.0, 800.0)))
             .with_min_inner_size([480.0, 320.0])
             .with_drag_and_drop(true),
-        // Pictures are shown as they were drawn.
+        // Pictures are shown exactly as they were drawn.
         dithering: false,
         ..NativeOptions::default()
     }
 }
 
-/// Returns the reason why a display that is there shows no window.
+/// Returns the reason why an existing display shows no window.
 fn refusal() -> Failure {
     let reason = match Gpu::shared() {
         Err(error) => error.to_string(),
@@ -178,7 +179,7 @@ fn refusal() -> Failure {
     Failure::NoGraphics { reason }
 }
 
-/// The system's words, without the place in a library's source that some libraries put before them.
+/// Returns the system's message, without the source location that some libraries put before it.
 fn in_words(reason: &str) -> &str {
     let behind_place = reason
         .rsplit_once(".rs:")
@@ -194,7 +195,7 @@ struct Preview {
     title: String,
     /// Set when the GPU is to be given up, for a test.
     loses: Arc<AtomicBool>,
-    /// It is given up behind the frame's layout, not before it.
+    /// True if it is given up after the frame's layout, not before it.
     loses_in_frame: bool,
     ending: Ending,
     end: EndSignal,
@@ -247,7 +248,7 @@ impl Preview {
     }
 }
 
-/// The window before it is on a screen.
+/// Returns the window before it is on a screen.
 fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
     let mut window = match &options.source {
         Source::File(path) => {
@@ -288,7 +289,7 @@ impl App for Preview {
             window.lose_screen();
         }
         if window.has_lost_its_screen() {
-            // Nothing can be drawn here any more.
+            // Nothing can be drawn on this screen any more.
             self.end.send();
             return;
         }
@@ -323,7 +324,7 @@ impl App for Preview {
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        // What is behind the panes: no rectangle is painted for it.
+        // The background of the panes: no rectangle is painted for it.
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 
@@ -334,7 +335,7 @@ impl App for Preview {
             && !window.display.closing
             && !window.has_lost_its_screen()
         {
-            // A system that ends all programs, a signal, and a Mac's own menu do not ask.
+            // A system that ends all programs, a signal, and a Mac's own menu do not ask first.
             if let Some(sentence) = window.text.rescue() {
                 eprintln!("{sentence}");
             }

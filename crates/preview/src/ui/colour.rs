@@ -8,8 +8,8 @@ use egui::{
     StrokeKind, TextEdit, Ui, Vec2, WidgetInfo,
 };
 
-/// Colours that are told apart with any colour vision (M. Okabe and K. Ito, "Color universal design", 2008), grey and
-/// white.
+/// Colours that are distinguishable with any colour vision (M. Okabe and K. Ito, "Color universal design", 2008), grey
+/// and white.
 const PALETTE: [(&str, [u8; 3]); 10] = [
     ("Vermilion", [213, 94, 0]),
     ("Orange", [230, 159, 0]),
@@ -22,10 +22,10 @@ const PALETTE: [(&str, [u8; 3]); 10] = [
     ("Grey", [150, 150, 150]),
     ("White", [255, 255, 255]),
 ];
-/// The colours in a row of the palette.
+/// The number of colours in a row of the palette.
 const IN_ROW: usize = 5;
 
-/// Shows the button of a colour (sRGB); the response says whether it was changed.
+/// Shows the button of a colour (sRGB); the response reports whether it was changed.
 pub(crate) fn button(ui: &mut Ui, colour: &mut [u8; 3]) -> Response {
     let before = *colour;
     let mut response = swatch(ui, before, ui.spacing().interact_size);
@@ -38,7 +38,7 @@ pub(crate) fn button(ui: &mut Ui, colour: &mut [u8; 3]) -> Response {
     response
 }
 
-/// Shows a plate of a colour that can be clicked on.
+/// Shows a clickable swatch of a colour.
 fn swatch(ui: &mut Ui, colour: [u8; 3], size: Vec2) -> Response {
     let (place, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
@@ -76,7 +76,7 @@ fn picker(ui: &mut Ui, colour: &mut [u8; 3]) {
     });
 }
 
-/// Shows the digits of a colour. While they are typed they stay as they are, though they may be no colour yet.
+/// Shows the digits of a colour. While they are typed they stay as they are, even if they are not a valid colour yet.
 fn field(ui: &mut Ui, label: Id, colour: &mut [u8; 3]) {
     let id = ui.make_persistent_id("hex");
     let typed = ui.data(|data| data.get_temp::<String>(id));
@@ -94,7 +94,7 @@ fn field(ui: &mut Ui, label: Id, colour: &mut [u8; 3]) {
     ui.data_mut(|data| data.insert_temp(id, text));
 }
 
-/// Shows the sliders of hue, saturation and brightness. Grey keeps the hue that it was made with.
+/// Shows the sliders of hue, saturation and brightness. Grey keeps the hue from which it was made.
 fn sliders(ui: &mut Ui, colour: &mut [u8; 3]) {
     let id = ui.make_persistent_id("hsv");
     let known = ui.data(|data| data.get_temp::<[f32; 3]>(id));

@@ -1,4 +1,4 @@
-//! The dialogs: which are open, and what has been entered.
+//! The dialogs: which are open, and their input.
 
 pub(crate) mod help;
 pub(crate) mod picture;
@@ -20,46 +20,46 @@ use picture::PictureDialog;
 use program::ProgramDialog;
 use record::RecordDialog;
 
-/// The dialogs, and what has been entered in them.
+/// The dialogs, and their input.
 #[derive(Debug, Default)]
 pub(crate) struct Dialogs {
-    /// The keys are listed.
+    /// True while the keys are listed.
     pub(crate) shortcuts: bool,
-    /// A picture is to be saved.
+    /// The dialog for saving a picture.
     pub(crate) picture: Option<PictureDialog>,
-    /// A mesh is to be written: its file.
+    /// The dialog for writing a mesh: its file.
     pub(crate) mesh: Option<String>,
-    /// An animation is to be recorded.
+    /// The dialog for recording an animation.
     pub(crate) record: Option<RecordDialog>,
-    /// An animation is being recorded.
+    /// The running recording.
     pub(crate) recording: Option<Recording>,
-    /// Surfaces are measured.
+    /// The window in which surfaces are measured.
     pub(crate) measuring: Measuring,
-    /// The field for the file of the dialog that was opened is to have the keys.
+    /// True if the file field of the newly opened dialog is to get the focus.
     pub(crate) wants_name: bool,
-    /// A program is to be opened or saved, by the name of its file.
+    /// The dialog for opening or saving a program.
     pub(crate) program: Option<ProgramDialog>,
-    /// The examples are listed.
+    /// True while the examples are listed.
     pub(crate) examples: bool,
-    /// A page of help is shown.
+    /// The page of help that is shown.
     pub(crate) help: Option<HelpPage>,
-    /// The next step, before which a text would be lost that is not saved.
+    /// The next step, before which the user is asked about unsaved text.
     pub(crate) leaving: Option<Next>,
     /// The text of the field for a texture's file.
     pub(crate) texture_path: String,
-    /// That field is to have the keys.
+    /// True if that field is to get the focus.
     pub(crate) wants_image: bool,
 }
 
 impl Dialogs {
-    /// The dialog that is open has a file now.
+    /// Sets the file of the open dialog.
     pub(crate) fn take_path(&mut self, path: &Path) {
         if let Some(field) = self.path() {
             *field = path.display().to_string();
         }
     }
 
-    /// The text of the field for the file of the dialog that is open.
+    /// Returns the text of the open dialog's file field.
     fn path(&mut self) -> Option<&mut String> {
         if let Some(dialog) = &mut self.picture {
             Some(&mut dialog.path)
@@ -72,7 +72,7 @@ impl Dialogs {
         }
     }
 
-    /// Returns whether keys belong to a dialog.
+    /// Returns whether a dialog receives the keys.
     pub(crate) fn is_open(&self) -> bool {
         let asks = self.picture.is_some() || self.mesh.is_some() || self.record.is_some();
         let shows = self.examples || self.help.is_some();
@@ -80,7 +80,7 @@ impl Dialogs {
     }
 }
 
-/// The dialogs that are open.
+/// Shows the open dialogs.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     if window.dialogs.shortcuts {
         shortcuts(window, ui);
@@ -99,8 +99,8 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// Gives the keys to the field for the file of a dialog that was opened. A dialog that is shown for the first time is
-/// measured in a pass in which nothing keeps them.
+/// Gives the focus to the file field of a newly opened dialog. When a dialog is first shown, it is measured in a pass
+/// in which no field keeps the focus.
 fn name_keys(window: &mut Window, ui: &Ui) {
     let dialogs = &mut window.dialogs;
     let has_keys = ui.memory(|memory| memory.has_focus(picture::path_field()));
@@ -156,7 +156,7 @@ fn examples(window: &mut Window, ui: &Ui) {
 
 /// The width of the column with the keys.
 const KEYS_WIDTH: f32 = 150.0;
-/// The greatest width of a column with what they do.
+/// The maximum width of a column with their effects.
 const ACTION_WIDTH: f32 = 300.0;
 
 /// The keys that are the same in all views.
@@ -173,14 +173,14 @@ const KEYS: [Key; 6] = [
 const PROGRAM_KEYS: &str = "In the program Ctrl+Space lists words, Tab inserts one, Ctrl+F finds, Ctrl+/ comments, F2 \
     renames, Ctrl+. fixes, Shift+Alt+F formats. Ctrl+N, Ctrl+O, Ctrl+S: new, open, save; Ctrl+E, Ctrl+M, Ctrl+R: save a picture, a mesh, record.";
 
-/// The keys of views that have the same ones.
+/// The keys of the views that share them.
 struct KeyColumn {
     /// The titles of the views.
     title: String,
     keys: &'static [Key],
 }
 
-/// Returns the columns of the list: views that have the same keys share one, and those without keys have none.
+/// Returns the columns of the list: views with the same keys share one, and those without keys have none.
 fn columns(views: &Views) -> Vec<KeyColumn> {
     let mut columns: Vec<KeyColumn> = Vec::new();
     for view in views.iter().filter(|view| !view.keys().is_empty()) {
@@ -206,7 +206,7 @@ fn rows(columns: &[KeyColumn]) -> Vec<(&'static str, Vec<&'static str>)> {
         for Key { keys, action } in column.keys {
             let known = rows.iter().position(|(known, _)| known == keys);
             let at = known.unwrap_or_else(|| {
-                // A key that the columns before do not have follows the one that it follows here.
+                // A key that the earlier columns lack follows its predecessor in this column.
                 rows.insert(next, (keys, vec![""; columns.len()]));
                 next
             });
@@ -227,9 +227,9 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
     }
     let columns = columns(&window.views);
     let screen = ui.ctx().content_rect();
-    // Its title, its margins, and something of what is behind it.
+    // Its title, its margins, and some of the background.
     let room = screen.size() - egui::vec2(48.0, 80.0);
-    // The keys stand in a narrower column than what they do.
+    // The column of keys is narrower than those of their effects.
     let width = room.x.min(KEYS_WIDTH + columns.len() as f32 * ACTION_WIDTH);
     let column_width = (width - KEYS_WIDTH) / columns.len().max(1) as f32 - 12.0;
     egui::Window::new("Keyboard and mouse")

@@ -1,8 +1,8 @@
-//! The process's event loop, which shows one window after the other. It ends with a window as soon as the window says so, and
-//! a panic in a window does not pass through it.
+//! The process's event loop, which shows one window after the other. It ends with a window as soon as the window
+//! requests it, and a panic in a window does not propagate through it.
 //!
-//! eframe's own way (`run_native`) does neither: it waits for the display to tell that the window was destroyed, and a panic
-//! leaves the loop in a state in which the next window may never be opened. A process has one event loop for all its time.
+//! eframe's own `run_native` does neither: it waits for the display to report that the window was destroyed, and a
+//! panic leaves the loop in a state in which the next window may never be opened. A process has only one event loop.
 
 use std::any::Any;
 use std::backtrace::Backtrace;
@@ -26,33 +26,33 @@ pub(crate) struct WindowLoop {
 
 /// The way in which a window has ended.
 pub(crate) enum WindowEnd {
-    /// It was closed, or has ended itself.
+    /// It was closed, or has ended by itself.
     Ended,
-    /// It was never opened: the display refuses it, or no driver can draw it. eframe keeps the reason to itself.
+    /// It was never opened: the display refuses it, or no driver can draw it. eframe does not report the reason.
     Refused,
-    /// By a panic of its thread, which is not printed yet.
+    /// By a panic of its thread, which has not been printed yet.
     Panicked {
         panic: Box<dyn Any + Send>,
         message: String,
     },
 }
 
-/// Ends a window, from within.
+/// Ends a window, from inside.
 #[derive(Clone, Default)]
 pub(crate) struct EndSignal(Rc<Cell<bool>>);
 
 impl EndSignal {
-    /// Ends the event loop when its present event is dealt with.
+    /// Ends the event loop once its current event has been handled.
     pub(crate) fn send(&self) {
         self.0.set(true);
     }
 }
 
 impl WindowLoop {
-    /// Connects to the display, once in a process.
+    /// Connects to the display, once per process.
     ///
     /// # Errors
-    /// The display's words, if there is none.
+    /// The display's message, if there is none.
     pub(crate) fn connect() -> Result<Self, String> {
         let event_loop = EventLoop::with_user_event().build();
         let event_loop = event_loop.map_err(|error| error.to_string())?;
@@ -81,7 +81,7 @@ impl WindowLoop {
             let run = || self.event_loop.run_app_on_demand(&mut guard);
             let ended = catch_unwind(AssertUnwindSafe(run))?;
             let panic = guard.panic.take();
-            // It gives up its screen.
+            // This releases its screen.
             let dropped = catch_unwind(AssertUnwindSafe(|| drop(guard)));
             panic.or(dropped.err()).map_or(Ok(ended), Err)
         });
@@ -162,8 +162,8 @@ impl ApplicationHandler<UserEvent> for Guard<'_> {
     }
 }
 
-/// Runs work, and returns what its last panic on this thread says, which is not printed. Panics of other threads are printed as
-/// ever.
+/// Runs work, and returns the message of its last panic on this thread, which is not printed. Panics of other threads
+/// are printed as usual.
 fn without_printing<T>(work: impl FnOnce() -> T) -> (T, String) {
     let message = Arc::new(Mutex::new(String::new()));
     let before: Arc<PanicHook> = std::panic::take_hook().into();
@@ -182,5 +182,5 @@ fn without_printing<T>(work: impl FnOnce() -> T) -> (T, String) {
     (result, message)
 }
 
-/// The code that prints a panic.
+/// The function that prints a panic.
 type PanicHook = dyn Fn(&PanicHookInfo<'_>) + Send + Sync;

@@ -1,24 +1,24 @@
-//! Events of the pointer and of keys in their order, so that none of them is lost in a slow frame.
+//! Keeps the events of the pointer and of keys in order, so that none is lost in a slow frame.
 //!
-//! Events between two frames arrive at once, and egui then knows where the pointer is at the end, not where
-//! it was pressed, and takes what is pressed and released within a frame for no drag. So a press, the motion behind it,
-//! and the release behind that have a frame each, as though the frames had been quick; and what is typed behind a click
-//! has one, since what was clicked on has the keys only then.
+//! Events between two frames arrive at once. egui then knows the position of the pointer at the end, not that of the
+//! press, and does not recognise a drag that is pressed and released within a frame. So a press, the motion after it,
+//! and the release after that each get a frame, as though frames had been quick; and so does text typed after a click,
+//! since only then does the clicked control have the focus.
 //!
-//! Keys that the window takes before the field with the text (to save it, to complete a word) are handed over in a frame
-//! behind the letters that were typed before them.
+//! Keys that the window handles before the text field (to save, to complete a word) are passed on in a frame after the
+//! letters that were typed before them.
 
 use egui::{Context, Event, Id, Key, Modifiers, Plugin, RawInput};
 
-/// Hands over events in parts.
+/// Passes events on in parts.
 #[derive(Debug, Default)]
 pub(crate) struct EventSplitter {
-    /// Events that come in the next frame, or later.
+    /// Events for the next frame, or later ones.
     later: Vec<Event>,
 }
 
 impl EventSplitter {
-    /// Presses the key Tab once more in the next frame, with Shift where that is held.
+    /// Presses the Tab key again in the next frame, with Shift if that is held.
     pub(crate) fn press_tab(context: &Context) {
         let modifiers = context.input(|input| input.modifiers);
         context.data_mut(|data| data.insert_temp(Self::again(), modifiers));
@@ -36,7 +36,7 @@ impl Plugin for EventSplitter {
     }
 
     fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
-        // A frame that is laid out once more takes no more input, and the keys of the window would miss what came there.
+        // A frame that is laid out again takes no further input, and the window's keys would miss it.
         if context.current_pass_index() > 0 {
             return;
         }
@@ -60,7 +60,7 @@ impl Plugin for EventSplitter {
     }
 }
 
-/// Returns the number of events that one frame can take.
+/// Returns the number of events that one frame can handle.
 fn first_part(events: &[Event]) -> usize {
     let (mut pressed, mut moved, mut clicked, mut typed) = (false, false, false, false);
     for (at, event) in events.iter().enumerate() {
@@ -68,9 +68,9 @@ fn first_part(events: &[Event]) -> usize {
             Event::PointerMoved(_) if pressed => return at,
             Event::PointerMoved(_) => moved = true,
             Event::PointerButton { pressed: true, .. } => pressed = true,
-            // A release where the pointer was pressed, without any motion, is a click.
+            // A release at the point of the press, without any motion, is a click.
             Event::PointerButton { pressed: false, .. } if moved && !pressed => return at,
-            // What is typed belongs to what was clicked on, which has the keys in the next frame.
+            // Typed text belongs to the control that was clicked, which has the focus in the next frame.
             Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Ime(_) if clicked => {
                 return at;
             }
@@ -88,7 +88,7 @@ fn first_part(events: &[Event]) -> usize {
     events.len()
 }
 
-/// Returns whether a key does something with the text other than writing a letter.
+/// Returns whether a key does something else than write a letter.
 fn is_command(key: Key, modifiers: Modifiers) -> bool {
     let is_special = matches!(
         key,

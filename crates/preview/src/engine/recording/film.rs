@@ -1,10 +1,10 @@
-//! The pictures of a recording, one after the other, and the file that they are written to.
+//! The pictures of a recording, one after the other, and the file to which they are written.
 //!
 //! ```text
 //! Film: request, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ AnimationFile
 //! ```
 //!
-//! The processor draws, so that neither the window's GPU nor its loss has anything to do with it.
+//! The processor draws, so that a recording is independent of the window's GPU and its loss.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,21 +23,21 @@ use session::path::{CameraPath, between};
 /// The content of a recording.
 #[derive(Debug)]
 pub(crate) struct Film {
-    /// The picture of the view as it is.
+    /// The picture of the view in its current state.
     pub(crate) request: PictureRequest,
     /// The views that can be drawn.
     pub(crate) views: Views,
-    /// The geodesic camera that is looked through, or that a view in space shows.
+    /// The geodesic camera of the view, or the one that a view in space shows.
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
-    /// A param that runs from one value to another.
+    /// A param that changes from one value to another.
     pub(crate) change: Option<ParamChange>,
-    /// Set if the camera of the 3D view turns about its target.
+    /// True if the camera of the 3D view turns about its target.
     pub(crate) turntable: bool,
-    /// The way from the first picture to the last.
+    /// The course from the first picture to the last.
     pub(crate) course: Course,
     /// The motions of the geodesic camera.
     pub(crate) motions: Vec<Motion>,
-    /// Set if its path is drawn.
+    /// True if its path is drawn.
     pub(crate) trail: bool,
     pub(crate) transparent: bool,
     pub(crate) clip: Clip,
@@ -46,17 +46,18 @@ pub(crate) struct Film {
 /// The reason why a recording has no file.
 #[derive(Debug)]
 pub(crate) enum Ended {
-    /// It was called off.
+    /// It was cancelled.
     Cancelled,
-    /// A picture could not be drawn, or the file's name makes no sense: a sentence.
+    /// A picture could not be drawn, or the file's name is invalid: a sentence.
     Failed(String),
 }
 
 impl Film {
-    /// Draws all pictures and writes them; `next` is called before each with its number, and says whether to go on.
+    /// Draws all pictures and writes them; `next` is called before each with its number, and returns whether to
+    /// continue.
     ///
     /// # Errors
-    /// See [`Ended`]; nothing is left behind then.
+    /// See [`Ended`]; no file is left.
     pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
         let file = AnimationFile::of_path(path).ok_or_else(|| {
             Ended::Failed(format!(
@@ -105,14 +106,14 @@ fn ended(error: AnimationError<Ended>, path: &Path) -> Ended {
     })
 }
 
-/// Draws pictures in their order.
+/// Draws pictures in order.
 struct Pictures {
     film: Film,
     script: Script,
-    /// The request of the first picture: its view is that of the whole animation.
+    /// The request of the first picture, whose view is that of the whole animation.
     base: PictureRequest,
     controller: CameraController,
-    /// The geodesic camera as it is in the picture that was drawn last, and its path where that is drawn.
+    /// The geodesic camera in the last picture, and its path if it is drawn.
     camera: Option<InsideCamera>,
     path: Option<Arc<CameraPath>>,
     renderer: Renderer,

@@ -1,4 +1,4 @@
-//! The state of the render thread: a request in, an event out.
+//! The state of the render thread. In: a request. Out: an event.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -18,19 +18,19 @@ use super::{Purpose, RenderEvent, VersionedRequest};
 /// The state of the render thread between two pictures.
 pub(super) struct Worker {
     renderer: Renderer,
-    /// Says whether a picture that takes long is to be given up.
+    /// Determines whether a slow picture is to be abandoned.
     interrupt: Interrupt,
-    /// Set if the renderer draws on the window's own GPU.
+    /// True if the renderer draws on the window's own GPU.
     shares_gpu: bool,
     framing: Framing,
     /// The time that the last picture of each pane took.
     took: BTreeMap<ViewId, Duration>,
-    /// The places to which clicks snap.
+    /// The points to which clicks snap.
     targets: Option<SnapTargets>,
 }
 
 impl Worker {
-    /// Draws with a renderer. If that is on the window's own GPU, pictures stay there.
+    /// Returns a worker that draws with a renderer. If that is on the window's own GPU, pictures stay there.
     pub(super) fn new(renderer: Renderer, interrupt: Interrupt) -> Self {
         Self {
             shares_gpu: renderer.gpu().is_some(),
@@ -42,13 +42,13 @@ impl Worker {
         }
     }
 
-    /// Draws with another renderer from now on.
+    /// Switches to another renderer.
     pub(super) fn move_to(&mut self, renderer: Renderer) {
         self.shares_gpu = renderer.gpu().is_some();
         self.renderer = renderer.with_interrupt(self.interrupt.clone());
     }
 
-    /// Draws by the processor, which is never lost, from now on.
+    /// Switches to the processor, which is never lost.
     pub(super) fn leave_gpu(&mut self) {
         let views = self.renderer.views().clone();
         self.move_to(Renderer::software().with_views(views));
@@ -64,7 +64,7 @@ impl Worker {
         self.renderer.counters()
     }
 
-    /// Draws a pane's picture; returns nothing if it was given up for something newer.
+    /// Draws a pane's picture. Returns `None` if it was abandoned for something newer.
     pub(super) fn draw(
         &mut self,
         pane: &ViewId,
@@ -93,7 +93,7 @@ impl Worker {
         })
     }
 
-    /// Finds what is under a pixel.
+    /// Finds the object at a pixel.
     pub(super) fn pick(
         &mut self,
         request: &PictureRequest,
@@ -124,7 +124,7 @@ impl Worker {
         self.framing.of_everything(request)
     }
 
-    /// Draws a picture; returns it with the camera that everything is seen from, where the request leaves that open.
+    /// Draws a picture. Returns it with the camera that sees everything, if the request specifies none.
     fn picture(
         &mut self,
         request: &PictureRequest,

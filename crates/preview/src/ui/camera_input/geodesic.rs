@@ -33,7 +33,7 @@ impl CameraInput for GeodesicInput {
             if let Some(by) = scroll.carried() {
                 window.walk(surface(id), dragged(by, side), ui);
             }
-            // About the middle: the observer stays.
+            // About the centre: the observer stays.
             if let Some(factor) = scroll.nearing() {
                 window.walk(surface(id), Motion::Zoom(factor), ui);
             }
@@ -62,7 +62,7 @@ impl CameraInput for GeodesicInput {
     }
 }
 
-/// The name of the surface that a view is seen from.
+/// Returns the name of the surface of a geodesic view.
 fn surface(id: &ViewId) -> &str {
     id.object.as_deref().unwrap_or_default()
 }

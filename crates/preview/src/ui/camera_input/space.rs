@@ -1,4 +1,4 @@
-//! The camera in space: keys, drags and the wheel move it; clicks find what is under them.
+//! The camera in space: keys, drags and the wheel move it; clicks pick objects.
 
 use egui::{Color32, FontId, Key, PointerButton, Pos2, Rect, Response, Ui, Vec2};
 use render::ViewId;
@@ -10,9 +10,9 @@ use crate::engine::render_thread::Purpose;
 use crate::ui::navigation;
 use crate::ui::window::Window;
 
-/// The room between the hint and the edges of its picture, in points.
+/// The margin between the hint and the edges of its picture, in points.
 const HINT_MARGIN: f32 = 8.0;
-/// The least width in which it stands beside a legend, in points.
+/// The minimum width of a hint beside a legend, in points.
 const LEAST_HINT: f32 = 110.0;
 
 /// Keys and pointer of the camera in space.
@@ -76,10 +76,10 @@ impl CameraInput for SpaceInput {
             && let Some(request) = window.pictures.sent(id).cloned()
         {
             let pointed = response.interact_pointer_pos();
-            // A key presses what has the focus, in its middle.
+            // A key press applies to the centre of the focused view.
             let at = pointed.unwrap_or_else(|| response.rect.center());
             let pixel = pixel(&request, response.rect, at);
-            // egui counts clicks elsewhere too: the third of them may be the second one here.
+            // egui also counts clicks elsewhere: its third click may be the second one here.
             let is_second = window.clicked_until().is_some() && response.triple_clicked();
             if response.double_clicked() || is_second {
                 window.double_click(request, pixel);
@@ -89,7 +89,7 @@ impl CameraInput for SpaceInput {
                     .render_thread
                     .pick(request, pixel, Purpose::Open);
             } else if !response.triple_clicked() {
-                // The third of three clicks means nothing by itself.
+                // The third of three clicks has no effect of its own.
                 window.click(request, pixel, pointed.is_none(), ui);
             }
         }
@@ -108,7 +108,7 @@ impl CameraInput for SpaceInput {
     }
 }
 
-/// Returns what a drag does; `fly` exchanges what it does with Alt and without.
+/// Returns the effect of a drag; `fly` swaps the effects with and without Alt.
 fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
     let dragged = |button| response.dragged_by(button);
     let others = dragged(PointerButton::Secondary) || dragged(PointerButton::Middle);
@@ -116,8 +116,8 @@ fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
     is_dragged.then(|| Grip::of(!others, ui.input(modifiers), fly))
 }
 
-/// Says faintly what the pointer does, to those who have not moved the camera yet. `legend` is the place of the legend in the
-/// picture, which fills `rect`, in shares of its sides.
+/// Shows a faint hint about the pointer's effects until the user has moved the camera. `legend` is the rectangle of the
+/// legend in the picture, which fills `rect`, in fractions of its sides.
 fn hint(ui: &Ui, rect: Rect, legend: Option<Rect>, fly: bool, has_surface: bool) {
     let verb = if fly { "look around" } else { "turn" };
     let last = match has_surface {
@@ -134,8 +134,8 @@ fn hint(ui: &Ui, rect: Rect, legend: Option<Rect>, fly: bool, has_surface: bool)
     painter.galley(room.right_bottom() - galley.size(), galley, colour);
 }
 
-/// Returns the room in whose lower right corner a hint stands that is of a size in lines as long as its picture is wide: the
-/// picture, or if the legend would lie under the hint, the part of it beside the legend, or above the legend.
+/// Returns the room whose lower right corner the hint is in. `size` is the hint's size in lines as wide as the picture.
+/// The room is the picture, or, if the legend would cover the hint, the part beside the legend or above it.
 fn hint_room(rect: Rect, size: Vec2, legend: Option<Rect>) -> Rect {
     let room = rect.shrink(HINT_MARGIN);
     let place = Rect::from_min_max(room.max - size, room.max);
@@ -155,7 +155,7 @@ fn hint_room(rect: Rect, size: Vec2, legend: Option<Rect>) -> Rect {
     }
 }
 
-/// A ring about the place that Enter means.
+/// Draws a ring around the point to which Enter applies.
 fn aim(ui: &Ui, at: Pos2) {
     for (width, colour) in [(3.0, Color32::BLACK), (1.5, Color32::WHITE)] {
         ui.painter().circle_stroke(at, 6.0, (width, colour));

@@ -1,4 +1,4 @@
-//! The pages of the menu *Help*: the language on one page, and what this program is.
+//! The pages of the menu *Help*: the language on one page, and information about this program.
 
 use egui::{Grid, Id, Modal, RichText, ScrollArea, Ui};
 

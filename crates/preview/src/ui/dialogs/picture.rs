@@ -1,4 +1,4 @@
-//! Pictures and meshes for other programs: the dialogs before they are written.
+//! Pictures and meshes for other programs: the dialogs for writing them.
 
 use std::path::{Path, PathBuf};
 
@@ -21,27 +21,27 @@ use crate::ui::window::Window;
 pub(crate) struct PictureDialog {
     pane: ViewId,
     size: [u32; 2],
-    /// Pixels for each one of the size, each way.
+    /// The factor from the size to pixels, in both directions.
     resolution: u32,
     /// The factor of the widths of lines and of words.
     scale: f32,
     theme: Theme,
-    /// Set to true for a transparent background; none of a view without a background.
+    /// True for a transparent background; `None` for a view without a background.
     transparent: Option<bool>,
     pub(crate) path: String,
 }
 
-/// The numbers of pixels that a picture may have for each one of its size.
+/// The available factors of the resolution.
 const RESOLUTIONS: [u32; 3] = [1, 2, 4];
 
 impl PictureDialog {
-    /// The size of the picture in pixels.
+    /// Returns the size of the picture in pixels.
     fn pixels(&self) -> [u32; 2] {
         let pixels = self.size.map(|side| side.saturating_mul(self.resolution));
         pixels.map(|side| side.min(render::MAX_SIDE))
     }
 
-    /// Returns the request for the picture, with what was entered.
+    /// Returns the request for the picture, with the dialog's input.
     fn apply(&self, mut request: PictureRequest) -> PictureRequest {
         request.size = self.pixels();
         request.scale = self.scale;
@@ -58,7 +58,7 @@ impl PictureDialog {
     }
 }
 
-/// The button by which a dialog was left.
+/// The button that closed a dialog.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Decision {
     Stay,
@@ -84,7 +84,7 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     window.dialogs.wants_name = true;
 }
 
-/// Opens the dialog for a mesh, which has the program's name at first.
+/// Opens the dialog for a mesh, whose default name is the program's.
 pub(crate) fn ask_for_mesh(window: &mut Window) {
     let file = window.text.file();
     let name = match file.as_deref().and_then(Path::file_stem) {
@@ -95,7 +95,7 @@ pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.wants_name = true;
 }
 
-/// The first name of a file for a picture of a view: `torus-3d.png`, and `torus-s.png` of a surface.
+/// Returns the default file name for a picture of a view: `torus-3d.png`, or `torus-s.png` for a surface.
 pub(crate) fn file_name(window: &Window, id: &ViewId, extension: &str) -> String {
     let view = id.object.as_ref().unwrap_or(&id.kind);
     let file = window.text.file();
@@ -105,7 +105,7 @@ pub(crate) fn file_name(window: &Window, id: &ViewId, extension: &str) -> String
     }
 }
 
-/// A name in the program's folder.
+/// Returns the path of a name in the program's folder.
 pub(crate) fn in_folder(window: &Window, name: &str) -> String {
     let folder = window.text.folder().unwrap_or_default();
     folder.join(name).display().to_string()
@@ -139,7 +139,7 @@ pub(crate) fn copy_command(window: &mut Window, ui: &Ui) {
     copy_command_of(window, ui, &request, Path::new(&name));
 }
 
-/// Copies the command that draws a picture, and says what it does not draw.
+/// Copies the command that draws a picture, and reports what it leaves out.
 fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, output: &Path) {
     let program = window.text.file().filter(|file| file.is_file());
     let Some(program) = program else {
@@ -164,7 +164,7 @@ fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, outpu
     window.status_message = Some(StatusMessage::info(sentence));
 }
 
-/// The dialogs that are open.
+/// Shows the open dialogs.
 pub(crate) fn show(window: &mut Window, ui: &Ui) {
     if let Some(mut dialog) = window.dialogs.picture.take() {
         let (decision, copies) = picture(&mut dialog, ui);
@@ -195,7 +195,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// The dialog; also whether its command is to be copied.
+/// Shows the dialog. Returns the decision, and whether its command is to be copied.
 fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
     let mut copies = false;
     let verb = verb(Path::new(&dialog.path));
@@ -226,7 +226,7 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
     (decision, copies)
 }
 
-/// The rows for the resolution, the width of lines, and the theme of a picture.
+/// Shows the rows for the resolution, the width of lines, and the theme of a picture.
 fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
     ui.label("Resolution");
     ui.horizontal(|ui| {
@@ -266,14 +266,14 @@ fn mesh(path: &mut String, ui: &Ui) -> Decision {
     })
 }
 
-/// A box for a transparent background, of a view that has one.
+/// Shows a box for a transparent background, if the view has a background.
 pub(crate) fn transparency(transparent: &mut Option<bool>, ui: &mut Ui) {
     if let Some(transparent) = transparent {
         ui.checkbox(transparent, "Transparent background");
     }
 }
 
-/// A field for a file; whether it is to be chosen in the desktop's dialog.
+/// Shows a field for a file. Returns whether it is to be chosen in the desktop's dialog.
 pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
     let label = ui.label("File");
     let choose = ui
@@ -294,12 +294,12 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
     choose
 }
 
-/// The field for the file of a dialog.
+/// Returns the id of a dialog's file field.
 pub(crate) fn path_field() -> egui::Id {
     egui::Id::unique("file of a dialog")
 }
 
-/// Gives the keys to the field for the file, with the file's name marked: what is typed takes its place.
+/// Gives the focus to the file field, with the file's name selected, so that typing replaces it.
 pub(crate) fn take_keys(path: &str, ui: &Ui) {
     let field = path_field();
     ui.memory_mut(|memory| memory.request_focus(field));
@@ -318,12 +318,12 @@ pub(crate) fn take_keys(path: &str, ui: &Ui) {
     state.store(ui.ctx(), field);
 }
 
-/// Returns the word on the button that writes a file.
+/// Returns the label of the button that writes a file.
 pub(crate) fn verb(path: &Path) -> &'static str {
     if path.is_file() { "Replace" } else { "Save" }
 }
 
-/// Says that a file will be replaced, if there is one.
+/// Warns that a file will be replaced, if it exists.
 pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
     if path.is_file() {
         ui.colored_label(
@@ -333,7 +333,7 @@ pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
     }
 }
 
-/// A dialog with `content`, which says whether a file is to be chosen, and a button that does what `verb` says.
+/// Shows a dialog with `content`, which returns whether a file is to be chosen, and a button with the label `verb`.
 pub(crate) fn modal(
     ui: &Ui,
     title: &str,
@@ -360,7 +360,7 @@ pub(crate) fn modal(
     if is_entered {
         decision = Decision::Save;
     }
-    // A click beside it would lose what was typed.
+    // A click beside it would lose the input.
     let is_left = modal.is_top_modal && !modal.any_popup_open;
     if is_left && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
         decision = Decision::Cancel;

@@ -1,4 +1,4 @@
-//! The dialogs for the file of a program: one to open, or the place of one to save.
+//! The dialogs for a program's file: for opening one, and for saving one.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use session::StatusMessage;
 use super::picture::{self, Decision};
 use crate::ui::window::{Next, TextSource, Window};
 
-/// The dialog for the file of a program.
+/// The dialog for a program's file.
 #[derive(Clone, Debug)]
 pub(crate) struct ProgramDialog {
     pub(crate) path: String,
@@ -20,11 +20,11 @@ pub(crate) struct ProgramDialog {
 enum FileAction {
     /// The file is opened.
     Open,
-    /// The program is written to the file, and then something else may follow.
+    /// The program is written to the file; then another step may follow.
     Save(Option<Next>),
 }
 
-/// Opens the desktop's dialog for a program that is to be opened.
+/// Opens the desktop's dialog for opening a program.
 pub(crate) fn choose_file(window: &Window) {
     let languages = window.text.languages();
     let extensions = languages.all().flat_map(|it| it.extensions()).copied();
@@ -35,7 +35,7 @@ pub(crate) fn choose_file(window: &Window) {
     );
 }
 
-/// Opens the dialog for the name of a program that is to be opened.
+/// Opens the dialog for the name of a program to open.
 pub(crate) fn ask_for_file(window: &mut Window) {
     window.dialogs.program = Some(ProgramDialog {
         path: picture::in_folder(window, ""),
@@ -44,7 +44,7 @@ pub(crate) fn ask_for_file(window: &mut Window) {
     window.dialogs.wants_name = true;
 }
 
-/// Opens the dialog for the file that the program is to be written to.
+/// Opens the dialog for the file to which the program is to be written.
 pub(crate) fn ask_for_target(window: &mut Window, next: Option<Next>) {
     if let TextSource::File { editor, .. } = &window.text.source {
         let path = std::path::absolute(&editor.path);

@@ -1,4 +1,4 @@
-//! Animations for papers and lectures: the dialog before one is recorded, and its progress.
+//! Animations for papers and lectures: the dialog for recording one, and its progress.
 
 use std::path::{Path, PathBuf};
 
@@ -19,17 +19,17 @@ use crate::ui::window::Window;
 #[derive(Clone, Debug)]
 pub(crate) struct RecordDialog {
     pane: ViewId,
-    /// The choices of what moves, and the chosen one.
+    /// The available motions, and the chosen one.
     moves: Vec<Moves>,
     chosen: usize,
-    /// The way from the first picture to the last, of a param.
+    /// The course from the first picture to the last, for a param.
     course: Course,
     /// The geodesic camera that may walk, and its surface.
     camera: Option<(String, InsideCamera)>,
     /// The arc length of its walk, in the surface's units; backwards if negative.
     length: f64,
     trail: bool,
-    /// Set to true for a transparent background; none of a view without a background.
+    /// True for a transparent background; `None` for a view without a background.
     transparent: Option<bool>,
     clip: Clip,
     pub(crate) path: String,
@@ -40,11 +40,11 @@ pub(crate) struct RecordDialog {
 enum Moves {
     /// The camera of the 3D view, once about the vertical line through its target.
     Turntable,
-    /// A param, from values to values.
+    /// A param, between two values.
     Param(ParamChange),
-    /// The geodesic camera, in a direction of its own: along X and Y.
+    /// The geodesic camera, in a direction with coordinates along X and Y.
     Walk(&'static str, [f64; 2]),
-    /// The geodesic camera, on the way whose trail is shown.
+    /// The geodesic camera, along the walk whose trail is shown.
     Again(InsideCamera, Vec<Motion>),
 }
 
@@ -91,10 +91,10 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
     let path = picture::in_folder(window, &picture::file_name(window, &pane, "gif"));
-    // Where nothing moves, there is no field for a file.
+    // If nothing can move, there is no field for a file.
     let has_file = !moves.is_empty();
     window.dialogs.record = Some(RecordDialog {
-        // Twice as far as what is seen.
+        // Twice as far as the picture shows.
         length: camera
             .as_ref()
             .map_or(1.0, |(_, it)| rounded(2.0 * it.zoom())),
@@ -115,14 +115,14 @@ pub(crate) fn ask(window: &mut Window) {
     window.dialogs.wants_name = has_file;
 }
 
-/// A number of two digits.
+/// Rounds a number to two digits.
 fn rounded(x: f64) -> f64 {
     let unit = 10f64.powf(x.abs().log10().floor() - 1.0);
     let near = (x / unit).round() * unit;
     if near.is_finite() { near } else { x }
 }
 
-/// The dialog, or the recording that runs.
+/// Shows the dialog, or the running recording.
 pub(crate) fn show(window: &mut Window, ui: &Ui) {
     if window
         .dialogs
@@ -156,7 +156,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// The fields of the dialog; whether the file is to be chosen in the desktop's dialog.
+/// Shows the fields of the dialog. Returns whether the file is to be chosen in the desktop's dialog.
 fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     if dialog.moves.is_empty() {
         ui.label("Nothing to animate: the program needs a param, or a surface to walk on.");
@@ -259,7 +259,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     choose
 }
 
-/// Begins to record what a dialog was left with.
+/// Starts a recording with the dialog's input.
 fn begin(window: &mut Window, dialog: &RecordDialog) {
     let Some(request) = window.kept(&dialog.pane) else {
         return;
@@ -295,7 +295,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         window.status_message = Some(StatusMessage::error(sentence));
         return;
     }
-    // A param and a turntable are recorded with what the view shows, a walk with the camera that walks.
+    // A param and a turntable are recorded with everything that the view shows, a walk with the camera that walks.
     if !chosen.is_walk() && request.view.shown_camera().is_none() {
         camera = None;
     }
