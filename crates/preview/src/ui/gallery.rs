@@ -1,4 +1,4 @@
-//! The gallery of examples: a card for each, with its picture, its name and what it is.
+//! The gallery of examples: a card for each, with its picture, name and description.
 
 use egui::{
     Align2, ColorImage, CursorIcon, FontId, Id, Image, Rect, Role, ScrollArea, Sense, Stroke,
@@ -10,10 +10,10 @@ use crate::ui::window::Next;
 
 /// The size of a card's picture.
 const PICTURE: Vec2 = egui::vec2(160.0, 120.0);
-/// The room for the words below it.
+/// The height of the words below it.
 const WORDS: f32 = 68.0;
 
-/// Shows the gallery, as high as there is room; returns the step that opens the example that was chosen.
+/// Shows the gallery in the available height. Returns the step that opens the chosen example.
 pub(crate) fn show(ui: &mut Ui, room: f32) -> Option<Next> {
     let mut chosen = None;
     let area = ScrollArea::vertical().id_salt("gallery").max_height(room);
@@ -33,7 +33,7 @@ pub(crate) fn show(ui: &mut Ui, room: f32) -> Option<Next> {
     chosen
 }
 
-/// Shows the card of an example; returns whether it was chosen.
+/// Shows the card of an example. Returns whether it was chosen.
 fn card(ui: &mut Ui, example: &Example) -> bool {
     let (rect, response) = ui.allocate_exact_size(PICTURE + egui::vec2(0.0, WORDS), Sense::click());
     let description = example.description();
@@ -73,7 +73,7 @@ fn card(ui: &mut Ui, example: &Example) -> bool {
     response.on_hover_text(description).clicked()
 }
 
-/// Returns the picture of an example, which this context keeps.
+/// Returns the picture of an example, cached in this context.
 fn picture(ui: &Ui, example: &Example) -> Option<TextureHandle> {
     let id = Id::unique(("picture of example", example.name));
     if let Some(known) = ui.data(|data| data.get_temp::<TextureHandle>(id)) {

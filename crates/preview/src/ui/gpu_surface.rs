@@ -1,4 +1,4 @@
-//! The window's own GPU: the one that draws its controls can draw its pictures too, and then they never leave it.
+//! The window's own GPU: the GPU that draws the controls can also draw the pictures, which then never leave it.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,12 +18,12 @@ use crate::Backend;
 pub(crate) struct GpuSurface {
     state: RenderState,
     gpu: Arc<Gpu>,
-    /// Copies pictures; none on OpenGL, or if the GPU is lost already.
+    /// Copies pictures; `None` on OpenGL, or if the GPU is already lost.
     blitter: Option<Arc<Blitter>>,
 }
 
 impl GpuSurface {
-    /// Takes the device over: its errors and its loss no longer end the program.
+    /// Takes over the device: its errors and its loss no longer end the program.
     pub(crate) fn new(state: RenderState, context: &Context) -> Self {
         let adapter = state.adapter.get_info();
         let name = adapter.name;
@@ -41,11 +41,11 @@ impl GpuSurface {
         }
     }
 
-    /// Returns the renderer that a backend means here, and its name in words. A GPU that is a program on the processor is slower
-    /// than the processor's own way, so it is taken only where it is asked for.
+    /// Returns the renderer for a backend on this GPU, and its name in words. A GPU that is emulated by the processor
+    /// is slower than the software path, so it is used only on request.
     pub(crate) fn renderer(&self, backend: Backend) -> (Renderer, String) {
         let adapter = self.state.adapter.get_info();
-        // OpenGL can draw the controls, but lacks what the passes need.
+        // OpenGL can draw the controls, but lacks features that the passes need.
         let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != GraphicsApi::Gl;
         match backend {
             Backend::Gpu => {}
@@ -61,8 +61,8 @@ impl GpuSurface {
         )
     }
 
-    /// Returns the longest time that a frame of the window waits for its pictures: less than a frame of the screen, or where
-    /// frames are drawn by the processor, about as long as one takes.
+    /// Returns the maximum time that a frame of the window waits for its pictures: less than a frame of the screen, or,
+    /// if the processor draws the frames, about the time that one takes.
     pub(crate) fn frame_wait_budget(&self) -> Duration {
         if self.state.adapter.get_info().device_type == DeviceType::Cpu {
             Duration::from_millis(100)
@@ -71,40 +71,39 @@ impl GpuSurface {
         }
     }
 
-    /// Returns whether the device is gone.
+    /// Returns whether the device is lost.
     pub(crate) fn is_lost(&self) -> bool {
         // The device reports its loss when it is polled.
         let _ = self.state.device.poll(PollType::Poll);
         self.gpu.is_lost()
     }
 
-    /// Makes its driver refuse shaders of samples.
+    /// Makes the driver refuse the shaders that compute samples, for a test.
     pub(crate) fn refuse_samples(&self) {
         self.gpu.refuse_samples();
     }
 
-    /// Gives the device up, as if it were lost.
+    /// Gives up the device, as if it were lost.
     pub(crate) fn lose(&self) {
         self.gpu.destroy();
     }
 }
 
-/// A picture where the window paints it from.
+/// The source from which the window paints a picture.
 pub(crate) enum TextureBinding {
-    /// A texture of egui's: where nothing copies canvases, as on OpenGL, or there is no screen, as in tests.
+    /// A texture of egui's: if canvases cannot be copied, as on OpenGL, or there is no screen, as in tests.
     Texture(TextureHandle),
     /// A canvas on the screen's GPU.
     Canvas {
         blit: Arc<Blit>,
         blitter: Arc<Blitter>,
-        /// The canvas is the window's own.
+        /// True if the canvas is the window's own.
         is_own: bool,
     },
 }
 
 impl TextureBinding {
-    /// Hangs a picture up, in the place of another one. Nothing comes of it where the GPU is lost: another one is
-    /// opened then.
+    /// Binds a picture, in place of another one. Has no effect if the GPU is lost: then another one is opened.
     pub(crate) fn new(
         painted: Pixels,
         before: Option<Self>,
@@ -118,7 +117,7 @@ impl TextureBinding {
                 return None;
             };
             let size = [image.width() as usize, image.height() as usize];
-            // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+            // It is opaque, so premultiplication makes no difference; this function is the fast one.
             let image = ColorImage::from_rgba_premultiplied(size, image.as_raw());
             let options = TextureOptions::LINEAR;
             let Some(Self::Texture(mut texture)) = before else {

@@ -1,9 +1,9 @@
-//! The keys that are held, by their places on the keyboard.
+//! The held keys, by their physical position on the keyboard.
 //!
-//! A key may come up under another name than it went down with: that of Shift and = is +, and where Shift is let go first,
-//! what comes up is =. So a key is known by its place until it comes up. It moves a camera only where a view had the
-//! keys when it went down, and has had them since. A key that goes down and comes up within one frame, which a slow
-//! frame makes of a short press, is held for that frame.
+//! A key may be released under another name than it was pressed: the key of Shift and = is reported as +, and if Shift
+//! is released first, the release is of =. So a key is identified by its position until it is released. It moves a
+//! camera only if a view had the focus when it was pressed, and has had it since. A key that is pressed and released
+//! within one frame, as a short press in a slow frame is, is held for that frame.
 
 use std::collections::BTreeMap;
 
@@ -12,23 +12,23 @@ use egui::{Event, Key};
 /// The keys that are held.
 #[derive(Debug, Default)]
 pub(crate) struct HeldKeys {
-    /// By their places.
+    /// By their positions.
     down: BTreeMap<Key, HeldKey>,
 }
 
 /// A key that is held.
 #[derive(Clone, Copy, Debug)]
 struct HeldKey {
-    /// Its name when it went down.
+    /// Its name when it was pressed.
     name: Key,
-    /// It belongs to a view.
+    /// True if it belongs to a view.
     moves: bool,
-    /// It has come up in the frame in which it went down.
+    /// True if it was released in the frame in which it was pressed.
     is_tapped: bool,
 }
 
 impl HeldKeys {
-    /// Takes the events of a frame. A key that goes down belongs to a view where `has_key` says that views have it.
+    /// Handles the events of a frame. A key that is pressed belongs to a view if `has_key` returns true for it.
     pub(crate) fn update(&mut self, events: &[Event], has_key: impl Fn(Key) -> bool) {
         self.down.retain(|_, held| !held.is_tapped);
         let before: Vec<Key> = self.down.keys().copied().collect();
@@ -42,7 +42,7 @@ impl HeldKeys {
                 } => {
                     let place = physical_key.unwrap_or(key);
                     if pressed {
-                        // A held key repeats itself, maybe under another name.
+                        // A held key repeats, possibly under another name.
                         self.down.entry(place).or_insert(HeldKey {
                             name: key,
                             moves: true,
@@ -54,7 +54,7 @@ impl HeldKeys {
                         held.is_tapped = true;
                     }
                 }
-                // Of what comes up elsewhere nothing is heard.
+                // Releases outside the window are not reported.
                 Event::WindowFocused(false) => self.down.clear(),
                 _ => {}
             }
@@ -64,7 +64,7 @@ impl HeldKeys {
         }
     }
 
-    /// The keys that are held belong to no view any more: another one has the keys now.
+    /// Releases the held keys from their view: another one has the focus now.
     pub(crate) fn release_views(&mut self) {
         for held in self.down.values_mut() {
             held.moves = false;
@@ -78,7 +78,7 @@ impl HeldKeys {
             .any(|held| held.moves && held.name == key)
     }
 
-    /// Returns whether any key is held, whatever it belongs to.
+    /// Returns whether any key is held, whether it belongs to a view or not.
     pub(crate) fn any(&self) -> bool {
         !self.down.is_empty()
     }

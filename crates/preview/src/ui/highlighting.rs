@@ -1,5 +1,5 @@
-//! Colours for the program pane: the same hook that colours editors, laid out for egui, and again only when the text,
-//! its errors or the theme have changed.
+//! Colours for the program pane: by the same highlighter as for editors, laid out for egui, and recomputed only when
+//! the text, its errors or the theme have changed.
 
 use std::sync::Arc;
 
@@ -11,9 +11,9 @@ use session::Finding;
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
-/// The most pieces of a text that are coloured: egui lays each out by itself. A text with more is plain.
+/// The maximum number of coloured pieces of a text: egui lays out each one separately. A text with more is plain.
 const MOST_COLOURED: usize = 50_000;
-/// The most diagnostics that are underlined in a text.
+/// The maximum number of underlined diagnostics in a text.
 const MOST_MARKED: usize = 1_000;
 
 /// The last layout.
@@ -28,7 +28,7 @@ pub(crate) struct Painter {
 }
 
 impl Painter {
-    /// Takes over what is wrong with a text; it is underlined where the text is still the same.
+    /// Takes over the diagnostics of a text; they are underlined while the text stays the same.
     pub(crate) fn mark(&mut self, findings: &[Finding]) {
         let marked = findings.iter().take(MOST_MARKED);
         let marks = marked.map(|it| (it.span, it.severity)).collect();
@@ -38,7 +38,7 @@ impl Painter {
         }
     }
 
-    /// The text, laid out.
+    /// Returns the laid-out text.
     pub(crate) fn layout(
         &mut self,
         ui: &Ui,
@@ -84,7 +84,7 @@ fn lay_out(
     plain: Color32,
     font: &FontId,
 ) -> LayoutJob {
-    // Where a colour or a line below begins or ends.
+    // The offsets at which a colour or an underline starts or ends.
     let length = text.len() as u32;
     let mut cuts: Vec<u32> = vec![0, length];
     for span in highlights
@@ -131,7 +131,7 @@ fn lay_out(
     }
 }
 
-/// The colour of a severity.
+/// Returns the colour of a severity.
 pub(crate) fn severity_colour(severity: Severity, dark: bool) -> Color32 {
     match (severity, dark) {
         (Severity::Error, true) => Color32::from_rgb(255, 100, 90),
@@ -143,7 +143,7 @@ pub(crate) fn severity_colour(severity: Severity, dark: bool) -> Color32 {
     }
 }
 
-/// The thesis' colours on dark; darker ones of the same hues on light.
+/// Returns the colour of a kind: on dark the thesis' colours, on light darker ones of the same hues.
 fn colour(kind: HighlightKind, dark: bool, plain: Color32) -> Color32 {
     let [on_dark, on_light] = match kind {
         HighlightKind::Comment => [[106, 153, 85], [0, 110, 0]],

@@ -26,7 +26,7 @@ pub(crate) enum Icon {
 /// The side of an icon, in points.
 const SIDE: f32 = 10.0;
 
-/// Shows a button with an icon; its name is that for assistive tools, and its hint is shown where the pointer rests.
+/// Shows a button with an icon, a name for assistive tools, and a hint that is shown on hover.
 pub(crate) fn button(
     ui: &mut Ui,
     icon: Icon,
@@ -73,7 +73,7 @@ fn draw(painter: &Painter, icon: Icon, place: Rect, colour: Color32) {
             }
         }
         Icon::Parallel => {
-            // A cube whose edges stay parallel.
+            // A cube in parallel projection.
             let [a, b, c, d] = [at(0.0, 0.3), at(0.7, 0.3), at(0.7, 1.0), at(0.0, 1.0)];
             line(vec![
                 a,
@@ -89,7 +89,7 @@ fn draw(painter: &Painter, icon: Icon, place: Rect, colour: Color32) {
             line(vec![b, at(1.0, 0.0)]);
         }
         Icon::Traced => {
-            // A ray that a ball reflects.
+            // A ray that is reflected by a ball.
             painter.circle_stroke(at(0.62, 0.68), 0.32 * place.width(), stroke);
             line(vec![at(0.0, 0.0), at(0.4, 0.42), at(0.75, 0.0)]);
         }

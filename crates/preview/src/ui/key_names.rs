@@ -1,8 +1,9 @@
-//! The names of keys in words. Menus and lists have those of most keyboards; a Mac has others.
+//! The names of keys in words. Menus and lists use those of most keyboards; a Mac has others.
 
 use egui::Context;
 
-/// Returns keys, or a sentence that names some, as the window's system calls them: Ctrl is Cmd on a Mac, and Alt is Option.
+/// Returns the names of keys, or a sentence that contains some, as used by the window's system: on a Mac, Ctrl is Cmd
+/// and Alt is Option.
 pub(crate) fn named(context: &Context, keys: &str) -> String {
     if context.os().is_mac() {
         keys.replace("Ctrl", "Cmd").replace("Alt", "Option")

@@ -1,5 +1,5 @@
-//! Measuring on surfaces: a tool is chosen, places are clicked on in any view, and the answer stands in a small window
-//! and is drawn on the surface. It follows the params and the text.
+//! Measuring on surfaces: the user chooses a tool and clicks on points in any view; the answer appears in a small
+//! window and is drawn on the surface. It follows the params and the text.
 //!
 //! ```text
 //! click ──render thread──▶ add_place ──▶ Figure ──measure thread──▶ take ──▶ rows here, lines in the pictures
@@ -26,55 +26,55 @@ use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 use crate::ui::{key_names, number_field};
 
-/// The time for which the pointer rests before the status line has the place under it, in seconds.
+/// The time for which the pointer rests before the status line shows the point under it, in seconds.
 const POINTER_RESTS: f64 = 0.15;
-/// The width of what the window shows, and of its column of names, in points.
+/// The width of the window's content, and of its column of names, in points.
 const WIDTH: f32 = 300.0;
 const NAME_WIDTH: f32 = 96.0;
 /// The gap between rows, in points.
 const ROW_GAP: f32 = 2.0;
-/// The width of a field for a parameter of a place, in points.
+/// The width of a field for a parameter of a point, in points.
 const FIELD_WIDTH: f32 = 112.0;
-/// The lines for which the place under the pointer has room: four quantities, one of which has a name of two lines.
+/// The number of lines for the point under the pointer: four quantities, one of which has a name of two lines.
 const POINTER_LINES: f32 = 5.0;
-/// The radius of the ring around the place to which a click would snap, in points.
+/// The radius of the ring around the point to which a click would snap, in points.
 const RING: f32 = 7.0;
 
 /// The state of the window in which surfaces are measured.
 #[derive(Debug, Default)]
 pub(crate) struct Measuring {
-    /// Set while the window is open.
+    /// True while the window is open.
     is_open: bool,
-    /// It is there once something has been measured.
+    /// `None` until something has been measured.
     thread: Option<MeasureThread>,
     tool: FigureKind,
     figure: Option<PlacedFigure>,
-    /// The figure that was asked for last, on its surface.
+    /// The figure that was last asked about, on its surface.
     asked: Option<(Subject, PlacedFigure)>,
     /// The answer for the last figure that has one.
     found: Option<Measured>,
     pointer: Pointer,
-    /// The walk that was asked for last, with its answer.
+    /// The walk that was last asked about, with its answer.
     walk: Option<(Subject, Arc<CameraPath>, ChartCamera)>,
     walked: Vec<Quantity>,
 }
 
-/// The place under the pointer.
+/// The point under the pointer.
 #[derive(Debug)]
 struct Pointer {
-    /// The request of the picture, the pixel and the snapping that were asked for last.
+    /// The request of the picture, the pixel and the snapping in the last question.
     asked: Option<(PictureRequest, [f64; 2], Snapping)>,
     /// The pixel to which a click there would snap.
     snapped: Option<[f64; 2]>,
-    /// The place of that picture on the screen.
+    /// The rectangle of that picture on the screen.
     picture: Rect,
-    /// The place that was found there, with its surface.
+    /// The point that was found there, with its surface.
     found: Option<(Subject, PointedPlace)>,
     surface: String,
-    /// The surface with the part of a solid's set that was hit.
+    /// The surface, and the part of a solid's set that was hit.
     title: String,
     rows: Vec<Quantity>,
-    /// The object with the place in short.
+    /// The object and the point, in short form.
     words: String,
 }
 
@@ -94,7 +94,7 @@ impl Default for Pointer {
 }
 
 impl Measuring {
-    /// Returns whether the window is open: then clicks on pictures are places to be measured.
+    /// Returns whether the window is open: then clicks on pictures add points to be measured.
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
     }
@@ -109,7 +109,7 @@ impl Measuring {
         self.is_open && self.pointer.snapped.is_some()
     }
 
-    /// Returns what is under the pointer in short, while it is over the picture that it was asked for.
+    /// Returns the object and point under the pointer in short form, while it is over the picture of the question.
     pub(crate) fn under_pointer(&self, ui: &Ui) -> Option<&str> {
         let Pointer { picture, words, .. } = &self.pointer;
         let at = ui.input(|input| input.pointer.hover_pos());
@@ -124,7 +124,7 @@ impl Measuring {
     }
 }
 
-/// Opens the window, or closes it with all that was measured.
+/// Opens the window, or closes it with everything that was measured.
 pub(crate) fn toggle(window: &mut Window) {
     if window.dialogs.measuring.is_open() {
         close(window);
@@ -133,7 +133,7 @@ pub(crate) fn toggle(window: &mut Window) {
     }
 }
 
-/// Closes the window, with all that was measured.
+/// Closes the window, with everything that was measured.
 pub(crate) fn close(window: &mut Window) {
     window.dialogs.measuring = Measuring {
         tool: window.dialogs.measuring.tool,
@@ -142,7 +142,7 @@ pub(crate) fn close(window: &mut Window) {
     window.model.measured = None;
 }
 
-/// Adds a place to the figure. One that is complete, or on another surface, gives way to a new one.
+/// Adds a point to the figure. A figure that is complete, or on another surface, is replaced by a new one.
 pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     let Some((_, object)) = window.model.object(surface) else {
         return;
@@ -163,7 +163,7 @@ pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
     measuring.found = None;
 }
 
-/// Asks for the measures of the place that was found under the pointer; of what has none, shows the name.
+/// Asks for the measures of the point that was found under the pointer; for an object without measures, shows its name.
 pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
     let surface = clicked.object.name.as_str();
     let camera = window.model.view.inside.get(surface);
@@ -185,7 +185,7 @@ pub(crate) fn point(window: &mut Window, clicked: &ClickedObject<'_>) {
     }
 }
 
-/// There is nothing under the pointer.
+/// Notes that there is nothing under the pointer.
 pub(crate) fn point_at_nothing(window: &mut Window) {
     let pointer = &mut window.dialogs.measuring.pointer;
     pointer.found = None;
@@ -193,7 +193,7 @@ pub(crate) fn point_at_nothing(window: &mut Window) {
     pointer.rows.clear();
 }
 
-/// Asks a question of the thread that measures, which begins with the first one.
+/// Sends a question to the thread that measures, which is started by the first one.
 fn ask(window: &mut Window, subject: Subject, question: MeasureQuestion) {
     let events = &window.events;
     let thread = &mut window.dialogs.measuring.thread;
@@ -211,8 +211,8 @@ fn ask(window: &mut Window, subject: Subject, question: MeasureQuestion) {
     thread.ask(subject, question);
 }
 
-/// Asks what is under the pointer, where it has moved over a picture, or the picture under it: at once while the window
-/// is open, else when it rests.
+/// Asks for the point under the pointer if it has moved over a picture, or the picture under it has changed: at once
+/// while the window is open, otherwise when the pointer rests.
 pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, response: &Response) {
     if ui.input(|input| input.pointer.any_down()) {
         return;
@@ -250,7 +250,7 @@ pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, respon
     pointer.picture = response.rect;
 }
 
-/// The snapping of clicks: Alt turns it off.
+/// Returns the snapping of clicks: Alt turns it off.
 pub(crate) fn snapping(ui: &Ui) -> Snapping {
     match ui.input(|input| input.modifiers.alt) {
         true => Snapping::Off,
@@ -263,7 +263,7 @@ pub(crate) fn take_snap(window: &mut Window, snapped: Option<[f64; 2]>) {
     window.dialogs.measuring.pointer.snapped = snapped;
 }
 
-/// Draws a ring around the place to which a click at the pointer would snap.
+/// Draws a ring around the point to which a click at the pointer would snap.
 pub(crate) fn paint_snap(window: &Window, ui: &Ui, response: &Response) {
     let measuring = &window.dialogs.measuring;
     let Pointer {
@@ -287,8 +287,8 @@ pub(crate) fn paint_snap(window: &Window, ui: &Ui, response: &Response) {
     painter.circle_stroke(at, RING, Stroke::new(2.0, Color32::WHITE));
 }
 
-/// Measures the last place of the pointer anew where its surface has changed. One on a solid is forgotten: the solid may not go
-/// through it any more.
+/// Measures the last point under the pointer again if its surface has changed. A point on a solid is dropped, since the
+/// solid's surface may no longer contain it.
 fn ask_pointer(window: &mut Window) {
     let pointer = &window.dialogs.measuring.pointer;
     let Some((before, place)) = &pointer.found else {
@@ -310,11 +310,11 @@ fn ask_pointer(window: &mut Window) {
     ask(window, subject, MeasureQuestion::Pointer(place, None));
 }
 
-/// Takes an answer over. One for a figure that has changed since is not shown.
+/// Takes over an answer. An answer for a figure that has changed since is not shown.
 pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
     let measuring = &mut window.dialogs.measuring;
     if let MeasureAnswer::Pointer(rows, words) = answer {
-        // What is under the pointer by now may be no surface.
+        // The object under the pointer may no longer be a surface.
         if measuring.pointer.found.is_some() {
             measuring.pointer.words = format!("{} at {words}", measuring.pointer.title);
             measuring.pointer.rows = rows;
@@ -355,7 +355,7 @@ pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
     }
 }
 
-/// Shows the window, and asks anew where the figure, its surface or the walk has changed.
+/// Shows the window, and asks again if the figure, its surface or the walk has changed.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     ask_pointer(window);
     if !window.dialogs.measuring.is_open() {
@@ -365,7 +365,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     ask_walk(window);
     let mut open = true;
     let screen = ui.ctx().content_rect();
-    // It grows upwards from the lower left corner of the view in use, beside the program and the settings.
+    // It grows upwards from the lower left corner of the active view, beside the program and the settings.
     let place = window.panes.place_of(&window.focus.view);
     let place = place.unwrap_or(screen);
     let width = WIDTH.min(screen.width() - 48.0);
@@ -374,10 +374,10 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         .resizable(false)
         .pivot(egui::Align2::LEFT_BOTTOM)
         .default_pos(place.left_bottom() + egui::vec2(8.0, -8.0))
-        // Otherwise it would be as wide as the screen before it is shown, and make room for that.
+        // Otherwise it would be as wide as the screen before it is first shown, and be positioned for that width.
         .default_size([width, 0.0])
         .show(ui.ctx(), |ui| {
-            // No value that changes makes it wider.
+            // A changing value does not make it wider.
             ui.set_width(width);
             contents(window, ui);
         });
@@ -392,7 +392,7 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     tools(window, ui);
 }
 
-/// Offers the kinds of figures, at the lower edge of the window, which stays where it is.
+/// Shows the kinds of figures, at the lower edge of the window, which stays where it is.
 fn tools(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
     ui.horizontal_wrapped(|ui| {
@@ -409,7 +409,8 @@ fn tools(window: &mut Window, ui: &mut Ui) {
 
 fn answers(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
-    // What has been measured takes the room of the hints: the window covers less of the view. The scope takes one
+    // The answer takes the place of the hints, so that the window covers less of the view. The scope uses one of egui's
+    // automatic ids with and without them, so that the fields below keep theirs, and the focus.
     // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.
     let is_asking = measuring.found.is_none();
     ui.scope(|ui| {
@@ -463,7 +464,7 @@ fn answers(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// Shows the places of a figure, each with fields for its parameters.
+/// Shows the points of a figure, each with fields for its parameters.
 fn places(ui: &mut Ui, figure: &mut Figure) {
     Grid::new("places").num_columns(3).show(ui, |ui| {
         ui.spacing_mut().interact_size.x = FIELD_WIDTH;
@@ -479,7 +480,7 @@ fn places(ui: &mut Ui, figure: &mut Figure) {
     });
 }
 
-/// Shows the place under the pointer, in as much room whatever is known of it.
+/// Shows the point under the pointer, in the same room whatever is known of it.
 fn pointer(ui: &mut Ui, pointer: &Pointer) {
     match pointer.rows.is_empty() {
         true => ui.weak("The pointer is on no surface."),
@@ -492,7 +493,7 @@ fn pointer(ui: &mut Ui, pointer: &Pointer) {
     });
 }
 
-/// Shows quantities in a column of names and one of values; `wrap_mode` says what becomes of a value that is wider.
+/// Shows quantities in a column of names and one of values; `wrap_mode` applies to values that are too wide.
 fn rows(ui: &mut Ui, id: &str, rows: &[Quantity], wrap_mode: TextWrapMode) {
     let value_width = ui.available_width() - NAME_WIDTH - ui.spacing().item_spacing.x;
     // Rows of text are as high as their text.
@@ -507,7 +508,7 @@ fn rows(ui: &mut Ui, id: &str, rows: &[Quantity], wrap_mode: TextWrapMode) {
     });
 }
 
-/// Shows a label in a cell of a grid that is as wide whatever it holds.
+/// Shows a label in a cell of a grid, with the same width whatever it contains.
 fn cell(ui: &mut Ui, width: f32, label: Label) {
     ui.vertical(|ui| {
         ui.set_width(width);
@@ -532,7 +533,7 @@ fn ask_figure(window: &mut Window) {
     ask(window, subject, MeasureQuestion::Figure(figure));
 }
 
-/// Asks for the measures of the trail of the surface in use.
+/// Asks for the measures of the active surface's trail.
 fn ask_walk(window: &mut Window) {
     let walk = trail(window);
     let measuring = &mut window.dialogs.measuring;
@@ -550,7 +551,7 @@ fn ask_walk(window: &mut Window) {
     }
 }
 
-/// The trail of the surface in use, with its camera.
+/// Returns the active surface's trail, with its camera.
 fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, ChartCamera)> {
     let surface = window.focus.surface.clone()?;
     let path = window.model.paths.get(&surface)?.clone();

@@ -30,14 +30,14 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// An entry of a menu, with its keys beside it; whether it was chosen.
+/// Shows an entry of a menu, with its keys beside it. Returns whether it was chosen.
 fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
     let button = egui::Button::new(title).shortcut_text(key_names::named(ui.ctx(), keys));
     let response = ui.add_enabled(enabled, button);
     response.accessible_name(title).clicked()
 }
 
-/// A box of a menu, with its keys beside it.
+/// Shows a checkbox of a menu, with its keys beside it.
 pub(super) fn tick(ui: &mut Ui, on: &mut bool, title: &str, keys: &str) -> Response {
     let keys = RichText::new(key_names::named(ui.ctx(), keys)).weak();
     let tick = Checkbox::new(on, (title, Atom::grow(), keys));
@@ -71,7 +71,7 @@ fn file(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// The entries for the program, in a window with its own text.
+/// Shows the entries for the program, in a window with its own text.
 fn program_entries(window: &mut Window, ui: &mut Ui) {
     let mut next = None;
     ui.menu_button("New", |ui| {
@@ -131,7 +131,7 @@ fn choose_textures(window: &Window) {
     crate::io::file_dialogs::choose_images(window.events.file_choices(), window.text.folder());
 }
 
-/// Handles the keys of the menu *File*, where they do not belong to a control.
+/// Handles the keys of the menu *File*, unless they belong to a control.
 pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
     let pressed = |key| {
         let shortcut = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, key);
@@ -154,13 +154,13 @@ pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
     if pressed(Key::M) && window.pictures.sent(&window.focus.view).is_some() {
         picture::ask_for_mesh(window);
     }
-    // With Shift, the copy keys come as a key and not as `Event::Copy`.
+    // With Shift, the copy keys are reported as a key and not as `Event::Copy`.
     let shifted = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
     let command = egui::KeyboardShortcut::new(shifted, Key::C);
     if ui.input_mut(|input| input.consume_shortcut(&command)) {
         picture::copy_command(window, ui);
     }
-    // A text that is marked is copied rather than the picture.
+    // Selected text takes precedence over the picture.
     let copies = ui.input(|input| input.events.contains(&egui::Event::Copy));
     if copies && !ui.ctx().text_edit_focused() {
         picture::copy_picture(window, ui);
@@ -201,7 +201,7 @@ fn edit(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// The entry that opens and closes a pane.
+/// Shows the entry that opens and closes a pane.
 fn open_pane(window: &mut Window, ui: &mut Ui, pane: &Pane) {
     let title = match pane {
         Pane::View(id) => window.views.title(id, " of "),
@@ -336,7 +336,7 @@ fn is_full_screen(ui: &Ui) -> bool {
     ui.input(|input| input.viewport().fullscreen.unwrap_or(false))
 }
 
-/// Fills the screen with the window, or goes back.
+/// Makes the window fill the screen, or restores it.
 pub(crate) fn toggle_full_screen(ui: &Ui) {
     let full = !is_full_screen(ui);
     ui.ctx()

@@ -1,4 +1,4 @@
-//! Views along the axes: the gizmo in the corner of a view in space, its entries of the menu *View*, and its keys.
+//! Views along the axes: the gizmo in the corner of a view in space, the entries of the menu *View*, and the keys.
 //!
 //! A click, an entry or a key turns the camera about its target, in a quarter of a second.
 
@@ -16,7 +16,7 @@ const ORTHOGRAPHIC: &str = "Orthographic";
 const ARM: f32 = 34.0;
 /// The radius of the ends of its axes, in points.
 const END: f32 = 9.0;
-/// Views that are smaller, in points, have no gizmo.
+/// The minimum side of a view with a gizmo, in points.
 const LEAST_SIDE: f32 = 160.0;
 /// The axes' colours.
 const COLOURS: [Color32; 3] = [
@@ -25,7 +25,7 @@ const COLOURS: [Color32; 3] = [
     Color32::from_rgb(75, 135, 245),
 ];
 
-/// Moves a camera that is on its way.
+/// Advances a turn of the camera.
 pub(crate) fn advance(window: &mut Window, ui: &Ui) {
     let now = ui.input(|input| input.time);
     if Turn::advance(&mut window.input.turn, &mut window.model, now) {
@@ -34,7 +34,7 @@ pub(crate) fn advance(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// Turns the camera in space so that it looks against a direction.
+/// Turns the camera in space until its eye is in a direction.
 fn turn_to(window: &mut Window, direction: DVec3, ui: &Ui) {
     let now = ui.input(|input| input.time);
     if let Some(turn) = Turn::begin(&mut window.model, direction, now) {
@@ -43,7 +43,7 @@ fn turn_to(window: &mut Window, direction: DVec3, ui: &Ui) {
     }
 }
 
-/// Makes the lines of sight parallel, or no longer.
+/// Makes the lines of sight parallel, or perspective again.
 pub(crate) fn toggle_orthographic(window: &mut Window) {
     let on = window.model.view.preferences.orthographic;
     window.model.set_orthographic(!on);
@@ -124,7 +124,7 @@ pub(crate) fn gizmo(window: &mut Window, ui: &Ui, id: &ViewId, rect: Rect) {
     }
 }
 
-/// Draws the end of an axis; positive ends have a line and a letter, and negative ones when the pointer is over them.
+/// Draws the end of an axis: positive ends with a line and a letter, negative ones only while the pointer is over them.
 fn draw_end(
     ui: &Ui,
     [middle, at]: [Pos2; 2],
@@ -134,7 +134,7 @@ fn draw_end(
     hovered: bool,
 ) {
     let painter = ui.painter();
-    // What points away is dimmer.
+    // An end that points away is dimmer.
     let share = if hovered {
         1.0
     } else {

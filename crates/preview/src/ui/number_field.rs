@@ -1,5 +1,5 @@
-//! Fields for numbers. What is typed is a constant expression of the language, and is taken over when the field is left;
-//! a text that is no number keeps the old value.
+//! Fields for numbers. The input is a constant expression of the language, and is taken over when the field loses the
+//! focus; a text that is not a number leaves the old value.
 
 use egui::emath::Numeric;
 use egui::{DragValue, Id, Slider, Ui};
@@ -13,12 +13,12 @@ pub(crate) fn field<'a>(ui: &Ui, value: &'a mut impl Numeric) -> DragValue<'a> {
         .custom_parser(parser(ui))
 }
 
-/// Gives the field of a slider the same.
+/// Gives a slider's field the same behaviour.
 pub(crate) fn of_slider<'a>(ui: &Ui, slider: Slider<'a>) -> Slider<'a> {
     slider.update_while_editing(false).custom_parser(parser(ui))
 }
 
-/// Says in the status line why a text was refused, until another one is a number.
+/// Shows in the status line why a text was refused, until a later one is a number.
 pub(crate) fn report(message: &mut Option<StatusMessage>, ui: &Ui) {
     match ui.data_mut(|data| data.remove_temp::<Option<String>>(typed())) {
         Some(Some(sentence)) => *message = Some(StatusMessage::error(sentence)),
@@ -40,7 +40,7 @@ fn parser(ui: &Ui) -> impl Fn(&str) -> Option<f64> + 'static {
     }
 }
 
-/// Returns the id under which the sentence about the text that was typed last waits for [`report`]; there is none if the text
+/// Returns the id under which the sentence about the last typed text waits for [`report`]; none is stored if the text
 /// is a number.
 fn typed() -> Id {
     Id::unique("text of a field for a number")

@@ -1,4 +1,4 @@
-//! The panes: docked side by side or in tabs, moved by dragging their titles.
+//! The panes: docked side by side or in tabs, and moved by dragging their titles.
 
 mod handles;
 pub(crate) mod picture;
@@ -18,33 +18,33 @@ use session::pane::Pane;
 use crate::ui::window::Window;
 use settings::{DefineValues, SettingsTab};
 
-/// The width of what is written beside that of a picture.
+/// The width of text and settings relative to that of a picture.
 const SIDE: f32 = 0.8;
-/// The number of views of objects that are opened without a request.
+/// The maximum number of views of objects that are opened without a request.
 const OPENED: usize = 8;
 
-/// The panes that are open, and where.
+/// The open panes, and their layout.
 #[derive(Debug)]
 pub(crate) struct Panes {
     tree: Tree<Pane>,
-    /// The user has arranged them.
+    /// True if the user has arranged them.
     pub(crate) arranged: bool,
-    /// The first view, which is open unless the user closes it, or nothing is seen in it.
+    /// The first view, which is open unless the user closes it, or it would show nothing.
     first: Pane,
-    /// No program has been opened yet: the welcome is shown in the place of the panes.
+    /// True if no program has been opened yet: the welcome is shown instead of the panes.
     pub(crate) is_welcome: bool,
-    /// The program and the settings are hidden.
+    /// True if the program and the settings are hidden.
     pub(crate) shows_views_alone: bool,
-    /// The tab of the settings that is open.
+    /// The open tab of the settings.
     pub(crate) settings_tab: SettingsTab,
-    /// The values of defines that were shown last, with what they are of.
+    /// The values of defines that were last shown, with their scene and params.
     pub(crate) defines: Option<DefineValues>,
-    /// The first view was left out, since nothing is seen in it.
+    /// True if the first view was left out because it would show nothing.
     without_first: bool,
 }
 
 impl Panes {
-    /// The first layout.
+    /// Returns the initial layout.
     pub(crate) fn new(first: ViewId, with_program: bool) -> Self {
         let first = Pane::View(first);
         let mut tiles = Tiles::default();
@@ -76,13 +76,13 @@ impl Panes {
         }
     }
 
-    /// The panes' places, where the user has arranged them.
+    /// Returns the layout, if the user has arranged it.
     pub(crate) fn layout(&self) -> Option<Layout> {
         let arranged = self.arranged.then(|| tiles::layout_of(&self.tree));
         arranged.flatten()
     }
 
-    /// Puts the panes where they were; whether there were any.
+    /// Restores a layout. Returns whether it has any panes.
     pub(crate) fn arrange(&mut self, layout: &Layout) -> bool {
         let Some(tree) = tiles::tree(layout, egui::Id::unique("panes")) else {
             return false;
@@ -92,7 +92,7 @@ impl Panes {
         true
     }
 
-    /// Sets the open panes out anew: what is written on the left, the views beside it.
+    /// Arranges the open panes anew: text and settings on the left, the views beside them.
     pub(crate) fn set_out(&mut self, arrangement: Arrangement) {
         let panes = self.tree.tiles.tiles().filter_map(|tile| match tile {
             Tile::Pane(pane) => Some(pane.clone()),
@@ -109,7 +109,7 @@ impl Panes {
         }
     }
 
-    /// Gives a pane so many times the room beside its neighbours.
+    /// Multiplies a pane's share of the room by a factor.
     pub(crate) fn resize(&mut self, pane: &Pane, factor: f32) {
         let mut tile = self.tree.tiles.find_pane(pane);
         while let Some(child) = tile {
@@ -128,7 +128,7 @@ impl Panes {
         }
     }
 
-    /// Leaves the first view out of the first layout, until something is seen in it.
+    /// Leaves the first view out of the initial layout, until it shows something.
     pub(crate) fn leave_out_first(&mut self) {
         if !self.arranged && self.is_open(&self.first) {
             self.close(&self.first.clone());
@@ -136,7 +136,7 @@ impl Panes {
         }
     }
 
-    /// Opens the first view where it was left out.
+    /// Opens the first view if it was left out.
     pub(crate) fn bring_back_first(&mut self) {
         if std::mem::take(&mut self.without_first) && !self.arranged {
             self.open(&self.first.clone());
@@ -153,22 +153,22 @@ impl Panes {
         self.tree.tiles.find_pane(pane).is_some()
     }
 
-    /// The views that can be seen: open, and behind no other tab.
+    /// Returns the visible views: open, and not behind another tab.
     pub(crate) fn in_front(&self) -> Vec<ViewId> {
         let tiles = self.tree.active_tiles().into_iter();
         let panes = tiles.filter_map(|tile| self.tree.tiles.get_pane(&tile));
         panes.filter_map(Pane::view).cloned().collect()
     }
 
-    /// Returns the place on the screen of a view; if it cannot be seen, that of the first one that can, in the order in which
-    /// they are laid out.
+    /// Returns the rectangle of a view on the screen; if the view is not visible, that of the first visible one, in the
+    /// order of the layout.
     pub(crate) fn place_of(&self, view: &ViewId) -> Option<egui::Rect> {
         let tiles = &self.tree.tiles;
         let view_of = |tile: &TileId| tiles.get_pane(tile).and_then(Pane::view);
         let active = self.tree.active_tiles().into_iter();
         let seen = active.filter_map(|tile| Some((view_of(&tile)?, tiles.rect(tile)?)));
         let first = seen.min_by(|(a, a_place), (b, b_place)| {
-            // The view itself comes before all others.
+            // The view itself precedes all others.
             let order = (*b == view).cmp(&(*a == view));
             order
                 .then(a_place.left().total_cmp(&b_place.left()))
@@ -177,7 +177,7 @@ impl Panes {
         first.map(|(_, place)| place)
     }
 
-    /// Shows a pane, wherever it is.
+    /// Brings a pane to the front.
     pub(crate) fn bring_forward(&mut self, pane: &Pane) {
         self.shows_views_alone &= pane.view().is_some();
         self.open(pane);
@@ -187,7 +187,7 @@ impl Panes {
         self.tree.make_active(|tile, _| tile == wanted);
     }
 
-    /// Opens a pane, beside those that are most like it.
+    /// Opens a pane, beside the most similar ones.
     pub(crate) fn open(&mut self, pane: &Pane) {
         if self.is_open(pane) {
             return;
@@ -205,7 +205,7 @@ impl Panes {
             return;
         }
         let new = tabs(&mut self.tree.tiles, new);
-        // Behind the first view, if that is in a row; else at the end of the root.
+        // After the first view, if that is in a row; otherwise at the end of the root.
         let first = self.tree.tiles.find_pane(&self.first);
         let group = first.and_then(|tile| self.tree.tiles.parent_of(tile));
         let row = group.and_then(|tile| self.tree.tiles.parent_of(tile));
@@ -240,8 +240,8 @@ impl Panes {
         }
     }
 
-    /// Opens the views of new objects that are wanted, and closes views that the scene does not have; a text with errors
-    /// may only miss them.
+    /// Opens the wanted views of new objects, and closes views that the scene does not have; a text with errors may
+    /// lack them only temporarily.
     pub(crate) fn follow(&mut self, views: &[ViewId], wanted: &[ViewId], ok: bool) {
         let gone: Vec<Pane> = self
             .tree
@@ -280,7 +280,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
             tree.set_visible(tile, !window.panes.shows_views_alone);
         }
     }
-    // No rectangle behind pictures that cover it: a driver without a GPU paints each pixel of it.
+    // No background behind pictures that cover it: a driver without a GPU would paint each of its pixels.
     let frame = egui::Frame::NONE;
     let mut closed = Vec::new();
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
@@ -293,7 +293,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         let tabs = drawer.tabs;
         handles::pass_on(ui, &tabs);
     });
-    // The panes that were opened while the panes were drawn went to the empty tree's place.
+    // Panes that were opened during drawing were added to the empty tree that replaced this one.
     let opened = std::mem::replace(&mut window.panes.tree, tree);
     for tile in opened.tiles.tiles() {
         if let Tile::Pane(pane) = tile {
@@ -305,7 +305,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// A pane of words, on its ground.
+/// Draws a pane of text or controls, on its background.
 fn written(window: &mut Window, ui: &mut Ui, show: impl FnOnce(&mut Window, &mut Ui)) {
     ui.painter()
         .rect_filled(ui.max_rect(), 0.0, window.display.background(ui));

@@ -1,4 +1,4 @@
-//! Above the panes, what the user must know; below them, the status line, which counts the errors.
+//! Above the panes, banners; below them, the status line, which counts the errors.
 
 use egui::{Panel, RichText, Ui};
 use session::measuring::number;
@@ -31,8 +31,7 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// Shows the status line: one row, so that no sentence moves the pictures; the rest of a sentence is shown where the
-/// pointer rests.
+/// Shows the status line: a single row, so that no sentence moves the pictures; the full sentence is shown on hover.
 pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     let height = ui.spacing().interact_size.y;
     let frame = egui::Frame::side_top_panel(ui.style()).fill(window.display.background(ui));
@@ -83,10 +82,10 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// The time for which the line says that something was done, in seconds.
+/// The time for which the line reports a completed action, in seconds.
 const SHOWN: f64 = 10.0;
 
-/// Takes a sentence about something that was done away after a while.
+/// Removes the report of a completed action after a while.
 fn expire(message: &mut Option<StatusMessage>, ui: &Ui) {
     let id = egui::Id::unique("sentence of the status line");
     let Some(shown) = message.clone().filter(|it| it.kind == MessageKind::Done) else {
@@ -135,7 +134,7 @@ fn costs(window: &Window, ui: &mut Ui) {
     ui.separator();
 }
 
-/// Shows a bar as long as a round distance is in the middle of the active view, and that distance.
+/// Shows a scale bar for the centre of the active view: a round distance and its length.
 fn scale_bar(window: &Window, ui: &mut Ui) {
     let Some(unit) = point_in_view(window, ui) else {
         return;
@@ -155,10 +154,10 @@ fn scale_bar(window: &Window, ui: &mut Ui) {
     label.accessible_name(format!("Scale: {words}"));
 }
 
-/// The length of the bar of the scale in points, about.
+/// The approximate length of the scale bar in points.
 const BAR: f64 = 60.0;
 
-/// Returns the distance that one point of the screen is in the middle of the active view.
+/// Returns the distance that corresponds to one point of the screen at the centre of the active view.
 fn point_in_view(window: &Window, ui: &Ui) -> Option<f64> {
     let id = &window.focus.view;
     let room = window.pictures.of_views.get(id)?.room?;
@@ -171,7 +170,7 @@ fn point_in_view(window: &Window, ui: &Ui) -> Option<f64> {
     (unit > 0.0 && unit.is_finite()).then_some(unit)
 }
 
-/// Returns the greatest of the numbers 1, 2 and 5, times a power of ten, that is not greater than a number.
+/// Returns the greatest number of the form 1, 2 or 5 times a power of ten that is at most `most`.
 fn round_distance(most: f64) -> f64 {
     let power = 10_f64.powf(most.log10().floor());
     let steps = [5.0, 2.0].map(|step| step * power);
@@ -193,12 +192,12 @@ fn trail(window: &Window, ui: &mut Ui) {
     }
 }
 
-/// Shows the notes of the pictures that are seen.
+/// Shows the notes of the visible pictures.
 fn notes(pictures: &Pictures, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
     let seen = pictures.of_views.values().filter(|view| view.on_screen);
     for picture in seen.filter_map(|view| view.picture.as_ref()) {
-        // What a picture took is in the status line itself.
+        // The time that a picture took is in the status line itself.
         for note in &picture.notes {
             if !notes.contains(&note.as_str()) {
                 notes.push(note);

@@ -1,4 +1,4 @@
-//! The buttons beside the menus, for what is done most: each has an icon, and its name and key where the pointer rests.
+//! The buttons beside the menus, for the most frequent actions: each has an icon, and shows its name and key on hover.
 
 use egui::{Align, Layout, Ui};
 use session::Marks;
@@ -8,7 +8,7 @@ use super::icons::{Icon, button};
 use super::{key_names, measure, navigation};
 use crate::ui::window::Window;
 
-/// The width of a button with its space, in points.
+/// The width of a button with its spacing, in points.
 const BUTTON: f32 = 28.0;
 
 /// The action of a button.
@@ -27,7 +27,7 @@ enum Action {
     Record,
 }
 
-/// The buttons from the left to the right: action, icon, name, key.
+/// The buttons from left to right: action, icon, name, key.
 const BUTTONS: [(Action, Icon, &str, &str); 11] = [
     (Action::Undo, Icon::Undo, "Undo the last step", "Ctrl+Z"),
     (Action::Redo, Icon::Redo, "Redo the next step", "Ctrl+Y"),
@@ -57,7 +57,7 @@ const BUTTONS: [(Action, Icon, &str, &str); 11] = [
     ),
 ];
 
-/// Shows the buttons at the right end of a bar, where it has room for all of them.
+/// Shows the buttons at the right end of a bar, if there is room for all of them.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     if window.panes.is_welcome || ui.available_width() < BUTTON * BUTTONS.len() as f32 {
         return;

@@ -1,4 +1,4 @@
-//! The welcome, in the place of the panes while there is no program: new ones, those that were opened last, the examples.
+//! The welcome screen, instead of the panes while there is no program: new programs, recent ones, the examples.
 
 use egui::{CentralPanel, Frame, RichText, ScrollArea, Ui};
 
@@ -7,10 +7,10 @@ use crate::ui::dialogs::program;
 use crate::ui::gallery;
 use crate::ui::window::{Next, UNTITLED, Window};
 
-/// The width of the column beside the examples.
+/// The width of the column beside the examples, in points.
 const COLUMN: f32 = 220.0;
 
-/// Shows the welcome.
+/// Shows the welcome screen.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     let frame = Frame::central_panel(ui.style()).inner_margin(16.0);
     let frame = frame.fill(window.display.background(ui));
@@ -36,7 +36,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// Shows what the user can begin with; returns the step that was chosen.
+/// Shows the programs to start from. Returns the chosen step.
 fn begin(window: &Window, ui: &mut Ui) -> Option<Next> {
     let mut next = None;
     ui.label(RichText::new("Geotrace").size(28.0).strong());
@@ -57,7 +57,7 @@ fn begin(window: &Window, ui: &mut Ui) -> Option<Next> {
     recent(window, ui).or(next)
 }
 
-/// The step to a new program.
+/// Returns the step to a new program.
 pub(crate) fn new(text: &'static str) -> Next {
     Next::New {
         name: UNTITLED,
@@ -65,7 +65,7 @@ pub(crate) fn new(text: &'static str) -> Next {
     }
 }
 
-/// Shows a button for each template; returns the text of the one that was chosen.
+/// Shows a button for each template. Returns the text of the chosen one.
 pub(crate) fn templates(ui: &mut Ui) -> Option<&'static str> {
     let chosen = TEMPLATES
         .iter()
@@ -73,7 +73,7 @@ pub(crate) fn templates(ui: &mut Ui) -> Option<&'static str> {
     chosen.map(|template| template.text).last()
 }
 
-/// Lists the programs that were opened last; returns the step to the one that was chosen.
+/// Lists the recent programs. Returns the step to the chosen one.
 pub(crate) fn recent(window: &Window, ui: &mut Ui) -> Option<Next> {
     let mut next = None;
     for path in window.records.recent.paths() {

@@ -1,4 +1,4 @@
-//! The window: what it knows, and what it does each time it draws itself.
+//! The window: its state, and its work in each frame.
 //!
 //! ```text
 //! event.rs   the events of all parts          input.rs  shortcuts, keys, animation
@@ -73,7 +73,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window for an editor's text, which comes from `input`; events go to `output`.
+    /// Returns a window for an editor's text. Commands are read from `input`; events are written to `output`.
     ///
     /// # Errors
     /// [`Failure::NoThread`].
@@ -134,19 +134,19 @@ impl Window {
         })
     }
 
-    /// Writes counters after each drawing.
+    /// Writes counters after each frame.
     pub(crate) fn report_to(&mut self, report: Report) {
         self.records.report = Some(report);
     }
 
-    /// Reports the places of the controls of a screen, if there is a report.
+    /// Reports the positions of the controls of a screen, if there is a report.
     pub(crate) fn report_from(&self, context: &egui::Context) {
         if let Some(report) = &self.records.report {
             report.tell_places(context);
         }
     }
 
-    /// Shows itself on a screen from now on, and draws on its GPU if that is wanted. All pictures are requested anew.
+    /// Moves the window to a screen, and draws on its GPU if that is wanted. All pictures are requested again.
     pub(crate) fn move_to(
         &mut self,
         screen: GpuSurface,
@@ -163,20 +163,20 @@ impl Window {
         self.display.replace(screen, words);
     }
 
-    /// Returns whether the GPU that it is shown by is gone.
+    /// Returns whether the GPU that displays it is lost.
     pub(crate) fn has_lost_its_screen(&mut self) -> bool {
         let surface = self.display.surface.as_ref();
         surface.is_some_and(GpuSurface::is_lost)
     }
 
-    /// Gives up the GPU that it is shown by, for a test.
+    /// Gives up the GPU that displays it, for a test.
     pub(crate) fn lose_screen(&self) {
         if let Some(surface) = &self.display.surface {
             surface.lose();
         }
     }
 
-    /// Takes over what was remembered of a program, and remembers on.
+    /// Restores the saved state of a program, and starts to save it.
     fn remember(&mut self, program: PathBuf) {
         turn_to(&mut self.pictures.library, program.parent());
         if !self.remembers_views() {
@@ -197,7 +197,7 @@ impl Window {
         self.keep_view_of(program, known);
     }
 
-    /// The kind of window whose panes are remembered together.
+    /// Returns the kind of window, by which the layouts of panes are saved.
     fn kind(&self) -> &'static str {
         match self.text.is_own() {
             true => "alone",
@@ -205,12 +205,12 @@ impl Window {
         }
     }
 
-    /// The state that is shown, for tests and assistive tools.
+    /// Returns the state that is shown, for tests and assistive tools.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The lines that are drawn on surfaces beside those of the program.
+    /// Returns the lines that are drawn on surfaces besides those of the program.
     fn drawn(&self) -> Drawn {
         let shown = self.model.paths.iter().filter(|(_, path)| {
             let places = path.trail.points.len();
@@ -224,7 +224,7 @@ impl Window {
         }
     }
 
-    /// Returns whether a click at the pointer would be measured at a point, an end or a corner nearby.
+    /// Returns whether a click at the pointer would snap to a point, an end or a corner nearby.
     pub fn snaps(&self) -> bool {
         self.dialogs.measuring.snaps()
     }
@@ -234,8 +234,8 @@ impl Window {
         &self.records.counters
     }
 
-    /// Returns whether every view on the screen shows its newest picture, no text waits to be compiled, no fault to be
-    /// shown, no pick for its answer, and no click for another.
+    /// Returns whether every view on the screen shows its newest picture and nothing is pending: no text to be
+    /// compiled, no fault to be shown, no pick to be answered, no click that may become a double click.
     pub fn is_settled(&self) -> bool {
         !self.pictures.is_waiting()
             && !self.pictures.render_thread.is_asked()
@@ -261,7 +261,7 @@ impl Window {
             self.await_first_text();
         }
         self.show_faults(ui);
-        // A frame that is laid out once more has taken the input already.
+        // A frame that is laid out again has already handled the input.
         if is_first_pass {
             if ui.input(|input| input.pointer.any_pressed()) {
                 self.model.history.settle();
@@ -290,7 +290,7 @@ impl Window {
         }
     }
 
-    /// Shows the faults of the text after a pause in typing, and sets the object at the cursor off for a while.
+    /// Shows the faults of the text after a pause in typing, and emphasises the object at the cursor for a while.
     fn show_faults(&mut self, ui: &Ui) {
         let now = ui.input(|input| input.time);
         let clock = &mut self.display.clock;
@@ -299,7 +299,7 @@ impl Window {
         }
     }
 
-    /// Does the work behind a frame: drops requests of panes that are not on the screen, saves the view, reports.
+    /// Does the work after a frame: drops requests of panes that are not on the screen, saves the view, reports.
     fn after(&mut self, ui: &Ui) {
         if self.pictures.forget_hidden() {
             // A finished picture may have waited for one of these, which now does not wake the window.

@@ -134,7 +134,7 @@ fn hint(ui: &Ui, rect: Rect, legend: Option<Rect>, fly: bool, has_surface: bool)
     painter.galley(room.right_bottom() - galley.size(), galley, colour);
 }
 
-/// Returns the room whose lower right corner the hint is in. `size` is the hint's size in lines as wide as the picture.
+/// Returns the room with the hint in its lower right corner. `size` is the hint's size in lines as wide as the picture.
 /// The room is the picture, or, if the legend would cover the hint, the part beside the legend or above it.
 fn hint_room(rect: Rect, size: Vec2, legend: Option<Rect>) -> Rect {
     let room = rect.shrink(HINT_MARGIN);

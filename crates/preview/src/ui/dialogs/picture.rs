@@ -58,7 +58,7 @@ impl PictureDialog {
     }
 }
 
-/// The button that closed a dialog.
+/// The user's choice in a dialog.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Decision {
     Stay,

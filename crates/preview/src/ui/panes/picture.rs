@@ -1,4 +1,4 @@
-//! The pane of a view: a picture that fills it, with focus, a name, and a mark when it is stale.
+//! The pane of a view: a picture that fills it, with focus, a name, and a mark if it is stale.
 
 use egui::{
     Align2, Color32, EventFilter, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder,
@@ -11,18 +11,18 @@ use crate::ui::gpu_surface::TextureBinding;
 use crate::ui::welcome;
 use crate::ui::window::Window;
 
-/// The picture of a pane among all that can have the focus.
+/// Returns the focus id of a pane's picture.
 pub(crate) fn id(pane: &ViewId) -> Id {
     Id::unique(("picture", pane))
 }
 
-/// Draws a view's newest picture, says for which one it has room, and moves the view's camera by the pointer.
+/// Draws a view's newest picture, sets the size of the next one, and moves the view's camera by the pointer.
 pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     let room = ui.available_size().max(egui::vec2(16.0, 16.0));
     let (_, rect) = ui.allocate_space(room);
     let response = ui.interact(rect, id(pane), Sense::click_and_drag());
     let scale = ui.pixels_per_point();
-    // As many as there are on the screen between its edges.
+    // The number of physical pixels between its edges.
     let [from, to] = [rect.min, rect.max].map(|corner| (corner.to_vec2() * scale).round());
     let pixels = [to.x - from.x, to.y - from.y].map(|side| side.max(1.0) as u32);
     window.make_room(pane, pixels);
@@ -37,7 +37,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
         begin(window, ui, rect);
     }
     if response.has_focus() {
-        // The arrows move its camera, and do not lead away from it.
+        // The arrow keys move its camera instead of the focus.
         let arrows = EventFilter {
             horizontal_arrows: true,
             vertical_arrows: true,
@@ -74,7 +74,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     }
 }
 
-/// Offers templates in the place of the picture of a program that is blank.
+/// Shows templates instead of the picture of a blank program.
 fn begin(window: &mut Window, ui: &mut Ui, rect: Rect) {
     let room = Rect::from_center_size(rect.center(), egui::vec2(260.0, 70.0));
     let builder = UiBuilder::new().max_rect(room.intersect(rect));
@@ -106,7 +106,7 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         }
         if let Some(binding) = &picture.binding {
             binding.paint(&painter, rect);
-            // In views of the scene, what is out of date is dim, and the rest is not.
+            // Views of the scene dim only the objects that are out of date.
             if stale && pane.object.is_some() {
                 painter.rect_filled(rect, 0.0, Color32::from_black_alpha(65));
             }
@@ -146,12 +146,13 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
     }
 }
 
-/// Returns whether the view is of the object that is declared at the cursor. Views of the scene highlight the object.
+/// Returns whether the view is of the object that is declared at the cursor. Views of the scene highlight the object
+/// instead.
 fn is_set_off(model: &Model, pane: &ViewId) -> bool {
     pane.object.is_some() && pane.object == model.highlighted
 }
 
-/// Returns whether a view shows something as it is no more in the text.
+/// Returns whether a view shows an object in a form that the text no longer declares.
 fn is_stale(model: &Model, views: &Views, pane: &ViewId) -> bool {
     match (&pane.object, views.get(&pane.kind)) {
         (Some(name), _) => model.is_stale_on(name),
@@ -170,7 +171,7 @@ fn nothing(model: &Model, views: &Views, pane: &ViewId) -> Option<&'static str> 
     (!view.is_of_object() && model.is_unseen_in(view)).then(|| view.nothing())
 }
 
-/// A sentence on a plate, readable over any picture.
+/// Draws a sentence on a plate, readable over any picture.
 fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
     let width = (painter.clip_rect().right() - at.x - 24.0).max(60.0);
     let galley = painter.layout(
@@ -187,7 +188,7 @@ fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
     painter.galley(place, galley, Color32::WHITE);
 }
 
-/// Returns how many samples the pixels of a pane's traced picture have, and how many they will have.
+/// Returns the current and the final number of samples per pixel of a pane's traced picture.
 fn refinement(window: &Window, pane: &ViewId) -> Option<[u32; 2]> {
     if !window.shows_traced(pane) {
         return None;
@@ -196,7 +197,7 @@ fn refinement(window: &Window, pane: &ViewId) -> Option<[u32; 2]> {
     Some([done, window.model.view.preferences.samples])
 }
 
-/// Shows how far a picture is refined: a line along its lower edge, and a number.
+/// Shows the progress of a picture's refinement: a line along its lower edge, and a number.
 fn progress(painter: &egui::Painter, rect: Rect, done: u32, all: u32) {
     if done >= all {
         return;
@@ -210,14 +211,14 @@ fn progress(painter: &egui::Painter, rect: Rect, done: u32, all: u32) {
     let at = rect.left_bottom() + egui::vec2(8.0, -8.0);
     let text = format!("{done} of {all} samples");
     let font = FontId::proportional(12.0);
-    // A picture may have any brightness there.
+    // The picture may have any brightness there.
     let below = (at + egui::vec2(1.0, 1.0), Color32::from_black_alpha(200));
     for (at, colour) in [below, (at, Color32::from_gray(230))] {
         painter.text(at, Align2::LEFT_BOTTOM, &text, font.clone(), colour);
     }
 }
 
-/// The picture in words.
+/// Describes the picture in words.
 fn words(window: &Window, pane: &ViewId) -> String {
     let mut words = window.views.title(pane, " of ");
     if pane.object.is_none() {

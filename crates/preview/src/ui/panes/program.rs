@@ -1,4 +1,4 @@
-//! The program: in a window of its own the text, to be edited; at the foot of any, what is wrong with it.
+//! The program pane: in a standalone window the editable text; in any window, the diagnostics at its foot.
 
 mod code;
 pub(crate) mod commands;
@@ -27,7 +27,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// The file and what can be done with it; whether the text was replaced.
+/// Shows the file and its buttons. Returns whether the text was replaced.
 fn bar(window: &mut Window, ui: &mut Ui) -> bool {
     let mut changed = false;
     let TextSource::File { editor, .. } = &mut window.text.source else {
@@ -52,14 +52,14 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
                 editor.is_changed() || editor.is_new,
                 egui::Button::new("Save"),
             )
-            // Dialogs have a button of this name too.
+            // Dialogs also have a button of this name.
             .accessible_name("Save program")
             .on_hover_text(key_names::named(ui.ctx(), "Ctrl+S"))
             .clicked();
         if editor.is_changed() {
             ui.weak("not saved");
         }
-        // The name alone: a folder's would decide how wide the text is.
+        // Only the name: a long folder would determine the width of the text.
         let name = editor.path.file_name().unwrap_or_default();
         let name = egui::Label::new(name.to_string_lossy()).truncate();
         ui.add(name)

@@ -1,18 +1,18 @@
 //! Layouts as trees of tiles, and back.
 //!
-//! A tree of tiles becomes a [`Layout`] and comes back from one. What a file says is not trusted: no pane comes twice,
-//! what is empty is left out, and shares are numbers.
+//! A tree of tiles is converted to a [`Layout`] and back. Files are not trusted: no pane occurs twice, empty parts are
+//! left out, and shares are finite numbers.
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use session::layout::{Layout, Share};
 use session::pane::Pane;
 
-/// Returns the layout of a tree; nothing of an empty one.
+/// Returns the layout of a tree; `None` for an empty one.
 pub(super) fn layout_of(tree: &Tree<Pane>) -> Option<Layout> {
     of_tile(&tree.tiles, tree.root()?)
 }
 
-/// Makes a tree of the panes of a layout; nothing if there is none.
+/// Returns a tree of the panes of a layout; `None` if it has none.
 pub(super) fn tree(layout: &Layout, id: egui::Id) -> Option<Tree<Pane>> {
     let mut tiles = Tiles::default();
     let mut known = Vec::new();
@@ -98,7 +98,7 @@ fn of_tile(tiles: &Tiles<Pane>, tile: TileId) -> Option<Layout> {
                 LinearDir::Vertical => Layout::Column(parts),
             }
         }
-        // Nothing here makes one; its panes stand side by side then.
+        // Grids are never created here; the panes of one are put side by side.
         Tile::Container(Container::Grid(grid)) => {
             let children: Vec<TileId> = grid.children().copied().collect();
             let share = |(_, content)| Share {

@@ -1,5 +1,4 @@
-//! The active view, which has the keys: the one that was clicked on, opened or brought forward last, while it can be
-//! seen.
+//! The active view, which receives the keys: the last visible one that was clicked, opened or brought to the front.
 
 use egui::Pos2;
 use render::ViewId;
@@ -8,21 +7,21 @@ use session::pane::Pane;
 use super::Window;
 use crate::ui::camera_input::{CameraInput, input_of};
 
-/// The view that the user is busy with.
+/// The view with which the user is working.
 #[derive(Debug)]
 pub(crate) struct Focus {
     /// The view that keys move.
     pub(crate) view: ViewId,
     /// The surface whose camera is shown in space.
     pub(crate) surface: Option<String>,
-    /// The view over which the pointer has moved since a view became active: the next key that moves cameras is for it.
+    /// The view over which the pointer has moved since a view became active: the next camera key applies to it.
     pub(crate) pointed: Option<ViewId>,
-    /// The place of the pointer when it was over a view last.
+    /// The last position of the pointer over a view.
     pub(crate) pointer: Option<Pos2>,
 }
 
 impl Window {
-    /// Returns what moves a view's camera.
+    /// Returns the input for a view's camera.
     pub(crate) fn camera_input(&self, id: &ViewId) -> &'static dyn CameraInput {
         input_of(self.views.get(&id.kind))
     }
@@ -32,7 +31,7 @@ impl Window {
         self.views.of_scene(self.model.scene.as_deref())
     }
 
-    /// Keys move this view's camera from now on.
+    /// Makes a view active: keys move its camera.
     pub(crate) fn activate(&mut self, id: &ViewId) {
         if self.focus.view != *id {
             self.input.held.release_views();
@@ -42,7 +41,7 @@ impl Window {
         self.note_surface(id);
     }
 
-    /// Notes the surface that a view is seen from, if it is: its camera is shown in space.
+    /// Notes the surface of a geodesic view: its camera is shown in space.
     fn note_surface(&mut self, id: &ViewId) {
         let options = self.views.get(&id.kind).map(|view| view.options(None));
         if options.is_some_and(|options| options.geodesic_camera().is_some()) {
@@ -50,7 +49,7 @@ impl Window {
         }
     }
 
-    /// Shows a pane, wherever it is, and gives it the keys if it is a view.
+    /// Brings a pane to the front, and makes it active if it is a view.
     pub(crate) fn bring_forward(&mut self, pane: &Pane) {
         match pane {
             Pane::View(id) => {
@@ -61,7 +60,7 @@ impl Window {
         }
     }
 
-    /// Opens a view, or brings it to the front; the keys stay where they are.
+    /// Opens a view, or brings it to the front; the active view stays the same.
     pub(super) fn reveal(&mut self, id: &ViewId) {
         self.note_surface(id);
         if !self.is_wanted(id) {
@@ -76,7 +75,7 @@ impl Window {
         offered.any(|id| id.object.as_deref() == Some(name) && self.panes.is_open(&Pane::View(id)))
     }
 
-    /// Opens the first view of an object, or brings it to the front; the keys stay where they are.
+    /// Opens the first view of an object, or brings it to the front; the active view stays the same.
     pub(super) fn reveal_object(&mut self, name: &str) {
         let mut offered = self.offered().into_iter();
         if let Some(id) = offered.find(|id| id.object.as_deref() == Some(name)) {
@@ -91,13 +90,14 @@ impl Window {
         }
     }
 
-    /// Returns whether a view opens by itself, of those that the scene has.
+    /// Returns whether a view of the scene opens by itself.
     pub(crate) fn opens_by_itself(&self, id: &ViewId) -> bool {
         let scene = self.model.scene.as_ref();
         scene.is_some_and(|scene| self.views.opens_by_itself(id, scene))
     }
 
-    /// Returns whether a view of an object is to be open: by itself and not closed, or opened.
+    /// Returns whether a view of an object is to be open: because it opens by itself and was not closed, or because it
+    /// was opened.
     pub(super) fn is_wanted(&self, id: &ViewId) -> bool {
         let (name, view) = (id.to_string(), &self.model.view);
         match self.opens_by_itself(id) {
@@ -122,14 +122,13 @@ impl Window {
         });
     }
 
-    /// Gives the keys to a view that can be seen, where the one that has them was closed or covered; whether one has
-    /// them.
+    /// Makes a visible view active if the active one was closed or covered. Returns whether there is an active view.
     pub(super) fn has_keys(&mut self) -> bool {
         let seen = self.panes.in_front();
         if seen.contains(&self.focus.view) {
             return true;
         }
-        // Likely the view of the active surface, else one of the whole scene.
+        // Preferably the view of the active surface, otherwise one of the whole scene.
         let surface = &self.focus.surface;
         let next = seen.into_iter().min_by_key(|id| {
             let is_of_surface = id.object.is_some() && id.object == *surface;

@@ -1,4 +1,4 @@
-//! Clicks on pictures, as the window takes them: what each does is said in `session::clicks`.
+//! Clicks on pictures, as the window handles them; `session::clicks` describes their effects.
 
 use egui::Ui;
 use render::PictureRequest;
@@ -10,7 +10,8 @@ use super::Window;
 use crate::engine::render_thread::Purpose;
 
 impl Window {
-    /// A click on a pixel of a picture of a view in space. One by a key is never the first half of two.
+    /// Handles a click on a pixel of a picture of a view in space. A click by a key is never the first half of a double
+    /// click.
     pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
         if self.dialogs.measuring.is_open() {
             let purpose = Purpose::Measure(crate::ui::measure::snapping(ui));
@@ -25,7 +26,7 @@ impl Window {
             .pick(request, at, Purpose::Place(number));
     }
 
-    /// A double click there, whose first half has been taken for a click.
+    /// Handles a double click, whose first half has been handled as a click.
     pub(crate) fn double_click(&mut self, request: PictureRequest, at: [f64; 2]) {
         if self.dialogs.measuring.is_open() {
             return;
@@ -41,7 +42,7 @@ impl Window {
         self.input.clicks.forget(&mut self.model);
     }
 
-    /// Returns the time until which another click may still follow the last one, if it may.
+    /// Returns the time until which another click may still follow the last one, or `None` if none may.
     pub(crate) fn clicked_until(&self) -> Option<f64> {
         self.input.clicks.until()
     }
@@ -54,14 +55,14 @@ impl Window {
         }
     }
 
-    /// A click was one, and nothing more.
+    /// Notes that a click was a single one.
     fn end_click(&mut self) {
         if let Some(surface) = self.input.clicks.end(&mut self.model) {
             self.reveal_object(&surface);
         }
     }
 
-    /// Takes over the object that was found under a click.
+    /// Takes over the object that was found by a click.
     pub(super) fn take_hit(&mut self, request: &PictureRequest, hit: &Hit, purpose: Purpose) {
         let Some(clicked) = ClickedObject::new(request, hit) else {
             return;
@@ -97,7 +98,7 @@ impl Window {
         }
     }
 
-    /// Shows the name of the part of a solid that was clicked on, where it is one.
+    /// Shows the name of the part of a solid that was clicked, if it has one.
     fn show_leaf_of(&mut self, request: &PictureRequest, clicked: &ClickedObject<'_>) {
         if let Some(leaf) = clicked.leaf {
             self.show_leaf(request, leaf);

@@ -1,4 +1,4 @@
-//! The display that the window is shown by: its GPU, its size and its style.
+//! The window's display: its GPU, its size and its style.
 
 use egui::{Color32, Ui, Vec2};
 use session::clicks::DOUBLE_CLICK;
@@ -10,7 +10,7 @@ use crate::ui::gpu_surface::GpuSurface;
 
 /// The display of a window.
 pub(crate) struct Display {
-    /// The GPU that shows the window; none in tests.
+    /// The GPU that displays the window; `None` in tests.
     pub(crate) surface: Option<GpuSurface>,
     /// The name of the backend that draws the pictures.
     pub(crate) backend: String,
@@ -18,11 +18,11 @@ pub(crate) struct Display {
     pub(crate) size: Option<Vec2>,
     /// The times of its frames.
     pub(crate) clock: FrameClock,
-    /// The window is to come to the front.
+    /// True if the window is to come to the front.
     pub(crate) raise: bool,
-    /// The window is to close.
+    /// True if the window is to close.
     pub(crate) closing: bool,
-    /// The theme and the scale that the context has.
+    /// The context's current theme and scale.
     style: Option<(Theme, f32)>,
 }
 
@@ -41,14 +41,14 @@ impl Default for Display {
 }
 
 impl Display {
-    /// Shows the window by another GPU, whose context has no style yet.
+    /// Displays the window by another GPU, whose context has no style yet.
     pub(super) fn replace(&mut self, surface: GpuSurface, backend: String) {
         self.surface = Some(surface);
         self.backend = backend;
         self.style = None;
     }
 
-    /// Returns the colour behind text. A display is cleared with it, so that nothing need be painted there.
+    /// Returns the colour behind text. The display is cleared with it, so that no background need be painted.
     pub(crate) fn background(&self, ui: &Ui) -> Color32 {
         match self.surface {
             Some(_) => Color32::TRANSPARENT,
@@ -56,20 +56,20 @@ impl Display {
         }
     }
 
-    /// Gives the context the theme and the scale of the preferences, if it does not have them.
+    /// Sets the theme and the scale of the preferences in the context, if they differ.
     pub(super) fn apply_style(&mut self, context: &egui::Context, preferences: &Preferences) {
         let style = (preferences.theme, preferences.scale);
         if self.style == Some(style) {
             return;
         }
         self.style = Some(style);
-        // Each context takes it once.
+        // Once per context.
         context.add_plugin(EventSplitter::default());
         context.options_mut(|options| {
             // Its keys change the setting.
             options.zoom_with_keyboard = false;
             let input = &mut options.input_options;
-            // A slow hand, or a slow machine, presses a button as well as a quick one.
+            // A slow press still counts as a click.
             input.max_click_duration = f64::INFINITY;
             input.max_double_click_delay = DOUBLE_CLICK;
         });
@@ -85,7 +85,7 @@ impl Display {
             });
         }
         context.all_styles_mut(|style| {
-            // A blinking cursor would draw the window again and again.
+            // A blinking cursor would redraw the window continuously.
             style.visuals.text_cursor.blink = false;
             style.spacing.slider_width = 150.0;
             style.spacing.interact_size.y = 22.0;

@@ -1,4 +1,4 @@
-//! The events of the window: one variant for each part that sends events, and the channel that they come by.
+//! The events of the window: one variant for each part that sends events, and their channel.
 
 use std::sync::mpsc::Receiver;
 
@@ -20,9 +20,9 @@ pub(crate) enum WindowEvent {
     Compiled(CompiledText),
     /// The render thread has finished something.
     Render(Box<RenderEvent>),
-    /// Something has been measured.
+    /// A question has been answered.
     Measured(Box<MeasureAnswer>),
-    /// The file on disk holds another text now, or cannot be read.
+    /// The file on disk has changed, or cannot be read.
     File(ChangedFile),
     /// The server has sent something, or is gone.
     Link(LinkEvent),
@@ -41,7 +41,7 @@ pub(crate) struct WindowEvents {
 }
 
 impl WindowEvents {
-    /// Makes the channel of a window.
+    /// Returns the channel of a window.
     pub(super) fn new(context: egui::Context) -> Self {
         let (sender, receiver) = EventSender::new(context);
         Self { sender, receiver }
@@ -52,13 +52,13 @@ impl WindowEvents {
         self.sender.for_part(WindowEvent::Status)
     }
 
-    /// Returns a sender of what was measured.
+    /// Returns a sender of answers.
     pub(crate) fn measured(&self) -> EventSender<MeasureAnswer> {
         self.sender
             .for_part(|answer| WindowEvent::Measured(Box::new(answer)))
     }
 
-    /// Returns a sender of what the user chooses in the desktop's dialogs.
+    /// Returns a sender of the user's choices in the desktop's dialogs.
     pub(crate) fn file_choices(&self) -> EventSender<FileChoice> {
         self.sender.for_part(WindowEvent::FileChoice)
     }

@@ -1,4 +1,4 @@
-//! The events of the window's parts, taken over.
+//! Handles the events of the window's parts.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use crate::io::watch::ChangedFile;
 use crate::ui::panes::settings::SettingsTab;
 
 impl Window {
-    /// Takes over all events that have come; returns whether there were any.
+    /// Handles all events that have arrived. Returns whether there were any.
     pub(super) fn handle_events(&mut self) -> bool {
         let mut any = false;
         while let Ok(event) = self.events.receiver.try_recv() {
@@ -92,7 +92,7 @@ impl Window {
         if !fresh {
             return;
         }
-        // A camera that the user has not moved shows everything of a new scene too.
+        // A camera that the user has not moved sees everything of a new scene too.
         self.model.reframe();
         let has_inside = |name: &String| {
             let object = self.model.object(name);
@@ -114,7 +114,7 @@ impl Window {
         if !self.model.is_unseen_in(self.views.first()) {
             self.panes.bring_back_first();
         } else if first {
-            // What a scene does not need is not shown.
+            // A view that a scene does not need is not shown.
             self.panes.leave_out_first();
             let mut of_objects = offered.iter().filter(|id| id.object.is_some());
             if let Some(id) = of_objects.next()
@@ -182,7 +182,7 @@ impl Window {
         let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
         };
-        // It was on its way when another program took the place of the one that it is of.
+        // It was in transit when another program replaced its own.
         if changed.path != editor.path {
             return;
         }
@@ -224,17 +224,18 @@ impl Window {
                 self.model.highlight(name);
             }
             Command::Close => self.display.closing = true,
-            // A cursor in a text that is no longer shown; and what is received where messages are read (`io/link.rs`).
+            // A cursor in a text that is no longer shown; and commands that are handled where messages are read
+            // (`io/link.rs`).
             _ => {}
         }
     }
 
-    /// A view is to be seen of the text of a version.
+    /// Shows a view of the text of a version.
     fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
         self.display.raise = true;
         let first = ViewId::of_scene(self.views.first().name());
         let Some(View { view, surface }) = view else {
-            // A scene of which it shows nothing is shown without it.
+            // A scene of which the first view shows nothing is shown without it.
             if self.panes.has_first() {
                 self.bring_forward(&Pane::View(first));
             }
@@ -263,7 +264,7 @@ impl Window {
         }
     }
 
-    /// Opens the view of an object that was requested by name, once the text that may declare it has been read.
+    /// Opens the view of an object that was requested by name, once the text that may declare the object has been read.
     fn open_wanted(&mut self) {
         let (read, version) = (self.model.read, self.model.version);
         let is_read = |wanted: &mut (ViewId, Option<i32>)| {

@@ -1,27 +1,27 @@
-//! The times that a window's frames depend on.
+//! The times on which a window's frames depend.
 
 use std::time::Duration;
 
 use session::Model;
 use session::attention::Attention;
 
-/// The pause between two turns of a wheel: a view counts as moving for so long after its last motion, in seconds.
+/// The time for which a view counts as moving after its last motion, such as between two turns of a wheel, in seconds.
 const MOTION_PAUSE: f64 = 0.18;
 
-/// The times of the window. Points in time are in seconds, as egui counts them.
+/// The times of the window. Points in time are in seconds, as counted by egui.
 #[derive(Debug, Default)]
 pub(crate) struct FrameClock {
-    /// The longest time that a frame waits for its pictures.
+    /// The maximum time that a frame waits for its pictures.
     pub(super) wait_budget: Duration,
     /// The time that this frame has waited.
     pub(crate) waited: Duration,
-    /// The time that the frame before this one took.
+    /// The time that the previous frame took.
     pub(crate) painting: Duration,
     /// The view or a param counts as moving until this time.
     pub(super) moving_until: f64,
     /// Input before this time extends the current undo step.
     pub(super) gesture_until: f64,
-    /// The last text has just come.
+    /// True if the last text has just arrived.
     has_text: bool,
     /// The times at which faults are shown and the emphasis ends.
     pub(super) attention: Attention,
@@ -36,7 +36,7 @@ impl FrameClock {
     /// Notes that the user moves a view or a param.
     pub(super) fn note_gesture(&mut self, now: f64) {
         self.note_motion(now);
-        // A notch of a wheel is spread over frames, in which no button is held.
+        // A notch of a wheel is spread over several frames, in which no button is held.
         self.gesture_until = self.moving_until;
     }
 
@@ -45,7 +45,7 @@ impl FrameClock {
         self.has_text = true;
     }
 
-    /// Advances what lasts for a while ([`Attention::advance`]). Returns true if faults are shown now.
+    /// Advances the faults and the emphasis ([`Attention::advance`]). Returns true if faults are shown now.
     pub(super) fn advance_attention(&mut self, model: &mut Model, now: f64) -> bool {
         if std::mem::take(&mut self.has_text) {
             self.attention.note_text(now);
@@ -53,7 +53,7 @@ impl FrameClock {
         self.attention.advance(model, now)
     }
 
-    /// Begins anew: another context counts its time from the beginning.
+    /// Resets the times: another context counts from its own start.
     pub(super) fn restart(&mut self) {
         self.moving_until = 0.0;
         self.gesture_until = 0.0;

@@ -1,4 +1,4 @@
-//! The user's input: keys, shortcuts, dropped files; and the motion of animated params.
+//! The user's input: keys, shortcuts, dropped files; and the animation of params.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -22,13 +22,13 @@ use crate::ui::panes::picture;
 #[derive(Debug, Default)]
 pub(crate) struct InputState {
     pub(super) clicks: Clicks,
-    /// A param that keys have changed: its value is written into the text when the keys are let go.
+    /// A param that keys have changed: its value is written into the text when the keys are released.
     pub(crate) unwritten_param: Option<String>,
-    /// Set while the keys were used last, not the pointer.
+    /// True if the keys were used last, and not the pointer.
     pub(crate) by_keys: bool,
     /// The keys that are held.
     pub(crate) held: HeldKeys,
-    /// Set if two fingers on a touchpad scrolled last, and not a wheel.
+    /// True if two fingers on a touchpad scrolled last, and not a wheel.
     pub(crate) fingers: bool,
     /// The camera in space while it turns to a view along an axis.
     pub(crate) turn: Option<Turn>,
@@ -43,7 +43,7 @@ enum Sizing {
 }
 
 impl Sizing {
-    /// The size that is next to this one.
+    /// Returns the next larger or smaller size.
     fn of(self, scale: f32) -> f32 {
         let mut sizes = session::SCALES.into_iter();
         let next = match self {
@@ -55,13 +55,13 @@ impl Sizing {
     }
 }
 
-/// Returns whether it is two fingers on a touchpad that scroll, of an event that scrolls.
+/// Returns whether an event that scrolls comes from two fingers on a touchpad; `None` for another event.
 fn by_fingers(event: &Event) -> Option<bool> {
     match event {
         Event::MouseWheel { source, unit, .. } => Some(match source {
             MouseWheelSource::Trackpad | MouseWheelSource::Momentum => true,
             MouseWheelSource::Wheel => false,
-            // Wheels count notches where the platform does not say.
+            // If the platform does not specify the unit, wheels count lines.
             MouseWheelSource::Unknown => *unit == MouseWheelUnit::Point,
         }),
         _ => None,
@@ -90,8 +90,8 @@ impl Window {
             .note_gesture(ui.input(|input| input.time));
     }
 
-    /// Requests a repaint for when a motion has come to rest and a click can be no double click any more. A frame
-    /// that comes sooner cancels the request, so each frame requests it anew.
+    /// Requests a repaint for the time when a motion has come to rest and a click can no longer become a double click.
+    /// A frame that comes sooner cancels the request, so each frame renews it.
     pub(super) fn wake_in_time(&self, ui: &Ui) {
         let now = ui.input(|input| input.time);
         let clock = &self.display.clock;
@@ -107,7 +107,8 @@ impl Window {
         }
     }
 
-    /// Takes the keys that go down and come up, and what scrolls. The keys of a text or a dialog never move a camera.
+    /// Handles the keys that are pressed and released, and scrolling. The keys of a text or a dialog never move a
+    /// camera.
     pub(super) fn hold_keys(&mut self, ui: &Ui) {
         let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
         let presses =
@@ -130,7 +131,7 @@ impl Window {
         });
     }
 
-    /// Gives the keys to the view over which the pointer was moved, unless a control has them.
+    /// Makes the view over which the pointer was moved active, unless a control has the focus.
     fn activate_pointed(&mut self, ui: &Ui) {
         let Some(pointed) = self.focus.pointed.take() else {
             return;
@@ -143,9 +144,9 @@ impl Window {
         }
     }
 
-    /// Held keys move the camera of the active pane, unless a text is being written.
+    /// Moves the camera of the active pane by held keys, unless a text is being written.
     pub(super) fn keys(&mut self, ui: &Ui) {
-        // It is known in any case: menus and dialogs are about it too.
+        // Determined in any case: menus and dialogs also refer to the active view.
         let has_keys = self.has_keys();
         if !has_keys || ui.ctx().text_edit_focused() || self.dialogs.is_open() {
             return;
@@ -171,7 +172,7 @@ impl Window {
         focused.is_none_or(|id| id == picture::id(&self.focus.view))
     }
 
-    /// Moves the 3D camera, as one step with what else `hand` does in one go.
+    /// Moves the 3D camera, as one step with the other motions of the same gesture `hand`.
     pub(crate) fn move_space(&mut self, hand: &str, camera: SpaceCamera, ui: &Ui) {
         self.model.move_space(hand, camera);
         self.has_moved(ui);
@@ -183,8 +184,8 @@ impl Window {
         self.has_moved(ui);
     }
 
-    /// Puts the camera in space where everything is seen, or one object, from where it looks now: the render thread knows
-    /// how far that is.
+    /// Requests a camera in space that sees everything, or one object, in its current direction: the render thread
+    /// determines its distance.
     pub(crate) fn frame(&mut self, only: Option<&str>) {
         let sent = self.pictures.of_views.values();
         let mut sent = sent.filter_map(|view| view.request.as_ref());
@@ -251,7 +252,7 @@ impl Window {
         if !self.dialogs.is_open() {
             crate::ui::menu::file_keys(self, ui);
         }
-        // In a text, these belong to the text.
+        // In a text field, these keys belong to the text.
         if !ui.ctx().text_edit_focused() {
             let arrows = Modifiers::COMMAND | Modifiers::SHIFT;
             if pressed(arrows, Key::ArrowRight) {
@@ -270,7 +271,7 @@ impl Window {
         }
     }
 
-    /// Gives the keys to the next view that is open, or to the one before.
+    /// Makes the next or the previous open view active.
     pub(crate) fn next_view(&mut self, ui: &Ui, back: bool) {
         let views = self.offered().into_iter().map(Pane::View);
         let views: Vec<Pane> = views.filter(|pane| self.panes.is_open(pane)).collect();
@@ -290,21 +291,21 @@ impl Window {
         ui.memory_mut(|memory| memory.request_focus(active));
     }
 
-    /// Gives the active view more room beside its neighbours, or less.
+    /// Gives the active view more or less room beside its neighbours.
     pub(crate) fn resize_active(&mut self, larger: bool) {
         let factor = if larger { 1.25 } else { 0.8 };
         self.panes
             .resize(&Pane::View(self.focus.view.clone()), factor);
     }
 
-    /// Takes the last change of the view back.
+    /// Undoes the last change of the view.
     pub fn undo(&mut self) {
         self.forget_click();
         let title = self.model.undo();
         self.arrive("Undone", title);
     }
 
-    /// Does the last change of the view again.
+    /// Redoes the last undone change of the view.
     pub fn redo(&mut self) {
         self.forget_click();
         let title = self.model.redo();
@@ -323,7 +324,7 @@ impl Window {
         self.open_images(paths);
     }
 
-    /// Adds image files to the list of textures. The surface in use, or the only one, shows the last of them.
+    /// Adds image files to the list of textures. The active surface, or the only one, shows the last of them.
     pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         let Some(last) = paths.last().cloned() else {
             return;

@@ -1,4 +1,4 @@
-//! A pane with a picture: its room on the screen, the request that was sent for it, and the picture that it shows.
+//! A pane with a picture: its size on the screen, the request that was sent for it, and the picture that it shows.
 
 use std::time::Duration;
 
@@ -15,9 +15,9 @@ use crate::ui::gpu_surface::TextureBinding;
 /// A pane with a picture.
 #[derive(Default)]
 pub(crate) struct PaneView {
-    /// The pixels that the pane had room for when it was last on the screen.
+    /// The size of the pane in pixels when it was last on the screen.
     pub(crate) room: Option<[u32; 2]>,
-    /// Set if it was on the screen when the window last drew itself.
+    /// True if it was on the screen in the last frame.
     pub(crate) on_screen: bool,
     /// The request that was sent last.
     pub(super) request: Option<PictureRequest>,
@@ -29,31 +29,31 @@ pub(crate) struct PaneView {
 /// The state of a pane's last request.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub(super) enum Waiting {
-    /// It has.
+    /// It has been answered.
     #[default]
     No,
-    /// It has not, and a frame may wait for the answer.
+    /// It is unanswered, and a frame may wait for the answer.
     ForFrame,
-    /// It has not. The picture only follows the camera of another view, and no frame waits for it.
+    /// It is unanswered. The picture only follows the camera of another view, and no frame waits for it.
     Following,
-    /// It has not. The picture is a finer one of what is shown, and no frame waits for it.
+    /// It is unanswered. The picture refines the one that is shown, and no frame waits for it.
     Refining,
 }
 
 /// A picture that is on the screen.
 #[derive(Default)]
 pub(crate) struct Picture {
-    /// Newly arrived pixels, to be handed to the GPU.
+    /// Newly arrived pixels, to be uploaded to the GPU.
     pub(crate) fresh: Option<Pixels>,
-    /// The texture that it is painted from.
+    /// The texture from which it is painted.
     pub(crate) binding: Option<TextureBinding>,
     pub(crate) notes: Vec<String>,
-    /// Of a geodesic view: its cost, and how exact it is.
+    /// For a geodesic view: its cost, and its estimated error.
     pub(crate) geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     pub(crate) took: Duration,
-    /// The place of its legend, if it has one, in shares of its sides.
+    /// The rectangle of its legend, if it has one, in fractions of its sides.
     pub(crate) legend: Option<Rect>,
-    /// Its cost, and how fine it is.
+    /// Its cost and level of detail.
     pub(crate) detail: PictureDetail,
     /// The reason why there is no newer one.
     pub(crate) error: Option<String>,
@@ -62,8 +62,8 @@ pub(crate) struct Picture {
 }
 
 impl PaneView {
-    /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is one
-    /// that follows; one that is only finer refines it.
+    /// Notes a request that is sent now. A picture that differs from the previous one only by another view's camera
+    /// follows it; one that is only finer refines it.
     pub(super) fn send(&mut self, request: &PictureRequest) {
         let before = self.request.as_ref();
         let follows = before.is_some_and(|before| differ_by_shown_camera(before, request));
@@ -78,7 +78,7 @@ impl PaneView {
         self.request = Some(request.clone());
     }
 
-    /// Forgets the request, whose answer is not needed.
+    /// Drops the request, whose answer is not needed.
     pub(super) fn forget_request(&mut self) {
         self.request = None;
         self.waiting = Waiting::No;

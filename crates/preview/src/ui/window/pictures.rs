@@ -1,4 +1,4 @@
-//! The panes' pictures: requested where they differ from those that are there, taken over when they come.
+//! The panes' pictures: requested when they differ from those that are shown, taken over when they arrive.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use super::pane_view::{PaneView, Picture, Waiting};
 use crate::engine::render_thread::{RenderThread, VersionedRequest};
 use crate::engine::textures::Library;
 
-/// The pictures of a window, and what draws them.
+/// The pictures of a window, and the thread that draws them.
 pub(crate) struct Pictures {
     pub(crate) render_thread: RenderThread,
     pub(crate) library: Library,
@@ -25,14 +25,14 @@ pub(crate) struct Pictures {
 }
 
 impl Pictures {
-    /// Returns whether any picture is on its way.
+    /// Returns whether any picture is pending.
     pub(super) fn is_waiting(&self) -> bool {
         let mut views = self.of_views.values();
         views.any(|view| view.waiting != Waiting::No)
     }
 
-    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none. How
-    /// long the first of a pane takes is not known: it is worth a try.
+    /// Returns the expected time until the pictures for which a frame may wait; `None` if it waits for none. The time
+    /// for a pane's first picture is unknown: waiting is worth a try.
     fn expected(&self) -> Option<Duration> {
         let views = self.of_views.values();
         let mut waiting = views
@@ -66,7 +66,7 @@ impl Pictures {
         self.of_views.get(pane)?.picture.as_ref()
     }
 
-    /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
+    /// Returns the request for a picture that is saved: as its pane shows it at rest, even while it moves.
     pub(crate) fn kept(&self, model: &Model, pane: &ViewId) -> Option<PictureRequest> {
         let preferences = &model.view.preferences;
         let view = self.of_views.get(pane)?;
@@ -78,7 +78,7 @@ impl Pictures {
         Some(at_rest(request, model, size))
     }
 
-    /// Requests all pictures anew, from another renderer.
+    /// Requests all pictures again, from another renderer.
     pub(super) fn draw_by(&mut self, renderer: Renderer) {
         for view in self.of_views.values_mut() {
             view.forget_request();
@@ -87,14 +87,14 @@ impl Pictures {
         self.render_thread.set_renderer(renderer);
     }
 
-    /// Drops all pictures and requests: they are of another program.
+    /// Drops all pictures and requests, since they are of another program.
     pub(super) fn forget_all(&mut self) {
         for (pane, _) in std::mem::take(&mut self.of_views) {
             self.render_thread.forget(&pane);
         }
     }
 
-    /// Drops the requests of panes that are not on the screen; returns whether there were any.
+    /// Drops the requests of panes that are not on the screen. Returns whether there were any.
     pub(super) fn forget_hidden(&mut self) -> bool {
         let mut any = false;
         for (pane, view) in &mut self.of_views {
@@ -109,26 +109,26 @@ impl Pictures {
 }
 
 impl Window {
-    /// Sets the longest time that a frame waits for the pictures that it requests, where they are expected within that
-    /// time. It is zero at first; a display knows the right one.
+    /// Sets the maximum time that a frame waits for the pictures that it requests, if they are expected within that
+    /// time. It is zero initially; the display determines it.
     pub fn set_frame_wait_budget(&mut self, budget: Duration) {
         self.display.clock.wait_budget = budget;
     }
 
-    /// Notes that a pane is on the screen, and has room for so many pixels.
+    /// Notes that a pane is on the screen, and its size in pixels.
     pub(crate) fn make_room(&mut self, pane: &ViewId, pixels: [u32; 2]) {
         let view = self.pictures.of_views.entry(pane.clone()).or_default();
         view.on_screen = true;
         let has_changed = view.room.replace(pixels) != Some(pixels);
         let options = self.views.get(&pane.kind).map(|view| view.options(None));
         if has_changed && options.is_some_and(|options| options.space().is_some()) {
-            // A camera that the user has not moved shows everything in a pane of another shape too.
+            // A camera that the user has not moved sees everything in a pane of another shape too.
             self.model.reframe();
         }
     }
 
-    /// Requests the pictures that the panes on the screen have room for, as far as they are not on their way. Pictures
-    /// that follow the camera of another view come last.
+    /// Requests the pictures of the panes on the screen, unless they are pending. Pictures that follow the camera of
+    /// another view come last.
     pub(super) fn request_pictures(&mut self, ui: &Ui) {
         let moving = ui.input(|input| input.time) < self.display.clock.moving_until;
         let again = ui.ctx().current_pass_index() > 0;
@@ -157,7 +157,7 @@ impl Window {
         }
     }
 
-    /// Returns the request for a pane's picture, where it is another one than that which was sent last.
+    /// Returns the request for a pane's picture, if it differs from the one that was sent last.
     fn wanted_picture(
         &mut self,
         pane: &ViewId,
@@ -169,7 +169,7 @@ impl Window {
         }
         let view = self.pictures.of_views.get(pane)?;
         let size = match &view.request {
-            // A picture that has just come is not replaced by one of a size that would have been quicker.
+            // A picture that has just arrived is not replaced by one of a size that would have been faster.
             Some(sent) if moving && again => sent.size,
             _ => {
                 let preferences = &self.model.view.preferences;
@@ -218,32 +218,32 @@ impl Window {
         pane.next(request, coarse, preferences.samples)
     }
 
-    /// Returns whether a pane shows the whole scene traced.
+    /// Returns whether a pane shows the whole scene ray-traced.
     pub(crate) fn shows_traced(&self, pane: &ViewId) -> bool {
         self.model.view.preferences.traced && self.can_be_traced(pane)
     }
 
-    /// Returns whether a pane can show the whole scene traced.
+    /// Returns whether a pane can show the whole scene ray-traced.
     pub(crate) fn can_be_traced(&self, pane: &ViewId) -> bool {
         pane.object.is_none() && self.views.instead_of(&pane.kind).is_some()
     }
 
-    /// Shows the whole scene traced, or as it was.
+    /// Shows the whole scene ray-traced, or as before.
     pub(crate) fn toggle_traced(&mut self) {
         let traced = self.model.view.preferences.traced;
         self.model.set_traced(!traced);
     }
 
-    /// Waits for the text that the window is opened with, if this is the first frame: then it is laid out for that text,
-    /// and no frame is drawn without it.
+    /// In the first frame, waits for the initial text: the frame is laid out for that text, and no frame is drawn
+    /// without it.
     pub(super) fn await_first_text(&mut self) {
         if self.records.counters.frames == 0 && !self.panes.is_welcome {
             self.await_events(|window| !window.model.read);
         }
     }
 
-    /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
-    /// no frame is drawn without them.
+    /// Waits for the pending pictures, if they are expected soon: then they are part of this frame, and no frame is
+    /// drawn without them.
     pub(super) fn await_pictures(&mut self, context: &egui::Context) {
         if context.current_pass_index() > 0 {
             return;
@@ -257,7 +257,7 @@ impl Window {
         }
     }
 
-    /// Takes events over while they are wanted and the frame may wait; returns whether there were any.
+    /// Handles events while they are wanted and the frame may wait. Returns whether there were any.
     fn await_events(&mut self, are_wanted: impl Fn(&Self) -> bool) -> bool {
         let start = Instant::now();
         self.events.sender.listen(true);
@@ -272,7 +272,7 @@ impl Window {
             came = true;
         }
         self.events.sender.listen(false);
-        // An event that came between the last look and now has not woken the window.
+        // An event that arrived between the last check and now has not woken the window.
         came |= self.handle_events();
         self.display.clock.waited += start.elapsed();
         came
@@ -294,14 +294,14 @@ impl Window {
             Ok(drawn) => view.take(*drawn, request.version),
             Err(reason) => view.fail(reason, request.version),
         }
-        // Only now: it puts the camera into the request that was sent, which is compared above.
+        // Not before this: it puts the camera into the request that was sent, which is compared above.
         if let Some(camera) = space_camera {
             self.take_space_camera(pane, camera, &request.picture);
         }
     }
 
-    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
-    /// do. It is ignored if the scene or the pane's size has changed since the request.
+    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the
+    /// params do. It is ignored if the scene or the pane's size has changed since the request.
     fn take_space_camera(&mut self, pane: &ViewId, first: SpaceCamera, request: &PictureRequest) {
         if self.model.view.space.is_some() || self.model.follows_declared_camera() {
             return self.model.take_first_camera(first);
@@ -325,7 +325,7 @@ impl Window {
         self.model.take_first_camera(first);
     }
 
-    /// Returns the request for a picture of a view that is kept.
+    /// Returns the request for a picture of a view that is saved.
     pub(crate) fn kept(&self, id: &ViewId) -> Option<PictureRequest> {
         self.pictures.kept(&self.model, id)
     }

@@ -1,4 +1,4 @@
-//! The program that takes the place of the one that is shown: a file, a new one, or none at the beginning.
+//! Switches the program that is shown: to a file, a new one, or none initially.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,14 +25,14 @@ use crate::ui::panes::Panes;
 /// The name of a new program until it is saved.
 pub(crate) const UNTITLED: &str = "Untitled";
 
-/// The step after the program that is shown, if that may go.
+/// The step after the current program, if the program may be closed.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum Next {
-    /// The window closes.
+    /// Close the window.
     Close,
-    /// A file takes its place.
+    /// Open a file.
     File(PathBuf),
-    /// A new program takes its place.
+    /// Start a new program.
     New {
         /// Its name until it is saved, without an extension.
         name: &'static str,
@@ -41,7 +41,7 @@ pub(crate) enum Next {
 }
 
 impl Window {
-    /// A window without a program: it offers new ones, those that were opened last, and the examples.
+    /// Returns a window without a program: it offers new programs, recent ones, and the examples.
     ///
     /// # Errors
     /// [`Failure::NoThread`].
@@ -64,7 +64,7 @@ impl Window {
         Ok(window)
     }
 
-    /// A window for a file's text, which it edits and, with `watched`, follows on disk.
+    /// Returns a window for a file's text, which it edits and, with `watched`, follows on disk.
     ///
     /// # Errors
     /// [`Failure::Unreadable`], [`Failure::NoThread`].
@@ -84,14 +84,14 @@ impl Window {
         Ok(window)
     }
 
-    /// Remembers from now on in a folder which programs and images were opened last, and takes the settings for all
-    /// programs over from there.
+    /// Starts to keep the lists of recent programs and images in a folder, and reads the settings for all programs from
+    /// there.
     pub fn remember_paths_in(&mut self, folder: &Path) {
         self.records.recent = PathList::programs(folder);
         self.pictures.library.source.opened = PathList::images(folder);
         self.records.settings = SharedSettings::in_folder(folder);
         if !self.remembers_views() {
-            // What was remembered of a program that is open already is not to be used.
+            // The saved state of a program that is already open must not be used.
             self.records.view_store = None;
             self.model.turn_to(View::default());
         }
@@ -99,7 +99,7 @@ impl Window {
         self.note_recent();
     }
 
-    /// Gives the window the theme and the scale that were chosen last, in any window.
+    /// Gives the window the theme and the scale that were last chosen in any window.
     pub(super) fn take_appearance(&mut self) {
         let settings = self.records.settings.now();
         let mut view = self.model.view.clone();
@@ -112,7 +112,7 @@ impl Window {
         }
     }
 
-    /// Remembers the theme and the scale for all programs, if others have been chosen since the program was opened.
+    /// Saves the theme and the scale for all programs, if they have changed since the program was opened.
     pub(super) fn keep_appearance(&mut self) {
         let preferences = &self.model.view.preferences;
         let now = (preferences.theme, preferences.scale);
@@ -125,12 +125,12 @@ impl Window {
         }
     }
 
-    /// Returns whether views are remembered beside programs.
+    /// Returns whether views are saved beside programs.
     pub(crate) fn remembers_views(&self) -> bool {
         self.records.settings.now().remembers_views
     }
 
-    /// Sets whether views are remembered beside programs: from now on, in this window and in all that are opened later.
+    /// Sets whether views are saved beside programs: from now on, in this window and in all that are opened later.
     pub(crate) fn remember_views(&mut self, on: bool) {
         self.records
             .settings
@@ -138,13 +138,13 @@ impl Window {
         self.records.view_store = None;
         let is_new = matches!(&self.text.source, TextSource::File { editor, .. } if editor.is_new);
         if let Some(path) = self.text.file().filter(|_| !is_new) {
-            // The layouts of other kinds of windows stay.
+            // The layouts of other kinds of windows are kept.
             let known = persistence::read(&path).unwrap_or_default();
             self.keep_view_of(path, known);
         }
     }
 
-    /// Remembers the view of a program from now on, where views are remembered; `known` is what is remembered already.
+    /// Starts to save the view of a program, if views are saved; `known` is the state that is already saved.
     pub(super) fn keep_view_of(&mut self, program: PathBuf, known: Known) {
         if self.remembers_views() {
             let store = ViewStore::start(program, known, self.events.status());
@@ -160,7 +160,7 @@ impl Window {
         }
     }
 
-    /// Goes on to the next step; where a text would be lost, the user is asked first.
+    /// Takes the next step; if unsaved text would be lost, the user is asked first.
     pub(crate) fn go_on(&mut self, next: Next) {
         if self.text.has_unsaved() {
             self.dialogs.leaving = Some(next);
@@ -169,7 +169,7 @@ impl Window {
         }
     }
 
-    /// Takes the next step, whatever becomes of the program that is shown.
+    /// Takes the next step, without regard to unsaved text.
     pub(crate) fn take_next(&mut self, next: Next) {
         match next {
             Next::Close => self.display.closing = true,
@@ -210,9 +210,9 @@ impl Window {
         self.note_recent();
     }
 
-    /// Puts an editor in the place of the text that is shown; nothing of the program before is left.
+    /// Replaces the text that is shown by an editor; nothing of the previous program is left.
     fn show_editor(&mut self, mut editor: Editor, watch: Option<Watch>) {
-        // What was compiled of the program before is known by its lower version.
+        // Results for the previous program are recognised by their lower version.
         let version = self.text.next_program();
         editor.version = version;
         self.text.source = TextSource::File {
@@ -220,7 +220,7 @@ impl Window {
             _watch: watch,
         };
         let sender = &self.events.sender;
-        // Without another thread, that of the program before goes on.
+        // If no new thread can be started, the previous program's continues.
         if let Ok(compiler) = Compiler::start(sender.for_part(WindowEvent::Compiled)) {
             self.text.compiler = compiler;
         }
@@ -243,7 +243,7 @@ impl Window {
         self.text.compile();
     }
 
-    /// Saves the own text and takes the next step, unless it cannot be saved; a new program needs a name first.
+    /// Saves the own text and takes the next step, unless saving fails; a new program needs a name first.
     pub(crate) fn save_text_and(&mut self, next: Next) {
         match &self.text.source {
             TextSource::File { editor, .. } if editor.is_new => {
@@ -261,7 +261,7 @@ impl Window {
     /// Writes the own text to another file, and follows that one from then on.
     ///
     /// # Errors
-    /// A sentence; all is as it was.
+    /// A sentence; nothing has changed.
     pub(crate) fn save_text_as(&mut self, path: PathBuf) -> Result<(), String> {
         let TextSource::File { editor, _watch } = &mut self.text.source else {
             return Ok(());
@@ -269,7 +269,7 @@ impl Window {
         saving::save_as(editor, path.clone())?;
         editor.language = Arc::clone(self.text.languages.for_path(&path));
         let events = self.events.sender.for_part(WindowEvent::File);
-        // A file that is not watched is looked at before it is written over.
+        // A file that is not watched is checked before it is overwritten.
         *_watch = Watch::start(&path, editor.text.clone(), events).ok();
         turn_to(&mut self.pictures.library, path.parent());
         self.keep_view_of(path, Known::default());
@@ -280,7 +280,7 @@ impl Window {
     }
 }
 
-/// Makes an editor of a program that has no file yet.
+/// Returns an editor of a program that has no file yet.
 fn untitled(languages: &Languages, name: &str, text: &str) -> Editor {
     let language = languages.default_language();
     let extension = language.extensions().first().unwrap_or(&"txt");

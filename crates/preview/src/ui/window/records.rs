@@ -1,4 +1,4 @@
-//! The memory of a window between runs, and its counters.
+//! The window's saved state, and its counters.
 
 use session::{Model, Theme};
 
@@ -10,12 +10,12 @@ use crate::io::settings::SharedSettings;
 /// The records of a window.
 #[derive(Default)]
 pub(crate) struct Records {
-    /// Remembers the view between runs.
+    /// Saves the view between runs.
     pub(super) view_store: Option<ViewStore>,
     pub(crate) counters: Counters,
-    /// The settings that hold for all programs.
+    /// The settings for all programs.
     pub(super) settings: SharedSettings,
-    /// The theme and the scale that the program was opened with.
+    /// The theme and the scale with which the program was opened.
     pub(super) appearance: Option<(Theme, f32)>,
     /// The programs that were opened last.
     pub(crate) recent: PathList,
@@ -24,7 +24,7 @@ pub(crate) struct Records {
 }
 
 impl Records {
-    /// Counts a frame, after which the window is settled or not, and reports it.
+    /// Counts a frame, and reports it; `is_settled` tells whether the window is settled after it.
     pub(super) fn note_frame(&mut self, model: &mut Model, is_settled: bool) {
         self.counters.frames += 1;
         if let Some(report) = &self.report {

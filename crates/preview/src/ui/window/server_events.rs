@@ -17,17 +17,17 @@ use super::pane_view::{PaneView, Waiting};
 use super::text::TextSource;
 use crate::engine::compiler::CompiledText;
 
-/// The names of a camera that is written into a text without one: the first that is free.
+/// The names for a new camera in the text: the first free one is used.
 const NEW_CAMERAS: [&str; 3] = ["eye", "lens", "observer"];
 
 /// The state of the reports to the server.
 #[derive(Debug, Default)]
 pub(super) struct ServerReports {
-    /// A compiled text of which it has not been reported that it is on the screen.
+    /// A compiled text that has not been reported as shown yet.
     unshown: Option<ShownText>,
     /// The params' values that were reported last.
     values: BTreeMap<String, Vec<f64>>,
-    /// A view of an object, which is opened when the text of this version has been read.
+    /// A view of an object to be opened when the text of this version has been read.
     pub(super) wanted_view: Option<(ViewId, Option<i32>)>,
 }
 
@@ -51,7 +51,7 @@ impl ServerReports {
 }
 
 impl Window {
-    /// Reports to the server what is on the screen now.
+    /// Reports the current content of the screen to the server.
     pub(super) fn tell(&mut self) {
         let shows = |view: &PaneView, version: i32| {
             let picture = view.picture.as_ref();
@@ -125,7 +125,7 @@ impl Window {
         }
     }
 
-    /// Writes another colour of an object into the text: sRGB, 0…1.
+    /// Writes a new colour of an object into the text: sRGB, in 0…1.
     pub(crate) fn write_color(&mut self, object: &str, color: [f64; 3]) {
         match &mut self.text.source {
             TextSource::Attached { .. } => self.text.say(Event::WriteColor {
@@ -140,7 +140,7 @@ impl Window {
         }
     }
 
-    /// Compiles the text of the window's own where it was written into, or says why it was not.
+    /// Compiles the window's own text after it has been written into, or reports why it has not been.
     pub(crate) fn note_written(&mut self, written: Result<bool, String>) {
         match written {
             Ok(true) => self.has_edited(),
@@ -149,8 +149,8 @@ impl Window {
         }
     }
 
-    /// Writes the camera of the views in space into the text: into the declared camera where they opened,
-    /// else as a new one.
+    /// Writes the camera of the views in space into the text: into the declared camera from which they opened, or else
+    /// as a new one.
     pub(crate) fn write_camera(&mut self) {
         let Some(camera) = self.model.view.space else {
             return;
@@ -183,15 +183,15 @@ impl Window {
         }
     }
 
-    /// Shows the declaration of a name to the user, as it is in the text now, and gives it the keys.
+    /// Shows the declaration of a name in the current text, and gives it the focus.
     pub(crate) fn open_declaration(&mut self, name: &str) {
         if let Some(place) = self.model.place_of(name) {
             self.open(place, true);
         }
     }
 
-    /// Shows a declaration after one click, which may have been meant for the view: the keys stay where they are, and
-    /// so do the panes.
+    /// Shows a declaration after a single click, which may have been meant for the view: the focus and the panes stay
+    /// as they are.
     pub(super) fn show_declaration(&mut self, name: &str) {
         let Some(place) = self.model.place_of(name) else {
             return;
@@ -202,8 +202,7 @@ impl Window {
         }
     }
 
-    /// Shows the name of a leaf within its set, in the text that the picture shows, where the declaration has just been
-    /// shown.
+    /// Shows the name of a leaf within its set, in the text of the picture, after the declaration has been shown.
     pub(super) fn show_leaf(&mut self, request: &PictureRequest, leaf: &SolidLeaf) {
         let shown = self.model.scene.as_ref();
         let is_current = shown.is_some_and(|scene| Arc::ptr_eq(scene, request.scene.arc()));
@@ -219,7 +218,7 @@ impl Window {
         }
     }
 
-    /// Shows a place of the text to the user, and gives it the keys.
+    /// Shows a range of the text, and gives it the focus.
     pub(crate) fn open_place(&mut self, place: Span) {
         self.open(place, true);
     }

@@ -1,4 +1,4 @@
-//! The text of the window: its source, the compiler, and what the window is called after it.
+//! The window's text: its source, its compiler, and the window's title.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,21 +22,21 @@ use crate::ui::panes::program::rename::Rename;
 /// The sentence of the status line after the text was saved, until it is edited.
 pub(super) const SAVED: &str = "Saved";
 
-/// The text of a window, and what compiles it.
+/// The text of a window, and its compiler.
 pub(crate) struct WindowText {
     pub(crate) source: TextSource,
     pub(super) compiler: Compiler,
     /// The languages of programs.
     pub(super) languages: Languages,
-    /// The version after which texts are of the program that is shown.
+    /// The version after which texts belong to the current program.
     pub(super) begins_after: i32,
     /// Colours the text of the window's own pane.
     pub(crate) painter: highlighting::Painter,
-    /// Helps with what is typed there.
+    /// Completion and hover there.
     pub(crate) assistant: Assistant,
     /// The search in it.
     pub(crate) find: Find,
-    /// The renaming in it that has been asked for.
+    /// The renaming in progress there.
     pub(crate) rename: Option<Rename>,
     pub(super) reports: ServerReports,
 }
@@ -48,18 +48,18 @@ pub(crate) enum TextSource {
         editor: Box<Editor>,
         _watch: Option<Watch>,
     },
-    /// An editor elsewhere.
+    /// An editor in another process.
     Attached {
         link: Link,
         uri: String,
         path: Option<PathBuf>,
-        /// Nothing more comes from there.
+        /// Set if the server sends nothing more.
         disconnected: Option<DisconnectReason>,
     },
 }
 
 impl WindowText {
-    /// A text from a source, which hands it to the compiler.
+    /// Returns the text of a source, which is passed to the compiler.
     pub(super) fn new(source: TextSource, compiler: Compiler, languages: Languages) -> Self {
         Self {
             source,
@@ -74,7 +74,7 @@ impl WindowText {
         }
     }
 
-    /// The text of the window's own pane.
+    /// Returns the text of the window's own pane.
     pub(super) fn text(&self) -> Option<&str> {
         match &self.source {
             TextSource::File { editor, .. } => Some(&editor.text),
@@ -82,7 +82,7 @@ impl WindowText {
         }
     }
 
-    /// The language of the text.
+    /// Returns the language of the text.
     pub(crate) fn language(&self) -> &Arc<dyn Language> {
         match &self.source {
             TextSource::File { editor, .. } => &editor.language,
@@ -93,7 +93,7 @@ impl WindowText {
         }
     }
 
-    /// The languages of programs.
+    /// Returns the languages of programs.
     pub(crate) fn languages(&self) -> &Languages {
         &self.languages
     }
@@ -117,7 +117,8 @@ impl WindowText {
         matches!(&self.source, TextSource::File { editor, .. } if editor.version != version)
     }
 
-    /// Returns the version that the next program begins with: texts of this version and below are of the programs before.
+    /// Returns the version from which the next program starts: texts of this version and below belong to earlier
+    /// programs.
     pub(super) fn next_program(&mut self) -> i32 {
         if let TextSource::File { editor, .. } = &self.source {
             self.begins_after = editor.version;
@@ -146,8 +147,8 @@ impl WindowText {
         }
     }
 
-    /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why
-    /// not. Returns nothing if nothing would be lost.
+    /// Writes an unsaved text to a new file. Returns a sentence that says where, or why it could not be written; `None`
+    /// if nothing would be lost.
     pub(crate) fn rescue(&self) -> Option<String> {
         match &self.source {
             TextSource::File { editor, .. } => saving::rescue(editor),
@@ -155,12 +156,12 @@ impl WindowText {
         }
     }
 
-    /// Returns whether closing the window would lose something that was written.
+    /// Returns whether closing the window would lose unsaved text.
     pub(crate) fn has_unsaved(&self) -> bool {
         matches!(&self.source, TextSource::File { editor, .. } if editor.is_changed())
     }
 
-    /// The program's file, from the root.
+    /// Returns the absolute path of the program's file.
     pub(crate) fn file(&self) -> Option<PathBuf> {
         let path = match &self.source {
             TextSource::File { editor, .. } => Some(&editor.path),
@@ -169,7 +170,7 @@ impl WindowText {
         std::path::absolute(path?).ok()
     }
 
-    /// The folder that dialogs begin in.
+    /// Returns the folder in which dialogs start.
     pub(crate) fn folder(&self) -> Option<PathBuf> {
         self.file()?.parent().map(PathBuf::from)
     }
@@ -190,7 +191,7 @@ impl WindowText {
             TextSource::Attached { uri, path, .. } => {
                 let file = path.as_ref().and_then(|path| path.file_name());
                 let name = file.map(|name| name.to_string_lossy());
-                // A text that lies nowhere has a name behind its kind: `untitled:Untitled-1`.
+                // A text without a file has a name after its scheme: `untitled:Untitled-1`.
                 let name = name.or_else(|| Some(uri.rsplit(['/', ':']).next()?.into()));
                 format!("{} – Geotrace", name.unwrap_or_default())
             }
@@ -199,12 +200,12 @@ impl WindowText {
 }
 
 impl Window {
-    /// The text of the window's own pane.
+    /// Returns the text of the window's own pane.
     pub fn text(&self) -> Option<&str> {
         self.text.text()
     }
 
-    /// Puts another text into the window's own pane, as though it had been typed.
+    /// Replaces the text of the window's own pane, as though it had been typed.
     pub fn set_text(&mut self, text: String) {
         if let TextSource::File { editor, .. } = &mut self.text.source {
             editor.text = text;
@@ -212,13 +213,13 @@ impl Window {
         self.has_edited();
     }
 
-    /// Compiles the text that the user has edited. That it was saved is no longer true.
+    /// Compiles the text that the user has edited. It no longer counts as saved.
     pub(crate) fn has_edited(&mut self) {
         self.status_message.take_if(|it| it.text == SAVED);
         self.text.compile();
     }
 
-    /// Puts a text into the window's own pane, where it can be undone.
+    /// Replaces the text of the window's own pane; this can be undone.
     pub(crate) fn replace_text(&mut self, text: &str) {
         if let TextSource::File { editor, .. } = &mut self.text.source {
             editor.replace(text.to_owned());

@@ -1,4 +1,4 @@
-//! The text of the program, to be edited.
+//! The editor of the program's text.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,12 +14,12 @@ use syntax::span::Span;
 use super::{completion, find, keys, rename};
 use crate::ui::window::{TextSource, Window};
 
-/// Returns the id of the field with the text.
+/// Returns the id of the text field.
 pub(crate) fn id() -> Id {
     Id::unique("program text")
 }
 
-/// Shows the text with line numbers, in all of the room that is left; returns whether it was edited.
+/// Shows the text with line numbers, in the remaining room. Returns whether it was edited.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) -> bool {
     let mut replaced = find::show(&mut window.text, ui);
     replaced |= rename::show(&mut window.text, ui);
@@ -61,8 +61,8 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
             .desired_width(f32::INFINITY)
             .min_size(egui::vec2(0.0, room - ui.spacing().item_spacing.y))
             .layouter(&mut layouter);
-        // While a list is open, these keys are the list's; Escape is the search's, too. Tab goes on to the next control until
-        // something is typed.
+        // While a list is open, these keys belong to the list; Escape also to the search. Tab moves to the next control
+        // until something is typed.
         let filter = EventFilter {
             tab: assistant.is_open() || assistant.is_writing,
             escape: assistant.is_open() || text.find.is_open(),
@@ -79,7 +79,7 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     let response = &output.response.response;
     assistant.is_writing |= edited || response.clicked();
     assistant.is_writing &= response.has_focus();
-    // A field gives the keys away in a frame in which anything else is clicked on: it gets them after that.
+    // A field loses the focus in a frame in which something else is clicked: it gets it after that.
     let is_clicked = ui.input(|input| input.pointer.any_click());
     if let Some(before) = undone.filter(|before| *before != editor.text) {
         let at = change_end(&before, &editor.text);
@@ -87,7 +87,7 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
         keys::select(ui, id(), cursor);
         ui.scroll_to_rect(place_of(&output, cursor.primary), None);
     }
-    // The list of errors may have taken the line that is being written out of sight.
+    // The list of errors may have hidden the line that is being written.
     let known = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or(id(), room), room));
     if room < known - 1.0
         && response.has_focus()
@@ -122,8 +122,8 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     edited
 }
 
-/// Returns whether the field is asked to undo, or to do again what it has undone. It puts the cursor where that was before the
-/// change, which may be far from it.
+/// Returns whether the field is to undo or redo. This puts the cursor where it was before the change, which may be far
+/// from the change itself.
 fn steps_back(ui: &Ui) -> bool {
     let has_keys = ui.memory(|memory| memory.has_focus(id()));
     has_keys
@@ -133,7 +133,7 @@ fn steps_back(ui: &Ui) -> bool {
         })
 }
 
-/// Returns the end of the part of a text, in bytes, in which it differs from the one before.
+/// Returns the end of the part of a text, in bytes, that differs from the previous one.
 fn change_end(before: &str, after: &str) -> usize {
     let common = |a: &mut dyn Iterator<Item = char>, b: &mut dyn Iterator<Item = char>| {
         let pairs = a.zip(b).take_while(|(x, y)| x == y);
@@ -145,7 +145,7 @@ fn change_end(before: &str, after: &str) -> usize {
     after.len() - common(&mut old, &mut new)
 }
 
-/// Puts texts whose place another one has taken among what the field can undo, which sees only what is typed into it.
+/// Adds replaced texts to the field's undo history, which records only what is typed into it.
 pub(super) fn remember(ui: &Ui, id: Id, replaced: &mut Vec<String>) {
     if replaced.is_empty() {
         return;
@@ -160,7 +160,7 @@ pub(super) fn remember(ui: &Ui, id: Id, replaced: &mut Vec<String>) {
     state.store(ui.ctx(), id);
 }
 
-/// Selects a place and scrolls to it.
+/// Selects a range and scrolls to it.
 fn go_to(ui: &Ui, output: &TextEditOutput, text: &str, place: Span) {
     let Span { start, end } = place;
     let range = characters(text, start as usize..end as usize);
@@ -170,7 +170,7 @@ fn go_to(ui: &Ui, output: &TextEditOutput, text: &str, place: Span) {
     ui.scroll_to_rect(place_of(output, range.primary), Some(Align::Center));
 }
 
-/// Returns the place of a character on the screen.
+/// Returns the rectangle of a character on the screen.
 fn place_of(output: &TextEditOutput, cursor: CCursor) -> Rect {
     let place = output.galley.pos_from_cursor(cursor);
     place.translate(output.galley_pos.to_vec2())
@@ -209,7 +209,7 @@ fn brackets(ui: &Ui, output: &TextEditOutput, editor: &Editor, cursor: usize) {
     }
 }
 
-/// Describes the word under the pointer, when that rests.
+/// Shows the description of the word under the resting pointer.
 fn hover(
     output: &TextEditOutput,
     text: &str,
@@ -242,10 +242,10 @@ fn hover(
     }
 }
 
-/// Returns the rectangles of a range of bytes on the screen, one for each row.
+/// Returns the rectangles of a range of bytes on the screen, one per row.
 pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) -> Vec<Rect> {
     let range = characters(text, range);
-    // Where a row is broken, a range begins on the next one.
+    // At a row break, a range starts on the next row.
     let first = CCursor {
         prefer_next_row: true,
         ..range.secondary
@@ -254,12 +254,12 @@ pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) ->
     if (start.top() - end.top()).abs() < 1.0 {
         return vec![Rect::from_min_max(start.left_top(), end.right_bottom())];
     }
-    // A range over a row's end is marked where it begins.
+    // A range that continues on the next row is marked up to the edge.
     let edge = egui::pos2(output.text_clip_rect.right(), start.bottom());
     vec![Rect::from_min_max(start.left_top(), edge)]
 }
 
-/// A range of bytes in characters, with the cursor at its end.
+/// Converts a range of bytes to characters, with the cursor at its end.
 pub(super) fn characters(text: &str, range: Range<usize>) -> CCursorRange {
     let index = |offset: usize| {
         let before = text.get(..offset).unwrap_or(text);
@@ -268,7 +268,7 @@ pub(super) fn characters(text: &str, range: Range<usize>) -> CCursorRange {
     CCursorRange::two(index(range.start), index(range.end))
 }
 
-/// Returns the place of a character in bytes.
+/// Converts a character index to a byte offset.
 pub(super) fn byte(text: &str, character: usize) -> usize {
     let at = text.char_indices().nth(character);
     at.map_or(text.len(), |(at, _)| at)

@@ -20,17 +20,17 @@ use crate::ui::window::{TextSource, Window};
 pub(crate) enum TextCommand {
     Undo,
     Redo,
-    /// Makes comments of the selected lines, or of comments lines.
+    /// Comments out the selected lines, or uncomments them.
     Comment,
-    /// Asks for another name of what is at the cursor.
+    /// Asks for a new name for the name at the cursor.
     Rename,
     /// Applies all fixes that need no choice.
     FixAll,
-    /// Brings the text, or the declarations that are selected, into the canonical layout.
+    /// Formats the text, or the selected declarations, canonically.
     Format,
 }
 
-/// Returns whether a command has anything to do.
+/// Returns whether a command would have an effect.
 pub(crate) fn is_possible(window: &Window, ui: &Ui, command: TextCommand) -> bool {
     let TextSource::File { editor, .. } = &window.text.source else {
         return false;
@@ -57,11 +57,11 @@ pub(crate) fn is_possible(window: &Window, ui: &Ui, command: TextCommand) -> boo
     }
 }
 
-/// Makes edits of the text, and leaves the cursor, which is `at` in bytes, where it is in it. Whether the text is another one
-/// then.
+/// Makes edits of the text, and keeps the cursor, which is `at` in bytes, at the same position relative to the text.
+/// Returns whether the text has changed.
 ///
 /// # Errors
-/// Those of `make`; the text is as it was.
+/// Those of `make`; the text is unchanged.
 pub(super) fn rewrite<E: Display>(
     editor: &mut Editor,
     at: u32,
@@ -98,7 +98,7 @@ impl Window {
             self.edit_text(ui, TextCommand::FixAll);
         }
         if pressed(Modifiers::SHIFT | Modifiers::ALT, Key::F) {
-            // Systems send the letter as well, a Mac another one.
+            // Systems also send the letter; a Mac sends another one.
             ui.input_mut(|input| {
                 let is_letter =
                     |event: &Event| matches!(event, Event::Text(text) if text.chars().count() == 1);
@@ -108,7 +108,7 @@ impl Window {
         }
     }
 
-    /// Does a command in the text of the window's own pane, which gets the keys.
+    /// Runs a command on the text of the window's own pane, which gets the focus.
     pub(crate) fn edit_text(&mut self, ui: &Ui, command: TextCommand) {
         let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
@@ -140,12 +140,12 @@ impl Window {
         self.has_edited();
     }
 
-    /// Corrects the text as a fix of the text that was compiled last says.
+    /// Applies a fix of the text that was compiled last.
     pub(super) fn apply(&mut self, fix: &Fix) {
         let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
         };
-        // A text that is typed has other places until it has been compiled.
+        // The ranges of a text that is being typed differ until it has been compiled.
         if editor.text != *self.model.text {
             return;
         }
@@ -155,7 +155,7 @@ impl Window {
     }
 }
 
-/// Takes the last edit of the text back, or makes it again.
+/// Undoes the last edit of the text, or redoes it.
 fn travel(ui: &Ui, editor: &mut Editor, command: TextCommand) {
     super::code::remember(ui, id(), &mut editor.replaced);
     let mut state = TextEditState::load(ui.ctx(), id()).unwrap_or_default();

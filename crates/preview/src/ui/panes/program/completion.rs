@@ -1,7 +1,7 @@
-//! The help of the editor with words: a list of what can be written at the cursor, and the description of a word.
+//! The editor's completion and hover: a list of words that can be written at the cursor, and the description of a word.
 //!
-//! Both come from the text as the compiler's thread has read it: a list is made when the text that is being typed has
-//! been read.
+//! Both are based on the text as the compiler's thread has read it: a list is created once the text that is being typed
+//! has been read.
 
 use egui::text_edit::TextEditOutput;
 use egui::{
@@ -15,29 +15,29 @@ use syntax::span::Span;
 
 use super::code::{byte, characters};
 
-/// The width of the list in points, what of it is not text, and the most that letters of entries and of details take.
+/// The width of the list in points, that of its parts other than text, and the maximum widths of entries and details.
 const WIDTH: f32 = 260.0;
 const MARGIN: f32 = 24.0;
 const LETTER: f32 = 8.0;
 const SMALL_LETTER: f32 = 5.5;
 /// The number of letters of a word after which the list opens by itself.
 const LETTERS: usize = 2;
-/// The number of entries that are listed.
+/// The maximum number of entries in the list.
 const LISTED: usize = 50;
 
-/// The state of the help between two frames.
+/// The state of completion and hover between two frames.
 #[derive(Debug, Default)]
 pub(crate) struct Assistant {
     list: Option<List>,
-    /// A list is to be made of the text that was typed, when it has been read.
+    /// Set if a list is to be created once the typed text has been read.
     wanted: Option<Trigger>,
-    /// The user writes in the text, and has not only come to it by Tab: Tab indents.
+    /// True if the user writes in the text, rather than having reached it by Tab: then Tab indents.
     pub(super) is_writing: bool,
-    /// The description of the word that was pointed at last: the version of the text, the place, the description.
+    /// The last description: the version of the text, the offset of the word, its description.
     described: Option<(i32, u32, Option<Description>)>,
 }
 
-/// The reason why a list is made.
+/// The reason why a list is created.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Trigger {
     /// A word is being typed.
@@ -49,15 +49,15 @@ enum Trigger {
 /// A list that is open.
 #[derive(Debug)]
 struct List {
-    /// The part of the word that is written, in bytes.
+    /// The part of the word that has been written, in bytes.
     range: Span,
     entries: Vec<Completion>,
     selected: usize,
-    /// The user has requested the list, or has gone through it: Enter takes what is selected.
+    /// True if the user has requested the list, or has moved through it: then Enter accepts the selected entry.
     is_in_use: bool,
-    /// The entry that was clicked on.
+    /// The entry that was clicked.
     clicked: Option<usize>,
-    /// The place of the cursor on the screen.
+    /// The rectangle of the cursor on the screen.
     place: Rect,
 }
 
@@ -74,12 +74,12 @@ impl Assistant {
         }
     }
 
-    /// Takes the keys of the list; returns whether the text was edited.
+    /// Handles the keys of the list. Returns whether the text was edited.
     pub(super) fn take_keys(&mut self, ui: &Ui, id: Id, editor: &mut Editor) -> bool {
         let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
         if pressed(Modifiers::COMMAND, Key::Space) || pressed(Modifiers::CTRL, Key::Space) {
             self.wanted = Some(Trigger::Key);
-            // Some systems send the space as well.
+            // Some systems also send the space.
             ui.input_mut(|input| {
                 let is_space = |event: &Event| matches!(event, Event::Text(text) if text == " ");
                 input.events.retain(|event| !is_space(event));
@@ -100,7 +100,7 @@ impl Assistant {
             self.list = None;
             return false;
         }
-        // Where letters are names, Enter ends a line more often than it completes a word.
+        // If single letters are names, Enter ends a line more often than it completes a word.
         let takes = pressed(Modifiers::NONE, Key::Tab)
             || (list.is_in_use && pressed(Modifiers::NONE, Key::Enter));
         let chosen = list.clicked.take().or(takes.then_some(list.selected));
@@ -110,7 +110,7 @@ impl Assistant {
         }
     }
 
-    /// Writes an entry of the list; returns whether it could.
+    /// Inserts an entry of the list. Returns whether it was possible.
     fn write(&mut self, chosen: usize, ui: &Ui, id: Id, editor: &mut Editor) -> bool {
         self.wanted = None;
         let Some(mut list) = self.list.take() else {
@@ -129,7 +129,7 @@ impl Assistant {
         true
     }
 
-    /// Returns the description of the word at a place of the text.
+    /// Returns the description of the word at an offset of the text.
     pub(super) fn describe(&mut self, read: &ReadText, offset: u32) -> Option<&Description> {
         let known = self.described.as_ref();
         if known.is_none_or(|known| (known.0, known.1) != (read.version, offset)) {
@@ -142,9 +142,9 @@ impl Assistant {
         self.described.as_ref()?.2.as_ref()
     }
 
-    /// Lets the list follow the cursor. `read` is the text as it is now, once it has been read.
+    /// Updates the list for the cursor. `read` is the current text, once it has been read.
     fn follow(&mut self, editor: &Editor, read: Option<&ReadText>, cursor: u32) {
-        // All of the word is erased, or left.
+        // The whole word has been erased, or the cursor has left it.
         self.list
             .take_if(|list| cursor <= list.range.start && list.range.end > list.range.start);
         if let Some(list) = self.list.take_if(|list| list.range.end != cursor) {
@@ -158,7 +158,7 @@ impl Assistant {
         }
     }
 
-    /// Makes the list of what can be written at a place.
+    /// Creates the list of words that can be written at an offset.
     fn update(&mut self, editor: &Editor, read: &ReadText, cursor: u32, trigger: Trigger) {
         let before = self.list.take();
         let found = read.analysis.completions(cursor, false);
@@ -193,8 +193,8 @@ impl Assistant {
 }
 
 impl List {
-    /// Returns what the list has for the word up to the cursor, before the text has been read again; `None` where that is
-    /// nothing.
+    /// Returns the list's entries for the word up to the cursor, before the text has been read again; `None` if there
+    /// are none.
     fn narrowed(mut self, text: &str, cursor: u32) -> Option<Self> {
         let written = text.get(self.range.start as usize..cursor as usize)?;
         let selected = self.entries[self.selected].label.clone();
@@ -205,13 +205,13 @@ impl List {
     }
 }
 
-/// Returns the place of the entry with a label; the first one where there is none.
+/// Returns the index of the entry with a label, or 0 if there is none.
 fn position(entries: &[Completion], label: &str) -> usize {
     let found = entries.iter().position(|entry| entry.label == label);
     found.unwrap_or(0)
 }
 
-/// Returns the entries that go on as is written, those first that do so letter by letter.
+/// Returns the entries that start with the written text; those that match case come first.
 fn fitting(entries: Vec<Completion>, written: &str) -> Vec<Completion> {
     let lower = written.to_lowercase();
     let mut fitting: Vec<Completion> = entries
@@ -223,7 +223,7 @@ fn fitting(entries: Vec<Completion>, written: &str) -> Vec<Completion> {
     fitting
 }
 
-/// Shows the list at the cursor, where one is open or wanted. `read` is the text as it is now, once it has been read.
+/// Shows the list at the cursor, if one is open or wanted. `read` is the current text, once it has been read.
 pub(super) fn show(
     ui: &Ui,
     output: &TextEditOutput,
@@ -242,7 +242,7 @@ pub(super) fn show(
                 list.place = place.translate(output.galley_pos.to_vec2());
             }
         }
-        // A click on the list takes the keys from the field before the list has seen it.
+        // A click on the list takes the focus from the field before the list has handled it.
         None if is_pointed_at => {}
         _ => {
             assistant.list = None;
@@ -252,14 +252,14 @@ pub(super) fn show(
     if let Some(list) = &mut assistant.list {
         popup(ui, list);
         if list.clicked.is_some() {
-            // The field has the keys again, and takes the entry in the frame after that.
+            // The field gets the focus again, and inserts the entry in the frame after that.
             editor.wants_keys = true;
             ui.ctx().request_repaint();
         }
     }
 }
 
-/// Returns what is said of an entry beside it, as much as there is room for: the entry itself is always seen whole.
+/// Returns the detail beside an entry, shortened to the available room: the entry itself is always shown in full.
 fn beside(entry: &Completion) -> String {
     let label = LETTER * entry.label.chars().count() as f32;
     let room = ((WIDTH - MARGIN - label) / SMALL_LETTER).max(0.0) as usize;
@@ -278,7 +278,7 @@ fn popup_id() -> Id {
     Id::unique("completions")
 }
 
-/// Returns whether the pointer is on the list: a press there takes the focus from the field.
+/// Returns whether the pointer is over the list: a press there takes the focus from the field.
 fn is_pointed_at(ui: &Ui) -> bool {
     let place = ui.ctx().pointer_interact_pos();
     let layer = place.and_then(|place| ui.ctx().layer_id_at(place));
@@ -291,7 +291,7 @@ fn popup(ui: &Ui, list: &mut List) {
     let screen = ui.ctx().content_rect();
     let rows = list.entries.len().min(8) as f32;
     let height = rows * (row + 2.0) + 12.0;
-    // Below the text may be the list of errors, which it must not cover.
+    // The list of errors may be below the text; it must not be covered.
     let below = ui.clip_rect().bottom().min(screen.bottom());
     let fits_above = place.top() - height >= screen.top();
     let is_above =

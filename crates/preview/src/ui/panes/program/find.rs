@@ -1,4 +1,4 @@
-//! The search in the text: a bar above it, and marks on what is found.
+//! The search in the text: a bar above it, and highlighted matches.
 
 use egui::text_edit::TextEditOutput;
 use egui::{Key, KeyboardShortcut, Modifiers, TextEdit, Ui};
@@ -15,15 +15,15 @@ use crate::ui::window::{TextSource, Window, WindowText};
 #[derive(Debug, Default)]
 pub(crate) struct Find {
     is_open: bool,
-    /// The field is to have the keys.
+    /// True if the field is to get the focus.
     wants_focus: bool,
     wanted: String,
     replacement: String,
-    /// The number of the place that is shown, from 0.
+    /// The number of the current match, from 0.
     current: usize,
 }
 
-/// A step from one place to another.
+/// A step from one match to another.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Direction {
     Next,
@@ -53,7 +53,7 @@ impl Window {
         }
     }
 
-    /// Opens the search, which gets the keys.
+    /// Opens the search, which gets the focus.
     pub(crate) fn open_find(&mut self) {
         self.panes.bring_forward(&session::pane::Pane::Program);
         self.text.find.is_open = true;
@@ -69,7 +69,7 @@ impl Find {
 }
 
 impl WindowText {
-    /// Shows the next place, or the one before.
+    /// Shows the next match, or the previous one.
     fn go(&mut self, direction: Direction) {
         let TextSource::File { editor, .. } = &mut self.source else {
             return;
@@ -95,7 +95,7 @@ fn show_place(editor: &mut Editor, place: &std::ops::Range<usize>) {
     });
 }
 
-/// Shows the bar, if it is open; returns whether the text was edited.
+/// Shows the bar, if it is open. Returns whether the text was edited.
 pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
     let mut edited = false;
     if !text.find.is_open {
@@ -114,7 +114,7 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
         let field = field.accessible_name("Find");
         if std::mem::take(&mut find.wants_focus) {
             field.request_focus();
-            // What is typed takes the place of the word of the last search.
+            // Typing replaces the word of the last search.
             keys::select(ui, field.id, keys::everything(&find.wanted));
         }
         if field.changed() {
@@ -174,11 +174,11 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
                 text.replace_range(place.clone(), &find.replacement);
             }
             editor.replace(text);
-            // Undo, and the keys that follow, are those of the text.
+            // Undo, and the keys that follow, apply to the text.
             editor.wants_keys = true;
             edited = true;
             let places = typing::find(&editor.text, &find.wanted);
-            // The search goes on behind what was put in, which may hold the word itself.
+            // The search continues after the replacement, which may contain the word itself.
             let behind = replaced[0].start + find.replacement.len();
             let next = places.iter().position(|place| place.start >= behind);
             find.current = next.unwrap_or(0);
@@ -199,7 +199,7 @@ pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
     edited
 }
 
-/// Marks what is found in the text that is shown.
+/// Highlights the matches in the visible text.
 pub(super) fn mark(ui: &Ui, output: &TextEditOutput, text: &str, find: &Find) {
     if !find.is_open {
         return;

@@ -8,21 +8,21 @@ use syntax::span::Span;
 use crate::ui::highlighting::severity_colour;
 use crate::ui::window::Window;
 
-/// The share of the pane that the list takes at most.
+/// The maximum height of the list, as a fraction of the pane's.
 const SHARE: f32 = 0.4;
-/// The number of diagnostics that are listed.
+/// The maximum number of listed diagnostics.
 const LISTED: usize = 100;
 
 /// The effect of a click in the list.
 enum Click {
-    /// A place is to be shown.
+    /// A range is to be shown.
     Place(Span),
-    /// The text is to be corrected.
+    /// A fix is to be applied.
     Fix(Fix),
 }
 
-/// Lists the diagnostics, if there are any; a click on one shows its place. Those of the window's own text have their fixes
-/// below.
+/// Lists the diagnostics, if there are any; a click on one shows its range. Diagnostics of the window's own text have
+/// their fixes below.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let findings = window.model.faults.findings();
     if findings.is_empty() {
@@ -39,7 +39,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             .min_scrolled_height(room)
             .auto_shrink([false, true]);
         let clicks = list.show(ui, |ui| {
-            // Errors first: they are what the picture waits for.
+            // Errors first: they prevent the picture from being updated.
             let is_error = |it: &&Finding| it.severity == Severity::Error;
             let errors = findings.iter().filter(is_error);
             let others = findings.iter().filter(|it| !is_error(it));
@@ -56,7 +56,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// Shows a diagnostic, its hint, and its fixes where the text can be edited here; returns what was clicked on.
+/// Shows a diagnostic, its hint, and its fixes if the text can be edited here. Returns what was clicked.
 fn row(ui: &mut Ui, finding: &Finding, is_own: bool) -> Option<Click> {
     let colour = severity_colour(finding.severity, ui.visuals().dark_mode);
     let text = format!("Line {}: {}", finding.line, finding.message);

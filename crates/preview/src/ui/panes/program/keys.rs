@@ -1,4 +1,4 @@
-//! The keys of the text that do more than type: brackets in pairs, indentation, comments, and the list of completions.
+//! The keys that do more than type: brackets in pairs, indentation, comments, and the list of completions.
 
 use std::ops::Range;
 
@@ -27,8 +27,8 @@ const MOVING: [Key; 12] = [
     Key::Delete,
 ];
 
-/// Takes the keys that the field does not know, and rewrites events for it where more is to happen than what was typed;
-/// returns whether the text was edited.
+/// Handles the keys that the field does not know, and rewrites events for it where more happens than typing. Returns
+/// whether the text was edited.
 pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assistant) -> bool {
     if !ui.memory(|memory| memory.has_focus(id)) || ui.ctx().current_pass_index() > 0 {
         return false;
@@ -40,7 +40,7 @@ pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assista
     }
     if assistant.is_writing {
         let pressed = |modifiers| ui.input_mut(|it| it.consume_key(modifiers, Key::Tab));
-        // The key alone also stands for the one with Shift, which is asked for first.
+        // The plain shortcut also matches with Shift, which is therefore checked first.
         if pressed(Modifiers::SHIFT) {
             change_lines(ui, id, editor, typing::unindent);
             edited = true;
@@ -61,7 +61,7 @@ pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assista
     edited
 }
 
-/// Makes comments of the selected lines, or of comments lines; returns whether the language has comments.
+/// Comments out the selected lines, or uncomments them. Returns whether the language has comments.
 pub(super) fn toggle_comment(ui: &Ui, id: Id, editor: &mut Editor) -> bool {
     let Some(mark) = editor.language.line_comment() else {
         return false;
@@ -72,7 +72,7 @@ pub(super) fn toggle_comment(ui: &Ui, id: Id, editor: &mut Editor) -> bool {
     true
 }
 
-/// Changes the text by its selection, and selects what `change` says.
+/// Changes the text based on its selection, and sets the selection that `change` returns.
 fn change_lines(
     ui: &Ui,
     id: Id,
@@ -84,7 +84,7 @@ fn change_lines(
     select(ui, id, characters(&editor.text, selection));
 }
 
-/// Returns the selection in bytes; an empty one at the cursor.
+/// Returns the selection in bytes; empty at the cursor if nothing is selected.
 pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> Range<usize> {
     let state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
     let range = state.cursor.char_range().unwrap_or_default();
@@ -92,7 +92,7 @@ pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
-/// The range of all characters of a text.
+/// Returns the range of all characters of a text.
 pub(super) fn everything(text: &str) -> CCursorRange {
     characters(text, 0..text.len())
 }
@@ -104,15 +104,15 @@ pub(super) fn select(ui: &Ui, id: Id, range: CCursorRange) {
     state.store(ui.ctx(), id);
 }
 
-/// Rewrites the events of a frame. The field handles them one after the other, so that they are right however many come
-/// at once.
+/// Rewrites the events of a frame. The field handles them one after the other, so the result is right even if several
+/// arrive at once.
 struct Typist<'t> {
     text: &'t str,
     /// The selection before the frame's events.
     selection: Range<usize>,
-    /// The brackets that were closed in this frame and are still before the cursor's next character.
+    /// The brackets that were closed automatically in this frame and directly follow the cursor.
     closed: Vec<char>,
-    /// The cursor is no longer where this frame found it, but for what was typed.
+    /// True if the cursor has moved otherwise than by typing in this frame.
     is_lost: bool,
     has_typed_word: bool,
 }
@@ -128,7 +128,7 @@ impl<'t> Typist<'t> {
         }
     }
 
-    /// Takes an event and hands on what the field is to do.
+    /// Handles an event, and passes on the events for the field.
     fn take(&mut self, event: Event, events: &mut Vec<Event>) {
         match &event {
             Event::Text(typed) => {
@@ -159,7 +159,7 @@ impl<'t> Typist<'t> {
                 if *key == Key::Backspace && plain && self.is_between_brackets() {
                     events.push(press(Key::Delete));
                 }
-                // Ctrl with a letter moves the cursor on a Mac, where it is not the key of commands.
+                // On a Mac, Ctrl is not the command key, and Ctrl with a letter moves the cursor.
                 self.is_lost |= modifiers.command || modifiers.ctrl || MOVING.contains(key);
             }
             Event::Paste(_) | Event::Cut | Event::PointerButton { .. } | Event::Ime(_) => {
@@ -170,7 +170,7 @@ impl<'t> Typist<'t> {
         events.push(event);
     }
 
-    /// Types a bracket; returns whether it was one with which something else happens than that it is typed.
+    /// Types a bracket. Returns false if it only needs to be typed as it is.
     fn bracket(&mut self, typed: char, events: &mut Vec<Event>) -> bool {
         let next = self.closed.last().copied();
         let behind = self.text[self.selection.end..].chars().next();
@@ -202,7 +202,7 @@ impl<'t> Typist<'t> {
         false
     }
 
-    /// Returns whether nothing stands between the bracket before the cursor and the one that closes it.
+    /// Returns whether there is nothing between the bracket before the cursor and its closing partner.
     fn is_between_brackets(&self) -> bool {
         let before = self.text[..self.selection.start].chars().next_back();
         let behind = self.text[self.selection.end..].chars().next();
@@ -210,7 +210,7 @@ impl<'t> Typist<'t> {
     }
 }
 
-/// Makes the event of a key that goes down.
+/// Returns the event of a pressed key.
 fn press(key: Key) -> Event {
     Event::Key {
         key,

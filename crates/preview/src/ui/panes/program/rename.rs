@@ -1,4 +1,4 @@
-//! Another name for what is at the cursor: a bar above the text asks for it.
+//! Renaming the name at the cursor: a bar above the text asks for the new name.
 
 use egui::{Key, TextEdit, Ui};
 use ide::rename::RenameError;
@@ -10,21 +10,21 @@ use super::{commands, keys};
 use crate::ui::icons::{self, Icon};
 use crate::ui::window::{TextSource, Window, WindowText};
 
-/// A renaming that has been asked for.
+/// A renaming in progress.
 #[derive(Debug)]
 pub(crate) struct Rename {
-    /// A place of the name in the text, in bytes.
+    /// An occurrence of the name in the text, in bytes.
     at: u32,
     name: String,
     wanted: String,
-    /// The reason why the last name that was wanted cannot be given.
+    /// The reason why the last wanted name is not possible.
     refusal: Option<String>,
-    /// The field is to have the keys, with all of its text selected.
+    /// True if the field is to get the focus, with all of its text selected.
     wants_focus: bool,
 }
 
 impl Window {
-    /// Opens the bar for the name at the cursor of the text, or says why it cannot be renamed.
+    /// Opens the bar for the name at the cursor of the text, or reports why it cannot be renamed.
     pub(crate) fn ask_for_name(&mut self, ui: &Ui) {
         let TextSource::File { editor, .. } = &self.text.source else {
             return;
@@ -49,7 +49,7 @@ impl Window {
     }
 }
 
-/// Shows the bar, if it is open; returns whether the text was edited.
+/// Shows the bar, if it is open. Returns whether the text was edited.
 pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
     let (Some(rename), TextSource::File { editor, .. }) = (&mut text.rename, &mut text.source)
     else {

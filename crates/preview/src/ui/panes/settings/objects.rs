@@ -1,4 +1,4 @@
-//! The objects: whether they are shown, their colours, and the textures of surfaces.
+//! The objects: their visibility, their colours, and the textures of surfaces.
 
 use std::path::{Path, PathBuf};
 
@@ -9,16 +9,16 @@ use session::{Choice, Step};
 use crate::ui::colour;
 use crate::ui::window::Window;
 
-/// The least and the greatest width of a list of textures.
+/// The minimum and maximum width of a list of textures, in points.
 const LIST: [f32; 2] = [90.0, 160.0];
 /// The number of letters of the heading above the names.
 const HEADING: f32 = 6.0;
-/// The room for the other cells of an object's row, but for its name.
+/// The width of the other cells of an object's row, without its name, in points.
 const BESIDE: f32 = 150.0;
 
 /// Draws the tab.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
-    // What has no room in one part makes no other part wider.
+    // The width is fixed, so that a wide part does not make the others wider.
     let room = ui.available_width();
     for part in [objects, textures] {
         ui.scope(|ui| {
@@ -36,7 +36,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
         ui.weak("The program declares no objects yet.");
         return;
     }
-    // A grid does not tell its cells what room there is: a list of textures has what the other cells leave.
+    // A grid does not tell its cells the available width: a list of textures gets what the other cells leave.
     let names = scene.objects.iter().map(|it| it.name.chars().count());
     let longest = names.max().unwrap_or(1) as f32;
     let room = ui.available_width() - BESIDE - 8.0 * longest.max(HEADING);
@@ -59,7 +59,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
     ui.separator();
 }
 
-/// Shows the row of an object, whose list of textures has some room.
+/// Shows the row of an object; `room` is the width for its list of textures.
 fn row(window: &mut Window, ui: &mut Ui, object: &Object, room: f32) {
     let name = &object.name;
     let look = window.model.view.look(name);
@@ -142,7 +142,7 @@ fn chosen_colour(window: &mut Window, ui: &mut Ui, name: &str, chosen: Option<[u
 enum StatedColour {
     /// Numbers: sRGB, 0…1.
     Constant([f64; 3]),
-    /// Something that changes, with a place or a param.
+    /// An expression that depends on position or on a param.
     Expression,
 }
 
@@ -159,7 +159,7 @@ fn stated_colour(scene: &Scene, object: &Object) -> Option<StatedColour> {
     })
 }
 
-/// Shows the colour that an object states. Another one is written into the text when the pointer is let go.
+/// Shows the colour that an object states. A new colour is written into the text when the pointer is released.
 fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedColour) {
     let label = format!("Colour of {name}");
     let StatedColour::Constant(stated) = stated else {
@@ -189,7 +189,7 @@ fn written_colour(window: &mut Window, ui: &mut Ui, name: &str, stated: StatedCo
     }
 }
 
-/// A list of all textures, with some room; whether another one was chosen.
+/// Shows a list of all textures, in a given width. Returns whether another one was chosen.
 fn choose(
     images: &[PathBuf],
     ui: &mut Ui,

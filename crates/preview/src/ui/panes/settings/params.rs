@@ -10,16 +10,16 @@ use crate::ui::icons::{self, Icon};
 use crate::ui::number_field;
 use crate::ui::window::Window;
 
-/// The least and the greatest width of a slider.
+/// The minimum and maximum width of a slider, in points.
 const SLIDER: [f32; 2] = [20.0, 300.0];
-/// The room for the button that animates, the menu and the gaps between the columns.
+/// The width of the button that animates, the menu and the gaps between the columns, in points.
 const BESIDE: f32 = 72.0;
-/// The greatest share of the pane that names take.
+/// The maximum width of names, as a fraction of the pane's.
 const NAMES: f32 = 0.3;
-/// The greatest width of the column of values.
+/// The maximum width of the column of values, in points.
 const WIDEST_VALUE: f32 = 120.0;
 
-/// The widths of the columns that the rows have in common.
+/// The widths of the columns, which all rows share.
 #[derive(Clone, Copy, Debug)]
 struct Columns {
     name: f32,
@@ -57,7 +57,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
 }
 
 impl Columns {
-    /// Returns the columns that have room for all names and values of some params, as far as the pane has it.
+    /// Returns columns with room for all names and values of some params, as far as the pane permits.
     fn new(ui: &Ui, params: &[Param]) -> Self {
         let (mut name, mut value) = (0.0_f32, ui.spacing().interact_size.x);
         for param in params {
@@ -73,7 +73,7 @@ impl Columns {
         }
         let room = ui.available_width();
         let name = (name + 4.0).min(NAMES * room);
-        // In a narrow pane the slider and the buttons come before the longest value.
+        // In a narrow pane the slider and the buttons take precedence over the longest value.
         let widest = (room - name - BESIDE - SLIDER[0]).min(WIDEST_VALUE);
         let value = value.min(widest).max(ui.spacing().interact_size.x);
         let slider = (room - name - value - BESIDE).clamp(SLIDER[0], SLIDER[1]);
@@ -115,7 +115,7 @@ fn defines(window: &mut Window, ui: &mut Ui, params: Arc<ParamValues>) {
     window.panes.defines = Some(known);
 }
 
-/// Returns the name of a component, from 0: `r`, or `r_1` of several.
+/// Returns the name of a component, from 0: `r`, or `r_1` if there are several.
 fn name_of(param: &Param, k: usize) -> String {
     match param.ranges.len() {
         1 => param.name.clone(),
@@ -134,14 +134,14 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
         let size = egui::vec2(columns.name, height);
         ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
             ui.set_width(columns.name);
-            // A name that is longer than its column is cut off.
+            // A name that is longer than its column is truncated.
             ui.add(egui::Label::new(&name).truncate())
                 .on_hover_text(&name);
         });
         let before = ui.spacing().interact_size.x;
         ui.spacing_mut().slider_width = columns.slider;
         ui.spacing_mut().interact_size.x = columns.value;
-        // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
+        // Only the displayed number is rounded: a slider with few decimals would round the value itself in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut moved, range.min..=range.max)
             .custom_formatter(move |value, _| {
@@ -157,7 +157,7 @@ fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, co
     });
 }
 
-/// Takes over a value that the user has given a component by its slider.
+/// Takes over a component's value that the user has set by its slider.
 fn take_value(
     window: &mut Window,
     ui: &Ui,
@@ -174,7 +174,7 @@ fn take_value(
         window.has_moved(ui);
     }
     if window.model.view.preferences.write_on_release {
-        // Keys have changed it until the last one is released, and what is typed until the field is left.
+        // A change by keys ends when the last one is released, typing when the field loses the focus.
         if slider.changed() && !slider.dragged() {
             window.input.unwritten_param = Some(param.name.clone());
         }
@@ -236,7 +236,7 @@ fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
     button.accessible_name(format!("More for {name}"));
 }
 
-/// Writes a value that keys have changed, once they are released.
+/// Writes a value that keys have changed into the text, once they are released.
 pub(super) fn write_released(window: &mut Window, ui: &Ui) {
     if !window.input.held.any()
         && !ui.ctx().text_edit_focused()
@@ -246,7 +246,7 @@ pub(super) fn write_released(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// Returns the number of decimals with which a slider's steps are fine.
+/// Returns the number of decimals at which a slider's steps are fine enough.
 fn decimals(width: f64) -> usize {
     let digits = 3.0 - width.log10().floor();
     if digits.is_finite() {

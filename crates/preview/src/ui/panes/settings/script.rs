@@ -1,4 +1,4 @@
-//! The numbers of a script's settings: a row for each, which is written into the text.
+//! The numbers of a script's settings: a row for each, whose value is written into the text.
 
 use egui::{Grid, Ui};
 use scene::StatedSetting;
@@ -27,9 +27,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         });
 }
 
-/// Shows a field for a number; returns another value when the user has left it there.
+/// Shows a field for a number. Returns the new value when the user has finished editing.
 fn edited(ui: &mut Ui, setting: &StatedSetting, label: egui::Id) -> Option<f64> {
-    // What is dragged or typed is no value of the text before it is let go.
+    // While it is dragged or typed, the number is not yet a value of the text.
     let id = ui.scope_id().with(setting.word);
     let mut value = ui.data(|data| data.get_temp(id)).unwrap_or(setting.value);
     let [min, max] = setting.range;

@@ -7,12 +7,12 @@ use crate::ui::colour;
 use crate::ui::number_field;
 use crate::ui::window::Window;
 
-/// The least and the greatest width of a slider.
+/// The minimum and maximum width of a slider, in points.
 const SLIDER: [f32; 2] = [40.0, 150.0];
 
 /// Draws the tab of the views.
 pub(super) fn show(model: &mut Model, ui: &mut Ui) {
-    // Beside the slider stand its name and its number.
+    // The slider has its name and its number beside it.
     ui.spacing_mut().slider_width = (ui.available_width() - 195.0).clamp(SLIDER[0], SLIDER[1]);
     let shown = model.background();
     edit(model, ui, "views", |preferences, ui| {
@@ -85,7 +85,7 @@ pub(super) fn preferences(model: &mut Model, ui: &mut Ui) {
     }
 }
 
-/// Draws the switch of what is remembered for all programs.
+/// Draws the switch for saving the choices for all programs.
 pub(super) fn memory(window: &mut Window, ui: &mut Ui) {
     let mut remembers = window.remembers_views();
     let hint = "In a hidden file, .NAME.gtr.geotrace.json: cameras, sliders, colours, panes";
@@ -95,7 +95,7 @@ pub(super) fn memory(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// Lets the user edit preferences in rows of two columns: a change is a step that can be undone.
+/// Shows preferences for editing in rows of two columns: a change is an undoable step.
 fn edit(model: &mut Model, ui: &mut Ui, name: &str, show: impl FnOnce(&mut Preferences, &mut Ui)) {
     let mut preferences = model.view.preferences.clone();
     let before = preferences.clone();
@@ -123,7 +123,7 @@ fn background(preferences: &mut Preferences, shown: [u8; 3], ui: &mut Ui) {
     });
 }
 
-/// The side of a picture: that of its pane, or a number of pixels.
+/// Shows the side of a picture: that of its pane, or a number of pixels.
 fn side(ui: &mut Ui, name: &str, side: &mut Option<u32>) {
     let label = ui.label(name);
     ui.horizontal(|ui| {
