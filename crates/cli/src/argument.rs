@@ -1,4 +1,4 @@
-//! Parsers of arguments: texts of the command line flow in, typed values flow out.
+//! Parsers of arguments. In: texts of the command line. Out: typed values.
 
 mod figure;
 mod look;
@@ -38,7 +38,7 @@ pub(crate) enum Quantity {
 pub(crate) struct Assignment {
     /// The name of the param or grid.
     pub(crate) name: String,
-    /// One value for each component.
+    /// One value per component.
     pub(crate) values: Vec<Quantity>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Assignment {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pair(pub(crate) [Quantity; 2]);
 
-/// `U,V`, or `X,Y,Z`: a place on a surface or near a solid, or a direction there.
+/// `U,V`, or `X,Y,Z`: a point on a surface or near a solid, or a direction there.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlaceArgument(pub(crate) Vec<Quantity>);
 
@@ -65,11 +65,11 @@ pub(crate) struct Animated {
     pub(crate) name: String,
     /// The first value, component by component.
     pub(crate) from: Vec<Quantity>,
-    /// The last value, with as many components.
+    /// The last value, with the same number of components.
     pub(crate) to: Vec<Quantity>,
 }
 
-/// A word of the command line that names a value of another crate.
+/// A word of the command line that stands for a value of another crate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice<T: 'static> {
     /// The word.
@@ -81,7 +81,7 @@ pub(crate) struct Choice<T: 'static> {
 }
 
 impl<T> Choice<T> {
-    /// A word that the help lists.
+    /// Returns a word that the help lists.
     pub(crate) const fn new(word: &'static str, help: &'static str, value: T) -> Self {
         Self {
             word,
@@ -90,7 +90,7 @@ impl<T> Choice<T> {
         }
     }
 
-    /// A word that is accepted, and that the help does not list.
+    /// Returns a word that is accepted, but not listed by the help.
     pub(crate) const fn hidden(word: &'static str, value: T) -> Self {
         Self {
             word,
@@ -151,7 +151,7 @@ pub(crate) fn animated(text: &str) -> Result<Animated, String> {
     })
 }
 
-/// Parses a number; every other text is an expression.
+/// Parses a number; any other text is an expression.
 pub(crate) fn quantity(text: &str) -> Result<Quantity, String> {
     let text = text.trim();
     let numeric = text.contains(|c: char| c.is_ascii_digit()) && text.parse::<f64>().is_ok();
@@ -198,7 +198,7 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
         if side.is_empty() || !side.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(expected.into());
         }
-        // All digits, so whatever does not fit is too large.
+        // It consists of digits, so a failure means that it is too large.
         match side.parse::<u32>() {
             Ok(0) => Err("a picture is at least one pixel wide and high".into()),
             Ok(pixels) if pixels <= MAX_SIDE => Ok(pixels),
@@ -210,7 +210,7 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
     Ok(Size([side(width.trim())?, side(height.trim())?]))
 }
 
-/// Parses the name of a view, and that of its object if it is of one: `3d`, `geodesic` or `geodesic:SURFACE`.
+/// Parses the name of a view, with that of its object if it has one: `3d`, `geodesic` or `geodesic:SURFACE`.
 pub(crate) fn view(text: &str, views: &Views) -> Result<ViewId, String> {
     let ViewId { kind, object } = text.into();
     let object = object.map(|name| name.trim().to_owned());
@@ -227,13 +227,13 @@ pub(crate) fn view(text: &str, views: &Views) -> Result<ViewId, String> {
     }
 }
 
-/// Parses the name of a view of this program. [`view_help`] and [`view`] take the place of this parser and its help, with
-/// the views of a registry.
+/// Parses the name of a view of this program. [`view_help`] and [`view`] replace this parser and its help, with the
+/// views of a registry.
 pub(crate) fn standard_view(text: &str) -> Result<ViewId, String> {
     view(text, &Views::standard())
 }
 
-/// The help of an option that takes a view: "3d, or geodesic, or geodesic:SURFACE; …".
+/// Returns the help of an option that takes a view: "3d, or geodesic, or geodesic:SURFACE; …".
 pub(crate) fn view_help(views: &Views) -> String {
     let names: Vec<String> = view_names(views).collect();
     format!(
@@ -242,7 +242,7 @@ pub(crate) fn view_help(views: &Views) -> String {
     )
 }
 
-/// The forms in which views are named: `3d`, `traced`, `traced:CAMERA`, `geodesic`, `geodesic:SURFACE`.
+/// Returns the forms of view names: `3d`, `traced`, `traced:CAMERA`, `geodesic`, `geodesic:SURFACE`.
 fn view_names(views: &Views) -> impl Iterator<Item = String> + '_ {
     views.iter().flat_map(|view| {
         let name = view.name();
@@ -251,7 +251,7 @@ fn view_names(views: &Views) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// The forms in which views are named, as a phrase: "3d, geodesic, or geodesic:SURFACE".
+/// Returns the forms of view names as a phrase: "3d, geodesic, or geodesic:SURFACE".
 fn forms(views: &Views) -> String {
     let names: Vec<String> = view_names(views).collect();
     match names.split_last() {
@@ -284,7 +284,7 @@ pub(crate) fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses a tolerance: a positive number with which steps still follow a geodesic.
+/// Parses a tolerance: a positive number, not too large for steps to follow a geodesic.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     const MOST: f64 = 1e-2;
     match positive(text)? {

@@ -4,13 +4,13 @@ use std::process::ExitCode;
 
 use crate::style::TextColours;
 
-/// The reason for which a command failed.
+/// The reason why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The program has errors; they have been printed already.
     ProgramHasErrors,
-    /// The program or the arguments ask for a result that does not exist: a camera on a cusp, an image file without an
-    /// image.
+    /// The program or the arguments request a result that does not exist: a camera on a cusp, an image from a file that
+    /// is not an image.
     Input {
         /// The problem.
         message: String,
@@ -28,24 +28,24 @@ pub(crate) enum Failure {
     Unreadable {
         /// The path, as it was given.
         file: String,
-        /// A phrase, of the system or of this program.
+        /// A phrase, from the system or this program.
         reason: String,
     },
-    /// A file cannot be written. An existing file stays as it was.
+    /// A file cannot be written. An existing file is unchanged.
     Unwritable {
         /// The path, as it was given.
         file: String,
-        /// A phrase, of the system or of this program.
+        /// A phrase, from the system or this program.
         reason: String,
     },
-    /// A fault of this program.
+    /// A bug in this program.
     Internal {
         /// A sentence for a bug report.
         message: String,
     },
     /// The reader of standard output has closed it, as `head` does. This is not an error.
     ReaderGone,
-    /// The editor has closed the connection without the request `shutdown`: the protocol requires status 1.
+    /// The editor has closed the connection without a `shutdown` request: the protocol requires status 1.
     EditorGone,
 }
 
@@ -53,7 +53,7 @@ pub(crate) enum Failure {
 pub(crate) const STDOUT: &str = "standard output";
 
 impl Failure {
-    /// Builds [`Failure::Usage`] without a hint.
+    /// Returns [`Failure::Usage`] without a hint.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self::Usage {
             message: message.into(),
@@ -75,7 +75,7 @@ impl Failure {
         }
     }
 
-    /// Returns the text for standard error, with its hint; `None` if everything was reported before.
+    /// Returns the text for standard error, with its hint; `None` if everything has already been reported.
     pub(crate) fn text(&self, colours: TextColours) -> Option<String> {
         let (message, hint) = match self {
             Self::ProgramHasErrors | Self::ReaderGone | Self::EditorGone => return None,

@@ -1,6 +1,6 @@
-//! The signals that end the program: what is half written is removed first, and the program ends as it would without this.
-//! A command may ask to be told of the first signal instead, to keep what it has done; so does the window, whose text would be
-//! lost.
+//! The signals that end the program: partly written files are removed first; then the program ends as it would by
+//! default. A command may request to be notified of the first signal instead, to keep its results so far; so does the
+//! window, whose text would be lost.
 
 #[cfg(unix)]
 use std::sync::Arc;
@@ -8,19 +8,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Set if the first signal only asks for an end.
+/// True if the first signal only requests an end.
 static IS_HEARD: AtomicBool = AtomicBool::new(false);
-/// Set once it has come.
+/// Set once that signal has arrived.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Asks what runs to end by itself; false if it cannot.
+/// Requests that the running work end by itself. Returns false if it cannot.
 type Ask = Box<dyn Fn() -> bool + Send>;
 /// Called at the first signal.
 static ASK: Mutex<Option<Ask>> = Mutex::new(None);
-/// The time that what was asked to end has for it.
+/// The time that the work then has to end.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// From now on the first signal calls `ask`. Where that returns true, the program is ended only if it is still there a little
+/// Makes the first signal call `ask`. If that returns true, the program is ended only if it is still running a little
 /// later.
 #[cfg_attr(
     not(feature = "window"),
@@ -30,17 +30,17 @@ pub(crate) fn ask_first(ask: impl Fn() -> bool + Send + 'static) {
     *ASK.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(ask));
 }
 
-/// From now on the first signal only asks for an end, which [`is_interrupted`] tells; the second one ends the program.
+/// Makes the first signal only request an end, which [`is_interrupted`] reports; the second one ends the program.
 pub(crate) fn hear() {
     IS_HEARD.store(true, Ordering::Relaxed);
 }
 
-/// Returns true once an end has been asked for.
+/// Returns true once an end has been requested.
 pub(crate) fn is_interrupted() -> bool {
     IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Takes a signal; `end` ends the program.
+/// Handles a signal; `end` ends the program.
 #[cfg(any(unix, windows))]
 fn take(end: impl FnOnce()) {
     if IS_HEARD.load(Ordering::Relaxed) && !IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
@@ -53,15 +53,15 @@ fn take(end: impl FnOnce()) {
     export::whole_file::abandon_all(end);
 }
 
-/// Handles the signals on a thread of its own, which sleeps until one comes. Where no thread can be started, temporary
-/// files stay behind. A file that grows beyond what the user may write is from now on an error of the write, which says so.
+/// Handles the signals on a thread of its own, which sleeps until one arrives. If no thread can be started, temporary
+/// files are left behind. A file that exceeds the user's size limit becomes an error of the write instead of a signal.
 #[cfg(unix)]
 pub(crate) fn remove_what_is_half_written() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
 
-    // A handler that does nothing but note it: without one, the signal ends the program.
+    // The handler only records the signal: without a handler, the signal would end the program.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
     let mut ends = vec![SIGINT, SIGQUIT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -74,14 +74,14 @@ pub(crate) fn remove_what_is_half_written() {
     let _ = thread.spawn(move || {
         for signal in signals.forever() {
             take(|| {
-                // It does not return for these signals.
+                // For these signals it does not return.
                 let _ = emulate_default_handler(signal);
             });
         }
     });
 }
 
-/// Returns true if a signal is ignored, as `nohup` leaves it; also where the system does not say it in `/proc`.
+/// Returns true if a signal is ignored, as under `nohup`; also if the system does not report that in `/proc`.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -92,8 +92,8 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// Handles Ctrl+C and Ctrl+Break on a thread of its own, which sleeps until one is pressed. Where no thread can be started,
-/// temporary files stay behind.
+/// Handles Ctrl+C and Ctrl+Break on a thread of its own, which sleeps until one is pressed. If no thread can be
+/// started, temporary files are left behind.
 #[cfg(windows)]
 pub(crate) fn remove_what_is_half_written() {
     /// The exit status of a program that Ctrl+C ends: `STATUS_CONTROL_C_EXIT`.

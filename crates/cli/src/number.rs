@@ -7,7 +7,7 @@ pub(crate) fn parse(text: &str) -> Result<f64, String> {
     let text = text.trim();
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        // `inf`, `nan` and what overflows are all numbers to Rust.
+        // Rust also parses `inf`, `nan` and values that overflow.
         Ok(_) if text.contains(|c: char| c.is_ascii_digit()) => {
             Err(format!("{text} is too large a number"))
         }
@@ -16,8 +16,8 @@ pub(crate) fn parse(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Formats a number as the shortest text that parses to the same number; very large and very small numbers have an
-/// exponent. NaN becomes `undefined`, and zero has no sign.
+/// Formats a number as the shortest text that parses to the same number, with an exponent if it is very large or very
+/// small. NaN becomes `undefined`, and zero has no sign.
 pub(crate) fn show(value: f64) -> String {
     let magnitude = value.abs();
     let value = if value == 0.0 { 0.0 } else { value };
@@ -32,21 +32,21 @@ pub(crate) fn show(value: f64) -> String {
     }
 }
 
-/// Formats a measured number: as [`show`], with at most twelve significant digits, which is what measuring is good for.
+/// Formats a measured number like [`show`], but with at most twelve significant digits, the accuracy of measuring.
 pub(crate) fn show_measured(value: f64) -> String {
     let rounded = format!("{value:.11e}").parse().unwrap_or(value);
     show(rounded)
 }
 
-/// The share of a number from which its error estimate makes it vague.
+/// The relative error estimate from which a number is vague.
 const VAGUE: f64 = 0.01;
 
-/// Returns whether the error estimate of a number leaves it two digits at most.
+/// Returns whether the error estimate of a number leaves it at most two digits.
 pub(crate) fn is_vague(value: f64, estimate: f64) -> bool {
     estimate > VAGUE * value.abs()
 }
 
-/// Formats a measured number: as [`show_measured`]; a vague one with the digits alone that its error estimate leaves.
+/// Formats a measured number like [`show_measured`]; a vague one only with the digits that its error estimate leaves.
 pub(crate) fn show_estimated(value: f64, estimate: f64) -> String {
     if !is_vague(value, estimate) || value == 0.0 || !value.is_finite() {
         return show_measured(value);
@@ -67,7 +67,7 @@ pub(crate) fn show_all(values: &[f64]) -> String {
     }
 }
 
-/// Formats a count with its noun, in the plural where needed: `1 error`, `2 errors`.
+/// Formats a count with its noun, in the plural if needed: `1 error`, `2 errors`.
 pub(crate) fn count(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", grouped(number as u64))

@@ -1,4 +1,4 @@
-//! Results: texts and JSON to standard output, files by `export::whole_file`.
+//! Results: texts and JSON on standard output, files by `export::whole_file`.
 
 use std::fs;
 use std::io::{self, ErrorKind, Write};
@@ -12,12 +12,12 @@ use crate::style::TextColours;
 /// Writes to standard output.
 ///
 /// # Errors
-/// [`Failure::ReaderGone`] where the reader has left, [`Failure::Unwritable`] for a full disk and the like.
+/// [`Failure::ReaderGone`] if the reader has closed it, [`Failure::Unwritable`] for a full disk and the like.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_bytes(text.as_bytes())
 }
 
-/// Writes bytes to standard output; fails as [`print()`] does.
+/// Writes bytes to standard output; fails like [`print()`].
 pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     stdout
@@ -26,7 +26,7 @@ pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
         .map_err(stdout_failure)
 }
 
-/// Writes to standard error, and ignores errors: no other stream is left to report them on.
+/// Writes to standard error, and ignores errors: there is no other stream on which to report them.
 pub(crate) fn print_error(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
@@ -38,7 +38,7 @@ pub(crate) fn print_failure(failure: &Failure) {
     }
 }
 
-/// Writes one JSON document to standard output; fails as [`print()`] does.
+/// Writes one JSON document to standard output; fails like [`print()`].
 pub(crate) fn print_json(document: &impl serde::Serialize) -> Result<(), Failure> {
     let mut stdout = io::BufWriter::new(io::stdout().lock());
     serde_json::to_writer(&mut stdout, document)
@@ -48,7 +48,7 @@ pub(crate) fn print_json(document: &impl serde::Serialize) -> Result<(), Failure
         .map_err(stdout_failure)
 }
 
-/// The failure of writing to standard output.
+/// Returns the failure of writing to standard output.
 pub(crate) fn stdout_failure(error: io::Error) -> Failure {
     if error.kind() == ErrorKind::BrokenPipe {
         Failure::ReaderGone
@@ -72,7 +72,7 @@ pub(crate) fn reason(error: &io::Error) -> String {
     phrase(&error.to_string())
 }
 
-/// The files that a command reads, none of which it may write over.
+/// The files that a command reads, which it must not overwrite.
 #[derive(Debug)]
 pub(crate) struct Inputs {
     program: Option<PathBuf>,
@@ -80,9 +80,9 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    /// A program, and the images that are shown.
+    /// Returns the files of a program and the images that it shows.
     pub(crate) fn new<'i>(program: &Path, images: impl IntoIterator<Item = &'i Path>) -> Self {
-        // What does not exist, or is no file, is not written over.
+        // Paths that do not exist, or are not files, cannot be overwritten.
         let images = images.into_iter().filter_map(|it| it.canonicalize().ok());
         Self {
             program: program.canonicalize().ok(),
@@ -90,7 +90,7 @@ impl Inputs {
         }
     }
 
-    /// Returns the reason for which a file may not be written, if it is one of these.
+    /// Returns the reason why a file must not be written, if it is one of these.
     fn reason(&self, path: &Path) -> Option<&'static str> {
         let path = path.canonicalize().ok()?;
         if self.program.as_ref() == Some(&path) {
@@ -102,19 +102,19 @@ impl Inputs {
 }
 
 /// A file, or standard output, that will be written: it is checked before the work starts, and a file appears only when
-/// it is whole.
+/// it is complete.
 #[derive(Debug)]
 pub(crate) struct OutputTarget {
     /// `None` for standard output, given as `-`.
     path: Option<PathBuf>,
 }
 
-/// The reason for which a file was not written.
+/// The reason why a file was not written.
 #[derive(Debug)]
 pub(crate) enum WriteError {
     /// The system refused.
     System(io::Error),
-    /// The content could not be made.
+    /// The content could not be produced.
     Content(Failure),
 }
 
@@ -125,10 +125,10 @@ impl From<io::Error> for WriteError {
 }
 
 impl OutputTarget {
-    /// Checks that a file can be written at `path`, as far as that shows beforehand.
+    /// Checks that a file can be written at `path`, as far as that can be known in advance.
     ///
     /// # Errors
-    /// [`Failure::Unwritable`] for a directory, a missing or closed directory above it, a read-only file.
+    /// [`Failure::Unwritable`] for a directory, a missing or inaccessible parent directory, a read-only file.
     pub(crate) fn new(path: &Path) -> Result<Self, Failure> {
         if path.as_os_str() == "-" {
             return Ok(Self { path: None });
@@ -142,7 +142,7 @@ impl OutputTarget {
         })
     }
 
-    /// Checks a target as [`Self::new`] does, and that it is none of the files that are read, which would be lost.
+    /// Checks a target like [`Self::new`], and that it is not one of the files that are read, which would be lost.
     ///
     /// # Errors
     /// [`Failure::Unwritable`].
@@ -156,7 +156,7 @@ impl OutputTarget {
         Self::new(path)
     }
 
-    /// The path as it was given; `standard output` for `-`.
+    /// Returns the path as it was given; `standard output` for `-`.
     pub(crate) fn name(&self) -> String {
         match &self.path {
             None => crate::failure::STDOUT.into(),
@@ -164,19 +164,19 @@ impl OutputTarget {
         }
     }
 
-    /// Writes the file: all of it, or nothing.
+    /// Writes the file, completely or not at all.
     ///
     /// # Errors
-    /// [`Failure::Unwritable`]; an existing file stays as it was.
+    /// [`Failure::Unwritable`]; an existing file is unchanged.
     pub(crate) fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
         self.write_with(|out| Ok(out.write_all(bytes)?))
     }
 
-    /// Writes the file piece by piece: all of it, or nothing. Standard output and devices keep the bytes that were
+    /// Writes the file piece by piece, completely or not at all. Standard output and devices keep the bytes that were
     /// written before a failure.
     ///
     /// # Errors
-    /// [`Failure::Unwritable`], or the failure of `write`; an existing file stays as it was.
+    /// [`Failure::Unwritable`], or the failure of `write`; an existing file is unchanged.
     pub(crate) fn write_with(
         &self,
         write: impl FnOnce(&mut dyn Write) -> Result<(), WriteError>,
@@ -200,7 +200,7 @@ fn failure_of(path: &Path, error: WriteError) -> Failure {
     }
 }
 
-/// The failure of a file that the system refused to write.
+/// Returns the failure of a file that the system refused to write.
 pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Unwritable {
         file: path.display().to_string(),

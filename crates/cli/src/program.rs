@@ -1,5 +1,5 @@
-//! Programs of commands: a path flows in; a scene, values of its params, and numbers of the arguments flow out.
-//! Diagnostics are reported on the way.
+//! The programs of commands. In: a path. Out: a scene, values of its params, and the numbers of arguments. Diagnostics
+//! are reported on the way.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -51,11 +51,12 @@ pub(crate) fn compile(context: &Context, path: &Path) -> Result<(SourceText, Com
 }
 
 impl LoadedProgram {
-    /// Reads and compiles a program. Its warnings go to standard error; its errors too, and in JSON to standard output.
+    /// Reads and compiles a program. Its warnings are printed on standard error; so are its errors, and in JSON also on
+    /// standard output.
     ///
     /// # Errors
-    /// Those of [`compile`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language makes no scene of the
-    /// text.
+    /// Those of [`compile`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language produces no scene
+    /// from the text.
     pub(crate) fn load(context: &Context, path: &Path, format: Format) -> Result<Self, Failure> {
         let (source, compiled) = compile(context, path)?;
         report_diagnostics(&source, &compiled.diagnostics, format)?;
@@ -70,12 +71,12 @@ impl LoadedProgram {
         })
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub(crate) fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
-    /// Evaluates an expression with the names at the end of the program.
+    /// Evaluates an expression in the scope at the end of the program.
     ///
     /// # Errors
     /// The diagnostics of the expression.
@@ -87,7 +88,7 @@ impl LoadedProgram {
         self.scope.evaluate(expression, params)
     }
 
-    /// The first instance of a surface or a metric, ready for geodesics.
+    /// Returns the first instance of a surface or a metric, ready for geodesics.
     ///
     /// # Errors
     /// [`Failure::Input`] if its derivatives are too large, [`Failure::Usage`] for other objects.
@@ -109,12 +110,12 @@ impl LoadedProgram {
         })
     }
 
-    /// The name of an object.
+    /// Returns the name of an object.
     pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
         Some(&self.scene.get(id)?.name)
     }
 
-    /// The params at their initial values, changed by the `--set` arguments.
+    /// Returns the params at their initial values, changed by the `--set` arguments.
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
@@ -135,7 +136,7 @@ impl LoadedProgram {
         Ok(params)
     }
 
-    /// Evaluates the number that was given to an option. An expression may use all names of the program.
+    /// Evaluates the number given to an option. An expression may use all names of the program.
     ///
     /// # Errors
     /// [`Failure::Usage`] if the expression has an error or is not a number.
@@ -175,7 +176,7 @@ impl LoadedProgram {
         }
     }
 
-    /// Evaluates the numbers of a point or a direction, each as [`Self::number`] does.
+    /// Evaluates the numbers of a point or a direction, each like [`Self::number`].
     pub(crate) fn numbers<const N: usize>(
         &self,
         option: &str,
@@ -189,10 +190,10 @@ impl LoadedProgram {
         Ok(numbers)
     }
 
-    /// Evaluates the numbers of a place or a direction on an object that takes so many, each as [`Self::number`] does.
+    /// Evaluates the `N` numbers of a point or a direction on an object, each like [`Self::number`].
     ///
     /// # Errors
-    /// [`Failure::Usage`]: another count of numbers than the object takes, or those of [`Self::number`].
+    /// [`Failure::Usage`] for a wrong count of numbers, or those of [`Self::number`].
     pub(crate) fn place<const N: usize>(
         &self,
         option: &str,
@@ -215,7 +216,8 @@ impl LoadedProgram {
         self.numbers(option, numbers, params)
     }
 
-    /// Finds a surface, a metric or a solid by its name; without a name the first surface or metric, else the first solid.
+    /// Finds a surface, a metric or a solid by its name; without a name the first surface or metric, or else the first
+    /// solid.
     ///
     /// # Errors
     /// [`Failure::Usage`] if there is none.
@@ -274,7 +276,7 @@ impl LoadedProgram {
         self.first_of(name, "surface or metric", &is_one)
     }
 
-    /// Finds an object of a shape that is `wanted` by its name; without a name, the first one.
+    /// Finds an object by its name, if its shape is `wanted`; without a name, the first such object.
     fn first_of(
         &self,
         name: Option<&str>,
@@ -322,7 +324,7 @@ impl LoadedProgram {
     }
 }
 
-/// Words with commas, and an `and` before the last.
+/// Joins words with commas, and an `and` before the last.
 fn joined(words: &[String]) -> String {
     match words {
         [] => String::new(),
@@ -356,7 +358,7 @@ fn refused(scene: &Scene, error: &SetError) -> Failure {
     }
 }
 
-/// Prints diagnostics: for people on standard error, and errors in JSON on standard output too.
+/// Prints diagnostics: as text on standard error, and errors in JSON also on standard output.
 ///
 /// # Errors
 /// [`Failure::ProgramHasErrors`] if there is an error among them.

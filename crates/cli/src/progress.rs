@@ -1,4 +1,4 @@
-//! Progress bars, by `indicatif`: on standard error, on a terminal only, and only for work that takes long.
+//! Progress bars, by `indicatif`: on standard error, only on a terminal, and only for long work.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ const DELAY: Duration = Duration::from_millis(400);
 /// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
-/// A bar that appears once the work has taken long enough. Without a terminal it does nothing.
+/// A bar that appears once the work has taken long enough. Without a terminal it has no effect.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
@@ -19,7 +19,7 @@ pub(crate) struct Progress {
 impl Progress {
     /// Starts the clock of a piece of work; `label` is a short phrase such as `drawing`.
     pub(crate) fn start(label: &'static str) -> Self {
-        // indicatif draws nothing where standard error is no terminal.
+        // indicatif draws nothing if standard error is not a terminal.
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
         if let Ok(style) =
             ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left")
@@ -33,7 +33,7 @@ impl Progress {
         }
     }
 
-    /// Shows how long a piece of work has taken whose end nobody knows.
+    /// Shows the elapsed time of work of unknown length.
     pub(crate) fn of_unknown_length(label: &'static str) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
@@ -47,7 +47,7 @@ impl Progress {
         }
     }
 
-    /// Reports that the work is done to this fraction, 0 to 1. May be called from any thread, and often.
+    /// Reports the completed fraction of the work, from 0 to 1. May be called from any thread, and often.
     pub(crate) fn reach(&self, fraction: f32) {
         if self.start.elapsed() > DELAY {
             let step = f64::from(fraction.clamp(0.0, 1.0)) * STEPS as f64;

@@ -1,4 +1,4 @@
-//! The languages and views that the command line knows, as a value: a test or another program may add its own.
+//! The languages and views of the command line, as a value: a test or another program may add its own.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use crate::failure::Failure;
 /// The languages and views of a command line.
 #[derive(Clone, Debug)]
 pub struct Registry {
-    /// The languages of programs; the extension of a file chooses one of them.
+    /// The languages of programs; the extension of a file selects one of them.
     pub languages: Languages,
     /// The views of a program, for pictures and the window.
     pub views: Views,
 }
 
 impl Registry {
-    /// The languages and views of this program.
+    /// Returns the languages and views of this program.
     pub fn standard() -> Self {
         Self {
             languages: Languages::standard(),
@@ -33,12 +33,12 @@ impl Registry {
 pub(crate) struct Context {
     /// The languages and views.
     pub(crate) registry: Registry,
-    /// The name of the language of all programs; without it, the extension of each file chooses.
+    /// The name of the language of all programs; `None` if the extension of each file selects it.
     pub(crate) language: Option<String>,
 }
 
 impl Context {
-    /// The language of a program.
+    /// Returns the language of a program.
     ///
     /// # Errors
     /// [`Failure::Usage`] if there is no language of the given name.
@@ -49,7 +49,7 @@ impl Context {
         }
     }
 
-    /// The languages of a window or an editor: all of them, or the one that was given.
+    /// Returns the languages of a window or an editor: all of them, or the given one.
     ///
     /// # Errors
     /// As [`Context::language`].
@@ -60,7 +60,7 @@ impl Context {
         })
     }
 
-    /// The language of the given name, if one was given.
+    /// Returns the language of the given name, if one was given.
     fn named(&self) -> Result<Option<&Arc<dyn Language>>, Failure> {
         let languages = &self.registry.languages;
         let Some(name) = &self.language else {

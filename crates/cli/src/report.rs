@@ -1,4 +1,4 @@
-//! Diagnostics for people: one line with the position and the sentence, the source below it (by `annotate-snippets`), and
+//! Diagnostics as text: one line with the position and the sentence, the source below it (by `annotate-snippets`), and
 //! a hint.
 //!
 //! ```text
@@ -25,11 +25,11 @@ use crate::source::SourceText;
 use crate::style::TextColours;
 use excerpt::Excerpt;
 
-/// The number of diagnostics of a file that are shown with their source.
+/// The maximum number of diagnostics of a file that are shown with their source.
 const WITH_SNIPPET: usize = 100;
-/// The number of diagnostics of a file that are shown at all. JSON has every one.
+/// The maximum number of diagnostics of a file that are shown. JSON has all of them.
 const SHOWN: usize = 1000;
-/// The number of characters at which a sentence is cut: it may quote a word of any length.
+/// The maximum number of characters of a sentence, which may quote a word of any length.
 const LONGEST_SENTENCE: usize = 400;
 /// The width of snippets, in columns.
 const WIDTH: usize = 110;
@@ -58,7 +58,7 @@ impl SeverityCounts {
         }
     }
 
-    /// Adds two counts.
+    /// Returns the sum of two counts.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             errors: self.errors + other.errors,
@@ -83,7 +83,7 @@ impl SeverityCounts {
     }
 }
 
-/// Formats the diagnostics of one text, in their order.
+/// Formats the diagnostics of one text, in order.
 pub(crate) fn text(
     source: &SourceText,
     diagnostics: &[Diagnostic],
@@ -181,7 +181,8 @@ impl Page<'_> {
     }
 }
 
-/// Makes a sentence one line of bounded length, without control characters, which could move the terminal's cursor.
+/// Converts a sentence to one line of limited length, without control characters, which could move the terminal's
+/// cursor.
 fn readable(sentence: &str) -> String {
     let mut text: String = sentence
         .chars()

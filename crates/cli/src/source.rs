@@ -1,4 +1,4 @@
-//! Source texts: a path flows in, a text with its line index flows out.
+//! Source texts. In: a path. Out: a text with its line index.
 
 use std::fs::File;
 use std::io;
@@ -17,7 +17,7 @@ use crate::failure::Failure;
 pub(crate) struct SourceText {
     /// The path as it was given, or `-` for standard input.
     pub(crate) name: String,
-    /// The text. If the file is not UTF-8, replacement characters stand for the invalid bytes.
+    /// The text. If the file is not UTF-8, replacement characters replace the invalid bytes.
     pub(crate) text: String,
     /// The diagnostic of a file that is not UTF-8.
     pub(crate) undecodable: Option<Diagnostic>,
@@ -47,7 +47,7 @@ impl SourceText {
         })
     }
 
-    /// Wraps a text from elsewhere, such as an argument.
+    /// Returns a text from elsewhere, such as an argument.
     pub(crate) fn new(name: String, text: String) -> Self {
         Self {
             name,

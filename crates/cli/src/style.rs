@@ -1,5 +1,5 @@
-//! Colours of texts for people. `anstream` decides by the stream and the environment (`NO_COLOR`, `CLICOLOR_FORCE`,
-//! `TERM`), `anstyle` writes them.
+//! Colours of text. `anstream` decides by the stream and the environment (`NO_COLOR`, `CLICOLOR_FORCE`, `TERM`) whether
+//! to use them; `anstyle` writes them.
 
 use annotate_snippets::Renderer;
 use anstream::stream::RawStream;
@@ -11,30 +11,30 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 const HELP: Style = AnsiColor::Cyan.on_default().bold();
 const STRONG: Style = Style::new().bold();
 
-/// The colours of a text for people, or none.
+/// The colours of text, or none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TextColours {
     has_colour: bool,
 }
 
 impl TextColours {
-    /// The colours of standard output.
+    /// Returns the colours of standard output.
     pub(crate) fn for_stdout() -> Self {
         Self::for_stream(&std::io::stdout())
     }
 
-    /// The colours of standard error.
+    /// Returns the colours of standard error.
     pub(crate) fn for_stderr() -> Self {
         Self::for_stream(&std::io::stderr())
     }
 
-    /// No colours.
+    /// Returns no colours.
     #[cfg(test)]
     pub(crate) fn plain() -> Self {
         Self { has_colour: false }
     }
 
-    /// Colours, whatever the streams are.
+    /// Returns colours, whatever the streams are.
     #[cfg(test)]
     pub(crate) fn coloured() -> Self {
         Self { has_colour: true }
@@ -61,12 +61,12 @@ impl TextColours {
         self.paint(HELP, text)
     }
 
-    /// Sets off what is to be read first.
+    /// Emphasises the most important text.
     pub(crate) fn strong(self, text: &str) -> String {
         self.paint(STRONG, text)
     }
 
-    /// The renderer of source snippets, with or without colours.
+    /// Returns the renderer of source snippets, with or without colours.
     pub(crate) fn renderer(self) -> Renderer {
         if self.has_colour {
             Renderer::styled()

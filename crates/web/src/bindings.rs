@@ -37,26 +37,26 @@ pub struct StepResult {
 
 #[wasm_bindgen]
 impl Core {
-    /// A core with an empty program. A panic is told on the console before it ends the Worker.
+    /// Returns a core with an empty program. A panic is reported on the console before it ends the Worker.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         std::panic::set_hook(Box::new(|panic| log_error(&panic.to_string())));
         Self::default()
     }
 
-    /// Answers a question by its name; its params and the answer are JSON.
+    /// Answers a call by its name; its params and the answer are JSON.
     pub fn call(&mut self, name: &str, params: &str, now: f64) -> Result<String, String> {
         let answer = self.0.call(read_message(name, params)?, 1e-3 * now)?;
         Ok(answer.to_string())
     }
 
-    /// Takes what the page tells, by its name; its params are JSON.
+    /// Handles a notice by its name; its params are JSON.
     pub fn notice(&mut self, name: &str, params: &str, now: f64) -> Result<(), String> {
         self.0.notice(read_message(name, params)?, 1e-3 * now);
         Ok(())
     }
 
-    /// The events since the last time, a list as JSON.
+    /// Returns the events since the last call, a JSON list.
     pub fn events(&mut self) -> String {
         json!(self.0.take_events()).to_string()
     }
@@ -71,17 +71,17 @@ impl Core {
         }
     }
 
-    /// The tokens of a range, four numbers each.
+    /// Returns the tokens of a range, four numbers each.
     pub fn tokens(&self, from: u32, to: u32) -> Vec<u32> {
         self.0.editing().tokens(Utf16Range { from, to })
     }
 
-    /// Takes an image; its size as JSON.
+    /// Adds an image. Returns its size as JSON.
     pub fn texture(&mut self, name: &str, bytes: &[u8]) -> Result<String, String> {
         Ok(self.0.texture(name, bytes)?.to_string())
     }
 
-    /// A view as it is at rest, as a PNG file.
+    /// Returns the picture of a view at rest, as a PNG file.
     #[wasm_bindgen(js_name = savePicture)]
     pub fn save_picture(
         &mut self,
@@ -92,7 +92,7 @@ impl Core {
         self.0.save_picture(view, [width, height]).map(SavedFile)
     }
 
-    /// The objects that are not hidden, as a file of a format.
+    /// Returns the objects that are not hidden, as a file of a format.
     #[wasm_bindgen(js_name = saveMesh)]
     pub fn save_mesh(&mut self, format: &str) -> Result<SavedFile, String> {
         self.0.save_mesh(format).map(SavedFile)
@@ -101,12 +101,12 @@ impl Core {
 
 #[wasm_bindgen]
 impl SavedFile {
-    /// The bytes.
+    /// Returns the bytes.
     pub fn bytes(&self) -> Vec<u8> {
         self.0.bytes.clone()
     }
 
-    /// The type and the notes.
+    /// Returns the type and the notes.
     pub fn text(&self) -> String {
         json!({ "type": self.0.media_type, "notes": self.0.notes }).to_string()
     }
@@ -114,12 +114,12 @@ impl SavedFile {
 
 #[wasm_bindgen]
 impl StepResult {
-    /// The description.
+    /// Returns the description.
     pub fn text(&self) -> String {
         self.text.clone()
     }
 
-    /// The pixels, once.
+    /// Returns the pixels, and removes them.
     pub fn pixels(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.pixels)
     }

@@ -1,7 +1,7 @@
-//! The core: it answers the page's messages, and says what is to be drawn next.
+//! The core: it answers the page's messages, and determines what is drawn next.
 //!
-//! The text is compiled, the cameras move and the pictures are drawn in [`Core::step`], between messages: of texts and
-//! motions that come while something is drawn, only what they add up to is seen.
+//! [`Core::step`] compiles the text, moves the cameras and draws the pictures, between messages. Of the texts and
+//! motions that arrive during drawing, only the combined effect is shown.
 
 mod describe;
 mod motion;
@@ -36,7 +36,7 @@ use crate::message::{Call, CoreEvent, Notice, SceneInfo};
 use motion::Motions;
 use pictures::PanePictures;
 
-/// Everything that the page has open. Points in time are in seconds, of any clock.
+/// The state of the page's program. Points in time are in seconds, of any clock.
 #[derive(Debug)]
 pub struct Core {
     languages: Languages,
@@ -47,7 +47,7 @@ pub struct Core {
     renderer: Renderer,
     framing: Framing,
     measurer: Measurer,
-    /// The places to which clicks snap while something is measured.
+    /// The points to which clicks snap while something is measured.
     targets: Option<SnapTargets>,
     pictures: PanePictures,
     clicks: Clicks,
@@ -55,23 +55,23 @@ pub struct Core {
     /// The time of the last call.
     now: f64,
     attention: Attention,
-    /// The text has changed since it was compiled.
+    /// True if the text has changed since it was compiled.
     is_unread: bool,
     told: Told,
     events: Vec<CoreEvent>,
 }
 
-/// The last state that the page was told.
+/// The last state that was sent to the page.
 #[derive(Debug, Default)]
 struct Told {
-    /// The scene may be another one than that which was told.
+    /// True if the scene may differ from the one that was sent.
     is_stale: bool,
     scene: Option<SceneInfo>,
     settings: View,
 }
 
 impl Core {
-    /// A core with an empty program.
+    /// Returns a core with an empty program.
     pub fn new() -> Self {
         let languages = Languages::standard();
         let editing = Editing::open(&languages, "", String::new(), 0);
@@ -96,17 +96,17 @@ impl Core {
         }
     }
 
-    /// The text that is open.
+    /// Returns the open text.
     pub fn editing(&self) -> &Editing {
         &self.editing
     }
 
-    /// The events since the last time.
+    /// Returns the events since the last call.
     pub fn take_events(&mut self) -> Vec<CoreEvent> {
         std::mem::take(&mut self.events)
     }
 
-    /// Answers a question.
+    /// Answers a call.
     ///
     /// # Errors
     /// A sentence for the reader of the page.
@@ -167,7 +167,7 @@ impl Core {
         })
     }
 
-    /// Takes what the page tells.
+    /// Handles a notice of the page.
     pub fn notice(&mut self, notice: Notice, now: f64) {
         self.now = now;
         match notice {
@@ -208,7 +208,7 @@ impl Core {
         }
     }
 
-    /// Takes an image under a name, in the place of another one; returns its size as a texture.
+    /// Adds an image under a name, replacing another one. Returns its size as a texture.
     ///
     /// # Errors
     /// The sentence about an image that cannot be read.
@@ -225,7 +225,7 @@ impl Core {
         Ok(json!({ "width": size[0], "height": size[1] }))
     }
 
-    /// Opens a program: nothing of the one before is left, but images and panes.
+    /// Opens a program. Only images and panes are kept from the previous one.
     fn open(
         &mut self,
         name: &str,
@@ -240,7 +240,7 @@ impl Core {
         self.model.turn_to(settings::read(settings)?);
         self.told.settings.clone_from(&self.model.view);
         self.told.scene = None;
-        // Other bounds, other samples: nothing of another program's pictures is of use.
+        // Other bounds, other samples: nothing of another program's pictures can be reused.
         self.renderer = Renderer::software().with_views(self.views.clone());
         self.pictures.forget();
         self.clicks = Clicks::default();
@@ -248,7 +248,7 @@ impl Core {
         self.compile();
         let scene = self.model.scene.as_ref();
         if !is_chosen && scene.is_some_and(|scene| scene.picture.is_some()) {
-            // What describes a picture is seen as that picture.
+            // A text that describes a picture is shown as that picture.
             self.model.adjust(|view| view.preferences.traced = true);
         }
         Ok(())
@@ -259,7 +259,7 @@ impl Core {
         self.events.push(CoreEvent::Resync { version });
     }
 
-    /// Notes that the text is another one.
+    /// Notes that the text has changed.
     fn note_text(&mut self) {
         self.is_unread = true;
         self.attention.note_text(self.now);
@@ -269,12 +269,12 @@ impl Core {
     /// Compiles the text, if it has changed.
     fn read(&mut self) {
         if std::mem::take(&mut self.is_unread) && self.compile() {
-            // A camera that the reader has not moved shows everything of a new scene too.
+            // A camera that the reader has not moved sees everything of a new scene too.
             self.model.reframe();
         }
     }
 
-    /// Compiles the text. Returns whether it leads to another scene.
+    /// Compiles the text. Returns whether the scene has changed.
     fn compile(&mut self) -> bool {
         self.is_unread = false;
         let start = web_time::Instant::now();
@@ -299,7 +299,7 @@ impl Core {
         is_fresh
     }
 
-    /// Ends what only lasts for a while. Returns the next time at which something does.
+    /// Ends temporary states whose time has come. Returns the next time at which one ends.
     fn let_end(&mut self) -> Option<f64> {
         if self.attention.advance(&mut self.model, self.now) {
             self.told.is_stale = true;
@@ -307,7 +307,7 @@ impl Core {
         self.attention.next_end(&self.model)
     }
 
-    /// Tells the page what it does not know: the scene at once, settings when nothing moves.
+    /// Sends the page what it does not know: the scene at once, settings when nothing moves.
     fn tell(&mut self) {
         if std::mem::take(&mut self.told.is_stale) {
             let scene = self.scene_info();
@@ -323,7 +323,7 @@ impl Core {
         }
     }
 
-    /// Takes back a step, or does it again.
+    /// Undoes a step, or redoes it.
     fn travel(&mut self, step: impl FnOnce(&mut Model) -> Option<&'static str>) -> Value {
         let title = step(&mut self.model);
         self.told.is_stale = true;

@@ -1,4 +1,4 @@
-//! The text that is edited, and what an editor asks of it: `ide` on UTF-16 offsets, as values of JSON.
+//! The text that is edited, and the editor's queries: `ide` on UTF-16 offsets, as JSON values.
 //!
 //! ```text
 //! edits ──source──▶ bytes ──▶ ide::Program ──▶ diagnostics, scene
@@ -23,7 +23,7 @@ use syntax::span::Span;
 use crate::message::{PageFinding, Related};
 use crate::source::{EditsDoNotFit, Utf16Edit, Utf16Range, Utf16Text};
 
-/// A text of a language, as it is edited.
+/// A text of a language that is being edited.
 #[derive(Debug)]
 pub struct Editing {
     language: Arc<dyn Language>,
@@ -33,7 +33,7 @@ pub struct Editing {
 }
 
 impl Editing {
-    /// Opens a text; the name's extension chooses the language.
+    /// Opens a text; the name's extension selects the language.
     ///
     /// # Errors
     /// The sentence about a text that is too large.
@@ -53,10 +53,10 @@ impl Editing {
         })
     }
 
-    /// Takes another text of the same language.
+    /// Replaces the text by another one of the same language.
     ///
     /// # Errors
-    /// The sentence about a text that is too large; this one is kept then.
+    /// The sentence about a text that is too large; the present one is then kept.
     pub fn replace(&mut self, text: String, version: i32) -> Result<(), String> {
         let program = self.language.open(&text);
         self.program = program.map_err(|error| error.to_string())?;
@@ -65,10 +65,11 @@ impl Editing {
         Ok(())
     }
 
-    /// Applies the edits that make the next version.
+    /// Applies the edits that lead to the next version.
     ///
     /// # Errors
-    /// [`EditsDoNotFit`], if they are of another version, or no ranges of the text: the page has to send it anew.
+    /// [`EditsDoNotFit`] if they are for another version, or their ranges are not in the text: the page must send it
+    /// again.
     pub fn edit(&mut self, version: i32, edits: &[Utf16Edit]) -> Result<(), EditsDoNotFit> {
         if version != self.version.wrapping_add(1) {
             return Err(EditsDoNotFit);
@@ -79,31 +80,31 @@ impl Editing {
             all_fit &= program.edit(span, text).is_ok();
         })?;
         self.version = version;
-        // The program refuses what makes it too large.
+        // The program refuses an edit that makes it too large.
         if all_fit { Ok(()) } else { Err(EditsDoNotFit) }
     }
 
-    /// The text, with its offsets.
+    /// Returns the text, with its offsets.
     pub fn source(&self) -> &Utf16Text {
         &self.source
     }
 
-    /// Its language.
+    /// Returns its language.
     pub fn language(&self) -> &dyn Language {
         &*self.language
     }
 
-    /// Its program.
+    /// Returns its program.
     pub fn program(&self) -> &dyn Program {
         &*self.program
     }
 
-    /// The version of the text.
+    /// Returns the version of the text.
     pub fn version(&self) -> i32 {
         self.version
     }
 
-    /// The findings for the page.
+    /// Returns the findings in the page's form.
     pub fn findings(&self, diagnostics: &[Diagnostic]) -> Vec<PageFinding> {
         let finding = |found: &Diagnostic| PageFinding {
             range: self.source.range(found.span),
@@ -127,7 +128,7 @@ impl Editing {
         diagnostics.iter().map(finding).collect()
     }
 
-    /// The tokens that touch a range, four numbers each: from, to, type, modifiers.
+    /// Returns the tokens that touch a range, four numbers each: from, to, type, modifiers.
     pub fn tokens(&self, range: Utf16Range) -> Vec<u32> {
         let span = self.source.span(range);
         let tokens = self.analysis().semantic_tokens(span).into_iter();
@@ -147,7 +148,7 @@ impl Editing {
         self.source.byte(at)
     }
 
-    /// The description of what is at a place.
+    /// Returns the description of the name at an offset.
     pub fn hover(&self, at: u32) -> Value {
         let Some((span, described)) = self.analysis().hover(self.byte(at)) else {
             return Value::Null;
@@ -156,7 +157,7 @@ impl Editing {
         json!({ "from": from, "to": to, "description": description(&described) })
     }
 
-    /// The completions at a place.
+    /// Returns the completions at an offset.
     pub fn complete(&self, at: u32) -> Value {
         let found = self.analysis().completions(self.byte(at), true);
         let Utf16Range { from, to } = self.source.range(found.range);
@@ -164,13 +165,13 @@ impl Editing {
         json!({ "from": from, "to": to, "list": list, "isComplete": found.is_complete })
     }
 
-    /// The description of an entry of the list at a place.
+    /// Returns the description of an entry of the completions at an offset.
     pub fn describe(&self, at: u32, label: &str) -> Value {
         let described = self.analysis().describe_completion(self.byte(at), label);
         described.as_ref().map_or(Value::Null, description)
     }
 
-    /// The function whose arguments are written at a place.
+    /// Returns the signature of the function whose arguments are at an offset.
     pub fn signature(&self, at: u32) -> Value {
         let Some(found) = self.analysis().signature(self.byte(at)) else {
             return Value::Null;
@@ -188,7 +189,7 @@ impl Editing {
         })
     }
 
-    /// The place where the name at a place is introduced.
+    /// Returns the range in which the name at an offset is introduced.
     pub fn definition(&self, at: u32) -> Value {
         match self.analysis().definition(self.byte(at)) {
             Some((name, target)) => json!({
@@ -199,7 +200,7 @@ impl Editing {
         }
     }
 
-    /// All places of the name at a place.
+    /// Returns all occurrences of the name at an offset.
     pub fn occurrences(&self, at: u32) -> Value {
         let found = self.analysis().occurrences(self.byte(at)).into_iter();
         let found = found.map(|it| {
@@ -209,7 +210,7 @@ impl Editing {
         found.collect()
     }
 
-    /// The name at a place, if it can be renamed.
+    /// Returns the name at an offset, if it can be renamed.
     ///
     /// # Errors
     /// The sentence that says why it cannot.
@@ -220,28 +221,28 @@ impl Editing {
         Ok(json!({ "from": from, "to": to, "name": name }))
     }
 
-    /// The edits that rename.
+    /// Returns the edits of a renaming.
     ///
     /// # Errors
-    /// The sentence that says why the name cannot be that.
+    /// The sentence that says why the new name is not possible.
     pub fn rename(&self, at: u32, name: &str) -> Result<Value, String> {
         let edits = self.analysis().rename(self.byte(at), name);
         Ok(self.edits(&edits.map_err(|error| error.to_string())?))
     }
 
-    /// The edits that lay out the text, or a part of it.
+    /// Returns the edits that format the text, or a part of it.
     pub fn format(&self, range: Option<Utf16Range>) -> Value {
         let span = range.map(|range| self.source.span(range));
         self.edits(&self.analysis().format(span))
     }
 
-    /// The edits that lay out the declaration that ends before a place.
+    /// Returns the edits that format the declaration that ends before an offset.
     pub fn format_on_type(&self, at: u32) -> Value {
         let edits = self.analysis().format_on_type(self.byte(at));
         self.edits(&edits.unwrap_or_default())
     }
 
-    /// The fixes of what is found in a range.
+    /// Returns the fixes of the findings in a range.
     pub fn fixes(&self, range: Utf16Range) -> Value {
         let fixes = self.analysis().fixes(self.source.span(range)).into_iter();
         let fixes = fixes.map(|fix| {
@@ -255,13 +256,13 @@ impl Editing {
         fixes.collect()
     }
 
-    /// All fixes that may be applied without asking.
+    /// Returns all fixes that may be applied without asking.
     pub fn fix_all(&self) -> Value {
         let (edits, count) = self.analysis().fix_all();
         json!({ "edits": self.edits(&edits), "count": count })
     }
 
-    /// The declarations.
+    /// Returns the declarations.
     pub fn outline(&self) -> Value {
         let entries = self.analysis().outline().into_iter();
         let entries = entries.map(|entry| {
@@ -285,7 +286,7 @@ impl Editing {
         entries.collect()
     }
 
-    /// The ranges that can be folded.
+    /// Returns the ranges that can be folded.
     pub fn folds(&self) -> Value {
         let folds = self.analysis().folds().into_iter();
         let folds = folds.map(|fold| {
@@ -295,7 +296,7 @@ impl Editing {
         folds.collect()
     }
 
-    /// The ranges around a place.
+    /// Returns the ranges around an offset.
     pub fn selection(&self, at: u32) -> Value {
         let spans = self.analysis().selection(self.byte(at)).into_iter();
         json!(
@@ -305,7 +306,7 @@ impl Editing {
         )
     }
 
-    /// The hints in a range.
+    /// Returns the hints in a range.
     pub fn hints(&self, range: Utf16Range) -> Value {
         let hints = self.analysis().hints(self.source.span(range)).into_iter();
         let hints = hints.map(|hint| {
@@ -319,7 +320,7 @@ impl Editing {
         hints.collect()
     }
 
-    /// The colours that the text states.
+    /// Returns the colours that the text states.
     pub fn colours(&self) -> Value {
         let colours = self.analysis().colors().into_iter();
         let colours = colours.map(|colour| {
@@ -330,13 +331,13 @@ impl Editing {
         colours.collect()
     }
 
-    /// The texts that state another colour in place of the one in a range.
+    /// Returns the texts that state another colour in place of the one in a range.
     pub fn colour_texts(&self, range: Utf16Range, rgb: [u8; 3]) -> Value {
         let rgb = rgb.map(|part| f64::from(part) / 255.0);
         json!(self.analysis().color_texts(self.source.span(range), rgb))
     }
 
-    /// The edit after which a param starts with some values.
+    /// Returns the edit that gives a param initial values.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
@@ -347,7 +348,7 @@ impl Editing {
         ))
     }
 
-    /// The edit after which a camera of the text looks along a direction from a place.
+    /// Returns the edit that gives a camera of the text a position and a direction.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
@@ -363,7 +364,7 @@ impl Editing {
         ))
     }
 
-    /// The edit after which an object states another colour.
+    /// Returns the edit that gives an object another colour.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
@@ -394,7 +395,7 @@ impl Editing {
     }
 }
 
-/// The kind of a declaration or of a completion, as the page's icons know it.
+/// The kind of a declaration or of a completion, as named by the page's icons.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Kind {

@@ -20,7 +20,7 @@ macro_rules! examples {
     };
 }
 
-/// All of them, by their names.
+/// All examples, by name.
 pub const EXAMPLES: &[Example] = examples![
     "bokeh.crt",
     "carved_box.crt",
@@ -62,7 +62,7 @@ pub const EXAMPLES: &[Example] = examples![
 ];
 
 impl Example {
-    /// The first sentence of the comment that it begins with.
+    /// Returns the first sentence of its initial comment.
     pub fn about(&self) -> String {
         let mark = if self.file.ends_with(".crt") {
             "--"
@@ -79,7 +79,7 @@ impl Example {
     }
 }
 
-/// The list for the page.
+/// Returns the list for the page.
 pub(crate) fn list() -> Value {
     let all = EXAMPLES.iter();
     all.map(|it| json!({ "file": it.file, "about": it.about(), "text": it.text }))

@@ -1,4 +1,4 @@
-//! The images that the page has given, by their names.
+//! The images that the page has provided, by name.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,19 +11,19 @@ use session::textures::{ImageSource, ImageState};
 #[derive(Debug, Default)]
 pub(crate) struct GivenImages {
     given: BTreeMap<PathBuf, Arc<Texture>>,
-    /// The texels that they have together.
+    /// The budget of texels that they share.
     pub(crate) budget: TexelBudget,
 }
 
 impl GivenImages {
-    /// Takes an image under a name, in the place of another one.
+    /// Adds an image under a name, replacing another one.
     pub(crate) fn give(&mut self, name: PathBuf, image: Arc<Texture>) {
         self.given.insert(name, image);
     }
 
-    /// The name of an image that a program's word stands for.
+    /// Returns the name of the image for a word of a program.
     fn named(&self, word: &str) -> Option<PathBuf> {
-        // What is dropped has no folder, whatever path a script writes.
+        // Dropped images have no folder, whatever path a script specifies.
         let files = named_files(word, Path::new("")).into_iter();
         let names = files.filter_map(|file| Some(PathBuf::from(file.file_name()?)));
         names.into_iter().find(|name| self.given.contains_key(name))

@@ -7,9 +7,9 @@
 //! page ◀──Answer, CoreEvent, pixels── worker.ts ◀── bindings ◀┘
 //! ```
 //!
-//! [`Core`] is plain Rust, and is tested natively; `bindings` and `threads` alone are JavaScript's, and stand in no other
-//! build. Nothing here has a file or a clock of its own: the Worker hands in texts, bytes and the time, and calls for
-//! pictures. Where a browser lets Workers share memory, `threads` makes more of them the threads that draw.
+//! [`Core`] is plain Rust, and is tested natively; only `bindings` and `threads` depend on JavaScript, and are absent
+//! from other builds. This crate has no files or clock of its own: the Worker passes in texts, bytes and the time, and
+//! requests pictures. If a browser lets Workers share memory, `threads` uses further Workers as the threads that draw.
 
 #[cfg(target_arch = "wasm32")]
 mod bindings;

@@ -1,5 +1,5 @@
-//! The messages between the page and the core, as `web/src/protocol.ts` has them: that file says what each means. Bytes do
-//! not go through here; `bindings` has functions for what has any.
+//! The messages between the page and the core, as in `web/src/protocol.ts`, which documents each one. Messages carry no
+//! bytes; `bindings` has functions for those.
 
 use render::figure::FigureKind;
 use serde::de::DeserializeOwned;
@@ -14,9 +14,9 @@ use crate::source::{Utf16Edit, Utf16Range};
 /// Reads a message by its name and its params, which are JSON.
 ///
 /// # Errors
-/// The sentence about what cannot be read.
+/// The sentence about a message that cannot be read.
 pub fn read_message<T: DeserializeOwned>(name: &str, params: &str) -> Result<T, String> {
-    // By way of a value: a reader of texts for each type would be a tenth of the whole download.
+    // Via a value: a text parser for each type would add a tenth to the download.
     let params: Result<Value, _> = serde_json::from_str(params);
     let named =
         params.map(|params| Value::Object([(name.to_owned(), params)].into_iter().collect()));
@@ -24,7 +24,7 @@ pub fn read_message<T: DeserializeOwned>(name: &str, params: &str) -> Result<T, 
     message.map_err(|error| format!("the message `{name}` cannot be read: {error}"))
 }
 
-/// Something that the page asks for.
+/// A request of the page that is answered.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -120,7 +120,7 @@ pub enum Call {
     Examples {},
 }
 
-/// Something that the page tells.
+/// A notice of the page, which is not answered.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -184,7 +184,7 @@ pub enum Notice {
     Release {},
 }
 
-/// Something that the core tells by itself.
+/// A message that the core sends by itself.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(
     tag = "event",
@@ -220,9 +220,9 @@ pub enum CoreEvent {
 pub struct Pane {
     /// The name of its view.
     pub view: String,
-    /// The pixels that it has room for.
+    /// Its width in pixels.
     pub width: u32,
-    /// Likewise.
+    /// Its height in pixels.
     pub height: u32,
 }
 
@@ -236,7 +236,7 @@ pub enum Grip {
     Pan,
 }
 
-/// A place where a camera is put: `"reset"`, `"frame"`, or the end of an axis: `"+x"`, `"-z"`.
+/// A preset position of a camera: `"reset"`, `"frame"`, or the end of an axis: `"+x"`, `"-z"`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "String")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -263,15 +263,15 @@ impl TryFrom<String> for CameraMove {
     }
 }
 
-/// A figure that is to be measured.
+/// A figure to be measured.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 pub struct AskedFigure {
-    /// The surface or metric that it lies on.
+    /// The surface or metric on which it is.
     pub surface: String,
     /// Its kind.
     #[serde(deserialize_with = "figure_kind")]
     pub kind: FigureKind,
-    /// Its places, (u, v).
+    /// Its points, (u, v).
     pub places: Vec<[f64; 2]>,
     /// The radius of a circle.
     #[serde(default)]
@@ -287,7 +287,7 @@ fn figure_kind<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Figu
 /// A diagnostic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PageFinding {
-    /// Its place.
+    /// Its range.
     #[serde(flatten)]
     pub range: Utf16Range,
     /// `error`, `warning` or `hint`.
@@ -296,23 +296,23 @@ pub struct PageFinding {
     pub code: &'static str,
     /// One sentence.
     pub message: String,
-    /// A sentence that helps.
+    /// A sentence with advice.
     pub hint: Option<String>,
-    /// Other places that explain it.
+    /// Other ranges that explain it.
     pub related: Vec<Related>,
 }
 
-/// Another place that explains a diagnostic.
+/// Another range that explains a diagnostic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Related {
-    /// The place.
+    /// The range.
     #[serde(flatten)]
     pub range: Utf16Range,
     /// One sentence.
     pub message: String,
 }
 
-/// The scene of the last sound state of the text.
+/// The scene of the last valid state of the text.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[expect(missing_docs, reason = "the protocol documents them")]
@@ -406,7 +406,7 @@ pub struct ImageInfo {
     pub is_there: bool,
 }
 
-/// The object that is seen at a place of a picture.
+/// The object at a point of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the protocol documents them")]
 pub struct Pick {

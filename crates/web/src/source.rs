@@ -1,4 +1,4 @@
-//! The text as the page counts it: in UTF-16 code units, where the core counts bytes of UTF-8.
+//! The text in the page's offsets: UTF-16 code units, where the core counts bytes of UTF-8.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,10 +6,10 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use syntax::span::Span;
 
-/// The bytes between two marks.
+/// The number of bytes between two marks.
 const STRIDE: usize = 256;
 
-/// A text whose offsets can be converted both ways, each in a time that does not grow with the text.
+/// A text whose offsets can be converted both ways, in a time that does not grow with the text.
 #[derive(Clone, Debug, Default)]
 pub struct Utf16Text {
     text: String,
@@ -17,27 +17,27 @@ pub struct Utf16Text {
     marks: Vec<u32>,
 }
 
-/// A range in UTF-16 units, half open.
+/// A half-open range in UTF-16 units.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
 pub struct Utf16Range {
     /// The first unit.
     pub from: u32,
-    /// The unit behind the last.
+    /// The unit after the last.
     pub to: u32,
 }
 
-/// A piece of a text, and what takes its place.
+/// A range of a text, and its replacement.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 pub struct Utf16Edit {
     /// The first unit.
     pub from: u32,
-    /// The unit behind the last.
+    /// The unit after the last.
     pub to: u32,
     /// The new text.
     pub insert: String,
 }
 
-/// The ranges of edits are not ranges of the text in their order.
+/// The error that the ranges of edits are not ordered ranges of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct EditsDoNotFit;
 
@@ -49,7 +49,7 @@ impl fmt::Display for EditsDoNotFit {
 
 impl std::error::Error for EditsDoNotFit {}
 
-/// The UTF-16 units of the characters that start in some bytes.
+/// Returns the number of UTF-16 units of the characters that start in some bytes.
 fn units(bytes: &[u8]) -> u32 {
     let of = |byte: &u8| match *byte {
         0x80..0xC0 => 0,
@@ -60,7 +60,7 @@ fn units(bytes: &[u8]) -> u32 {
 }
 
 impl Utf16Text {
-    /// Takes a text.
+    /// Returns a text with its marks.
     pub fn new(text: impl Into<String>) -> Self {
         let mut source = Self {
             text: text.into(),
@@ -70,12 +70,12 @@ impl Utf16Text {
         source
     }
 
-    /// The text.
+    /// Returns the text.
     pub fn as_str(&self) -> &str {
         &self.text
     }
 
-    /// Counts anew behind a byte.
+    /// Recomputes the marks after a byte.
     fn mark_from(&mut self, byte: usize) {
         self.marks.truncate(byte / STRIDE + 1);
         if self.marks.is_empty() {
@@ -89,7 +89,7 @@ impl Utf16Text {
         }
     }
 
-    /// The UTF-16 offset of a byte; that of the end for one beyond the end.
+    /// Returns the UTF-16 offset of a byte; for a byte beyond the end, that of the end.
     pub fn utf16(&self, byte: u32) -> u32 {
         let bytes = self.text.as_bytes();
         let byte = (byte as usize).min(bytes.len());
@@ -97,13 +97,14 @@ impl Utf16Text {
         self.marks[mark] + units(&bytes[mark * STRIDE..byte])
     }
 
-    /// The byte of a UTF-16 offset; the end for one beyond the end, the character's first for one inside a character.
+    /// Returns the byte of a UTF-16 offset; for one beyond the end, the end; for one inside a character, the
+    /// character's start.
     pub fn byte(&self, utf16: u32) -> u32 {
         let mark = self.marks.partition_point(|units| *units <= utf16) - 1;
         let mut left = utf16 - self.marks[mark];
         let bytes = self.text.as_bytes();
         let mut at = mark * STRIDE;
-        // A mark may lie inside a character, whose units count before it.
+        // A mark may be inside a character, whose units count before the mark.
         while at < bytes.len() {
             let width = units(&bytes[at..=at]);
             if width > left || (left == 0 && self.text.is_char_boundary(at)) {
@@ -115,7 +116,7 @@ impl Utf16Text {
         at as u32
     }
 
-    /// The range of a span.
+    /// Returns the range of a span.
     pub fn range(&self, span: Span) -> Utf16Range {
         Utf16Range {
             from: self.utf16(span.start),
@@ -123,17 +124,17 @@ impl Utf16Text {
         }
     }
 
-    /// The span of a range.
+    /// Returns the span of a range.
     pub fn span(&self, range: Utf16Range) -> Span {
         let start = self.byte(range.from);
         Span::new(start, self.byte(range.to).max(start))
     }
 
-    /// Applies edits whose ranges are those of the text as it is, in their order and without overlap. `each` receives the
-    /// bytes that are replaced, from the last edit to the first, so that the places of the others are still right.
+    /// Applies edits whose ranges refer to the present text, in order and without overlap. `each` receives the replaced
+    /// bytes, from the last edit to the first, so that the offsets of the others stay valid.
     ///
     /// # Errors
-    /// [`EditsDoNotFit`]; the text is unchanged then, and `each` has not been called.
+    /// [`EditsDoNotFit`]; the text is then unchanged, and `each` has not been called.
     pub fn edit(
         &mut self,
         edits: &[Utf16Edit],
@@ -154,7 +155,7 @@ impl Utf16Text {
             each(Span::new(start, end), &edit.insert);
             self.text
                 .replace_range(start as usize..end as usize, &edit.insert);
-            // Marks up to the edit are right, and those of the edits before it are not read beyond.
+            // Marks before the edit are valid, and earlier edits read none beyond it.
             first = start as usize;
         }
         self.mark_from(first);

@@ -5,8 +5,8 @@
 //!                    ──begin_threads──▶ the pool hands out its threads ─┘
 //! ```
 //!
-//! The Worker that calls `begin_threads` is one of the pool's threads itself. The others must be waiting by then: a Worker
-//! starts only while the one that has made it does nothing.
+//! The Worker that calls `begin_threads` is itself one of the pool's threads. The others must already be waiting: a
+//! Worker starts only while its creator is idle.
 #![allow(
     unsafe_code,
     unreachable_pub,
@@ -18,15 +18,15 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use rayon::ThreadBuilder;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-/// The threads of the pool that no Worker has become yet.
+/// The threads of the pool that no Worker runs yet.
 static WAITING: Mutex<Vec<ThreadBuilder>> = Mutex::new(Vec::new());
-/// Tells that there is one.
+/// Signals that a thread has been added.
 static ADDED: Condvar = Condvar::new();
 
-/// Makes the pool, of so many threads: the calling Worker, and others that have called [`run_thread`].
+/// Creates the pool with `count` threads: the calling Worker, and others that have called [`run_thread`].
 ///
 /// # Errors
-/// A sentence, if there is a pool already.
+/// A sentence, if there is already a pool.
 #[wasm_bindgen(js_name = beginThreads)]
 pub fn begin_threads(count: usize) -> Result<(), String> {
     rayon::ThreadPoolBuilder::new()
@@ -42,7 +42,7 @@ pub fn begin_threads(count: usize) -> Result<(), String> {
         .map_err(|error| error.to_string())
 }
 
-/// Becomes a thread of the pool, as soon as there is one to be. It does not return.
+/// Becomes a thread of the pool, as soon as one is available. It does not return.
 #[wasm_bindgen(js_name = runThread)]
 pub fn run_thread() {
     let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);

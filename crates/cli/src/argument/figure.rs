@@ -1,17 +1,17 @@
-//! Parsers of what is drawn on surfaces: figures that are measured, and paths.
+//! Parsers of lines on surfaces: measured figures, and paths.
 
 use render::figure::FigureKind;
 
 use super::{Pair, Quantity, pair, quantity};
 
-/// `SURFACE=KIND:U,V:…`: places on a surface of which something is measured.
+/// `SURFACE=KIND:U,V:…`: points on a surface whose measures are wanted.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FigureArgument {
     /// The surface's name.
     pub(crate) surface: String,
     /// The kind.
     pub(crate) kind: FigureKind,
-    /// The places, as many as the kind takes at most.
+    /// The points, at most as many as the kind requires.
     pub(crate) places: Vec<Pair>,
     /// The radius of a circle.
     pub(crate) radius: Option<Quantity>,
@@ -22,7 +22,7 @@ pub(crate) struct FigureArgument {
 pub(crate) struct PathArgument {
     /// The surface's name.
     pub(crate) surface: String,
-    /// The places of the path in order, two or more.
+    /// The points of the path in order, two or more.
     pub(crate) places: Vec<Pair>,
 }
 
@@ -39,7 +39,7 @@ pub(crate) fn figure(text: &str) -> Result<FigureArgument, String> {
     })?;
     let mut parts: Vec<&str> = parts.collect();
     let mut radius = None;
-    // A place has two numbers, a radius one.
+    // A point has two numbers, a radius has one.
     if kind == FigureKind::Circle
         && parts.len() > 1
         && let Some(last) = parts.pop_if(|last| !last.contains(','))

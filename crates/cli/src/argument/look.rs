@@ -1,4 +1,4 @@
-//! Parsers of how objects look: colours, images, and what a view may leave out.
+//! Parsers of the appearance of objects: colours, images, and optional parts of a view.
 
 use std::path::PathBuf;
 

@@ -1,29 +1,29 @@
-//! Excerpts: a text and a range flow in, the few lines that a diagnostic shows flow out, also of lines of megabytes.
+//! Excerpts. In: a text and a range. Out: the few lines that a diagnostic shows, even if lines are megabytes long.
 //!
-//! `annotate-snippets` trims lines to a width too, but reads them as a whole first.
+//! `annotate-snippets` also trims lines to a width, but reads them in full first.
 
 use std::ops::Range;
 
 use syntax::span::Span;
 
-/// The number of characters on either side of the marked range. The renderer trims further.
+/// The maximum number of characters on either side of the marked range. The renderer trims further.
 const REACH: usize = 200;
-/// The number of marked characters on one line of a longer range: as many as fit into the renderer's width.
+/// The maximum number of marked characters on a line of a longer range: as many as fit into the renderer's width.
 const MARKED: usize = 96;
-/// The number of lines that are shown of a longer range.
+/// The maximum number of lines that are shown of a longer range.
 const LINES: usize = 4;
 
 /// A piece of a text, from the line on which a range starts.
 #[derive(Debug)]
 pub(super) struct Excerpt {
-    /// The lines, cut with `…` where they are too long.
+    /// The lines, truncated with `…` if they are too long.
     pub(super) text: String,
     /// The marked range in `text`.
     pub(super) marked: Range<usize>,
 }
 
 impl Excerpt {
-    /// Cuts out the lines around `span`. Reads no more than it returns.
+    /// Returns the lines around `span`. Reads no more than it returns.
     pub(super) fn new(text: &str, span: Span) -> Self {
         let start = (span.start as usize).min(text.len());
         let end = (span.end as usize).clamp(start, text.len());
@@ -51,7 +51,7 @@ impl Excerpt {
     }
 }
 
-/// Returns the part of `text` on its last line, and whether it was cut.
+/// Returns the last line of `text`, and whether it was truncated.
 fn line_before(text: &str) -> (&str, bool) {
     let mut letters = text.char_indices().rev();
     let mut start = text.len();
@@ -67,7 +67,7 @@ fn line_before(text: &str) -> (&str, bool) {
     )
 }
 
-/// Returns the part of `text` on its first line, and whether it was cut.
+/// Returns the first line of `text`, and whether it was truncated.
 fn line_after(text: &str) -> (&str, bool) {
     let mut letters = text.char_indices();
     for _ in 0..REACH {

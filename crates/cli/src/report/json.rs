@@ -52,7 +52,7 @@ impl DiagnosticsJson {
     }
 }
 
-/// Returns the word for a severity, in JSON and for people.
+/// Returns the word for a severity, in JSON and in text.
 pub(crate) fn severity(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",

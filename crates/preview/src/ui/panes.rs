@@ -37,7 +37,7 @@ pub(crate) struct Panes {
     pub(crate) shows_views_alone: bool,
     /// The open tab of the settings.
     pub(crate) settings_tab: SettingsTab,
-    /// The values of defines that were last shown, with their scene and params.
+    /// The values of defines that were last shown, with their text's version and params.
     pub(crate) defines: Option<DefineValues>,
     /// True if the first view was left out because it would show nothing.
     without_first: bool,

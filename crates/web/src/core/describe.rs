@@ -1,4 +1,4 @@
-//! The scene as the page has it: views, params, objects, cameras, images.
+//! The scene in the page's form: views, params, objects, cameras, images.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Cameras that move: by the pointer, by keys that are held, and by themselves.
+//! Cameras that move: by the pointer, by held keys, and by themselves.
 
 use render::ViewId;
 use session::camera_input::axis_views::Turn;
@@ -8,25 +8,25 @@ use session::motion::Motion;
 use super::Core;
 use crate::message::{CameraMove, Grip};
 
-/// The pause between two turns of a wheel: a view counts as moving for so long after its last motion, in seconds.
+/// The time for which a view counts as moving after its last motion, such as between two turns of a wheel, in seconds.
 const MOTION_PAUSE: f64 = 0.18;
-/// The time that the first frame of a motion takes, in seconds: before it there may be a pause of any length.
+/// The assumed duration of the first frame of a motion, in seconds, since the pause before it may have any length.
 const FRAME: f64 = 1.0 / 60.0;
-/// The least time between two steps of a motion, in seconds.
+/// The minimum time between two steps of a motion, in seconds.
 const STEP: f64 = 0.004;
 
-/// The cameras that move.
+/// The state of moving cameras.
 #[derive(Debug, Default)]
 pub(super) struct Motions {
     /// Something counts as moving until this time.
     until: f64,
-    /// The keys that are held, with the view that they move.
+    /// The held keys, with the view whose camera they move.
     held: Option<HeldKeys>,
-    /// The camera in space turns to an axis.
+    /// The turn of the camera in space to an axis.
     turn: Option<Turn>,
-    /// The time of the last step of what moves by itself.
+    /// The time of the last step of the automatic motions.
     last: Option<f64>,
-    /// The input extends the current undo step.
+    /// True if input extends the current undo step.
     is_gesture: bool,
 }
 
@@ -47,7 +47,7 @@ impl Core {
         self.now < self.motions.until
     }
 
-    /// The time until which something counts as moving, if it does.
+    /// Returns the time until which something counts as moving, if it does.
     pub(super) fn moving_until(&self) -> Option<f64> {
         self.is_moving().then_some(self.motions.until)
     }
@@ -57,7 +57,7 @@ impl Core {
         self.note_motion();
     }
 
-    /// Returns whether something moves by itself: a param, a camera on its way, or one that keys move.
+    /// Returns whether something moves by itself: a param, a turning camera, or one that keys move.
     pub(super) fn moves_by_itself(&self) -> bool {
         self.motions.held.is_some() || self.motions.turn.is_some() || self.model.is_animated()
     }
@@ -100,7 +100,7 @@ impl Core {
         self.model.move_camera(Self::surface(id), motion);
     }
 
-    /// Comes nearer by a factor below 1, to what is seen at a place in a space.
+    /// Moves nearer by a factor below 1, towards a point of the picture in a view in space.
     pub(super) fn zoom(&mut self, id: &ViewId, at: [f64; 2], factor: f64) {
         if !(factor > 0.0 && factor.is_finite()) {
             return;
@@ -114,14 +114,14 @@ impl Core {
                     self.model.move_space("wheel", camera);
                 }
             }
-            // About the middle: the observer stays.
+            // About the centre: the observer stays.
             CameraKind::Geodesic => self.walk(id, Motion::Zoom(factor)),
             CameraKind::Fixed => {}
         }
         self.note_gesture();
     }
 
-    /// Turns a geodesic camera so that what is seen turns clockwise.
+    /// Turns a geodesic camera so that the picture turns clockwise.
     pub(super) fn twist(&mut self, id: &ViewId, angle: f64) {
         if angle.is_finite() && self.camera_kind(id) == CameraKind::Geodesic {
             self.walk(id, Motion::Turn(angle));
@@ -129,7 +129,7 @@ impl Core {
         }
     }
 
-    /// Moves a camera while keys are held, from now on.
+    /// Starts to move a camera while keys are held.
     pub(super) fn hold(&mut self, view: ViewId, keys: Vec<CameraKey>, [shift, alt]: [bool; 2]) {
         let held = self.motions.held.take();
         let was_held = held.is_some();
@@ -158,7 +158,7 @@ impl Core {
         });
     }
 
-    /// Puts a camera somewhere.
+    /// Moves a camera to a preset position.
     pub(super) fn put_camera(&mut self, id: &ViewId, to: CameraMove) {
         self.motions.turn = None;
         let direction = match to {
@@ -174,7 +174,7 @@ impl Core {
                 let request = self.pictures.sent(id).cloned();
                 let home = request.and_then(|request| self.framing.of_everything(&request));
                 if let Some(home) = home {
-                    // Bounds of what is there now, not of what was there before.
+                    // The bounds of the current scene, not of the previous one.
                     self.renderer.set_bounds(None);
                     self.model.frame_everything(&home);
                 }
@@ -185,7 +185,7 @@ impl Core {
         self.motions.turn = Turn::begin(&mut self.model, direction, self.now);
     }
 
-    /// Moves what moves by itself up to now, and ends gestures that have paused.
+    /// Advances the automatic motions to the present time, and ends gestures that have paused.
     pub(super) fn advance(&mut self) {
         let now = self.now;
         if !self.is_moving() && std::mem::take(&mut self.motions.is_gesture) {

@@ -1,4 +1,4 @@
-//! Clicks on pictures, the object that is seen at a place, and measures.
+//! Clicks on pictures, the object at a point of a picture, and measures.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use super::Core;
 use crate::message::{AskedFigure, Pick, QuantityRow};
 use crate::source::Utf16Range;
 
-/// An object that was found at a place, with the picture that shows it.
+/// An object that was picked, with the picture that shows it.
 pub(super) struct PickedObject {
     pub(super) pick: Pick,
     request: PictureRequest,
@@ -27,14 +27,14 @@ pub(super) struct PickedObject {
 }
 
 impl Core {
-    /// The name's place in an object's declaration.
+    /// Returns the range of the name in an object's declaration.
     pub(super) fn declaration(&self, name: &str) -> Option<Utf16Range> {
         let span = self.model.place_of(name)?;
         Some(self.editing.source().range(span))
     }
 
-    /// Finds what is seen at a place of a pane; if it `measures`, the surface under a line is meant, and the place is one
-    /// that is declared, where there is one near.
+    /// Finds the object at a point of a pane. If it `measures`, the surface under a line is picked, and the point snaps
+    /// to a declared one nearby.
     ///
     /// # Errors
     /// The sentence that says why it cannot be found.
@@ -88,7 +88,7 @@ impl Core {
         Ok(Some(PickedObject { pick, request, hit }))
     }
 
-    /// The quantities at a place on a surface or solid, and the place in short.
+    /// Returns the quantities at a point on a surface or solid, and a short form of the point.
     fn readout(&mut self, clicked: &ClickedObject<'_>) -> (Vec<Quantity>, Option<String>) {
         let camera = self.model.view.inside.get(&clicked.object.name);
         let question = MeasureQuestion::pointer(clicked, camera);
@@ -100,15 +100,15 @@ impl Core {
         }
     }
 
-    /// A click: puts the geodesic camera of what is seen there at that place, where there can be one.
+    /// Handles a click: places the geodesic camera of the object there, if it can have one.
     ///
     /// # Errors
-    /// The sentence that says why no camera can stand there.
+    /// The sentence that says why no camera can be there.
     pub(super) fn click(&mut self, id: &ViewId, at: [f64; 2]) -> Result<Value, String> {
         let Some(PickedObject { pick, request, hit }) = self.pick(id, at, false)? else {
             return Ok(Value::Null);
         };
-        // In a geodesic view a click means nothing: a drag walks there.
+        // In a geodesic view a click has no effect: a drag walks there.
         let in_space = request.view.space().is_some();
         let clicked = ClickedObject::new(&request, &hit).filter(|_| in_space);
         let is_inside = |name: &str| self.pictures.has_view_of(name);
@@ -131,7 +131,7 @@ impl Core {
         Ok(json!({ "pick": pick, "placed": placed }))
     }
 
-    /// A double click: as though its first half had never been. Returns what is there.
+    /// Handles a double click, and withdraws its first half. Returns the object there.
     ///
     /// # Errors
     /// The sentence that says why it cannot be found.
@@ -144,10 +144,10 @@ impl Core {
         Ok(json!(found.map(|found| found.pick)))
     }
 
-    /// Measures a figure on a surface, and shows its lines until another one, or nothing, is measured.
+    /// Measures a figure on a surface, and shows its lines until another one, or `None`, is measured.
     ///
     /// # Errors
-    /// The sentence that says that there is no such surface.
+    /// The sentence that there is no such surface.
     pub(super) fn measure(&mut self, asked: Option<AskedFigure>) -> Result<Value, String> {
         self.read();
         let Some(asked) = asked else {
@@ -187,7 +187,7 @@ impl Core {
         }
     }
 
-    /// Measures the walk of the geodesic camera that was used last.
+    /// Measures the walk of the last used geodesic camera.
     pub(super) fn measure_walk(&mut self) -> Value {
         self.read();
         let answer = self.walked().and_then(|(subject, path, camera)| {
@@ -201,10 +201,10 @@ impl Core {
         json!({ "rows": rows, "note": null, "places": [] })
     }
 
-    /// Leads the geodesic camera that was used last back to the start of its walk, along the shortest geodesic.
+    /// Moves the last used geodesic camera back to the start of its walk, along the shortest geodesic.
     ///
     /// # Errors
-    /// The sentence that says that there is none.
+    /// The sentence that there is none.
     pub(super) fn walk_back(&mut self) -> Result<Value, String> {
         self.read();
         let (subject, path, camera) = self.walked().ok_or(NO_WAY_BACK)?;
@@ -224,7 +224,7 @@ impl Core {
         }
     }
 
-    /// The path of the geodesic camera that was used last, or else of any, with its surface and the camera as it is now.
+    /// Returns the path of the last used geodesic camera, or else of any, with its surface and the current camera.
     fn walked(&mut self) -> Option<(Subject, Arc<CameraPath>, ChartCamera)> {
         let paths = &self.model.paths;
         let last = self.pictures.surface().filter(|it| paths.contains_key(it));

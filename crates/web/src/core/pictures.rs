@@ -1,7 +1,8 @@
-//! The panes' pictures: what is to be drawn next, how coarse, and the drawing itself.
+//! The panes' pictures: which one is drawn next, its level of detail, and the drawing itself.
 //!
-//! While something moves, a picture is as coarse as it has to be to take a moment; at rest it is exact. A traced picture at
-//! rest is refined, sample by sample. A pane gets its next picture only after the page has shown the last one.
+//! While something moves, a picture is as coarse as necessary to take only a moment; at rest it is exact. A traced
+//! picture at rest is refined, sample by sample. A pane gets its next picture only after the page has shown the last
+//! one.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +15,9 @@ use session::request::{differ_by_refinement, picture_request};
 use super::Core;
 use crate::message::{CoreEvent, Pane, PictureInfo};
 
-/// A picture that takes longer is said to be on its way, in seconds.
+/// The duration from which a picture is announced to the page, in seconds.
 const LONG: f64 = 0.3;
-/// The sides that a pane may have, in pixels.
+/// The valid sides of a pane, in pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 16..=4096;
 
 /// The panes on the page.
@@ -35,13 +36,13 @@ struct PaneState {
     room: [u32; 2],
     /// The request that was drawn last.
     request: Option<PictureRequest>,
-    /// The page has not shown that picture yet.
+    /// True if the page has not shown that picture yet.
     is_awaited: bool,
-    /// The cost of the picture that is shown; none before the first.
+    /// The cost of the picture that is shown; `None` before the first.
     shown: Option<PictureDetail>,
     /// The reason why there is no picture.
     message: Option<String>,
-    /// The page was told that the next picture takes long.
+    /// True if the page was told that the next picture takes long.
     is_announced: bool,
     /// The number of its last picture.
     drawn: u64,
@@ -61,7 +62,7 @@ pub struct DrawnPicture {
 pub struct StepOutcome {
     /// The picture that it has drawn.
     pub drawn: Option<DrawnPicture>,
-    /// The seconds until the next step: zero if there is more to do at once; none if only a message can change anything.
+    /// The seconds until the next step: zero if there is more work now; `None` if only a message can change anything.
     pub next: Option<f64>,
 }
 
@@ -73,17 +74,17 @@ impl PanePictures {
         }
     }
 
-    /// Lets the views in space show the camera of another surface; `None` changes nothing.
+    /// Makes the views in space show the camera of another surface; `None` changes nothing.
     pub(super) fn focus(&mut self, surface: Option<String>) {
         self.surface = surface.or(self.surface.take());
     }
 
-    /// The surface whose camera the views in space show by the last [`PanePictures::focus`].
+    /// Returns the surface whose camera the views in space show by the last [`PanePictures::focus`].
     pub(super) fn surface(&self) -> Option<String> {
         self.surface.clone()
     }
 
-    /// Puts back what [`PanePictures::surface`] has returned.
+    /// Restores the value that [`PanePictures::surface`] has returned.
     pub(super) fn put_surface(&mut self, surface: Option<String>) {
         self.surface = surface;
     }
@@ -94,7 +95,7 @@ impl PanePictures {
         views.any(|id| id.object.as_deref() == Some(object))
     }
 
-    /// Forgets all pictures: they are of another program.
+    /// Drops all pictures, since they are of another program.
     pub(super) fn forget(&mut self) {
         self.surface = None;
         for pane in self.panes.values_mut() {
@@ -105,24 +106,24 @@ impl PanePictures {
         }
     }
 
-    /// The request that was drawn last.
+    /// Returns the request that was drawn last.
     pub(super) fn sent(&self, id: &ViewId) -> Option<&PictureRequest> {
         self.panes.get(id)?.request.as_ref()
     }
 
-    /// The shorter side of a pane in pixels; 1 where there is no pane.
+    /// Returns the shorter side of a pane in pixels; 1 if there is no pane.
     pub(super) fn side(&self, id: &ViewId) -> f64 {
         let pane = self.panes.get(id);
         pane.map_or(1.0, |pane| f64::from(pane.room[0].min(pane.room[1])))
     }
 
-    /// A place in a pane, from its middle.
+    /// Returns the position of a point in a pane relative to its centre.
     pub(super) fn way_from_middle(&self, id: &ViewId, at: [f64; 2]) -> [f64; 2] {
         let room = self.panes.get(id).map_or([0; 2], |pane| pane.room);
         [0, 1].map(|k| at[k] - 0.5 * f64::from(room[k]))
     }
 
-    /// The pixel of the last picture at a place of its pane.
+    /// Returns the pixel of the last picture at a point of its pane.
     pub(super) fn pixel(&self, id: &ViewId, at: [f64; 2]) -> Option<(&PictureRequest, [f64; 2])> {
         let pane = self.panes.get(id)?;
         let request = pane.request.as_ref()?;
@@ -150,12 +151,12 @@ impl Core {
             self.pictures.panes.insert(id, state);
         }
         if is_resized && !are_first {
-            // A camera that the reader has not moved shows everything in a pane of another shape too.
+            // A camera that the reader has not moved sees everything in a pane of another shape too.
             self.model.reframe();
         }
     }
 
-    /// Does the next piece of work: compiles a text, moves what moves, draws a picture.
+    /// Does the next piece of work: compiles a text, advances motions, draws a picture.
     pub fn step(&mut self, now: f64) -> StepOutcome {
         self.now = now;
         self.read();
@@ -169,7 +170,7 @@ impl Core {
             Next::Nothing => {
                 let rest = self.moving_until().map(wait);
                 let motion = self.moves_by_itself().then_some(1.0 / 60.0);
-                // What the page has not shown yet, it will: then there is a message.
+                // Pictures that the page has not shown yet need no timer: a message will arrive.
                 let all = [rest, motion, next_end.map(wait)];
                 all.into_iter().flatten().reduce(f64::min)
             }
@@ -183,7 +184,7 @@ impl Core {
         }
     }
 
-    /// Draws the pane whose picture is the oldest of those that are to be drawn.
+    /// Draws the pane whose picture is the oldest of those to be drawn.
     fn draw_next(&mut self) -> Next {
         let panes = self.pictures.panes.iter();
         let free = panes.filter(|(_, pane)| !pane.is_awaited);
@@ -223,7 +224,7 @@ impl Core {
         let Some(request) = self.request(id, size, moving) else {
             return Some(Err(self.nothing(id)));
         };
-        // While something moves, another size alone is worth no picture.
+        // While something moves, a different size alone does not justify a new picture.
         let is_shown = |sent: &PictureRequest| match moving {
             true => differ_by_refinement(sent, &request),
             false => *sent == request,
@@ -234,7 +235,7 @@ impl Core {
 
     fn size(&self, id: &ViewId, moving: bool, traced: bool) -> Option<[u32; 2]> {
         let pane = self.pictures.panes.get(id)?;
-        // One thread draws all panes, so that a picture takes the time of as many.
+        // One thread draws all panes, so each picture effectively takes the time of all of them.
         let panes = self.pictures.panes.len() as f64;
         let shown = pane.shown.map(|shown| PictureDetail {
             rate: panes * shown.rate,
@@ -245,8 +246,8 @@ impl Core {
         Some(size)
     }
 
-    /// The next request for a traced picture: a coarse one of something new, a whole one of what is at rest, and then more
-    /// samples of it.
+    /// Returns the next request for a traced picture: a coarse one of a new view, a full-size one of a view at rest,
+    /// and then further samples.
     fn refined(&mut self, id: &ViewId, moving: bool) -> Option<Result<PictureRequest, String>> {
         let [coarse, whole] = [self.size(id, true, true)?, self.size(id, false, true)?];
         let Some(request) = self.request(id, whole, false) else {
@@ -264,7 +265,7 @@ impl Core {
         pane.next(request, coarse, most).map(Ok)
     }
 
-    /// The request for a picture of a view.
+    /// Returns the request for a picture of a view.
     pub(super) fn request(
         &mut self,
         id: &ViewId,
@@ -277,7 +278,8 @@ impl Core {
         picture_request(model, library, &self.views, id, size, surface, moving)
     }
 
-    /// The surface whose camera the views in space show: that of the last geodesic view with the focus, else of the first.
+    /// Returns the surface whose camera the views in space show: that of the last geodesic view with the focus, or else
+    /// of the first.
     fn active_surface(&self) -> Option<String> {
         let panes = &self.pictures.panes;
         let mut seen = panes.keys().filter_map(|id| id.object.as_ref());
@@ -309,7 +311,7 @@ impl Core {
         }
     }
 
-    /// Tells the page of a picture that takes long, once; returns whether that was new to it.
+    /// Announces a slow picture to the page, once. Returns whether it had not been announced.
     fn announce(&mut self, id: &ViewId, request: &PictureRequest) -> bool {
         let Some(pane) = self.pictures.panes.get_mut(id) else {
             return false;
@@ -329,7 +331,7 @@ impl Core {
         false
     }
 
-    /// Draws a picture; `None` where it cannot be drawn, of which the page is told.
+    /// Draws a picture. Returns `None` if it cannot be drawn, which is reported to the page.
     fn draw(&mut self, id: &ViewId, request: PictureRequest) -> Option<DrawnPicture> {
         let start = web_time::Instant::now();
         let at_rest = self.size(id, false, self.shows_traced(id))?;
@@ -378,9 +380,9 @@ impl Core {
         Some(DrawnPicture { info, pixels })
     }
 
-    /// Draws a picture, and takes over the camera that sees everything, which is that of a picture of the size `at_rest`:
-    /// the sides of a coarse one are rounded. Returns the request with that camera, if the picture would be the same from
-    /// there.
+    /// Draws a picture, and takes over the camera that sees everything, determined for the size `at_rest`, since the
+    /// sides of a coarse picture are rounded. Returns the request with that camera, if the picture would be the same
+    /// with it.
     fn drawn(
         &mut self,
         request: &PictureRequest,
@@ -404,7 +406,7 @@ impl Core {
         let pixels = self.renderer.read(pixels).map_err(sentence)?.into_raw();
         let mut filled = None;
         if let Some(home) = home {
-            // Of a declared camera each picture asks anew: it may depend on params.
+            // With a declared camera each picture determines it again: it may depend on params.
             if !self.model.follows_declared_camera() {
                 let mut same = request.clone();
                 if let Some(space) = same.view.space_mut() {
@@ -420,7 +422,7 @@ impl Core {
         Ok((filled, image, pixels))
     }
 
-    /// The place of a view's camera in words.
+    /// Returns the position of a view's camera in words.
     fn place(&self, id: &ViewId) -> Option<String> {
         let words = match self.camera_kind(id) {
             CameraKind::Space => space::place(&self.model),
@@ -431,10 +433,10 @@ impl Core {
     }
 }
 
-/// The outcome of looking for something to be drawn.
+/// The result of searching for a picture to draw.
 enum Next {
     Drawn(Box<DrawnPicture>),
-    /// The page is to be told first that a picture takes long.
+    /// The page is told first that a picture takes long.
     Announced,
     Nothing,
 }

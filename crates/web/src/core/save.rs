@@ -21,7 +21,7 @@ pub struct Saved {
 }
 
 impl Core {
-    /// A view as it is at rest, in a size of its own, as a PNG file.
+    /// Returns the picture of a view at rest, in a given size, as a PNG file.
     ///
     /// # Errors
     /// A sentence for the reader of the page.
@@ -43,7 +43,7 @@ impl Core {
         })
     }
 
-    /// The objects that are not hidden, as a file of a format by its extension.
+    /// Returns the objects that are not hidden, as a file of the format with an extension.
     ///
     /// # Errors
     /// A sentence for the reader of the page.

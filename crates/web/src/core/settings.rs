@@ -1,14 +1,14 @@
-//! The settings as the page has them: JSON, in the form in which the window writes them beside a program.
+//! The settings in the page's form: JSON, as the window writes them beside a program.
 
 use serde_json::{Value, json};
 use session::{Step, View};
 
 use super::Core;
 
-/// Reads settings; those that are absent are as at first.
+/// Reads settings; absent ones have their initial values.
 ///
 /// # Errors
-/// The sentence about what cannot be read.
+/// The sentence about a value that cannot be read.
 pub(super) fn read(settings: Value) -> Result<View, String> {
     let settings = match settings {
         Value::Null => json!({}),
@@ -19,7 +19,7 @@ pub(super) fn read(settings: Value) -> Result<View, String> {
     Ok(view.sane())
 }
 
-/// Merges a patch into a value, as RFC 7396 has it.
+/// Merges a patch into a value, as defined by RFC 7396.
 fn merge(value: &mut Value, patch: &Value) {
     let Value::Object(patch) = patch else {
         value.clone_from(patch);
@@ -41,7 +41,7 @@ fn merge(value: &mut Value, patch: &Value) {
     }
 }
 
-/// The name of a step that changes settings, for "Undo".
+/// Returns the title of a step that changes settings, for "Undo".
 fn title(patch: &Value) -> &'static str {
     let has = |name: &str| patch.get(name).is_some();
     let of_look = |name: &str| {
@@ -63,13 +63,13 @@ fn title(patch: &Value) -> &'static str {
 }
 
 impl Core {
-    /// All settings.
+    /// Returns all settings.
     pub(super) fn settings(&self) -> Value {
         serde_json::to_value(&self.model.view).unwrap_or_default()
     }
 
     pub(super) fn replace_settings(&mut self, settings: Value) {
-        // What cannot be read is not said: the page sends what it was told, or what a link holds.
+        // Unreadable settings are ignored: the page sends the ones that it has received, or those of a link.
         if let Ok(view) = read(settings) {
             self.put(view, Some(Step::new("Change a setting", "")));
         }
@@ -86,7 +86,7 @@ impl Core {
     fn put(&mut self, mut view: View, step: Option<Step>) {
         let before = &self.model.view.preferences;
         let after = &view.preferences;
-        // Axes need room, and another camera shows something else.
+        // Axes need room, and another camera shows another part of the scene.
         let needs_room = before.marks.axes != after.marks.axes;
         if before.camera != after.camera {
             view.space = None;
@@ -103,7 +103,7 @@ impl Core {
         self.note_motion();
     }
 
-    /// The edit after which a param starts with the value that it has.
+    /// Returns the edit that makes a param's current value its initial one.
     ///
     /// # Errors
     /// The sentence that says why it is not written.
@@ -117,7 +117,7 @@ impl Core {
         self.editing.write_param(param, &values.unwrap_or_default())
     }
 
-    /// The edit after which a camera of the text stands where that of the 3D view is.
+    /// Returns the edit that gives a camera of the text the position of the 3D view's camera.
     ///
     /// # Errors
     /// The sentence that says why it is not written.

@@ -242,7 +242,7 @@ fn hover(
     }
 }
 
-/// Returns the rectangles of a range of bytes on the screen, one per row.
+/// Returns the rectangles that mark a range of bytes on the screen. A range over several rows is marked in its first row.
 pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) -> Vec<Rect> {
     let range = characters(text, range);
     // At a row break, a range starts on the next row.
@@ -254,7 +254,7 @@ pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) ->
     if (start.top() - end.top()).abs() < 1.0 {
         return vec![Rect::from_min_max(start.left_top(), end.right_bottom())];
     }
-    // A range that continues on the next row is marked up to the edge.
+    // A range over several rows is marked in the first one, up to the edge.
     let edge = egui::pos2(output.text_clip_rect.right(), start.bottom());
     vec![Rect::from_min_max(start.left_top(), edge)]
 }

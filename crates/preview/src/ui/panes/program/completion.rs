@@ -15,7 +15,8 @@ use syntax::span::Span;
 
 use super::code::{byte, characters};
 
-/// The width of the list in points, that of its parts other than text, and the maximum widths of entries and details.
+/// The width of the list in points, that of its parts other than text, and the maximum widths of a letter
+/// in entries and in details.
 const WIDTH: f32 = 260.0;
 const MARGIN: f32 = 24.0;
 const LETTER: f32 = 8.0;

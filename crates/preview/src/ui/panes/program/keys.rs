@@ -170,7 +170,7 @@ impl<'t> Typist<'t> {
         events.push(event);
     }
 
-    /// Types a bracket. Returns false if it only needs to be typed as it is.
+    /// Handles a typed bracket. Returns false if it is to be inserted as it is.
     fn bracket(&mut self, typed: char, events: &mut Vec<Event>) -> bool {
         let next = self.closed.last().copied();
         let behind = self.text[self.selection.end..].chars().next();
