@@ -51,7 +51,7 @@ pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
         view,
         size: [width, height],
         textures: _,
-        // No option: those that the program names lie beside it, and only an option gives the background another one.
+        // No option: the images that the program names are beside it, and only an option replaces the background.
         images: _,
         background_image: _,
         flipped: _,

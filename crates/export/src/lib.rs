@@ -4,7 +4,7 @@
 //! Scene + ParamValues + Request ──mesh.rs──▶ OBJ, PLY, STL, glTF ─┐
 //! PictureRequest ──command_line.rs──▶ the command that draws it again
 //! a picture in layers ──print.rs──▶ SVG, PDF
-//! pictures, one after the other ──animation.rs──▶ GIF, APNG ───┴─▶ io::Write ──whole_file.rs──▶ a file that is whole, or none
+//! pictures, one after the other ──animation.rs──▶ GIF, APNG ───┴─▶ io::Write ──whole_file.rs──▶ a complete file, or none
 //! pictures, one after the other ──video.rs──▶ ffmpeg ──▶ MP4, WebM
 //! ```
 //!

@@ -4,7 +4,7 @@
 //! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ session::Model
 //!                                                                                       │
 //!   ui/: keys, pointer, sliders, menus ──window, panes──▶ session: plain data ◀─────────┘
-//!                                                            │ session::request: what is to be seen
+//!                                                            │ session::request: what to show
 //!                                                            ▼
 //!                                    engine/render_thread: the renderer ──pictures──▶ ui/panes
 //! ```

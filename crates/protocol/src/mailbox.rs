@@ -16,7 +16,6 @@ const MOST_VIEWS: usize = 32;
 /// A text replaces one that still waits, and the edits of that text; an edit is composed with one that still waits.
 /// Cursors in superseded texts are dropped. A cursor replaces a cursor, and a view is requested once. Otherwise the
 /// order is preserved.
-/// requested once. Else the order stays.
 #[derive(Debug, Default)]
 pub struct Mailbox {
     state: Mutex<State>,

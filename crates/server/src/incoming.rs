@@ -1,11 +1,11 @@
 //! Translates the protocol's messages into calls of features, and their results into answers.
 //!
 //! ```text
-//! lifecycle   initialize, shutdown, and what both sides can do
-//! documents   opened, changed, closed; what is wrong with them
-//! places      requests at a place                 ─┐
+//! lifecycle   initialize, shutdown, and the capabilities of both sides
+//! documents   opened, changed, closed; their diagnostics
+//! places      requests at a position              ─┐
 //! ranges      requests for a range, or for all     ├─▶ work: on a worker, over a snapshot
-//! workspace   settings, folders, all programs       ─┘
+//! workspace   settings, folders, all programs      ─┘
 //! conversion  a document in another language, in a new file
 //! window      a document's preview window, from its start to its end
 //! ```

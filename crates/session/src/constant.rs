@@ -10,7 +10,7 @@ pub const REFUSAL: &str = " is not a number: ";
 /// Returns the value of a constant expression, such as `1.5` or `2pi/3`.
 ///
 /// # Errors
-/// A sentence that says why the text is no number.
+/// A sentence that says why the text is not a number.
 pub fn value(text: &str) -> Result<f64, String> {
     let text = text.trim().replace('−', "-");
     let plain = text.parse::<f64>().ok().filter(|value| value.is_finite());

@@ -5,25 +5,25 @@
 //! requests.
 //!
 //! ```text
-//! text ──reader──▶ Compiled ──take()──▶ Model ◀──change()── what the user does, each step under its name
+//! text ──reader──▶ Compiled ──take()──▶ Model ◀──change()── the user's actions, each a named step
 //! (editor, typing)                        │ (model)           ├─ history, difference: undo, redo
 //!                                         │                   ├─ camera_input: keys, drags, wheel ──▶ motions
 //!                                         │                   └─ clicks: hits ──▶ cameras, declarations
-//!                                         ├─ view: what is remembered by name, and between runs
-//!                                         ├─ faults, attention: what is wrong with the text, and when that is shown
+//!                                         ├─ view: the choices that are kept by name, and between runs
+//!                                         ├─ faults, attention: the faults of the text, and when they are shown
 //!                                         ├─ camera, inside_camera: the cameras in space and of the geodesic views
-//!                                         ├─ motion, path, camera_controller: the motions of the geodesic ones
-//!                                         ├─ measuring, questions, figures: what is measured on a surface
-//!                                         ├─ constant: the numbers that are typed into fields
-//!                                         └─ pane, layout: the panes and their places
+//!                                         ├─ motion, path, camera_controller: the motions of the latter
+//!                                         ├─ measuring, questions, figures: measurements on a surface
+//!                                         ├─ constant: numbers typed into fields
+//!                                         └─ pane, layout: the panes and their arrangement
 //!                                         │
 //! images ──textures──▶ request ◀──────────┘
 //!                         │
 //!                         ▼
 //!                   PictureRequest ──▶ render::Renderer
-//!                    ├─ framing: the first camera in space
+//!                    ├─ framing: the default camera in space
 //!                    ├─ refinement: coarse while it moves, fine at rest
-//!                    └─ snapping: the place that is measured at a pixel
+//!                    └─ snapping: the point that is measured at a pixel
 //! ```
 
 pub mod attention;

@@ -3,7 +3,7 @@
 //! ```text
 //! edits ──source──▶ bytes ──▶ ide::Program ──▶ diagnostics, scene
 //!                                 │ snapshot
-//! a question at a place ──▶ ide::Analysis ──▶ an answer with ranges of the page
+//! a query at an offset ──▶ ide::Analysis ──▶ an answer with ranges in UTF-16
 //! ```
 
 use std::path::Path;

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! page ──Call, Notice──▶ web/src/worker.ts ──▶ bindings ──▶ Core ──▶ editing: ide on UTF-16 offsets (source)
-//!                                                            │ ├──▶ the state: what was chosen, the cameras
-//!                                                            │ └──▶ pictures: what to draw next, how coarse
+//!                                                            │ ├──▶ the state: the choices, the cameras
+//!                                                            │ └──▶ pictures: which to draw next, and its detail
 //! page ◀──Answer, CoreEvent, pixels── worker.ts ◀── bindings ◀┘
 //! ```
 //!

@@ -1,8 +1,8 @@
 //! Threads in a browser: Workers that share the core's memory, as the threads of rayon's pool.
 //!
 //! ```text
-//! web/src/threads.ts ──run_thread──▶ a Worker waits for a thread to be ─┐
-//!                    ──begin_threads──▶ the pool hands out its threads ─┘
+//! web/src/threads.ts ──run_thread──▶ a Worker waits for a thread to run ─┐
+//!                    ──begin_threads──▶ the pool provides its threads ───────┘
 //! ```
 //!
 //! The Worker that calls `begin_threads` is itself one of the pool's threads. The others must already be waiting: a

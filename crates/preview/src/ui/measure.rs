@@ -411,7 +411,6 @@ fn answers(window: &mut Window, ui: &mut Ui) {
     let measuring = &mut window.dialogs.measuring;
     // The answer takes the place of the hints, so that the window covers less of the view. The scope uses one of egui's
     // automatic ids with and without them, so that the fields below keep theirs, and the focus.
-    // of egui's automatic ids with them and without, so that the fields below keep theirs, and the focus.
     let is_asking = measuring.found.is_none();
     ui.scope(|ui| {
         if is_asking {

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! event.rs   the events of all parts          input.rs  shortcuts, keys, animation
-//! events.rs  takes them   └──────────▶ model ◀──────────────┘
+//! events.rs  handles them └──────────▶ model ◀──────────────┘
 //! menu.rs, status.rs, panes.rs draw it; pictures.rs requests the pictures that have changed; server_events.rs reports
-//! to the server; text.rs has the text, compiles and saves it; programs.rs puts another program in its place
+//! to the server; text.rs holds, compiles and saves the text; programs.rs switches to another program
 //! ```
 
 mod active;

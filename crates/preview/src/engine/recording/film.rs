@@ -1,7 +1,7 @@
 //! The pictures of a recording, one after the other, and the file to which they are written.
 //!
 //! ```text
-//! Film: request, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ AnimationFile
+//! Film: request, camera, motion ──fraction of the whole──▶ settings, camera ──software path──▶ picture ──▶ AnimationFile
 //! ```
 //!
 //! The processor draws, so that a recording is independent of the window's GPU and its loss.
