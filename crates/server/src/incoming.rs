@@ -5,7 +5,7 @@
 //! documents   opened, changed, closed; their diagnostics
 //! places      requests at a position              ─┐
 //! ranges      requests for a range, or for all     ├─▶ work: on a worker, over a snapshot
-//! workspace   settings, folders, all programs      ─┘
+//! workspace   settings, folders, all programs     ─┘
 //! conversion  a document in another language, in a new file
 //! window      a document's preview window, from its start to its end
 //! ```

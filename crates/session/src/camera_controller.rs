@@ -66,9 +66,9 @@ enum SubjectChange {
 
 impl CameraController {
     /// Settles a camera on a surface in its current form. The camera keeps its position as far as the surface allows: X
-    /// and Y become orthogonal and keep their length. It returns to its initial position if there is no camera, if the
-    /// camera cannot be there, or if the scene has changed and the user has not moved it. The path that led to it ends
-    /// if it is no longer a path of this length on the surface.
+    /// and Y become orthogonal and keep their length. The initial camera takes over if there is none, if it cannot be
+    /// there, or if the scene has changed and the user has not moved it. The path that led to the camera ends if it is
+    /// no longer a path of this length on the surface.
     ///
     /// # Errors
     /// [`RenderError`] if no camera can be on the surface.
@@ -301,7 +301,7 @@ fn settled(surface: &dyn Surface, camera: &ChartCamera) -> Option<ChartCamera> {
         off.sqrt() <= FITS * camera.zoom
     };
     if fits(x, frame.x) && fits(y, frame.y) {
-        // Rounded once more, it would be another one.
+        // A camera that fits stays exactly as it is: rounding again would change it.
         (frame.x, frame.y) = (x, y);
     }
     let settled = ChartCamera::of(&frame, camera.zoom, camera.moved);

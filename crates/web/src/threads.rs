@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! web/src/threads.ts ──run_thread──▶ a Worker waits for a thread to run ─┐
-//!                    ──begin_threads──▶ the pool provides its threads ───────┘
+//!                    ──begin_threads──▶ the pool provides its threads ───┘
 //! ```
 //!
 //! The Worker that calls `begin_threads` is itself one of the pool's threads. The others must already be waiting: a

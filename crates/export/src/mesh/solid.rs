@@ -71,7 +71,7 @@ pub(super) fn meshed(
     let told = || -> Vec<String> {
         // Vertices are slightly off curved surfaces: attributes may leave their ranges only there.
         let notes = rays.notes().into_iter();
-        // An empty mesh is reported for every kind of mesh.
+        // `thin` reports an empty mesh.
         let is_kept =
             |note: &RayNote| !matches!(note.fault, RayFault::ClampedAttribute(_) | RayFault::Empty);
         let notes = notes.filter(is_kept);

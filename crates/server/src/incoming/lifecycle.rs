@@ -56,7 +56,7 @@ pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
     request_settings(server);
 }
 
-/// Requests the editor's settings, if it answers such requests.
+/// Requests the user's settings from the editor, if it answers such requests.
 pub(super) fn request_settings(server: &Backend) {
     if server.session().editor.configuration {
         let (client, session) = (server.client.clone(), server.session.clone());
