@@ -24,8 +24,9 @@ const SIDES_BOTH: u32 = 0u;
 const SIDES_OUTER: u32 = 1u;
 // A piece that a field bounds, in place of the degree.
 const FIELD_PIECE: u32 = 255u;
-// What a material lets through depends on the place.
+// What a material lets through depends on the place, or its colour does.
 const VARIES_THROUGH: u32 = 0x10000u;
+const VARIES_COLOR: u32 = 0x20000u;
 
 struct Trace {
     lens: Lens,
@@ -63,7 +64,8 @@ struct Component {
     leaf_count: u32,
     first_node: u32,
     node_count: u32,
-    is_glass: u32,
+    // The material of the leaf whose glass its solid is of, or NONE.
+    glass: u32,
     ior: f32,
     depth: f32,
 }
@@ -106,7 +108,8 @@ struct Material {
     glass: f32,
     specular: f32,
     shininess: f32,
-    // The first word of the lists of attributes that are expressions, and the number of lists, with VARIES_THROUGH.
+    // The first word of the lists of attributes that are expressions, and the number of lists, with VARIES_THROUGH and
+    // VARIES_COLOR.
     lists: u32,
     varies: u32,
 }
@@ -656,13 +659,31 @@ fn is_seen(k: u32) -> bool {
     return sides == SIDES_BOTH || (sides == SIDES_OUTER && together_enters[k]);
 }
 
+fn material_of(k: u32) -> u32 {
+    return leaves[pieces[together_piece[k]].leaf].material;
+}
+
+// The first of the crossings that is opaque, else the first.
 fn seen_first() -> u32 {
+    var first = NONE;
+    var opaque = NONE;
+    var count = 0u;
+    var varies = 0u;
     for (var k = 0u; k < together_count; k++) {
         if is_seen(k) {
-            return k;
+            let material = material_of(k);
+            first = min(first, k);
+            if materials[material].glass == 0.0 {
+                opaque = min(opaque, k);
+            }
+            count++;
+            varies |= materials[material].varies & VARIES_THROUGH;
         }
     }
-    return NONE;
+    if count > 1u && varies != 0u {
+        is_marked = true;
+    }
+    return select(opaque, first, opaque == NONE);
 }
 
 // The normal of a crossing, on the side of the ray's start.
@@ -752,8 +773,8 @@ fn index_of(path: Path) -> f32 {
     return components[path.media[path.media_count - 1u].component].ior;
 }
 
-// The path with the glass behind the crossings that are met.
-fn beyond(path: Path, color: vec3f) -> Path {
+// The path with the glass behind the crossings that are met; the face of one of them, or of none, has this colour.
+fn beyond(path: Path, found: u32, found_color: vec3f) -> Path {
     var next = path;
     for (var k = 0u; k < together_count; k++) {
         let component = together[k];
@@ -767,7 +788,7 @@ fn beyond(path: Path, color: vec3f) -> Path {
             }
         }
         next.media_count = kept;
-        if together_enters[k] && components[component].is_glass != 0u {
+        if together_enters[k] && components[component].glass != NONE {
             if kept == MOST_MEDIA {
                 is_marked = true;
                 return next;
@@ -779,6 +800,14 @@ fn beyond(path: Path, color: vec3f) -> Path {
                 }
                 next.media[at] = next.media[at - 1u];
             }
+            var color = found_color;
+            if k != found {
+                let material = material_of(k);
+                color = materials[material].color;
+                if (materials[material].varies & VARIES_COLOR) != 0u {
+                    is_marked = true;
+                }
+            }
             next.media[at] = Medium(component, color);
             next.media_count = kept + 1u;
         }
@@ -786,11 +815,29 @@ fn beyond(path: Path, color: vec3f) -> Path {
     return next;
 }
 
-// The glass around the start of a ray from the eye; its colour is not known there.
+// The share of light that is left after a way of this length within the last glass around a path.
+fn kept(path: Path, length: f32) -> vec3f {
+    if path.media_count == 0u {
+        return vec3f(1.0);
+    }
+    let medium = path.media[path.media_count - 1u];
+    if all(medium.color == vec3f(1.0)) {
+        return vec3f(1.0);
+    }
+    let exponent = length / components[medium.component].depth;
+    return vec3f(
+        share_power(medium.color.x, exponent),
+        share_power(medium.color.y, exponent),
+        share_power(medium.color.z, exponent),
+    );
+}
+
+// The glass around the start of a ray from the eye.
 fn media_at_start(path: ptr<function, Path>) {
     for (var k = 0u; k < start_count; k++) {
         let component = start[k];
-        if components[component].is_glass == 0u {
+        let glass = components[component].glass;
+        if glass == NONE {
             continue;
         }
         let count = (*path).media_count;
@@ -804,7 +851,11 @@ fn media_at_start(path: ptr<function, Path>) {
             is_marked = true;
             return;
         }
-        (*path).media[count] = Medium(component, vec3f(1.0));
+        if (materials[glass].varies & VARIES_COLOR) != 0u {
+            is_marked = true;
+            return;
+        }
+        (*path).media[count] = Medium(component, materials[glass].color);
         (*path).media_count = count + 1u;
     }
 }
@@ -830,34 +881,26 @@ fn go_on(next: Path) -> vec3f {
     return vec3f(0.0);
 }
 
-// The face that a path meets, with what of the light along it is left there.
-fn meet(path: ptr<function, Path>, found: u32) -> Face {
+// The face that a path meets.
+fn meet(path: Path, found: u32) -> Face {
     var face: Face;
     face.t = together_t;
     face.piece = together_piece[found];
-    face.position = (*path).ray.origin + face.t * (*path).ray.direction;
-    face.normal = normal_at(face.piece, (*path).ray, face.t);
+    face.position = path.ray.origin + face.t * path.ray.direction;
+    face.normal = normal_at(face.piece, path.ray, face.t);
     face.lit_normal = face.normal;
-    if (*path).media_count > 0u {
-        let medium = (*path).media[(*path).media_count - 1u];
-        let exponent = face.t / components[medium.component].depth;
-        (*path).share *= vec3f(
-            share_power(medium.color.x, exponent),
-            share_power(medium.color.y, exponent),
-            share_power(medium.color.z, exponent),
-        );
-    }
     return face;
 }
 
-// Goes on from a face along what it reflects and what it lets through.
-fn part(path: Path, face: Face, material: Material) -> vec3f {
+// Goes on from a face along what it reflects and what it lets through, with the glass behind it around `inner`.
+fn part(path: Path, face: Face, material: Material, inner: Path) -> vec3f {
     var out = vec3f(0.0);
     var mirror = material.mirror;
     var next = path;
     next.length = path.length + face.t;
     if material.glass > 0.0 {
-        var behind = beyond(next, material.color);
+        var behind = inner;
+        behind.length = next.length;
         let n1 = index_of(path);
         let n2 = index_of(behind);
         let cosine = clamp(-dot(face.lit_normal, path.ray.direction), 0.0, 1.0);
@@ -906,8 +949,9 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
     // The light to which the ray goes; none for a ray of the path itself.
     var light = NONE;
     var towards = vec3f(0.0);
-    // The share of its light that comes there.
-    var share = 0.0;
+    // The share of its light that comes there, and the glass on the way to it.
+    var share = vec3f(0.0);
+    var inner: Path;
     var behind_t = 0.0;
     var passed = 0u;
     var is_done = true;
@@ -939,18 +983,31 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
         if is_marked {
             break;
         }
+        let is_path = light == NONE;
+        var found = NONE;
+        if is_path && together_t < ENDLESS {
+            found = seen_first();
+            if found == NONE {
+                behind_t = together_t;
+                continue;
+            }
+        }
+        if is_path {
+            inner = path;
+        }
+        // What the glass on the way leaves.
+        let way = min(together_t, before) - select(behind_t, 0.0, is_path);
+        let left = kept(inner, way);
         behind_t = together_t;
-        if light == NONE {
+        var enters = false;
+        if is_path {
+            path.share *= left;
             if together_t >= ENDLESS {
                 out += path.share * sky(path.ray.direction);
                 is_done = true;
                 continue;
             }
-            let found = seen_first();
-            if found == NONE {
-                continue;
-            }
-            face = meet(&path, found);
+            face = meet(path, found);
             material = materials[leaves[pieces[face.piece].leaf].material];
             if material.varies != 0u {
                 let varied = varied_look(material, face.position, slack_at(face));
@@ -960,22 +1017,31 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
                     face.lit_normal = turned(face.normal, bump);
                 }
             }
-            out += part(path, face, material);
-            light = 0u;
+            enters = material.glass > 0.0;
         } else {
+            share *= left;
             if together_t < ENDLESS {
                 for (var k = 0u; k < together_count; k++) {
                     if is_seen(k) {
-                        let other = leaves[pieces[together_piece[k]].leaf].material;
+                        let other = material_of(k);
                         share *= materials[other].glass;
                         if (materials[other].varies & VARIES_THROUGH) != 0u {
                             is_marked = true;
                         }
                     }
                 }
-                if share != 0.0 {
-                    continue;
-                }
+                enters = any(share != vec3f(0.0));
+            }
+        }
+        if enters {
+            inner = beyond(inner, found, material.color);
+        }
+        if is_path {
+            out += part(path, face, material, inner);
+            light = 0u;
+        } else {
+            if enters {
+                continue;
             }
             out += path.share * share
                 * seen_share(lights[light], towards, face, material, path.ray.direction);
@@ -990,7 +1056,8 @@ fn sample_light(pixel: vec2u, sample: u32) -> vec3f {
             let seen = seen_light(lights[light], face.position, place.light, way);
             if dot(face.lit_normal, seen.towards) > 0.0 && seen.share > 0.0 {
                 towards = seen.towards;
-                share = seen.share;
+                share = vec3f(seen.share);
+                inner = path;
                 before = seen.distance;
                 if is_crt && before >= ENDLESS {
                     before = PARALLEL_REACH;

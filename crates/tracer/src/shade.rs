@@ -2,9 +2,9 @@
 //!
 //! Input: a world, the looks of its faces, lights, a background. Output: linear light. At a face with the colour c:
 //! k·c·ΣaC + Σ V·S·C·(falloff/r)²·(k·c·(n·l) + specular·(n·h)^shininess) + (m + gF)·R + g(1 − F)·T, where R and T are what
-//! the reflected and the refracted ray see, F is Fresnel's share, and V the share that no face keeps from the light. That is
-//! the look `geotrace`; `shade/crt.rs` has the light that the look `crt` takes from lights. `shade/paths.rs` follows the
-//! rays, `shade/lights.rs` adds the light from lights.
+//! the reflected and the refracted ray see, F is Fresnel's share, and V the share of the light that faces and glass on the
+//! way let through. That is the look `geotrace`; `shade/crt.rs` has the light that the look `crt` takes from lights.
+//! `shade/paths.rs` follows the rays, `shade/lights.rs` adds the light from lights.
 
 mod crt;
 mod lights;
@@ -48,6 +48,8 @@ pub struct Glass {
     pub ior: f64,
     /// The length of glass that has the colour.
     pub depth: f64,
+    /// The leaf whose glass it is, over all solids: it has its colour around the start of a ray.
+    pub leaf: usize,
 }
 
 /// A place on a face that a ray meets.
@@ -142,6 +144,7 @@ impl Default for Glass {
         Self {
             ior: 1.5,
             depth: 1.0,
+            leaf: 0,
         }
     }
 }
@@ -188,6 +191,16 @@ impl From<&Crossing> for Face {
 }
 
 impl Face {
+    /// The face of a parametric surface where a ray meets it.
+    fn on_sheet(sheet: usize, hit: &SheetHit) -> Self {
+        Self {
+            t: hit.t,
+            position: hit.position,
+            normal: hit.normal,
+            of: FaceObject::Sheet { sheet, uv: hit.uv },
+        }
+    }
+
     /// The unit normal that leads out of the solid; of a parametric surface, the one on the side of the ray's start.
     pub fn outward(&self) -> DVec3 {
         match self.of {

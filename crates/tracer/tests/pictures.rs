@@ -406,6 +406,7 @@ fn a_camera_inside_glass_looks_out_of_it() {
     let glass = [Some(Glass {
         ior: 1.5,
         depth: 1.0,
+        leaf: 0,
     })];
     let scenery = Scenery {
         world: &world,

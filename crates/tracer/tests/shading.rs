@@ -8,12 +8,12 @@ use tracer::encoded;
 use tracer::light::{Light, LightKind};
 use tracer::optics::{fresnel, reflected, refracted};
 use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
-use tracer::{Ray, SetStep, Sheets, World, WorldBuilder};
+use tracer::{Ray, SetStep, Sheet, Sheets, World, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
 mod scenes;
-use formula::variables;
+use formula::{Formula, variables};
 use scenes::Random;
 
 /// Solid 0 is the ground z ≤ 0, solid 1 a unit ball at a height, solid 2 a slab 2 ≤ x ≤ 3.
@@ -30,6 +30,69 @@ fn world(height: f64) -> World {
         builder.solid([SetStep::Leaf(shape, place)]).unwrap();
     }
     builder.build().unwrap()
+}
+
+/// A solid for each formula.
+fn solids(formulas: &[Formula]) -> World {
+    let graph = formulas[0].graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    for formula in formulas {
+        let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+        let steps = [SetStep::Leaf(shape, DAffine3::IDENTITY)];
+        builder.solid(steps).unwrap();
+    }
+    builder.build().unwrap()
+}
+
+/// A scenery without glass, lights and background.
+fn scenery<'a>(
+    world: &'a World,
+    sheets: &'a Sheets,
+    look: &'a (dyn Fn(&Face) -> FaceLook + Sync),
+) -> Scenery<'a> {
+    Scenery {
+        world,
+        sheets,
+        glass: &[],
+        look,
+        lights: &[],
+        background: &black,
+        bounces: 16,
+        picture_look: Default::default(),
+        opaque: &[],
+        sides: &[],
+    }
+}
+
+/// Glass of this colour that lets everything through.
+fn clear(color: DVec3) -> FaceLook {
+    FaceLook {
+        color,
+        diffuse: Some(0.0),
+        specular: 0.0,
+        glass: 1.0,
+        ..FaceLook::default()
+    }
+}
+
+/// A face that scatters all light.
+fn matt(color: DVec3) -> FaceLook {
+    FaceLook {
+        color,
+        diffuse: Some(1.0),
+        specular: 0.0,
+        ..FaceLook::default()
+    }
+}
+
+fn power(color: DVec3, exponent: f64) -> DVec3 {
+    DVec3::from_array(color.to_array().map(|c| c.powf(exponent)))
+}
+
+#[track_caller]
+fn assert_light(actual: DVec3, expected: DVec3) {
+    let close = actual.distance(expected) <= 1e-12;
+    assert!(close, "{actual}, not {expected}");
 }
 
 fn black(_: DVec3) -> DVec3 {
@@ -198,6 +261,7 @@ fn glass_bends_absorbs_and_reflects_exactly() {
             Some(Glass {
                 ior: 1.5,
                 depth: 2.0,
+                leaf: 2,
             }),
         ],
         look: &look,
@@ -220,6 +284,193 @@ fn glass_bends_absorbs_and_reflects_exactly() {
         let expected = (1.0 - share).powi(2) * left / (1.0 - (share * left).powi(2));
         // Rays below 2⁻¹⁰ of weight add nothing.
         assert_close(actual, expected, 1e-3);
+    }
+}
+
+#[test]
+fn an_opaque_face_is_seen_through_glass_that_lies_on_it() {
+    let no_sheets = Sheets::default();
+    let [_, _, z] = variables();
+    let (slab, table) = ((&z - 0.5).abs() - 0.5, &z + 0.0);
+    let color = DVec3::new(0.6, 0.3, 0.1);
+    let lights = [Light {
+        ambient: 1.0,
+        ..light(LightKind::Parallel(DVec3::ZERO))
+    }];
+    let glass = Glass {
+        ior: 1.33,
+        ..Glass::default()
+    };
+    for glass_first in [true, false] {
+        let world = solids(&match glass_first {
+            true => [slab.clone(), table.clone()],
+            false => [table.clone(), slab.clone()],
+        });
+        let look = |face: &Face| match (solid(face) == 0) == glass_first {
+            true => clear(DVec3::ONE),
+            false => matt(color),
+        };
+        let glass = [Some(glass).filter(|_| glass_first), Some(glass)];
+        let scenery = Scenery {
+            glass: &glass[..if glass_first { 1 } else { 2 }],
+            lights: &lights,
+            ..scenery(&world, &no_sheets, &look)
+        };
+        let mut tracer = LightTracer::new(&scenery);
+        for slope in [0.0, 0.1, 0.3, 1.7] {
+            let direction = DVec3::new(slope, 0.2, -1.0).normalize();
+            let seen = seen(&mut tracer, DVec3::new(0.1, 0.2, 3.0), direction);
+            let share = 1.0 - fresnel(-direction.z, 1.0, 1.33);
+            assert_light(seen, share * color);
+        }
+    }
+}
+
+#[test]
+fn glass_that_touches_other_glass_has_its_own_colour() {
+    let no_sheets = Sheets::default();
+    let [_, _, z] = variables();
+    let slabs = [(&z - 0.5).abs() - 0.5, (&z + 0.5).abs() - 0.5];
+    let colors = [DVec3::new(1.0, 0.5, 0.25), DVec3::new(0.5, 0.5, 1.0)];
+    let direction = DVec3::new(0.6, 0.0, -0.8);
+    for order in [[0, 1], [1, 0]] {
+        let world = solids(&order.map(|k| slabs[k].clone()));
+        let look = |face: &Face| clear(colors[order[solid(face)]]);
+        let glass = [2.0, 0.5].map(|depth| Glass {
+            ior: 1.0,
+            depth,
+            leaf: 0,
+        });
+        let glass = order.map(|k| Some(glass[k]));
+        let scenery = Scenery {
+            glass: &glass,
+            background: &|_| DVec3::ONE,
+            ..scenery(&world, &no_sheets, &look)
+        };
+        let mut tracer = LightTracer::new(&scenery);
+        let seen = seen(&mut tracer, DVec3::new(0.1, 0.2, 3.0), direction);
+        let [first, second] = [0, 1].map(|k| power(colors[k], 1.25 / [2.0, 0.5][k]));
+        assert_light(seen, first * second);
+    }
+}
+
+#[test]
+fn glass_gives_its_colour_to_shadows() {
+    let no_sheets = Sheets::default();
+    let [_, _, z] = variables();
+    // The ground, glass that lies on it, and a pane above.
+    let formulas = [&z + 0.0, (&z - 0.5).abs() - 0.5, (&z - 2.5).abs() - 0.5];
+    let world = solids(&formulas);
+    let color = DVec3::new(0.9, 0.5, 0.3);
+    let look = |face: &Face| match solid(face) {
+        0 => matt(DVec3::new(0.8, 0.6, 0.4)),
+        _ => FaceLook {
+            glass: 0.6,
+            ..clear(color)
+        },
+    };
+    let glass = |depth, leaf| {
+        Some(Glass {
+            ior: 1.0,
+            depth,
+            leaf,
+        })
+    };
+    let glass = [None, glass(0.5, 1), glass(0.7, 2)];
+    let lights = [light(LightKind::Parallel(DVec3::new(0.0, -0.6, -0.8)))];
+    let scenery = Scenery {
+        glass: &glass,
+        lights: &lights,
+        ..scenery(&world, &no_sheets, &look)
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    // From between both panes: the way of the eye is through the lower one too.
+    let from_air = seen(&mut tracer, DVec3::new(0.0, 0.0, 1.5), DVec3::NEG_Z);
+    let shadow = 0.6f64.powi(3) * power(color, 1.25 / 0.5 + 1.25 / 0.7);
+    let lit = 0.8 * DVec3::new(0.8, 0.6, 0.4) * shadow;
+    assert_light(from_air, 0.6 * power(color, 1.0 / 0.5) * lit);
+    // From within the lower one.
+    let from_within = seen(&mut tracer, DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
+    assert_light(from_within, power(color, 0.5 / 0.5) * lit);
+    // A light within it, and nothing between.
+    let lights = [light(LightKind::Point(DVec3::new(0.0, 0.3, 0.4)))];
+    let scenery = Scenery {
+        lights: &lights,
+        ..scenery
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let near = seen(&mut tracer, DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
+    let lit = 0.8 * DVec3::new(0.8, 0.6, 0.4) * power(color, 0.5 / 0.5);
+    assert_light(near, power(color, 0.5 / 0.5) * lit);
+}
+
+#[test]
+fn an_eye_within_glass_sees_its_colour() {
+    let no_sheets = Sheets::default();
+    let [_, _, z] = variables();
+    let world = solids(&[(&z - 0.5).abs() - 0.5]);
+    let color = |place: DVec3| DVec3::new(0.3, 0.9, 0.5 + 0.1 * place.x);
+    let look = |face: &Face| clear(color(face.position));
+    let glass = [Some(Glass {
+        ior: 1.0,
+        ..Glass::default()
+    })];
+    let scenery = Scenery {
+        glass: &glass,
+        background: &|_| DVec3::ONE,
+        ..scenery(&world, &no_sheets, &look)
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let eye = DVec3::new(2.0, 0.0, 0.5);
+    let through = seen(&mut tracer, eye, DVec3::new(0.0, 0.8, 0.6));
+    assert_light(through, power(color(eye), 0.5 / 0.6));
+    // Along the slab there is no end of it.
+    assert_light(seen(&mut tracer, eye, DVec3::Y), DVec3::ZERO);
+}
+
+#[test]
+fn a_surface_on_the_face_of_a_solid_is_seen_evenly() {
+    let [u, v, _] = &variables();
+    let normal = DVec3::new(0.6, 0.48, 0.64);
+    let along = DVec3::new(0.8, -0.36, -0.48);
+    let across = normal.cross(along);
+    let [x, y, z] = variables();
+    let half_space = 0.6 * x + 0.48 * y + 0.64 * z - 0.7;
+    let world = solids(&[half_space]);
+    let place = |k: usize| along[k] * u + across[k] * v + 0.7 * normal[k];
+    let nodes = [0, 1, 2].map(place);
+    let graph = nodes[0].graph().clone();
+    let nodes = nodes.each_ref().map(Formula::node);
+    let sheet = Sheet::new(&graph, nodes, [[-9.0, 9.0]; 2], &|_| f64::NAN).unwrap();
+    let sheets = Sheets::new(vec![sheet]);
+    let lights = [light(LightKind::Parallel(-normal))];
+    let [on_solid, on_sheet] = [DVec3::X, DVec3::Y];
+    for share in [0.0, 0.5] {
+        let look = |face: &Face| match face.of {
+            FaceObject::Solid { .. } => matt(on_solid),
+            FaceObject::Sheet { .. } => FaceLook {
+                glass: share,
+                ..matt(on_sheet)
+            },
+        };
+        let scenery = Scenery {
+            lights: &lights,
+            ..scenery(&world, &sheets, &look)
+        };
+        let mut tracer = LightTracer::new(&scenery);
+        let mut random = Random(12);
+        for _ in 0..300 {
+            let direction = random.direction();
+            let direction = direction * -direction.dot(normal).signum();
+            let origin = random.vector(1.0) + 3.0 * normal;
+            // Beside the surface only the solid is there.
+            let reach = (origin.dot(normal) - 0.7) / -direction.dot(normal);
+            if reach > 5.0 {
+                continue;
+            }
+            let seen = seen(&mut tracer, origin, direction);
+            assert_light(seen, if share == 0.0 { on_sheet } else { on_solid });
+        }
     }
 }
 

@@ -353,6 +353,23 @@ fn glass_lights_lenses_and_quartics_are_drawn_as_by_f64() {
             ),
         ),
         (
+            "inside colour",
+            format!(
+                "{ball} solid a = ball @ scale 5, glass : 0.8, color : (0.9, 0.7, 0.5), depth : 3;
+                 solid b = ball @ scale 0.5; solid c = ball @ scale 0.4 @ (1, 0, 0), glass : 1;
+                 {ground} {lamp} {camera};"
+            ),
+        ),
+        (
+            "glass on the ground",
+            format!(
+                "function box(x, y, z) = max(abs x, abs y, abs(z + 0.5)) - 0.5;
+                 solid a = box, glass : 0.9, color : (0.9, 0.6, 0.3), depth : 0.7;
+                 solid b = box @ (1, 0, 0), glass : 0.8, color : (0.4, 0.8, 0.8);
+                 {ground} {lamp} {camera};"
+            ),
+        ),
+        (
             "torus",
             format!("solid t(x, y, z) = {torus}, mirror : 0.2; {ground} {lamp} {camera};"),
         ),

@@ -6,7 +6,7 @@ use expr::Input;
 use glam::DVec3;
 use scene::limits::MAX_LEAVES;
 use scene::{Attribute, Object, ObjectId, ParamValues, Scene, Shape, stated_word};
-use tracer::shade::FaceSides;
+use tracer::shade::{FaceSides, Glass};
 use tracer::{Sheet, Sheets, World, WorldBuilder};
 
 use super::attributes::{AffineTape, AttributeSet, NumberAttribute};
@@ -173,7 +173,11 @@ impl<'a> Draft<'a> {
             }
             let look = &self.content.looks[(first_look + leaf.leaf) as usize];
             if glass.is_none() {
-                glass = look.glass(&leaf.uniforms);
+                let of_leaf = look.glass(&leaf.uniforms);
+                glass = of_leaf.map(|glass| Glass {
+                    leaf: self.content.leaves.len(),
+                    ..glass
+                });
             }
             let place = look.place(&leaf.uniforms);
             let RayContent { leaves, sides, .. } = &mut self.content;

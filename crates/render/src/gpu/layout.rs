@@ -235,7 +235,7 @@ pub(crate) struct Component {
     pub(crate) leaf_count: u32,
     pub(crate) first_node: u32,
     pub(crate) node_count: u32,
-    pub(crate) is_glass: u32,
+    pub(crate) glass: u32,
     pub(crate) ior: f32,
     pub(crate) depth: f32,
 }
@@ -479,7 +479,7 @@ mod tests {
             "Component",
             super::Component,
             [
-                solid, first_leaf, leaf_count, first_node, node_count, is_glass, ior, depth
+                solid, first_leaf, leaf_count, first_node, node_count, glass, ior, depth
             ]
         );
         assert_same_layout!(

@@ -26,8 +26,8 @@ pub(crate) struct SceneTables {
     pub(crate) looks: Vec<TableLook>,
     /// For each leaf of the world its look, and the sides from which it is seen.
     pub(crate) leaves: Vec<(u32, FaceSides)>,
-    /// For each solid of the world.
-    pub(crate) glass: Vec<Option<Glass>>,
+    /// For each solid of the world the glass that it is of, and the look of the leaf that has it.
+    pub(crate) glass: Vec<Option<(Glass, u32)>>,
     /// The background's light, by the height of a direction.
     pub(crate) sky: Vec<DVec3>,
 }
@@ -80,6 +80,12 @@ impl TableLook {
             _ => false,
         })
     }
+
+    /// True if its colour depends on the place.
+    pub(crate) fn varies_in_color(&self) -> bool {
+        let mut all = self.lists.iter().flat_map(|list| &list.attributes);
+        all.any(|attribute| *attribute == VaryingAttribute::Color)
+    }
 }
 
 impl SceneTables {
@@ -127,29 +133,16 @@ impl SceneTables {
             let first = component.first_leaf as usize;
             for row in &world.leaves[first..first + component.leaf_count as usize] {
                 let leaf = row.leaf as usize;
-                let varying = rays.varying_look(leaf);
-                let varying = varying.map_err(|_| {
-                    format!("the faces of `{}` have places of an image", name(solid))
-                })?;
-                let look = match varying {
-                    None => {
-                        let base = (scenery.look)(&anywhere(solid, leaf)).balanced();
-                        looks.number(base, Vec::new())
-                    }
-                    Some(varying) => {
-                        let lists = looks.lists(&varying, world.origin);
-                        let lists = lists.map_err(|why| format!("`{}` {why}", name(solid)))?;
-                        let shares = [VaryingAttribute::Mirror, VaryingAttribute::Glass];
-                        let mut stated = lists.iter().flat_map(|list| &list.attributes);
-                        let base = match stated.any(|attribute| shares.contains(attribute)) {
-                            true => varying.base,
-                            false => varying.base.balanced(),
-                        };
-                        looks.number(base, lists)
-                    }
-                };
+                let look = looks.of_leaf(rays, scenery, world.origin, [solid, leaf])?;
                 let sides = scenery.sides.get(leaf).copied().unwrap_or_default();
                 leaves[leaf] = (look, sides);
+            }
+        }
+        let mut glass = vec![None; scenery.glass.len()];
+        for (solid, found) in scenery.glass.iter().enumerate() {
+            if let Some(of) = found {
+                let look = looks.of_leaf(rays, scenery, world.origin, [solid, of.leaf])?;
+                glass[solid] = Some((*of, look));
             }
         }
         let height = |k: u32| 2.0 * f64::from(k) / f64::from(SKY_CELLS) - 1.0;
@@ -160,7 +153,7 @@ impl SceneTables {
             functions: looks.functions.traced.text(),
             looks: looks.looks,
             leaves,
-            glass: scenery.glass.to_vec(),
+            glass,
             sky: sky.collect(),
             world,
         })
@@ -234,6 +227,33 @@ fn numbers(used: &FunctionUse, uniform: &dyn Fn(u32) -> f64) -> Vec<f64> {
 }
 
 impl LookTable {
+    /// The number of the look of the faces that a leaf of a solid owns.
+    fn of_leaf(
+        &mut self,
+        rays: &RayScene,
+        scenery: &Scenery<'_>,
+        origin: DVec3,
+        [solid, leaf]: [usize; 2],
+    ) -> Result<u32, String> {
+        let name = &rays.object_of_solid(solid).name;
+        let varying = rays.varying_look(leaf);
+        let varying =
+            varying.map_err(|_| format!("the faces of `{name}` have places of an image"))?;
+        let Some(varying) = varying else {
+            let base = (scenery.look)(&anywhere(solid, leaf)).balanced();
+            return Ok(self.number(base, Vec::new()));
+        };
+        let lists = self.lists(&varying, origin);
+        let lists = lists.map_err(|why| format!("`{name}` {why}"))?;
+        let shares = [VaryingAttribute::Mirror, VaryingAttribute::Glass];
+        let mut stated = lists.iter().flat_map(|list| &list.attributes);
+        let base = match stated.any(|attribute| shares.contains(attribute)) {
+            true => varying.base,
+            false => varying.base.balanced(),
+        };
+        Ok(self.number(base, lists))
+    }
+
     /// The number of a look, which is a new one unless it is known.
     fn number(&mut self, base: FaceLook, lists: Vec<AttributeList>) -> u32 {
         let mut key = bits(&base);

@@ -24,7 +24,7 @@ pub(super) fn lit(
     light: &Light,
     seen: &SeenLight,
     height: f64,
-    visible: f64,
+    visible: DVec3,
     normal: DVec3,
     direction: DVec3,
 ) -> DVec3 {

@@ -9,9 +9,9 @@ use expr::processor::Processor;
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 use glam::DVec3;
 
+use super::Face;
 use super::crt::{self, PARALLEL_REACH};
-use super::paths::{LightPath, LightTracer, MetFace, SurfaceNumber};
-use super::{Face, FaceObject};
+use super::paths::{LightPath, LightTracer, Medium, MetFace, SurfaceNumber, kept};
 use crate::light::{FaceBlock, Light, SeenBlock};
 use crate::look::PictureLook;
 use crate::sheets::SheetsRay;
@@ -35,6 +35,8 @@ struct LitBlock {
     used: Lanes,
     /// Those of faces that send more than what they scatter.
     shiny: Lanes,
+    /// Those of faces that coloured glass is before.
+    tinted: Lanes,
     /// Those of faces that are turned to the light.
     turned: Lanes,
     /// Those of them that nothing hides from the light, and that send nothing but what they scatter.
@@ -62,6 +64,7 @@ impl LitFaces {
                     begins: k == 0,
                     used: Lanes::default(),
                     shiny: Lanes::default(),
+                    tinted: Lanes::default(),
                     turned: Lanes::default(),
                     plain: Lanes::default(),
                     scattered: [[0.0; MOST_LANES]; 3],
@@ -80,6 +83,9 @@ impl LitFaces {
                     places.set(lane, position, met.normal, length, sample);
                     block.used.add(lane, true);
                     block.shiny.add(lane, is_shiny);
+                    let medium = path.media.last();
+                    let is_tinted = medium.is_some_and(|medium| medium.color != DVec3::ONE);
+                    block.tinted.add(lane, is_tinted);
                     let [r, g, b] = &mut block.scattered;
                     (r[lane], g[lane], b[lane]) = met.scattered().into();
                 }
@@ -223,7 +229,7 @@ impl LightTracer<'_> {
             _ => distance,
         };
         if light.casts_shadows {
-            let leaving = faces[blocks[0].faces[0]].face.of.surface();
+            let leaving = faces[blocks[0].faces[0]].start.surface;
             let rays = self.caster.begin(leaving);
             let mut farthest = 0.0f64;
             for ((block, places), seen) in blocks.iter().zip(places).zip(seen) {
@@ -250,25 +256,30 @@ impl LightTracer<'_> {
             } else {
                 Lanes::default()
             };
+            let free = match light.casts_shadows {
+                true => free.without(block.tinted),
+                false => free,
+            };
             block.plain = free.without(block.shiny);
             for lane in block.turned.without(block.plain).each() {
                 let met = &faces[block.faces[lane]];
                 let seen_there = seen.light(lane);
+                let path = &paths[met.path];
                 let visible = if free.has(lane) {
-                    1.0
+                    DVec3::ONE
                 } else {
                     let ray = SheetsRay {
                         origin: met.face.position,
                         direction: seen_there.towards,
-                        leaving: met.face.of.sheet(),
+                        leaving: met.start.sheet,
                         reach: reach(seen_there.distance),
                     };
-                    self.visible(rays + lane, ray)
+                    self.visible(rays + lane, ray, &path.media)
                 };
-                if visible == 0.0 {
+                if visible == DVec3::ZERO {
                     continue;
                 }
-                let direction = paths[met.path].ray.direction;
+                let direction = path.ray.direction;
                 let height = seen.height[lane];
                 let added = match picture_look {
                     PictureLook::Geotrace => {
@@ -303,9 +314,9 @@ impl LightTracer<'_> {
         });
     }
 
-    /// The share of a light that the faces on the way let through, unbent; the ray is that with this index in the caster's
-    /// bundle.
-    fn visible(&mut self, index: usize, ray: SheetsRay) -> f64 {
+    /// The share of a light that the faces on the way let through, unbent, and the glass between them: first these media. The
+    /// ray is that with this index in the caster's bundle.
+    fn visible(&mut self, index: usize, ray: SheetsRay, media: &[Medium]) -> DVec3 {
         let scenery = self.scenery;
         let look = scenery.look;
         let distance = ray.reach;
@@ -313,30 +324,34 @@ impl LightTracer<'_> {
             && scenery.is_seen_through(leaf, entering)
             && scenery.opaque.get(solid) == Some(&true)
         {
-            return 0.0;
+            return DVec3::ZERO;
         }
-        let mut share = 1.0;
+        let mut share = DVec3::ONE;
+        let mut media = media.to_vec();
+        let mut way = 0.0;
         self.caster.each_before(index, distance, &mut |passed| {
+            let look = look(&passed.into()).balanced();
             if scenery.is_seen(passed) {
-                share *= look(&passed.into()).balanced().glass;
+                share *= look.glass;
             }
-            share != 0.0
+            if share == DVec3::ZERO {
+                return false;
+            }
+            share *= kept(&media, passed.t - way);
+            way = passed.t;
+            scenery.pass(&mut media, passed, &look);
+            true
         });
-        if share > 0.0 {
+        share *= kept(&media, distance - way);
+        if share != DVec3::ZERO {
             scenery
                 .sheets
                 .cast(&mut self.sheets, ray, &mut |sheet, hit| {
                     if scenery.sees(hit) {
-                        let face = Face {
-                            t: hit.t,
-                            position: hit.position,
-                            normal: hit.normal,
-                            of: FaceObject::Sheet { sheet, uv: hit.uv },
-                        };
-                        share *= look(&face).balanced().glass;
+                        share *= look(&Face::on_sheet(sheet, hit)).balanced().glass;
                     }
                     // Behind what is opaque nothing changes.
-                    if share > 0.0 { distance } else { 0.0 }
+                    if share == DVec3::ZERO { 0.0 } else { distance }
                 });
         }
         share

@@ -8,7 +8,7 @@
 use expr::processor::Processor;
 use glam::DVec3;
 
-use crate::cast::Caster;
+use crate::cast::{Caster, Crossing};
 use crate::line::{Ray, SurfaceId};
 use crate::look::PictureLook;
 use crate::optics::{fresnel, reflected, refracted};
@@ -16,6 +16,10 @@ use crate::shade::lights::LitFaces;
 use crate::shade::{Face, FaceLook, FaceObject, Glass, Scenery};
 use crate::sheet::SheetScratch;
 use crate::sheets::SheetsRay;
+
+/// A parametric surface lies on the face of a solid where a ray meets both within this share of the distances: roots are
+/// exact to that.
+const FLUSH: f64 = 1e-10;
 
 /// Follows rays through a scenery; one for each thread.
 pub struct LightTracer<'a> {
@@ -30,24 +34,32 @@ pub struct LightTracer<'a> {
 
 /// Glass around a ray.
 #[derive(Clone, Copy, Debug)]
-struct Medium {
+pub(super) struct Medium {
     solid: usize,
     glass: Glass,
     /// The colour where the ray came in.
-    color: DVec3,
+    pub(super) color: DVec3,
+}
+
+/// What rays that go on from a face leave: its surface, and what lies flush with it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Start {
+    /// The surface of a solid.
+    pub(super) surface: Option<SurfaceId>,
+    /// The parametric surface, with the parameters there.
+    pub(super) sheet: Option<(usize, [f64; 2])>,
 }
 
 /// A ray that is followed.
 pub(super) struct LightPath {
     pub(super) ray: Ray,
-    /// The face that it starts on.
-    start: Option<FaceObject>,
+    start: Start,
     weight: f64,
     /// The length of the way from the eye to the start.
     pub(super) length: f64,
     bounces: u32,
     /// By declaration; the last one counts.
-    media: Vec<Medium>,
+    pub(super) media: Vec<Medium>,
     /// The place on lights that have a size, two numbers from 0 to 1.
     pub(super) light_sample: [f64; 2],
 }
@@ -57,6 +69,7 @@ pub(super) struct MetFace {
     /// The number of the path.
     pub(super) path: usize,
     pub(super) face: Face,
+    pub(super) start: Start,
     pub(super) look: FaceLook,
     /// The bumped normal.
     pub(super) normal: DVec3,
@@ -71,13 +84,32 @@ pub(super) struct MetFace {
     pub(super) out: DVec3,
 }
 
-/// The number of a surface: of a parametric surface, or of a piece of a leaf.
-pub(super) type SurfaceNumber = u64;
+/// The numbers of what rays leave: of a piece of a leaf, and of a parametric surface; 0 for none.
+pub(super) type SurfaceNumber = [u64; 2];
 
-impl LightPath {
-    /// The surface that the ray leaves, if it starts on one.
-    fn left_surface(&self) -> Option<SurfaceNumber> {
-        self.start.as_ref().map(FaceObject::surface_number)
+impl Start {
+    pub(super) fn number(&self) -> SurfaceNumber {
+        // There are less than 2³¹ leaves.
+        let surface = |it: SurfaceId| 1 + (u64::from(it.leaf) << 32 | u64::from(it.piece));
+        let sheet = |(sheet, _)| 1 + sheet as u64;
+        [self.surface.map_or(0, surface), self.sheet.map_or(0, sheet)]
+    }
+
+    /// True for the eye.
+    fn is_nowhere(&self) -> bool {
+        self.surface.is_none() && self.sheet.is_none()
+    }
+}
+
+/// The share of light that is left after a way of this length within the last of some media.
+pub(super) fn kept(media: &[Medium], length: f64) -> DVec3 {
+    match media.last() {
+        Some(medium) if medium.color != DVec3::ONE => {
+            let exponent = length / medium.glass.depth;
+            let share = |c: f64| c.powf(exponent).min(f64::MAX);
+            DVec3::from_array(medium.color.to_array().map(share))
+        }
+        _ => DVec3::ONE,
     }
 }
 
@@ -128,7 +160,7 @@ impl<'a> LightTracer<'a> {
         let paths: Vec<LightPath> = paths
             .map(|(ray, &light_sample)| LightPath {
                 ray: *ray,
-                start: None,
+                start: Start::default(),
                 weight: 1.0,
                 length: 0.0,
                 bounces: self.scenery.bounces,
@@ -143,7 +175,8 @@ impl<'a> LightTracer<'a> {
     pub fn first(&mut self, ray: &Ray) -> Option<Face> {
         self.caster.begin(None).push(ray.origin, ray.direction);
         self.caster.find_near(f64::INFINITY);
-        self.nearest(0, ray, None)
+        let (face, _) = self.nearest(0, ray, Start::default())?;
+        Some(face)
     }
 
     /// The light along each path. Recurses no deeper than the number of bounces.
@@ -151,7 +184,7 @@ impl<'a> LightTracer<'a> {
         let mut light = vec![DVec3::ZERO; paths.len()];
         let mut faces = self.met_faces(&mut paths, &mut light);
         // Paths that leave one surface follow each other. The faces stay where they are: each is large.
-        let surfaces = faces.iter().map(|met| met.face.of.surface_number());
+        let surfaces = faces.iter().map(|met| met.start.number());
         let mut by_surface: Vec<_> = surfaces.zip(0..).collect();
         by_surface.sort_unstable();
         self.add_lights(&paths, &mut faces, &by_surface);
@@ -187,24 +220,27 @@ impl<'a> LightTracer<'a> {
     fn met_faces(&mut self, paths: &mut [LightPath], light: &mut [DVec3]) -> Vec<MetFace> {
         let mut faces = Vec::with_capacity(paths.len());
         let mut number = 0;
-        for run in paths.chunk_by_mut(|a, b| a.left_surface() == b.left_surface()) {
+        for run in paths.chunk_by_mut(|a, b| a.start.number() == b.start.number()) {
             let leaving = run[0].ray.leaving;
             let rays = self.caster.begin(leaving);
             for path in run.iter() {
                 rays.push(path.ray.origin, path.ray.direction);
             }
             self.caster.find_near(f64::INFINITY);
-            if run[0].start.is_none() && run.len() > 1 {
+            if run[0].start.is_nowhere() && run.len() > 1 {
                 self.caster.divide_fields();
             }
             for (k, path) in run.iter_mut().enumerate() {
-                let face = self.nearest(k, &path.ray, path.start.as_ref());
-                if path.start.is_none() {
-                    path.media = self.media_at_start();
+                let face = self.nearest(k, &path.ray, path.start);
+                if path.start.is_nowhere() {
+                    path.media = self.media_at_start(&path.ray);
                 }
                 match face {
-                    Some(face) => faces.push(self.met_face(path, number, face)),
-                    None => light[number] = (self.scenery.background)(path.ray.direction),
+                    Some((face, start)) => faces.push(self.met_face(path, number, face, start)),
+                    None => {
+                        let background = (self.scenery.background)(path.ray.direction);
+                        light[number] = kept(&path.media, f64::INFINITY) * background;
+                    }
                 }
                 number += 1;
             }
@@ -213,14 +249,8 @@ impl<'a> LightTracer<'a> {
     }
 
     /// The look of the face that a path has just come to, with the shares of light that go on from there.
-    fn met_face(&mut self, path: &LightPath, number: usize, face: Face) -> MetFace {
-        let kept = match path.media.last() {
-            Some(medium) => {
-                let exponent = face.t / medium.glass.depth;
-                DVec3::from_array(medium.color.to_array().map(|c| c.powf(exponent)))
-            }
-            None => DVec3::ONE,
-        };
+    fn met_face(&mut self, path: &LightPath, number: usize, face: Face, start: Start) -> MetFace {
+        let kept = kept(&path.media, face.t);
         let look = (self.scenery.look)(&face).balanced();
         let direction = path.ray.direction;
         let normal = if look.bump == DVec3::ZERO {
@@ -233,7 +263,7 @@ impl<'a> LightTracer<'a> {
         let mut onward = None;
         if look.glass > 0.0 {
             if let FaceObject::Solid { .. } = face.of {
-                let media = self.beyond(path, face.t, look.color);
+                let media = self.beyond(path, face.t);
                 let index = |media: &[Medium]| media.last().map_or(1.0, |medium| medium.glass.ior);
                 let (n1, n2) = (index(&path.media), index(&media));
                 let cosine = (-normal.dot(direction)).clamp(0.0, 1.0);
@@ -249,6 +279,7 @@ impl<'a> LightTracer<'a> {
         MetFace {
             path: number,
             face,
+            start,
             look,
             normal,
             kept,
@@ -259,27 +290,37 @@ impl<'a> LightTracer<'a> {
         }
     }
 
-    /// The glass around the start of the ray that has just been cast. Its colour is not known there.
-    fn media_at_start(&self) -> Vec<Medium> {
+    /// The glass around the start of the ray that has just been cast, with the colour that its leaf has there.
+    fn media_at_start(&self, ray: &Ray) -> Vec<Medium> {
+        let scenery = self.scenery;
         let solids = self.caster.solids_at_start().iter();
         let media = solids.filter_map(|&solid| {
-            let glass = self.glass(solid)?;
+            let glass = scenery.glass(solid)?;
+            let face = Face {
+                t: 0.0,
+                position: ray.origin,
+                normal: -ray.direction,
+                of: FaceObject::Solid {
+                    solid,
+                    leaf: glass.leaf,
+                    surface: SurfaceId::of_leaf(glass.leaf),
+                    entering: true,
+                },
+            };
             Some(Medium {
                 solid,
                 glass,
-                color: DVec3::ONE,
+                color: (scenery.look)(&face).color,
             })
         });
         media.collect()
     }
 
-    fn glass(&self, solid: usize) -> Option<Glass> {
-        self.scenery.glass.get(solid).copied().flatten()
-    }
-
-    /// The first face of the ray with this index in the caster's bundle; if it is one of a solid, the caster has the crossings
-    /// at its place.
-    fn nearest(&mut self, index: usize, ray: &Ray, start: Option<&FaceObject>) -> Option<Face> {
+    /// The first face of the ray with this index in the caster's bundle, and what rays from there leave; if it is one of a
+    /// solid, the caster has the crossings at its place.
+    ///
+    /// An opaque parametric surface is seen before the face of a solid that it lies on, one of glass is not.
+    fn nearest(&mut self, index: usize, ray: &Ray, start: Start) -> Option<(Face, Start)> {
         let Self {
             scenery,
             caster,
@@ -288,38 +329,51 @@ impl<'a> LightTracer<'a> {
         } = self;
         let scenery = *scenery;
         let mut crossings = caster.nearest(index);
-        let mut seen = crossings.iter().find(|found| scenery.is_seen(found));
+        let mut seen = scenery.first_seen(crossings);
         if seen.is_none() && !crossings.is_empty() {
             crossings = caster.cast(ray);
-            seen = crossings.iter().find(|found| scenery.is_seen(found));
+            seen = scenery.first_seen(crossings);
         }
-        if scenery.sheets.is_empty() {
-            return seen.map(Face::from);
-        }
-        let mut reach = seen.map_or(f64::INFINITY, |seen| seen.t);
-        let mut found = None;
-        let ray = SheetsRay {
-            origin: ray.origin,
-            direction: ray.direction,
-            leaving: start.and_then(FaceObject::sheet),
-            reach,
-        };
-        scenery.sheets.cast(scratch, ray, &mut |sheet, hit| {
-            if hit.t < reach && scenery.sees(hit) {
-                reach = hit.t;
-                found = Some((sheet, *hit));
+        let surface = seen.map(|seen| seen.surface);
+        let mut flush = None;
+        if !scenery.sheets.is_empty() {
+            let [before, mut reach] = seen.map_or([f64::INFINITY; 2], |seen| {
+                let error = FLUSH * (seen.t + ray.origin.abs().max_element());
+                [seen.t - error, seen.t + error]
+            });
+            let mut found = None;
+            let ray = SheetsRay {
+                origin: ray.origin,
+                direction: ray.direction,
+                leaving: start.sheet,
+                reach,
+            };
+            scenery.sheets.cast(scratch, ray, &mut |sheet, hit| {
+                if hit.t < reach && scenery.sees(hit) {
+                    let face = Face::on_sheet(sheet, hit);
+                    let is_flush = hit.t >= before;
+                    if is_flush && (scenery.look)(&face).balanced().glass > 0.0 {
+                        flush = Some((sheet, hit.uv));
+                    } else {
+                        reach = hit.t;
+                        let start = Start {
+                            surface: surface.filter(|_| is_flush),
+                            sheet: Some((sheet, hit.uv)),
+                        };
+                        found = Some((face, start));
+                    }
+                }
+                reach
+            });
+            if found.is_some() {
+                return found;
             }
-            reach
-        });
-        match found {
-            Some((sheet, hit)) => Some(Face {
-                t: hit.t,
-                position: hit.position,
-                normal: hit.normal,
-                of: FaceObject::Sheet { sheet, uv: hit.uv },
-            }),
-            None => seen.map(Face::from),
         }
+        let start = Start {
+            surface,
+            sheet: flush,
+        };
+        seen.map(|seen| (Face::from(seen), start))
     }
 
     /// Adds `share` of what is seen from the faces along the directions that `next` gives, with the glass there.
@@ -356,9 +410,9 @@ impl<'a> LightTracer<'a> {
                         ray: Ray {
                             origin: met.face.position,
                             direction,
-                            leaving: met.face.of.surface(),
+                            leaving: met.start.surface,
                         },
-                        start: Some(met.face.of),
+                        start: met.start,
                         weight,
                         length: path.length + met.face.t,
                         bounces: path.bounces - 1,
@@ -379,24 +433,51 @@ impl<'a> LightTracer<'a> {
     }
 
     /// The glass behind the face at `t` that a path has just come to.
-    fn beyond(&self, path: &LightPath, t: f64, color: DVec3) -> Vec<Medium> {
+    fn beyond(&self, path: &LightPath, t: f64) -> Vec<Medium> {
+        let scenery = self.scenery;
         let mut media = path.media.clone();
         let crossings = self.caster.crossings().iter();
         for crossing in crossings.filter(|crossing| crossing.t == t) {
-            let solid = crossing.solid;
-            media.retain(|medium| medium.solid != solid);
-            if crossing.entering
-                && let Some(glass) = self.glass(solid)
-            {
-                media.push(Medium {
-                    solid,
-                    glass,
-                    color,
-                });
-            }
+            let look = (scenery.look)(&Face::from(crossing));
+            scenery.pass(&mut media, crossing, &look);
         }
-        media.sort_by_key(|medium| medium.solid);
         media
+    }
+}
+
+impl Scenery<'_> {
+    fn glass(&self, solid: usize) -> Option<Glass> {
+        self.glass.get(solid).copied().flatten()
+    }
+
+    /// The face that a ray sees first, of crossings by t: of those at one place the first that is opaque, else the first.
+    fn first_seen<'c>(&self, crossings: &'c [Crossing]) -> Option<&'c Crossing> {
+        let mut seen = crossings.iter().filter(|found| self.is_seen(found));
+        let first = seen.next()?;
+        let mut others = seen.take_while(|found| found.t == first.t).peekable();
+        // The look is not asked for in vain.
+        if others.peek().is_none() {
+            return Some(first);
+        }
+        let is_opaque = |found: &&Crossing| (self.look)(&Face::from(*found)).glass == 0.0;
+        let mut all = std::iter::once(first).chain(others);
+        all.find(is_opaque).or(Some(first))
+    }
+
+    /// Changes the glass around a ray to that behind a crossing, whose face has this look.
+    pub(super) fn pass(&self, media: &mut Vec<Medium>, crossing: &Crossing, look: &FaceLook) {
+        let solid = crossing.solid;
+        media.retain(|medium| medium.solid != solid);
+        if crossing.entering
+            && let Some(glass) = self.glass(solid)
+        {
+            media.push(Medium {
+                solid,
+                glass,
+                color: look.color,
+            });
+            media.sort_by_key(|medium| medium.solid);
+        }
     }
 }
 
@@ -411,32 +492,5 @@ impl MetFace {
     pub(super) fn highlight(&self, towards: DVec3, direction: DVec3) -> f64 {
         let half = (towards - direction).normalize_or_zero();
         self.look.specular * self.normal.dot(half).max(0.0).powf(self.look.shininess)
-    }
-}
-
-impl FaceObject {
-    fn surface_number(&self) -> SurfaceNumber {
-        const SOLIDS: SurfaceNumber = 1 << 63;
-        match *self {
-            Self::Sheet { sheet, .. } => sheet as SurfaceNumber,
-            // There are less than 2³¹ leaves.
-            Self::Solid { surface, .. } => {
-                SOLIDS | u64::from(surface.leaf) << 32 | u64::from(surface.piece)
-            }
-        }
-    }
-
-    pub(super) fn surface(&self) -> Option<SurfaceId> {
-        match *self {
-            Self::Solid { surface, .. } => Some(surface),
-            Self::Sheet { .. } => None,
-        }
-    }
-
-    pub(super) fn sheet(&self) -> Option<(usize, [f64; 2])> {
-        match *self {
-            Self::Sheet { sheet, uv } => Some((sheet, uv)),
-            Self::Solid { .. } => None,
-        }
     }
 }

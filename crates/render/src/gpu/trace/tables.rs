@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, DVec4};
 use tracer::BoundingBox;
-use tracer::shade::FaceSides;
+use tracer::shade::{FaceSides, Glass};
 use tracer::tables::{LeafRow, LiteralRow, NodeRow, PieceRow, SurfaceRow};
 
 use crate::error::RenderError;
@@ -22,6 +22,9 @@ const EVERYWHERE: f64 = 1e15;
 const NO_PARENT: u32 = 0x7fff;
 /// Marks a material that lets through what depends on the place.
 const VARIES_THROUGH: u32 = 1 << 16;
+const VARIES_COLOR: u32 = 1 << 17;
+/// The material of components without glass.
+const NO_GLASS: u32 = u32::MAX;
 /// Marks a piece that a field bounds.
 const FIELD_PIECE: u32 = 255;
 /// The words of a list before its attributes.
@@ -66,15 +69,16 @@ impl TableBuffers {
             }
         });
         let components = world.components.iter().map(|row| {
-            let glass = tables.glass.get(row.solid as usize).copied().flatten();
+            let glass = tables.glass.get(row.solid as usize);
+            let (glass, look) = glass.copied().flatten().unzip();
             Component {
                 solid: row.solid,
                 first_leaf: row.first_leaf,
                 leaf_count: row.leaf_count,
                 first_node: row.first_node,
                 node_count: row.node_count,
-                is_glass: u32::from(glass.is_some()),
-                ior: glass.map_or(1.0, |glass| glass.ior as f32),
+                glass: look.unwrap_or(NO_GLASS),
+                ior: glass.map_or(1.0, |glass: Glass| glass.ior as f32),
                 depth: glass.map_or(1.0, |glass| glass.depth as f32),
             }
         });
@@ -226,11 +230,9 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
         // What mirror and glass leave is known at a place.
         _ => base.diffuse.unwrap_or(-1.0),
     };
-    let through = if look.varies_through() {
-        VARIES_THROUGH
-    } else {
-        0
-    };
+    let flag = |varies: bool, flag: u32| if varies { flag } else { 0 };
+    let through = flag(look.varies_through(), VARIES_THROUGH);
+    let color = flag(look.varies_in_color(), VARIES_COLOR);
     FaceMaterial {
         color: three(base.color),
         scattered: scattered as f32,
@@ -239,7 +241,7 @@ fn material(look: &TableLook, lists: u32) -> FaceMaterial {
         specular: base.specular as f32,
         shininess: base.shininess as f32,
         lists,
-        varies: look.lists.len() as u32 | through,
+        varies: look.lists.len() as u32 | through | color,
     }
 }
 
