@@ -6,6 +6,7 @@
 //! depth is linear: 1/2 in that plane.
 
 use glam::{DMat4, DVec3, Mat4};
+use tracer::camera::LensCamera;
 
 use crate::bounds::{Bounds, flat_axis};
 use crate::error::RenderError;
@@ -237,6 +238,17 @@ impl Camera {
         };
         let right = up.cross(back).normalize();
         self.axes = [right, back.cross(right), back];
+    }
+
+    /// Turns about its view direction, so that up is where it is for a lens that looks in the same direction.
+    pub(crate) fn turn_as(&mut self, lens: &LensCamera) {
+        let back = self.axes[2];
+        let lens = LensCamera {
+            direction: -back,
+            ..*lens
+        };
+        let [right, up, _] = lens.axes();
+        self.axes = [right, up, back];
     }
 
     /// Steps back until all points fit, those of the scene and those `beside` it, and aside until they are centred unless

@@ -206,6 +206,9 @@ fn with_room_for_axes(
     Ok(match corners {
         Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
             let axes = AxesBox::new(camera, corners, request.scene.stated_axes(), request.scale);
+    if let (Some(lens), Some(_)) = (lens, viewpoint.eye) {
+        camera.turn_as(&lens);
+    }
             axes.extent(camera, request.scale)
         }),
         None => camera,
@@ -292,6 +295,58 @@ mod tests {
             .into_iter()
             .flat_map(|text| [[320, 240], [200, 900], [1440, 500]].map(|size| (text, size)))
         {
+    #[test]
+    fn a_declared_camera_sees_each_place_where_its_lens_does() {
+        for (direction, roll) in [
+            ("(-1, 4, -2)", "0"),
+            ("(-1, 4, -2)", "pi/6"),
+            ("(3, 0.1, 0.5)", "-2"),
+            ("(0, 0, -1)", "0.7"),
+        ] {
+            let text = format!(
+                "solid c(x, y, z) = max(abs x, abs y, abs z) - 1;
+                 camera v = {direction} @ (1, -4, 2), fov : 0.9, roll : {roll};"
+            );
+            let scene = scene::geotrace::compile(&text).scene.expect("no errors");
+            let params = ParamValues::initial(&scene);
+            let options = crate::request::part::SpaceOptions::default();
+            let request = PictureRequest::new(scene, params, options, [320, 240]);
+            let bounds = space::bounds(&request);
+            let camera = first_camera(&bounds, &Viewpoint::default(), &request).expect("a camera");
+            let lens = declared_lens(&request).expect("a lens");
+            for pixel in [[160.0, 120.0], [20.0, 30.0], [310.0, 200.0]] {
+                let (origin, direction) = lens.ray(request.size, pixel, [0.5; 2]);
+                let place = WorldPoint((origin + 3.0 * direction).to_array());
+                let at = camera.pixel_of(camera.placement.local(place));
+                let at = at.expect("before the eye").0;
+                let off = (at[0] - pixel[0]).hypot(at[1] - pixel[1]);
+                assert!(off < 1e-6, "{text}: {at:?}, not {pixel:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_camera_sees_the_whole_of_a_thick_curve() {
+        let text = "curve k(t) = (2cos t, 2sin t, 0), t : [0, 2pi, 300], radius : 0.4 + 0.2cos t;";
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let params = ParamValues::initial(&scene);
+        let options = crate::request::part::SpaceOptions::default();
+        for size in [[600, 450], [200, 500]] {
+            let request = PictureRequest::new(scene.clone(), params.clone(), options.clone(), size);
+            let bounds = space::bounds(&request);
+            let camera = first_camera(&bounds, &Viewpoint::default(), &request).expect("a camera");
+            for k in 0..3600 {
+                let (t, s) = (f64::from(k % 60), f64::from(k / 60));
+                let [t, s] = [t, s].map(|angle| angle * std::f64::consts::TAU / 60.0);
+                let radius = 0.4 + 0.2 * t.cos();
+                let out = 2.0 + radius * s.cos();
+                let place = WorldPoint([out * t.cos(), out * t.sin(), radius * s.sin()]);
+                let place = camera.placement.local(place);
+                assert!(camera.sees(place), "{size:?}: {t} {s}");
+            }
+        }
+    }
+
             let scene = scene::geotrace::compile(text).scene.expect("no errors");
             let params = ParamValues::initial(&scene);
             for projection in [Projection::Perspective, Projection::Orthographic] {

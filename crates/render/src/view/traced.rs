@@ -430,8 +430,8 @@ impl ViewRenderer for TracedRenderer {
         let partial = (!is_done)
             .then(|| format!("interrupted: each pixel has {done} of its {wanted} samples"));
         let (mut overlays, mut legend) = (Vec::new(), None);
-        // Through a lens that bends or turns the picture, names would be elsewhere.
-        let is_straight = camera.projection == LensProjection::Pinhole && camera.roll == 0.0;
+        // Through a lens that bends the picture, names would be elsewhere.
+        let is_straight = camera.projection == LensProjection::Pinhole;
         if request.overlays.labels && is_straight && space_camera.parallel.is_none() {
             let labels =
                 space::labels(shared, request, &options.space, &framed, &space_camera, &[]);
@@ -539,6 +539,8 @@ fn lens(scene: &TracedScene, options: &TracedOptions, space: &Camera) -> LensCam
         position,
         direction: -back,
         up,
+        // `up` is turned already.
+        roll: 0.0,
         ..lens
     }
 }
