@@ -39,7 +39,7 @@ use draft::Draft;
 use look::{FacePlace, LookProgram};
 use stage::DeclaredBackground;
 
-pub use bodies::{MAX_BODIES, Thickness};
+pub use bodies::{MAX_BODIES, Thickness, stated_radius};
 pub use expand::instance_grids;
 pub use look::{BackgroundImage, FaceImage, Paint};
 pub use note::{RayFault, RayNote};

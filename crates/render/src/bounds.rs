@@ -6,7 +6,7 @@
 use expr::NodeId;
 use expr::tape::Tape;
 use geometry::Breaks;
-use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions};
+use geometry::solids::{MAX_SHAPE_WORK, RayScene, RaySceneOptions, stated_radius};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::ParamValues;
@@ -100,16 +100,18 @@ impl Bounds {
             .map(|(id, _)| counts(id))
             .collect();
         let clouds = ObjectCloud::all(scene, params, &wanted);
-        Self::around_objects(clouds.iter().flatten())
+        let radii = stated_radii(scene, params);
+        let clouds = clouds.iter().zip(radii);
+        Self::around_objects(clouds.filter_map(|(cloud, radius)| Some((cloud.as_ref()?, radius))))
     }
 
-    /// The bounds of some objects.
+    /// The bounds of some objects, each with its stated radius.
     pub(crate) fn around_objects<'c>(
-        clouds: impl Iterator<Item = &'c ObjectCloud> + Clone,
+        clouds: impl Iterator<Item = (&'c ObjectCloud, f64)> + Clone,
     ) -> Self {
-        let mut closed = clouds.clone().filter_map(|cloud| cloud.closed);
+        let mut closed = clouds.clone().filter_map(|(cloud, _)| cloud.closed);
         let facing = closed.next().map(|closed| closed.facing);
-        let points = clouds.flat_map(|cloud| cloud.points.iter().copied());
+        let points = clouds.flat_map(|(cloud, radius)| cloud.thick_points(radius));
         Self {
             facing,
             ..Self::around(points.collect())
@@ -167,7 +169,37 @@ impl Bounds {
     }
 }
 
+/// The radius that each object of a scene states.
+pub(crate) fn stated_radii(scene: &Scene, params: &ParamValues) -> Vec<f64> {
+    let objects = scene.objects.iter();
+    objects
+        .map(|object| stated_radius(scene, params, object))
+        .collect()
+}
+
+/// The places of a thick object around which others are looked at.
+const THICK_PLACES: usize = 2000;
+
 impl ObjectCloud {
+    /// The points, and where the object has a radius, places at that distance from many of them.
+    pub(crate) fn thick_points(&self, radius: f64) -> impl Iterator<Item = [f64; 3]> {
+        let steps = [-1.0, 0.0, 1.0];
+        let cube = steps.map(|x| steps.map(|y| steps.map(|z| DVec3::new(x, y, z))));
+        let around = cube.into_iter().flatten().flatten();
+        let around = around.filter(|step| step.length_squared() != 2.0);
+        let around: Vec<DVec3> = around
+            .map(|step| radius * step.normalize_or_zero())
+            .collect();
+        let each = self.points.len().div_ceil(THICK_PLACES).max(1);
+        let thick = self.points.iter().step_by(each);
+        let thick = thick.take(if radius > 0.0 { usize::MAX } else { 0 });
+        let beside = thick.flat_map(move |&place| {
+            let around = around.clone().into_iter();
+            around.map(move |step| (DVec3::from(place) + step).to_array())
+        });
+        self.points.iter().copied().chain(beside)
+    }
+
     /// Samples the objects of a scene that are wanted coarsely; `None` for the others.
     pub(crate) fn all(scene: &Scene, params: &ParamValues, wanted: &[bool]) -> Vec<Option<Self>> {
         let options = RaySceneOptions {

@@ -9,7 +9,7 @@ use glam::DVec3;
 use scene::ObjectId;
 use tracer::camera::{LensCamera, LensProjection};
 
-use crate::bounds::{Bounds, ObjectCloud};
+use crate::bounds::{Bounds, ObjectCloud, stated_radii};
 use crate::camera::Camera;
 use crate::content::{Content, Structure};
 use crate::error::RenderError;
@@ -41,6 +41,8 @@ pub(crate) struct Framed {
     contents: Arc<[Content]>,
     /// True for those that the view leaves room for.
     counts: Arc<[bool]>,
+    /// The radii that they state.
+    radii: Arc<[f64]>,
     /// The bounds that are kept.
     pub(crate) bounds: Arc<Bounds>,
     /// The coarse places of the scene's objects, in their order.
@@ -69,9 +71,11 @@ impl Framing {
             .zip(&scene.objects)
             .map(|(id, _)| leaves_room(id))
             .collect();
+        let radii: Arc<[f64]> = stated_radii(scene, params).into();
         if let (Some(last), true) = (&self.last, self.kept.is_some())
             && last.contents == contents
             && last.counts == counts
+            && last.radii == radii
         {
             return last.clone();
         }
@@ -95,11 +99,12 @@ impl Framing {
         let shown = || {
             clouds
                 .iter()
+                .zip(radii.iter())
                 .zip(counts.iter())
                 .filter(|(_, counts)| **counts)
-                .map(|(cloud, _)| &**cloud)
+                .map(|((cloud, radius), _)| (&**cloud, *radius))
         };
-        let all = || shown().flat_map(|cloud| cloud.points.iter().copied());
+        let all = || shown().flat_map(|(cloud, radius)| cloud.thick_points(radius));
         let now = Bounds::around_objects(shown());
         let bounds = match &self.kept {
             Some(kept) if still_fits(kept, &now) => kept.clone(),
@@ -115,6 +120,7 @@ impl Framing {
         let placed = Framed {
             contents,
             counts,
+            radii,
             bounds,
             clouds,
             cloud: Arc::new(cloud),
@@ -200,15 +206,15 @@ fn with_room_for_axes(
     let declared = lens.and_then(|lens| declared_viewpoint(bounds, viewpoint, &lens));
     let viewpoint = declared.as_ref().unwrap_or(viewpoint);
     let mut camera = Camera::new(bounds, viewpoint, request.size)?;
+    if let (Some(lens), Some(_)) = (lens, viewpoint.eye) {
+        camera.turn_as(&lens);
+    }
     let straight = lens.filter(|lens| lens.projection == LensProjection::Pinhole);
     camera.opening = straight.map(|lens| lens.fov);
     let corners = corners.filter(|_| request.overlays.axes);
     Ok(match corners {
         Some(corners) => camera.with_room_for(bounds, viewpoint, |camera| {
             let axes = AxesBox::new(camera, corners, request.scene.stated_axes(), request.scale);
-    if let (Some(lens), Some(_)) = (lens, viewpoint.eye) {
-        camera.turn_as(&lens);
-    }
             axes.extent(camera, request.scale)
         }),
         None => camera,
@@ -290,12 +296,6 @@ mod tests {
     const LINE: &str = "curve c(t) = (t, 1234, 0), t : [-1000, 1000];";
 
     #[test]
-    fn the_first_camera_sees_the_box_of_the_axes_with_all_its_words() {
-        for (text, size) in [SPHERE, TUBE, LINE]
-            .into_iter()
-            .flat_map(|text| [[320, 240], [200, 900], [1440, 500]].map(|size| (text, size)))
-        {
-    #[test]
     fn a_declared_camera_sees_each_place_where_its_lens_does() {
         for (direction, roll) in [
             ("(-1, 4, -2)", "0"),
@@ -347,6 +347,12 @@ mod tests {
         }
     }
 
+    #[test]
+    fn the_first_camera_sees_the_box_of_the_axes_with_all_its_words() {
+        for (text, size) in [SPHERE, TUBE, LINE]
+            .into_iter()
+            .flat_map(|text| [[320, 240], [200, 900], [1440, 500]].map(|size| (text, size)))
+        {
             let scene = scene::geotrace::compile(text).scene.expect("no errors");
             let params = ParamValues::initial(&scene);
             for projection in [Projection::Perspective, Projection::Orthographic] {

@@ -203,6 +203,47 @@ pub(super) fn parts(
     (body.parts, more)
 }
 
+/// The instances and the parameters of a curve at which its radius is read.
+const RADIUS_READS: u32 = 32;
+
+/// The largest radius that a point, a vector, a curve or a geodesic states, in the scene's units; 0 where it states none.
+pub fn stated_radius(scene: &Scene, params: &ParamValues, object: &Object) -> f64 {
+    let attributes = AttributeSet::new(&scene.graph, &object.attributes, false);
+    if !attributes.states(NumberAttribute::Radius) {
+        return 0.0;
+    }
+    let parameters: Vec<f64> = match &object.shape {
+        Shape::Curve { domain, .. } | Shape::Geodesic { domain, .. } => {
+            let step = domain.count.div_ceil(RADIUS_READS).max(1);
+            let places = (0..domain.count).step_by(step as usize);
+            let last = domain.count.checked_sub(1);
+            places.chain(last).map(|k| domain.value(k)).collect()
+        }
+        _ => vec![0.0],
+    };
+    let count = params.instance_count(scene, object);
+    let step = count.div_ceil(RADIUS_READS.into()).max(1);
+    let instances = (0..count).step_by(step as usize);
+    let radii = instances.flat_map(|k| {
+        let uniforms = params.instance(scene, object, k);
+        let radius = |&t: &f64| radius_at(&attributes, &uniforms, t, 0.0);
+        parameters.iter().map(radius).collect::<Vec<f64>>()
+    });
+    radii.filter(|it| it.is_finite()).fold(0.0, f64::max)
+}
+
+/// The stated radius at a parameter, or the usual one.
+fn radius_at(attributes: &AttributeSet, uniforms: &[f64], t: f64, usual: f64) -> f64 {
+    let mut radius = usual;
+    let place = |_| [t, f64::NAN, f64::NAN];
+    attributes.at(uniforms, place, |numbers| {
+        if numbers.attribute == NumberAttribute::Radius {
+            radius = numbers.number();
+        }
+    });
+    radius
+}
+
 /// Returns the next instance, while there is room.
 fn next(instances: &mut std::ops::Range<u64>, body: &Body<'_>, room: usize) -> Option<u64> {
     (body.parts.len() <= room).then(|| instances.next())?
@@ -220,14 +261,7 @@ struct Body<'a> {
 impl Body<'_> {
     /// Returns the radius at a parameter.
     fn radius(&self, uniforms: &[f64], t: f64) -> f64 {
-        let mut radius = self.usual;
-        let place = |_| [t, f64::NAN, f64::NAN];
-        self.attributes.at(uniforms, place, |numbers| {
-            if numbers.attribute == NumberAttribute::Radius {
-                radius = numbers.number();
-            }
-        });
-        radius
+        radius_at(self.attributes, uniforms, t, self.usual)
     }
 
     fn push(&mut self, shape: BodyShape, map: DAffine3, parameter: [f64; 2]) {
