@@ -48,7 +48,7 @@ pub struct Completions {
 }
 
 impl Completions {
-    /// An empty, complete list at an offset.
+    /// Returns an empty, complete list at an offset.
     pub fn empty(offset: u32) -> Self {
         Self {
             range: Span::new(offset, offset),

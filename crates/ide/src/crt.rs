@@ -190,7 +190,7 @@ fn whole(snapshot: &Snapshot) -> String {
 }
 
 impl CrtAnalysis {
-    /// The errors of reading.
+    /// Returns the errors of reading.
     fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
         let findings = self.findings.iter();
         findings.filter(|it| it.severity == Severity::Error)
@@ -218,12 +218,12 @@ impl CrtAnalysis {
         run.as_ref()
     }
 
-    /// The places where the run assigns names, in the order of the text; `None` for a script that is not run.
+    /// Returns the places where the run assigns names, in the order of the text; `None` for a script that is not run.
     pub fn assignments(&self) -> Option<&[Assignment]> {
         self.run().map(|run| &run.assignments[..])
     }
 
-    /// The tree of the script.
+    /// Returns the tree of the script.
     pub fn script(&self) -> Script {
         self.snapshot.script()
     }
@@ -232,27 +232,27 @@ impl CrtAnalysis {
         &self.snapshot
     }
 
-    /// The names of the script, which are looked up on the first call.
+    /// Returns the names of the script, which are looked up on the first call.
     pub fn names(&self) -> &ScriptNames {
         self.names.get_or_init(|| ScriptNames::of(&self.script()))
     }
 
-    /// The tokens that touch a range, comments among them.
+    /// Returns the tokens that touch a range, comments among them.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         self.snapshot.tokens(range)
     }
 
-    /// All tokens, comments among them.
+    /// Returns all tokens, comments among them.
     pub fn all_tokens(&self) -> Vec<Token> {
         self.tokens(Span::new(0, self.snapshot.len())).collect()
     }
 
-    /// The text of a range; empty if the range lies outside the text.
+    /// Returns the text of a range; empty if the range lies outside the text.
     pub fn slice(&self, span: Span) -> String {
         self.snapshot.slice(span).unwrap_or_default()
     }
 
-    /// The word at a place: the token that holds it, or else the word that ends there.
+    /// Returns the word at a place: the token that holds it, or else the word that ends there.
     pub fn word_at(&self, offset: u32) -> Option<Token> {
         let around = Span::new(offset, offset);
         let mut words = self.tokens(around).filter(|token| {

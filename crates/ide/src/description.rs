@@ -12,14 +12,14 @@ pub struct Description {
 }
 
 impl Description {
-    /// The description in Markdown.
+    /// Returns the description in Markdown.
     pub fn markdown(&self) -> String {
         let mut all = vec![format!("```{}\n{}\n```", self.language, self.code)];
         all.extend(self.text.iter().cloned());
         all.join("\n\n")
     }
 
-    /// The description as plain text.
+    /// Returns the description as plain text.
     pub fn plain(&self) -> String {
         let mut all = vec![self.code.clone()];
         all.extend(self.text.iter().map(|text| without_marks(text)));
@@ -27,7 +27,7 @@ impl Description {
     }
 }
 
-/// The text of Markdown without its marks. Between backquotes stands code, where a `*` is one.
+/// Returns the text of Markdown without its marks. Between backquotes stands code, where a `*` is one.
 fn without_marks(text: &str) -> String {
     let parts = text.split('`').zip([false, true].into_iter().cycle());
     let plain = parts.map(|(part, is_code)| match is_code {

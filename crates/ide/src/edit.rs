@@ -43,7 +43,7 @@ impl Edit {
     }
 }
 
-/// The text after edits that do not overlap, in any order; those at one place come in theirs.
+/// Returns the text after edits that do not overlap, in any order; those at one place come in theirs.
 pub fn apply(text: &str, edits: &[Edit]) -> String {
     let mut order: Vec<&Edit> = edits.iter().collect();
     order.sort_by_key(|edit| edit.span);

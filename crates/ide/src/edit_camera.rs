@@ -63,7 +63,7 @@ impl std::error::Error for EditCameraError {}
 /// The digits behind the length of the direction that are written: less than a pixel at any size of a picture.
 const DIGITS: i32 = 4;
 
-/// The numbers of a vector, to a fraction of a length.
+/// Returns the numbers of a vector, to a fraction of a length.
 pub(crate) fn short_numbers(vector: [f64; 3], length: f64) -> [String; 3] {
     let digits = (DIGITS - length.log10().floor() as i32).clamp(0, 20) as usize;
     vector.map(|x| {

@@ -64,7 +64,7 @@ pub fn fix_all(diagnostics: &[Diagnostic], text: &dyn Text) -> (Vec<Edit>, usize
     (edits, count)
 }
 
-/// The insertions that make `new` of `old`, whose text starts at an offset; `None` if something has to go.
+/// Returns the insertions that make `new` of `old`, whose text starts at an offset; `None` if something has to go.
 fn insertions(old: &str, new: &str, start: u32) -> Option<Vec<Edit>> {
     let mut edits: Vec<Edit> = Vec::new();
     let mut rest = old.char_indices().peekable();

@@ -14,7 +14,7 @@ pub struct Highlight {
     pub kind: HighlightKind,
 }
 
-/// The colours of semantic tokens.
+/// Returns the colours of semantic tokens.
 pub(crate) fn from_tokens(tokens: &[SemanticToken]) -> Vec<Highlight> {
     let highlights = tokens.iter().map(|token| Highlight {
         span: token.span,

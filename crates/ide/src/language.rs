@@ -45,10 +45,10 @@ pub const LONGEST_PROGRAM: u64 = 64 << 20;
 
 /// A scene language.
 pub trait Language: Debug + Send + Sync {
-    /// The identifier by which editors know the language: `geotrace`.
+    /// Returns the identifier by which editors know the language: `geotrace`.
     fn name(&self) -> &'static str;
 
-    /// The extensions of its files, without a dot: `gtr`.
+    /// Returns the extensions of its files, without a dot: `gtr`.
     fn extensions(&self) -> &'static [&'static str];
 
     /// Returns the mark that begins a comment up to the end of its line, if there is one: `#`.
@@ -150,7 +150,7 @@ impl Scope for ProgramScope {
 
 /// A program of some language: a text that is edited, and what it means.
 pub trait Program: Debug + Send {
-    /// The text as it is now.
+    /// Returns the text as it is now.
     fn text(&self) -> &dyn Text;
 
     /// Replaces the bytes of a range.
@@ -209,7 +209,7 @@ pub trait Program: Debug + Send {
 /// An immutable state of a program, and the features that an editor offers on it.
 #[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Analysis: Debug + Send + Sync {
-    /// The text.
+    /// Returns the text.
     fn text(&self) -> &dyn Text;
 
     /// Returns everything that is wrong or surprising, sorted by place.

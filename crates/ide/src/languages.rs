@@ -15,7 +15,7 @@ pub struct Languages {
 }
 
 impl Languages {
-    /// The languages of this program: Geotrace and CRT.
+    /// Returns the languages of this program: Geotrace and CRT.
     pub fn standard() -> Self {
         Self {
             standard: Arc::new(Geotrace),
@@ -23,7 +23,7 @@ impl Languages {
         }
     }
 
-    /// The languages with another one.
+    /// Returns the languages with another one.
     #[must_use]
     pub fn with(mut self, language: impl Language + 'static) -> Self {
         self.others.push(Arc::new(language));
@@ -38,22 +38,22 @@ impl Languages {
         }
     }
 
-    /// All languages, in the order in which they were added.
+    /// Returns all languages, in the order in which they were added.
     pub fn all(&self) -> impl Iterator<Item = &Arc<dyn Language>> {
         std::iter::once(&self.standard).chain(&self.others)
     }
 
-    /// The language of texts that do not say theirs, as those of standard input.
+    /// Returns the language of texts that do not say theirs, as those of standard input.
     pub fn default_language(&self) -> &Arc<dyn Language> {
         &self.standard
     }
 
-    /// The language of a name, as editors use it.
+    /// Returns the language of a name, as editors use it.
     pub fn named(&self, name: &str) -> Option<&Arc<dyn Language>> {
         self.all().find(|language| language.name() == name)
     }
 
-    /// The language of a file's extension, in small letters or capitals.
+    /// Returns the language of a file's extension, in small letters or capitals.
     pub fn by_extension(&self, path: &Path) -> Option<&Arc<dyn Language>> {
         let extension = path.extension()?.to_str()?;
         self.all().find(|language| {
@@ -62,7 +62,7 @@ impl Languages {
         })
     }
 
-    /// The language of a file: that of its extension, else the default.
+    /// Returns the language of a file: that of its extension, else the default.
     pub fn for_path(&self, path: &Path) -> &Arc<dyn Language> {
         self.by_extension(path).unwrap_or(&self.standard)
     }

@@ -9,7 +9,7 @@ use syntax::span::Span;
 
 /// A text of less than 4 GiB. Each method costs far less than the text is long, but [`Text::string`].
 pub trait Text: Debug {
-    /// The length in bytes.
+    /// Returns the length in bytes.
     fn len(&self) -> u32;
 
     /// Returns the text of a range, or `None` if the range is not one of the text.
@@ -21,7 +21,7 @@ pub trait Text: Debug {
     /// Returns the offset at which a line starts, or `None` if there is no such line.
     fn line_start(&self, line: u32) -> Option<u32>;
 
-    /// True if the text has no bytes.
+    /// Returns true if the text has no bytes.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -55,7 +55,7 @@ impl PlainText {
         Ok(Self { text, starts })
     }
 
-    /// The text.
+    /// Returns the text.
     pub fn as_str(&self) -> &str {
         &self.text
     }

@@ -175,7 +175,7 @@ fn run_on_stack(run: impl FnOnce() -> Option<ScriptRun> + Send) -> Option<Script
     })
 }
 
-/// The diagnostic of a script whose run has panicked or could not be started.
+/// Returns the diagnostic of a script whose run has panicked or could not be started.
 fn not_run() -> Diagnostic {
     let message = "internal error: the script could not be run";
     Diagnostic::error(codes::INTERNAL_ERROR, Span::new(0, 0), message)

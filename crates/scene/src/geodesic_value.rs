@@ -173,19 +173,20 @@ const MOST_SURFACES: usize = 1 << 8;
 const MOST_VALUES: usize = 1 << 16;
 
 impl GeodesicValue {
-    /// The number of its numbers.
+    /// Returns the number of its numbers.
     pub fn width(&self) -> u32 {
         self.kind.width()
     }
 
-    /// The nodes that it is computed from. Those of what it lies on, which come first, read the variables of that.
+    /// Returns the nodes that it is computed from. Those of what it lies on, which come first, read the variables of
+    /// that.
     pub fn nodes(&self) -> Vec<NodeId> {
         let mut all = self.ground.nodes().to_vec();
         all.extend(self.kind.nodes());
         all
     }
 
-    /// The nodes of [`GeodesicValue::nodes`], to be replaced.
+    /// Returns the nodes of [`GeodesicValue::nodes`], to be replaced.
     pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
         let ground = match &mut self.ground {
             Ground::Chart(manifold) => manifold.components.as_mut_slice(),
@@ -276,7 +277,7 @@ impl GeodesicValue {
 }
 
 impl ValueKind {
-    /// The number of numbers.
+    /// Returns the number of numbers.
     pub(crate) fn width(&self) -> u32 {
         match self {
             Self::Connection { .. } => 5,
@@ -325,7 +326,7 @@ impl ValueKind {
     }
 }
 
-/// The start, the velocity and the length of the shortest geodesic between two places.
+/// Returns the start, the velocity and the length of the shortest geodesic between two places.
 fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
     if measure::is_one_place(surface, from, to) {
         return Ok([from[0], from[1], 0.0, 0.0, 0.0, 0.0]);
@@ -337,7 +338,7 @@ fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
     Ok([u, v, length * a, length * b, length, 0.0])
 }
 
-/// A point of a geodesic and its velocity there.
+/// Returns a point of a geodesic and its velocity there.
 fn follow(
     surface: &dyn Surface,
     start: [f64; 2],
@@ -371,7 +372,8 @@ fn follow(
     Ok([u, v, scale * a, scale * b, 0.0, 0.0])
 }
 
-/// A point of a geodesic on a solid's surface and its velocity there, from the start, the direction and the parameter.
+/// Returns a point of a geodesic on a solid's surface and its velocity there, from the start, the direction and the
+/// parameter.
 fn follow_in_space(surface: &ImplicitSurface, inputs: &[f64]) -> Solution {
     let [x, y, z, a, b, c, at] = *inputs else {
         return Err(GeodesicFault::UndefinedInput);
@@ -407,7 +409,7 @@ impl Ground {
         }
     }
 
-    /// The key by which its surface is kept.
+    /// Returns the key by which its surface is kept.
     fn key(&self, graph: &Graph, uniforms: &[f64]) -> ManifoldKey {
         let domain = match self {
             Self::Chart(manifold) => manifold.domain.as_slice(),
@@ -426,7 +428,7 @@ impl Ground {
         }
     }
 
-    /// The surface; `None` if its derivatives are too large.
+    /// Returns the surface; `None` if its derivatives are too large.
     fn kept(
         &self,
         graph: &Graph,
@@ -455,7 +457,7 @@ impl Ground {
 }
 
 impl ManifoldNodes {
-    /// The surface; `None` if its derivatives are too large.
+    /// Returns the surface; `None` if its derivatives are too large.
     fn surface(&self, graph: &Graph, uniforms: &[f64]) -> Option<Arc<dyn Surface + Send>> {
         let domain = self.domain.map(|axis| [axis.min, axis.max]);
         match self.is_metric {
@@ -472,7 +474,7 @@ impl ManifoldNodes {
 }
 
 impl GeodesicCache {
-    /// The number of values that were integrated, not found again.
+    /// Returns the number of values that were integrated, not found again.
     pub fn integrated(&self) -> u64 {
         self.lock().integrated
     }
@@ -530,7 +532,7 @@ impl fmt::Display for GeodesicFault {
 
 impl std::error::Error for GeodesicFault {}
 
-/// The numbers of some nodes.
+/// Returns the numbers of some nodes.
 pub(crate) fn numbers(
     graph: &Graph,
     nodes: &[NodeId],

@@ -11,7 +11,7 @@ pub struct GridId(pub u32);
 pub struct ObjectId(u32);
 
 impl ObjectId {
-    /// The number of the object at a position.
+    /// Returns the number of the object at a position.
     pub const fn new(index: usize) -> Self {
         Self(index as u32)
     }

@@ -65,7 +65,7 @@ impl fmt::Display for InitialConditionsError {
 }
 
 impl InitialConditions {
-    /// The initial conditions of a geodesic on a surface with this domain.
+    /// Returns the initial conditions of a geodesic on a surface with this domain.
     ///
     /// # Errors
     /// It cannot start.

@@ -49,7 +49,7 @@ impl InitialConditionsEvaluator {
         }
     }
 
-    /// The start of the instance with these uniforms, one number each.
+    /// Returns the start of the instance with these uniforms, one number each.
     ///
     /// # Errors
     /// It cannot start.

@@ -151,7 +151,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The parameters of a place.
+    /// Returns the parameters of a place.
     fn parameters(&self, share: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|axis| {
             let range = self.domain[axis].range;

@@ -108,13 +108,13 @@ impl fmt::Display for SetError {
 impl std::error::Error for SetError {}
 
 impl Scene {
-    /// The scene for these values of its params: the given one, unless the values may change more than numbers. Where the
-    /// text has an error for them, the given one.
+    /// Returns the scene for these values of its params: the given one, unless the values may change more than numbers. Where
+    /// the text has an error for them, the given one.
     pub fn at(self: &Arc<Self>, params: &ParamValues) -> Arc<Self> {
         self.made_anew(params).unwrap_or_else(|| self.clone())
     }
 
-    /// The same where it is another one than the given one.
+    /// Returns the same where it is another one than the given one.
     pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
         self.rerun.as_ref()?.at(params.uniforms(), attach)
@@ -122,7 +122,7 @@ impl Scene {
 }
 
 impl ParamValues {
-    /// Each param at its initial value, no grid fixed.
+    /// Returns each param at its initial value, no grid fixed.
     pub fn initial(scene: &Scene) -> Self {
         let mut uniforms = vec![0.0; scene.uniform_count as usize];
         for param in &scene.params {
@@ -177,13 +177,13 @@ impl ParamValues {
         &self.uniforms
     }
 
-    /// The value of a param, one number per component.
+    /// Returns the value of a param, one number per component.
     pub fn param(&self, param: &Param) -> &[f64] {
         let first = param.first_uniform as usize;
         &self.uniforms[first..first + param.ranges.len()]
     }
 
-    /// The value to which a grid has been fixed, one number per axis.
+    /// Returns the value to which a grid has been fixed, one number per axis.
     pub fn fixed_grid(&self, scene: &Scene, id: GridId) -> Option<&[f64]> {
         let grid: &Grid = scene.grids.get(id.0 as usize)?;
         let first = grid.first_uniform as usize;
@@ -192,8 +192,8 @@ impl ParamValues {
             .then(|| &self.uniforms[first..first + grid.axes.len()])
     }
 
-    /// The number of instances of the object that are drawn: the product of the numbers of values of its grids that are
-    /// not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
+    /// Returns the number of instances of the object that are drawn: the product of the numbers of values of its grids
+    /// that are not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
     pub fn instance_count(&self, scene: &Scene, object: &Object) -> u64 {
         self.combinations(scene, &object.grids)
     }
@@ -209,14 +209,14 @@ impl ParamValues {
         }
     }
 
-    /// The number of combinations of the values of those of the grids that are not fixed; saturates.
+    /// Returns the number of combinations of the values of those of the grids that are not fixed; saturates.
     pub fn combination_count(&self, scene: &Scene, grids: &[BoundGrid]) -> u64 {
         let ids: Vec<GridId> = grids.iter().map(|bound| bound.grid).collect();
         self.combinations(scene, &ids)
     }
 
-    /// The given uniforms with the `index`-th combination of the values of those of the grids that are not fixed, counted
-    /// from 0 and below [`ParamValues::combination_count`], in the uniforms that stand for them, and with the values of
+    /// Returns the given uniforms with the `index`-th combination of the values of those of the grids that are not fixed,
+    /// counted from 0 and below [`ParamValues::combination_count`], in the uniforms that stand for them, and with the values of
     /// geodesics that the object reads there.
     pub fn with_combination(
         &self,
@@ -244,13 +244,13 @@ impl ParamValues {
         uniforms
     }
 
-    /// The uniforms of the first instance.
+    /// Returns the uniforms of the first instance.
     pub fn first_instance(&self, scene: &Scene, object: &Object) -> Vec<f64> {
         self.instance(scene, object, 0)
     }
 
-    /// The uniforms of the instance that [`ParamValues::for_each_instance`] visits `index`-th, counted from 0 and
-    /// below [`ParamValues::instance_count`]. Instances can so be shared out over threads.
+    /// Returns the uniforms of the instance that [`ParamValues::for_each_instance`] visits `index`-th, counted from 0
+    /// and below [`ParamValues::instance_count`]. Instances can so be shared out over threads.
     pub fn instance(&self, scene: &Scene, object: &Object, index: u64) -> Vec<f64> {
         let mut uniforms = self.uniforms.clone();
         self.combination(scene, &object.grids, index, &mut uniforms);
@@ -258,7 +258,7 @@ impl ParamValues {
         uniforms
     }
 
-    /// The number of combinations of values of the grids that are not fixed; saturates.
+    /// Returns the number of combinations of values of the grids that are not fixed; saturates.
     pub(crate) fn combinations(&self, scene: &Scene, grids: &[GridId]) -> u64 {
         self.open_axes(scene, grids)
             .fold(1, |product: u64, (_, axis)| {
@@ -284,7 +284,7 @@ impl ParamValues {
         }
     }
 
-    /// The axes of those of the grids that are not fixed, each with its uniform.
+    /// Returns the axes of those of the grids that are not fixed, each with its uniform.
     fn open_axes<'a>(
         &'a self,
         scene: &'a Scene,
@@ -326,7 +326,7 @@ fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
     })
 }
 
-/// The param or grid whose name is nearest to a word, if it is near enough to be what was meant.
+/// Returns the param or grid whose name is nearest to a word, if it is near enough to be what was meant.
 fn suggestion(scene: &Scene, word: &str) -> Option<String> {
     let params = scene.params.iter().map(|param| param.name.as_str());
     let grids = scene.grids.iter().map(|grid| grid.name.as_str());

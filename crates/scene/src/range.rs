@@ -23,7 +23,7 @@ impl Range {
         (self.min..=self.max).contains(&value)
     }
 
-    /// The first of some values that does not lie in the interval of its number.
+    /// Returns the first of some values that does not lie in the interval of its number.
     pub fn first_outside(ranges: &[Self], values: &[f64]) -> Option<usize> {
         let mut pairs = ranges.iter().zip(values);
         pairs.position(|(range, value)| !range.contains(*value))
@@ -31,7 +31,7 @@ impl Range {
 }
 
 impl Sampling {
-    /// The `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
+    /// Returns the `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
     /// exactly.
     pub fn value(&self, index: u32) -> f64 {
         let last = self.count - 1;

@@ -39,8 +39,8 @@ impl<S> Rerun<S> {
         }
     }
 
-    /// The scene for other values; `None` for those of its own scene, and where the text has an error. `attach` gives a new
-    /// scene its own.
+    /// Returns the scene for other values; `None` for those of its own scene, and where the text has an error. `attach` gives a
+    /// new scene its own.
     pub(crate) fn at(&self, uniforms: &[f64], attach: impl FnOnce(&mut S, Self)) -> Option<Arc<S>> {
         if uniforms == self.values {
             return None;

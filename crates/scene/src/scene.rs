@@ -51,12 +51,12 @@ impl Scene {
         }
     }
 
-    /// The axes of the text, from 0 to 2, that the scene's axes are.
+    /// Returns the axes of the text, from 0 to 2, that the scene's axes are.
     pub fn stated_axes(&self) -> [usize; 3] {
         self.stated([0, 1, 2])
     }
 
-    /// The objects, each with its number.
+    /// Returns the objects, each with its number.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
         (0..).map(ObjectId::new).zip(&self.objects)
     }
@@ -67,7 +67,7 @@ impl Scene {
         object.is_some_and(|object| object.shape.solid().is_some())
     }
 
-    /// The object of a number.
+    /// Returns the object of a number.
     pub fn get(&self, id: ObjectId) -> Option<&Object> {
         self.objects.get(id.index())
     }
@@ -80,7 +80,7 @@ impl Scene {
         }
     }
 
-    /// The geodesics that lie on a surface, a metric or a solid.
+    /// Returns the geodesics that lie on a surface, a metric or a solid.
     pub fn geodesics_on(&self, surface: ObjectId) -> impl Iterator<Item = (ObjectId, &Object)> {
         let name = self.get(surface).map(|on| &*on.name);
         let lies_on = move |object: &Object| match object.shape.space_geodesic() {
@@ -118,8 +118,8 @@ impl Scene {
         faults
     }
 
-    /// The variables of a curve at a parameter: the parameter, then the numbers of the geodesics that it follows there. NaN
-    /// where they have none.
+    /// Returns the variables of a curve at a parameter: the parameter, then the numbers of the geodesics that it follows there.
+    /// NaN where they have none.
     pub fn curve_variables(&self, shape: &Shape, uniforms: &[f64], parameter: f64) -> Vec<f64> {
         let mut variables = vec![parameter];
         for value in shape.followed() {
@@ -130,7 +130,7 @@ impl Scene {
         variables
     }
 
-    /// The images that attributes name, as words or as paths, each once, in alphabetical order.
+    /// Returns the images that attributes name, as words or as paths, each once, in alphabetical order.
     pub fn image_words(&self) -> BTreeSet<&str> {
         let objects = self.objects.iter().chain(&self.stage);
         let stated = objects.flat_map(|object| {
@@ -142,13 +142,13 @@ impl Scene {
         words.collect()
     }
 
-    /// The background.
+    /// Returns the background.
     pub fn background(&self) -> Option<&Object> {
         let mut stage = self.stage.iter();
         stage.find(|object| matches!(object.shape, Shape::Background(_)))
     }
 
-    /// The object of a name.
+    /// Returns the object of a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
         self.numbered().find(|(_, object)| object.name == name)
     }
@@ -323,8 +323,8 @@ impl GeodesicPath {
 }
 
 impl Shape {
-    /// The word that declares it: `point`, `vector`, `curve`, `surface`, `metric`, `geodesic`, `solid`, `light`, `camera` or
-    /// `background`.
+    /// Returns the word that declares it: `point`, `vector`, `curve`, `surface`, `metric`, `geodesic`, `solid`, `light`,
+    /// `camera` or `background`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",
@@ -360,8 +360,8 @@ impl Shape {
         matches!(self, Self::Geodesic { .. })
     }
 
-    /// The sampled intervals of its parameters: none for a point or a vector, one for a curve or a geodesic, two for a
-    /// surface or a metric.
+    /// Returns the sampled intervals of its parameters: none for a point or a vector, one for a curve or a geodesic,
+    /// two for a surface or a metric.
     pub fn domain(&self) -> &[Sampling] {
         match self {
             Self::Point { .. }
@@ -382,7 +382,7 @@ impl Shape {
         format!("({})", self.parameters().join(", "))
     }
 
-    /// The names of its parameters, as many as [`Shape::domain`] has intervals.
+    /// Returns the names of its parameters, as many as [`Shape::domain`] has intervals.
     pub fn parameters(&self) -> &[String] {
         match self {
             Self::Point { .. }
@@ -398,7 +398,7 @@ impl Shape {
         }
     }
 
-    /// The domain of a manifold (a surface or a metric), which has a geodesic view.
+    /// Returns the domain of a manifold (a surface or a metric), which has a geodesic view.
     pub fn manifold(&self) -> Option<&[Sampling; 2]> {
         match self {
             Self::Surface { domain, .. } | Self::Metric { domain, .. } => Some(domain),
@@ -406,7 +406,7 @@ impl Shape {
         }
     }
 
-    /// The position and the domain of a surface in space.
+    /// Returns the position and the domain of a surface in space.
     pub fn surface(&self) -> Option<(&[NodeId; 3], &[Sampling; 2])> {
         match self {
             Self::Surface {
@@ -416,7 +416,7 @@ impl Shape {
         }
     }
 
-    /// The first fundamental form (E, F, G) and the domain of a metric.
+    /// Returns the first fundamental form (E, F, G) and the domain of a metric.
     pub fn metric(&self) -> Option<(&[NodeId; 3], &[Sampling; 2])> {
         match self {
             Self::Metric {
@@ -426,7 +426,8 @@ impl Shape {
         }
     }
 
-    /// The surface or metric on which a geodesic lies, and the arc lengths that are drawn; `None` for one on a solid.
+    /// Returns the surface or metric on which a geodesic lies, and the arc lengths that are drawn; `None` for one on a
+    /// solid.
     pub fn geodesic(&self) -> Option<(ObjectId, &Sampling)> {
         match self {
             Self::Geodesic {
@@ -438,7 +439,7 @@ impl Shape {
         }
     }
 
-    /// The arc lengths of a geodesic that are drawn, wherever it lies.
+    /// Returns the arc lengths of a geodesic that are drawn, wherever it lies.
     pub fn arc_lengths(&self) -> Option<&Sampling> {
         match self {
             Self::Geodesic { domain, .. } => Some(domain),
@@ -446,7 +447,7 @@ impl Shape {
         }
     }
 
-    /// The way of a geodesic on a solid, and the arc lengths that are drawn.
+    /// Returns the way of a geodesic on a solid, and the arc lengths that are drawn.
     pub fn space_geodesic(&self) -> Option<(SpacePath<'_>, &Sampling)> {
         match self {
             Self::Geodesic {
@@ -477,7 +478,7 @@ impl Shape {
         self.manifold().is_some() || self.solid().is_some()
     }
 
-    /// The direction and the start of a geodesic on a surface or a metric, and its speed if that is not 1.
+    /// Returns the direction and the start of a geodesic on a surface or a metric, and its speed if that is not 1.
     pub fn initial_conditions(&self) -> Option<(&[NodeId; 2], &[NodeId; 2], Option<NodeId>)> {
         match self {
             Self::Geodesic {
@@ -494,7 +495,7 @@ impl Shape {
         }
     }
 
-    /// The values of geodesics that a curve follows at its parameter.
+    /// Returns the values of geodesics that a curve follows at its parameter.
     pub fn followed(&self) -> &[GeodesicValue] {
         match self {
             Self::Curve { followed, .. } => followed,
@@ -507,7 +508,7 @@ impl Shape {
         self.is_geodesic() || !self.followed().is_empty()
     }
 
-    /// The position of a point, or of a curve or surface over its parameters.
+    /// Returns the position of a point, or of a curve or surface over its parameters.
     pub fn position(&self) -> Option<&[NodeId; 3]> {
         match self {
             Self::Point { position }
@@ -517,7 +518,7 @@ impl Shape {
         }
     }
 
-    /// The direction and the origin of a vector.
+    /// Returns the direction and the origin of a vector.
     pub fn vector(&self) -> Option<(&[NodeId; 3], &[NodeId; 3])> {
         match self {
             Self::Vector { direction, origin } => Some((direction, origin)),
@@ -525,8 +526,8 @@ impl Shape {
         }
     }
 
-    /// The number of samples of one instance along each parameter, 1 for a parameter that it does not have. A metric is not
-    /// sampled in space and counts as one sample.
+    /// Returns the number of samples of one instance along each parameter, 1 for a parameter that it does not have. A metric is
+    /// not sampled in space and counts as one sample.
     pub fn sample_counts(&self) -> [u32; 2] {
         match self {
             Self::Metric { .. } => [1; 2],
@@ -538,7 +539,7 @@ impl Shape {
         }
     }
 
-    /// The number of samples of one instance: the product of [`Shape::sample_counts`].
+    /// Returns the number of samples of one instance: the product of [`Shape::sample_counts`].
     pub fn sample_count(&self) -> u64 {
         self.sample_counts().into_iter().map(u64::from).product()
     }
@@ -566,7 +567,7 @@ impl Shape {
         }
     }
 
-    /// The nodes of [`Shape::roots`] and of [`Shape::followed`], to be replaced.
+    /// Returns the nodes of [`Shape::roots`] and of [`Shape::followed`], to be replaced.
     pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
         match self {
             Self::Point { position } | Self::Surface { position, .. } => {
@@ -598,7 +599,7 @@ impl Shape {
         }
     }
 
-    /// A solid's set.
+    /// Returns a solid's set.
     pub fn solid(&self) -> Option<&Solid> {
         match self {
             Self::Solid(solid) => Some(solid),

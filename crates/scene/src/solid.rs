@@ -164,7 +164,7 @@ impl Solid {
 }
 
 impl Cut {
-    /// The length of a mesh cell along the interval, where a number of cells is stated.
+    /// Returns the length of a mesh cell along the interval, where a number of cells is stated.
     pub fn cell(&self) -> Option<f64> {
         let Range { min, max } = self.range;
         Some((max - min) / f64::from(self.cells?))
@@ -187,7 +187,7 @@ impl SolidLeaf {
         self.cuts.iter().any(Option::is_some) && graph.value(self.field) == Some(EVERYWHERE)
     }
 
-    /// The nodes that its points depend on.
+    /// Returns the nodes that its points depend on.
     pub(crate) fn point_nodes(&self) -> Vec<NodeId> {
         let map = self.map.0.as_flattened();
         std::iter::once(&self.field).chain(map).copied().collect()
@@ -203,7 +203,7 @@ impl SolidLeaf {
     }
 }
 
-/// The word that is stated for an attribute such as `bokeh`.
+/// Returns the word that is stated for an attribute such as `bokeh`.
 pub fn stated_word<'a>(attributes: &'a [Attribute], attribute: &str) -> Option<&'a str> {
     let stated = attributes.iter().find(|stated| stated.word == attribute)?;
     match &stated.value {

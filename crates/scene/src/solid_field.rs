@@ -16,8 +16,8 @@ const MOST_INSTANCES: u64 = 4_096;
 type LeafField<'f> = dyn Fn(&mut Graph, &SolidLeaf) -> Result<Option<NodeId>, TooLarge> + 'f;
 
 impl Solid {
-    /// The number that it is as a function of x, y and z; its cuts are not part of it. `axes` gives the values of the grids
-    /// over which it is a union.
+    /// Returns the number that it is as a function of x, y and z; its cuts are not part of it. `axes` gives the values of the
+    /// grids over which it is a union.
     ///
     /// # Errors
     /// [`TooLarge`] where it has so many leaves or instances that the expression has no room.
@@ -34,7 +34,7 @@ impl Solid {
         })
     }
 
-    /// The field that is 0 on its surface, negative inside of it: its function with its cuts.
+    /// Returns the field that is 0 on its surface, negative inside of it: its function with its cuts.
     ///
     /// # Errors
     /// As [`Solid::function`].
@@ -117,7 +117,7 @@ fn placed(graph: &mut Graph, leaf: &SolidLeaf, field: NodeId) -> Result<NodeId, 
     found.first().copied().ok_or(TooLarge)
 }
 
-/// The least value of a node over all values of grids.
+/// Returns the least value of a node over all values of grids.
 fn least(
     graph: &mut Graph,
     node: NodeId,

@@ -31,7 +31,7 @@ pub struct StatedSetting {
 }
 
 impl StatedPicture {
-    /// The numbers of the settings, in the order of the table of objects.
+    /// Returns the numbers of the settings, in the order of the table of objects.
     pub fn settings(&self) -> impl Iterator<Item = StatedSetting> + '_ {
         let attributes = ObjectName::Settings.attributes().iter();
         attributes.filter_map(|attribute| {

@@ -29,7 +29,7 @@ impl AttributeRange {
         ..Self::closed(0.0, std::f64::consts::TAU)
     };
 
-    /// The numbers from one up to another, both included.
+    /// Returns the numbers from one up to another, both included.
     pub const fn closed(min: f64, max: f64) -> Self {
         Self {
             min,
@@ -44,8 +44,8 @@ impl AttributeRange {
         value.is_finite() && above && value <= self.max
     }
 
-    /// The number of the range that is nearest to a finite one; of an open range the least that is above its end and not
-    /// denormal.
+    /// Returns the number of the range that is nearest to a finite one; of an open range the least that is above its end and
+    /// not denormal.
     pub fn clamp(self, value: f64) -> f64 {
         let least = if self.is_open {
             self.min + f64::MIN_POSITIVE
@@ -55,7 +55,7 @@ impl AttributeRange {
         value.clamp(least, self.max)
     }
 
-    /// The range as the end of a sentence: `0…1`, `> 0`; `None` if every number is in it.
+    /// Returns the range as the end of a sentence: `0…1`, `> 0`; `None` if every number is in it.
     pub fn text(self) -> Option<&'static str> {
         match self {
             Self::SHARE => Some("0…1"),

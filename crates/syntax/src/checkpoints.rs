@@ -29,42 +29,42 @@ impl Checkpoints {
         Self(all.collect())
     }
 
-    /// The number of line ends before an offset; an offset past the end counts as the end.
+    /// Returns the number of line ends before an offset; an offset past the end counts as the end.
     pub(crate) fn line_ends_before(&self, text: &str, offset: u32) -> u32 {
         let (counts, rest) = self.up_to(text, offset);
         counts.line_ends + count(rest, is_line_end)
     }
 
-    /// The number of characters that start before an offset; an offset past the end counts as the end.
+    /// Returns the number of characters that start before an offset; an offset past the end counts as the end.
     pub(crate) fn characters_before(&self, text: &str, offset: u32) -> u32 {
         let (counts, rest) = self.up_to(text, offset);
         counts.characters + count(rest, starts_character)
     }
 
-    /// The offset of a line end by its number, from 0.
+    /// Returns the offset of a line end by its number, from 0.
     pub(crate) fn line_end(&self, text: &str, number: u32) -> Option<u32> {
         self.find(text, number, |counts| counts.line_ends, is_line_end)
     }
 
-    /// The offset of a character by its number, from 0.
+    /// Returns the offset of a character by its number, from 0.
     pub(crate) fn character(&self, text: &str, number: u32) -> Option<u32> {
         self.find(text, number, |counts| counts.characters, starts_character)
     }
 
-    /// The counts at the last checkpoint before an offset, and the bytes between the two.
+    /// Returns the counts at the last checkpoint before an offset, and the bytes between the two.
     fn up_to<'t>(&self, text: &'t str, offset: u32) -> (Counts, &'t [u8]) {
         let offset = (offset as usize).min(text.len());
         let block = offset / BLOCK;
         (self.before(block), &text.as_bytes()[block * BLOCK..offset])
     }
 
-    /// The counts before a block.
+    /// Returns the counts before a block.
     fn before(&self, block: usize) -> Counts {
         let counts = block.checked_sub(1).and_then(|k| self.0.get(k));
         counts.copied().unwrap_or_default()
     }
 
-    /// The offset of the byte of this number, from 0, among those that are `counted`.
+    /// Returns the offset of the byte of this number, from 0, among those that are `counted`.
     fn find(
         &self,
         text: &str,
@@ -90,7 +90,7 @@ fn is_line_end(byte: u8) -> bool {
     byte == b'\n'
 }
 
-/// True unless the byte continues a character in UTF-8.
+/// Returns true unless the byte continues a character in UTF-8.
 fn starts_character(byte: u8) -> bool {
     byte & 0xC0 != 0x80
 }

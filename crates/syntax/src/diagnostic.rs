@@ -61,7 +61,7 @@ pub struct Diagnostic {
 }
 
 impl Fix {
-    /// The fix that replaces a word by another.
+    /// Returns the fix that replaces a word by another.
     pub(crate) fn change(span: Span, word: &str, preferred: bool) -> Self {
         Self {
             title: format!("Change to `{word}`"),
@@ -72,7 +72,7 @@ impl Fix {
         }
     }
 
-    /// The fix that removes a sign.
+    /// Returns the fix that removes a sign.
     pub(crate) fn remove(span: Span, sign: &str) -> Self {
         Self {
             title: format!("Remove `{sign}`"),
@@ -86,7 +86,7 @@ impl Fix {
         Self { all: true, ..self }
     }
 
-    /// The fix that writes an expression so that it cannot be read in two ways.
+    /// Returns the fix that writes an expression so that it cannot be read in two ways.
     pub(crate) fn write(span: Span, text: &str) -> Self {
         Self {
             title: format!("Write `{text}`"),
@@ -97,7 +97,7 @@ impl Fix {
         }
     }
 
-    /// The fix that inserts a text at an offset.
+    /// Returns the fix that inserts a text at an offset.
     pub(crate) fn insert(title: &str, offset: u32, text: &str) -> Self {
         Self {
             title: title.to_owned(),
@@ -110,7 +110,7 @@ impl Fix {
 }
 
 impl Diagnostic {
-    /// An error without hint or related places.
+    /// Returns an error without hint or related places.
     pub fn error(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
@@ -123,7 +123,7 @@ impl Diagnostic {
         }
     }
 
-    /// A warning without hint or related places.
+    /// Returns a warning without hint or related places.
     pub fn warning(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Warning,

@@ -159,7 +159,7 @@ impl<G: Grammar> Document<G> {
         Ok(document)
     }
 
-    /// A document of a snapshot, without the indexes that a snapshot does not hold.
+    /// Returns a document of a snapshot, without the indexes that a snapshot does not hold.
     fn unindexed(snapshot: Snapshot<G>) -> Self {
         Self {
             snapshot,
@@ -171,7 +171,7 @@ impl<G: Grammar> Document<G> {
         }
     }
 
-    /// A document that goes on from a snapshot of another, for trying edits out. Nothing is read for it.
+    /// Returns a document that goes on from a snapshot of another, for trying edits out. Nothing is read for it.
     pub fn from_snapshot(snapshot: Snapshot<G>) -> Self {
         let mut document = Self::unindexed(snapshot);
         let Self {
@@ -242,17 +242,17 @@ impl<G: Grammar> Document<G> {
         })
     }
 
-    /// The document as it is now. Later edits do not change the snapshot.
+    /// Returns the document as it is now. Later edits do not change the snapshot.
     pub fn snapshot(&self) -> Snapshot<G> {
         self.snapshot.clone()
     }
 
-    /// The number of edits so far.
+    /// Returns the number of edits so far.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// The counters of the work so far.
+    /// Returns the counters of the work so far.
     pub fn counters(&self) -> ReadCounters {
         self.counters
     }

@@ -30,12 +30,12 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// The number of lines, at least 1: a text that ends in `\n` has an empty last line.
+    /// Returns the number of lines, at least 1: a text that ends in `\n` has an empty last line.
     pub fn line_count(&self) -> u32 {
         self.line_of(self.text.len() as u32)
     }
 
-    /// The line and column of the character that starts at `offset`; an offset past the end counts as the end.
+    /// Returns the line and column of the character that starts at `offset`; an offset past the end counts as the end.
     pub fn position(&self, offset: u32) -> Position {
         let line = self.line_of(offset);
         let start = self.start(line).unwrap_or_default();
@@ -46,7 +46,7 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// The offset of the character at a place. A column past the line's end gives the line's end; `None`
+    /// Returns the offset of the character at a place. A column past the line's end gives the line's end; `None`
     /// where there is no such line, or for a 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let content = self.line(position.line)?;
@@ -58,7 +58,7 @@ impl<'t> LineIndex<'t> {
         self.checkpoints.character(self.text, wanted)
     }
 
-    /// The bytes of a line (from 1) without its end, or `None` where there is no such line.
+    /// Returns the bytes of a line (from 1) without its end, or `None` where there is no such line.
     pub fn line(&self, line: u32) -> Option<std::ops::Range<usize>> {
         let start = self.start(line)? as usize;
         let Some(end) = self.checkpoints.line_end(self.text, line - 1) else {
@@ -69,12 +69,12 @@ impl<'t> LineIndex<'t> {
         Some(start..start + content.len())
     }
 
-    /// The line, from 1, of an offset.
+    /// Returns the line, from 1, of an offset.
     fn line_of(&self, offset: u32) -> u32 {
         self.checkpoints.line_ends_before(self.text, offset) + 1
     }
 
-    /// The offset at which a line, from 1, starts.
+    /// Returns the offset at which a line, from 1, starts.
     fn start(&self, line: u32) -> Option<u32> {
         match line.checked_sub(1)?.checked_sub(1) {
             None => Some(0),

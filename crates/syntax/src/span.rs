@@ -10,7 +10,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The range `start..end`.
+    /// Returns the range `start..end`.
     pub fn new(start: u32, end: u32) -> Self {
         debug_assert!(start <= end);
         Self { start, end }
@@ -33,7 +33,7 @@ impl Span {
         }
     }
 
-    /// The text in the range.
+    /// Returns the text in the range.
     pub fn text(self, source: &str) -> &str {
         &source[self.start as usize..self.end as usize]
     }

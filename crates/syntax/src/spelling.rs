@@ -44,7 +44,7 @@ impl<'w> Search<'w> {
         })
     }
 
-    /// The word in small letters.
+    /// Returns the word in small letters.
     fn folded_text(&self) -> String {
         self.word.to_ascii_lowercase()
     }
@@ -91,8 +91,8 @@ impl<'w> Search<'w> {
     }
 }
 
-/// The name that is spelt most like a word, of equally near ones the first. Returns `None` if no name is near enough to be
-/// meant.
+/// Returns the name that is spelt most like a word, of equally near ones the first. Returns `None` if no name is near enough to
+/// be meant.
 pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> Option<String> {
     if !word.is_ascii() || word.is_empty() {
         return None;
@@ -106,12 +106,13 @@ pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> 
     })
 }
 
-/// The distances between the empty text and the prefixes of a word.
+/// Returns the distances between the empty text and the prefixes of a word.
 fn first_row() -> Row {
     std::array::from_fn(|length| length as u8)
 }
 
-/// The distances between `front` and the prefixes of `word`, where `rows` holds those of each shorter prefix of `front`.
+/// Returns the distances between `front` and the prefixes of `word`, where `rows` holds those of each shorter prefix of
+/// `front`.
 ///
 /// The distance is the least number of insertions, deletions, substitutions and swaps of neighbours that turn one into the
 /// other, with no letter edited twice (optimal string alignment; L. Boytsov, Indexing methods for approximate dictionary
@@ -135,7 +136,7 @@ fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     row
 }
 
-/// The distance between two ASCII words, the second of which is no longer than [`MAX_WORD`].
+/// Returns the distance between two ASCII words, the second of which is no longer than [`MAX_WORD`].
 fn distance(a: &str, b: &str) -> u8 {
     let mut rows = vec![first_row()];
     for length in 1..=a.len() {

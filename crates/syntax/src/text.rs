@@ -8,13 +8,14 @@ use crate::span::Span;
 /// The greatest number of diagnostics for one text; the last one says that others are left out.
 pub const MAX_DIAGNOSTICS: usize = 100_000;
 
-/// The last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it takes.
+/// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it
+/// takes.
 pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
     let message = format!("more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted");
     Diagnostic::error(codes::TOO_MANY_ERRORS, span, message)
 }
 
-/// The diagnostic of a text of 4 GiB or more, which is not read.
+/// Returns the diagnostic of a text of 4 GiB or more, which is not read.
 pub(crate) fn too_large() -> Diagnostic {
     let message = "this text is too large: the limit is 4 GiB";
     Diagnostic::error(codes::FILE_TOO_LARGE, Span::default(), message)

@@ -59,14 +59,14 @@ impl<V: Copy> Trie<V> {
         }
     }
 
-    /// The value of exactly this name.
+    /// Returns the value of exactly this name.
     pub fn get(&self, name: &str) -> Option<V> {
         self.longest_prefix(name)
             .filter(|(length, _)| *length == name.len())
             .map(|(_, value)| value)
     }
 
-    /// The longest name that `word` begins with: its length in bytes and its value.
+    /// Returns the longest name that `word` begins with: its length in bytes and its value.
     pub fn longest_prefix(&self, word: &str) -> Option<(usize, V)> {
         let mut longest = None;
         self.each_prefix(word, |length, value| longest = Some((length, value)));
@@ -175,7 +175,7 @@ struct Label {
 impl Label {
     const LONGEST: usize = 15;
 
-    /// The first letters of a run, up to as many as a label holds.
+    /// Returns the first letters of a run, up to as many as a label holds.
     fn front(run: &[u8]) -> Self {
         let length = run.len().min(Self::LONGEST);
         let mut letters = [0; Self::LONGEST];
@@ -202,7 +202,7 @@ impl<V> TrieNode<V> {
         }
     }
 
-    /// The nodes that lead over a run of letters to a value, each the only child of the one before.
+    /// Returns the nodes that lead over a run of letters to a value, each the only child of the one before.
     fn chain(run: &[u8], value: V) -> Arc<Self> {
         let mut value = Some(value);
         let mut below = None;
@@ -234,7 +234,7 @@ impl<V> TrieNode<V> {
         self.present >> slot & 1 == 1
     }
 
-    /// The position of the child of this slot, or the position at which to insert it.
+    /// Returns the position of the child of this slot, or the position at which to insert it.
     fn index(&self, slot: u32) -> usize {
         (self.present & ((1 << slot) - 1)).count_ones() as usize
     }
@@ -273,7 +273,7 @@ impl<V> Drop for TrieNode<V> {
     }
 }
 
-/// The position of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
+/// Returns the position of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
 #[inline]
 fn slot(byte: u8) -> Option<u32> {
     let slot = SLOTS[usize::from(byte)];
@@ -297,7 +297,8 @@ const SLOTS: [u8; 256] = {
     slots
 };
 
-/// The number of letters that two runs have in common at their start. It is small, so they are compared one by one.
+/// Returns the number of letters that two runs have in common at their start. It is small, so they are compared one by
+/// one.
 #[inline]
 fn shared_length(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(b).take_while(|(a, b)| a == b).count()

@@ -3,7 +3,7 @@
 use super::CrtAnalysis;
 use crate::color::StatedColor;
 
-/// The stated colours, in the order of the text.
+/// Returns the stated colours, in the order of the text.
 pub(super) fn colors(analysis: &CrtAnalysis) -> Vec<StatedColor> {
     let mut colors: Vec<StatedColor> = analysis
         .names()
@@ -18,7 +18,7 @@ pub(super) fn colors(analysis: &CrtAnalysis) -> Vec<StatedColor> {
     colors
 }
 
-/// The texts that state a colour.
+/// Returns the texts that state a colour.
 pub(super) fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     let [red, green, blue] = rgb.map(|part| (part * 1000.0).round() / 1000.0);
     vec![format!("rgb({red}, {green}, {blue})")]

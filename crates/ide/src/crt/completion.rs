@@ -38,7 +38,7 @@ fn keyword(word: &str) -> Completion {
     }
 }
 
-/// The entries at a place.
+/// Returns the entries at a place.
 pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -> Completions {
     let start = analysis.snapshot.word_start(offset);
     let mut completions = Completions {
@@ -181,7 +181,7 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
     }
 }
 
-/// The description of an entry by its label.
+/// Returns the description of an entry by its label.
 pub(super) fn describe(analysis: &CrtAnalysis, offset: u32, label: &str) -> Option<Description> {
     let start = analysis.snapshot.word_start(offset);
     if let CompletionPlace::Attribute(object, _) = place(analysis, start) {
@@ -327,7 +327,7 @@ fn begins_modifier(analysis: &CrtAnalysis, before: &[Token], offset: u32) -> boo
     }
 }
 
-/// The attributes that are stated between the braces of the object whose first one ends at an offset.
+/// Returns the attributes that are stated between the braces of the object whose first one ends at an offset.
 fn stated_attributes(analysis: &CrtAnalysis, start: u32) -> Vec<String> {
     let tokens = analysis.all_tokens();
     let from = tokens.partition_point(|token| token.span.end <= start);

@@ -13,8 +13,8 @@ use crate::geotrace::format;
 use crate::geotrace::rename::is_free;
 use crate::language::Analysis;
 
-/// The program that shows what a script shows at a value of `t`, in the canonical layout. Its first comment is the command that
-/// gives the script's picture; `file` is the name that it will have.
+/// Returns the program that shows what a script shows at a value of `t`, in the canonical layout. Its first comment is the
+/// command that gives the script's picture; `file` is the name that it will have.
 ///
 /// # Errors
 /// [`ConvertError`].

@@ -18,7 +18,7 @@ use crate::language::Analysis;
 /// The name of the scene's camera.
 const CAMERA: &str = "camera";
 
-/// The edit after which the camera stands at `position` and looks along `direction`.
+/// Returns the edit after which the camera stands at `position` and looks along `direction`.
 ///
 /// # Errors
 /// If the numbers say no place, the camera is not stated in one place, or a comment would be lost.
@@ -71,7 +71,8 @@ pub(super) fn edit_camera(
     ))
 }
 
-/// The edit after which the block `Settings` states a number: `gamma`, `supersampling`, `dofsamples` or `recursiondepth`.
+/// Returns the edit after which the block `Settings` states a number: `gamma`, `supersampling`, `dofsamples` or
+/// `recursiondepth`.
 ///
 /// # Errors
 /// If the block has no number of this name, the number is out of range, or a comment would be lost.
@@ -110,7 +111,7 @@ pub(super) fn edit_number(
     }
 }
 
-/// The place of a setting, and of its value.
+/// Returns the place of a setting, and of its value.
 fn setting(analysis: &CrtAnalysis, word: &str) -> Option<(Span, Span)> {
     attribute(analysis, settings(analysis)?, word)
 }
@@ -120,7 +121,7 @@ fn settings(analysis: &CrtAnalysis) -> Option<&ObjectPlace> {
     objects.find(|it| it.object == Some(ObjectName::Settings))
 }
 
-/// The place of an attribute, the last of its name, and of its value.
+/// Returns the place of an attribute, the last of its name, and of its value.
 fn attribute(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Span, Span)> {
     let (span, name) = named(analysis, object, word)?;
     let behind = analysis.tokens(Span::new(name.end, span.end));
@@ -131,7 +132,7 @@ fn attribute(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option
     Some((span, Span::new(value.start, span.end)))
 }
 
-/// The place of an attribute, the last of its name, and of that name.
+/// Returns the place of an attribute, the last of its name, and of that name.
 fn named(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Span, Span)> {
     let mut attributes = object.attributes.iter().rev();
     attributes
@@ -139,7 +140,7 @@ fn named(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Sp
         .copied()
 }
 
-/// The camera that a value states: itself, or what a variable is assigned once.
+/// Returns the camera that a value states: itself, or what a variable is assigned once.
 fn stated_camera(analysis: &CrtAnalysis, value: Span) -> Option<&ObjectPlace> {
     let names = analysis.names();
     let camera_at = |start: u32| {
@@ -167,7 +168,7 @@ fn has_comment(analysis: &CrtAnalysis, span: Span) -> bool {
     tokens.any(|token| token.kind == TokenKind::Comment && token.span.start < span.end)
 }
 
-/// The edit that adds a setting at the start of the block; a script without one gets it in front of its scene.
+/// Returns the edit that adds a setting at the start of the block; a script without one gets it in front of its scene.
 fn added(analysis: &CrtAnalysis, stated: &str) -> Edit {
     if let Some(block) = settings(analysis) {
         let is_empty = block.attributes.is_empty();
@@ -184,7 +185,7 @@ fn added(analysis: &CrtAnalysis, stated: &str) -> Edit {
     }
 }
 
-/// A number as a script writes it: without an exponent, and with a point where it is no Integer.
+/// Returns a number as a script writes it: without an exponent, and with a point where it is no Integer.
 fn literal(number: &str) -> String {
     let Ok(value) = number.parse::<f64>() else {
         return number.to_owned();

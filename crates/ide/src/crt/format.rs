@@ -19,7 +19,7 @@ use crate::text::Text;
 /// The columns of a level.
 const LEVEL: usize = 4;
 
-/// The edits that lay out the text, or the part of it in a range.
+/// Returns the edits that lay out the text, or the part of it in a range.
 pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     let text = analysis.snapshot_text().string();
     // What is wrong when it runs has a layout all the same.
@@ -41,7 +41,7 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     edits
 }
 
-/// The tokens of a text with their words.
+/// Returns the tokens of a text with their words.
 fn words(text: &str) -> Vec<(TokenKind, &str)> {
     let mark = if text.starts_with('\u{FEFF}') { 3 } else { 0 };
     let mut lexer = Lexer::new(text, mark);

@@ -11,7 +11,7 @@ use crate::description::Description;
 
 const FRAME: &str = "The frame: 0 unless set by the slider `t` of the window, by `--set t=V` or by `--animate t=0:19`. The script is run again for each value.";
 
-/// The description of the word at a place.
+/// Returns the description of the word at a place.
 pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Description)> {
     let token = analysis.word_at(offset)?;
     let word = analysis.slice(token.span);
@@ -40,7 +40,7 @@ fn describe(code: &str, text: String) -> Description {
     }
 }
 
-/// The description of an object with its attributes.
+/// Returns the description of an object with its attributes.
 pub(super) fn object(object: ObjectName) -> Description {
     let rows = object.attributes().iter().map(|row| {
         let note = match default_value(row.default) {
@@ -54,7 +54,7 @@ pub(super) fn object(object: ObjectName) -> Description {
     description
 }
 
-/// The description of an attribute: its type, range, unit and default.
+/// Returns the description of an attribute: its type, range, unit and default.
 pub(super) fn attribute(row: &ObjectAttribute) -> Description {
     let code = format!("{} -> {}", row.text, value_type(row.value));
     let mut text = format!("Attribute of `{}`: {}.", row.object.text(), row.purpose);
@@ -106,14 +106,14 @@ fn value_type(value: ValueType) -> &'static str {
     }
 }
 
-/// The description of a function that every script has.
+/// Returns the description of a function that every script has.
 pub(super) fn function(word: &str) -> Option<Description> {
     let (name, arguments, purpose) = FUNCTIONS.iter().find(|(name, ..)| *name == word)?;
     let code = format!("{name}({})", arguments.join(", "));
     Some(describe(&code, format!("{}.", capital(purpose))))
 }
 
-/// The description of a variable: what it was given, and where it stands.
+/// Returns the description of a variable: what it was given, and where it stands.
 pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Description {
     let names = analysis.names();
     let variable = names.variable(id);
@@ -137,8 +137,8 @@ pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Descr
     description
 }
 
-/// The value that the run leaves a variable, how often it is assigned, and by which assignment it comes last. `None` for a
-/// script that is not run.
+/// Returns the value that the run leaves a variable, how often it is assigned, and by which assignment it comes last. `None`
+/// for a script that is not run.
 fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
     let assignments = analysis.assignments()?;
     let found = analysis.names().bindings(id).filter_map(|(name, whole)| {

@@ -172,7 +172,7 @@ impl ScriptNames {
         variable
     }
 
-    /// The variable of the name at a place, with the place of the name.
+    /// Returns the variable of the name at a place, with the place of the name.
     pub fn variable_at(&self, offset: u32) -> Option<(Span, VariableId)> {
         let after = self.uses.partition_point(|it| it.span.end < offset);
         let near = self.uses.get(after..)?.iter().take(2);
@@ -181,30 +181,30 @@ impl ScriptNames {
         Some((found.span, self.same(found.variable?)))
     }
 
-    /// A variable by its number.
+    /// Returns a variable by its number.
     pub fn variable(&self, variable: VariableId) -> &Variable {
         &self.variables[variable]
     }
 
-    /// The parameters of the macro that a variable is given first; `None` if that is no macro.
+    /// Returns the parameters of the macro that a variable is given first; `None` if that is no macro.
     pub fn parameters(&self, variable: VariableId) -> Option<&[Arc<str>]> {
         self.variables[variable].parameters.as_deref()
     }
 
-    /// The variables, those that count as the same once.
+    /// Returns the variables, those that count as the same once.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
         let all = self.variables.iter().enumerate();
         all.filter(|(k, it)| it.same == *k).map(|(_, it)| it)
     }
 
-    /// The first place that binds a variable.
+    /// Returns the first place that binds a variable.
     pub fn first(&self, variable: VariableId) -> Option<Span> {
         let occurrences = self.occurrences(variable).into_iter();
         let mut binding = occurrences.filter(|it| it.introduces);
         Some(binding.next()?.span)
     }
 
-    /// The places of a variable, in the order of the text.
+    /// Returns the places of a variable, in the order of the text.
     pub fn occurrences(&self, variable: VariableId) -> Vec<Occurrence> {
         let uses = self.uses.iter();
         let uses = uses.filter(|it| it.variable.is_some_and(|it| self.same(it) == variable));
@@ -215,26 +215,26 @@ impl ScriptNames {
         places.collect()
     }
 
-    /// The places where a variable is bound, in the order of the text: of the name, and of the assignment.
+    /// Returns the places where a variable is bound, in the order of the text: of the name, and of the assignment.
     pub fn bindings(&self, variable: VariableId) -> impl Iterator<Item = (Span, Span)> {
         let uses = self.uses.iter();
         let uses = uses.filter(move |it| it.variable.is_some_and(|it| self.same(it) == variable));
         uses.filter_map(|it| Some((it.span, it.binds?)))
     }
 
-    /// The first place where a name stands, whatever it means there.
+    /// Returns the first place where a name stands, whatever it means there.
     pub fn place_of(&self, name: &str) -> Option<Span> {
         let mut uses = self.uses.iter().filter(|it| &*it.name == name);
         uses.next().map(|it| it.span)
     }
 
-    /// The object whose attribute has its name at a place.
+    /// Returns the object whose attribute has its name at a place.
     pub fn object_of(&self, name: Span) -> Option<&ObjectPlace> {
         let holds = |it: &&ObjectPlace| it.attributes.iter().any(|(_, place)| *place == name);
         self.objects.iter().find(holds)
     }
 
-    /// The names of attributes, in the order of the text.
+    /// Returns the names of attributes, in the order of the text.
     pub fn attribute_names(&self) -> Vec<Span> {
         let objects = self.objects.iter();
         let names = objects.flat_map(|it| it.attributes.iter().map(|(_, name)| *name));
@@ -449,7 +449,7 @@ impl Walk {
     }
 }
 
-/// The colour of a call of `rgb` with numbers. That of `rgba` has a fourth number, which a picker would drop.
+/// Returns the colour of a call of `rgb` with numbers. That of `rgba` has a fourth number, which a picker would drop.
 fn stated_color(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
     let is_rgb = called.identifier().is_some_and(|name| &**name == "rgb");
     if !is_rgb || arguments.len() != 3 {

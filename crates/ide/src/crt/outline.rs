@@ -58,7 +58,7 @@ pub(super) fn outline(analysis: &CrtAnalysis) -> Vec<OutlineEntry> {
     entries.collect()
 }
 
-/// The braces, in the order of the text.
+/// Returns the braces, in the order of the text.
 fn braces(analysis: &CrtAnalysis) -> Vec<Span> {
     let names = analysis.names();
     let objects = names.objects.iter().map(|object| object.braces);
@@ -67,7 +67,7 @@ fn braces(analysis: &CrtAnalysis) -> Vec<Span> {
     spans
 }
 
-/// The braces that span lines, in the order of the text.
+/// Returns the braces that span lines, in the order of the text.
 pub(super) fn folds(analysis: &CrtAnalysis) -> Vec<Fold> {
     let text = analysis.snapshot_text();
     let spans = braces(analysis).into_iter();
@@ -79,7 +79,7 @@ pub(super) fn folds(analysis: &CrtAnalysis) -> Vec<Fold> {
     folds.collect()
 }
 
-/// The ranges around a place: a token, what stands between braces, the braces, the block, the text.
+/// Returns the ranges around a place: a token, what stands between braces, the braces, the block, the text.
 pub(super) fn selection(analysis: &CrtAnalysis, offset: u32) -> Vec<Span> {
     let script = analysis.script();
     let around = Span::new(offset, offset);

@@ -10,7 +10,7 @@ use super::CrtAnalysis;
 use super::names::Origin;
 use crate::semantic::{Modifiers, SemanticToken, TokenType};
 
-/// The coloured tokens that touch a range.
+/// Returns the coloured tokens that touch a range.
 pub(super) fn semantic_tokens(analysis: &CrtAnalysis, range: Span) -> Vec<SemanticToken> {
     let attributes = analysis.names().attribute_names();
     let mut tokens = Vec::new();
@@ -57,7 +57,7 @@ fn identifier(analysis: &CrtAnalysis, span: Span) -> (TokenType, Modifiers) {
     (token_type, modifiers)
 }
 
-/// The type of a token that says by itself what it is.
+/// Returns the type of a token that says by itself what it is.
 fn token_type(kind: HighlightKind) -> Option<TokenType> {
     match kind {
         HighlightKind::Comment => Some(TokenType::Comment),

@@ -7,7 +7,7 @@ use syntax::span::Span;
 use super::CrtAnalysis;
 use crate::signature::Signature;
 
-/// The innermost call with a bracket around a place.
+/// Returns the innermost call with a bracket around a place.
 pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature> {
     let tokens: Vec<Token> = analysis.tokens(Span::new(0, offset)).collect();
     if let Some(last) = tokens.iter().rfind(|it| it.span.start < offset)

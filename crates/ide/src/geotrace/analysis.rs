@@ -56,7 +56,7 @@ impl GeotraceAnalysis {
         Self::of(document.expect("an empty text is read").snapshot(), None)
     }
 
-    /// A document as it is now. `found` is what is wrong with it, if that is known.
+    /// Returns a document as it is now. `found` is what is wrong with it, if that is known.
     pub fn of(document: Snapshot, found: Option<Arc<[Diagnostic]>>) -> Self {
         Self {
             document,
@@ -67,17 +67,17 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// The text and what it was read as.
+    /// Returns the text and what it was read as.
     pub fn document(&self) -> &Snapshot {
         &self.document
     }
 
-    /// The whole text, put together on the first query.
+    /// Returns the whole text, put together on the first query.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.document.text())
     }
 
-    /// The length of the text in bytes.
+    /// Returns the length of the text in bytes.
     pub fn len(&self) -> u32 {
         self.document.len()
     }
@@ -92,12 +92,12 @@ impl GeotraceAnalysis {
         self.document.slice(span).unwrap_or_default()
     }
 
-    /// The number of tokens, comments included.
+    /// Returns the number of tokens, comments included.
     pub fn token_count(&self) -> usize {
         self.document.token_count() as usize
     }
 
-    /// A token by its number, from 0.
+    /// Returns a token by its number, from 0.
     pub fn token(&self, token: usize) -> Option<Lexeme<'_>> {
         let (placed, index) = self
             .document
@@ -125,19 +125,19 @@ impl GeotraceAnalysis {
             .filter_map(|k| self.token(k))
     }
 
-    /// The tokens that touch a range, by their numbers.
+    /// Returns the tokens that touch a range, by their numbers.
     pub fn tokens_in(&self, span: Span) -> Range<usize> {
         let first = self.document.tokens_ended(span.start) as usize;
         let last = self.document.tokens_begun(span.end) as usize;
         first..last.max(first)
     }
 
-    /// The number of declarations.
+    /// Returns the number of declarations.
     pub fn item_count(&self) -> usize {
         self.document.declaration_count() as usize
     }
 
-    /// A declaration by its number, from 0.
+    /// Returns a declaration by its number, from 0.
     pub fn item(&self, item: usize) -> Option<Item<'_>> {
         let number = u32::try_from(item).ok()?;
         let (placed, index) = self.document.placed_chunk_of_declaration(number)?;
@@ -145,7 +145,7 @@ impl GeotraceAnalysis {
         Some(Item::new(item, placed.start, read, events))
     }
 
-    /// The declarations from one on, in the order of the text.
+    /// Returns the declarations from one on, in the order of the text.
     pub fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
         let first = u32::try_from(item).ok();
         let first = first.and_then(|first| self.document.placed_chunk_of_declaration(first));
@@ -161,19 +161,19 @@ impl GeotraceAnalysis {
         all.skip(skipped)
     }
 
-    /// Every declaration, in the order of the text.
+    /// Returns every declaration, in the order of the text.
     pub fn items(&self) -> impl Iterator<Item = Item<'_>> {
         self.items_from(0)
     }
 
-    /// The declarations that touch a range.
+    /// Returns the declarations that touch a range.
     pub fn items_in(&self, span: Span) -> impl Iterator<Item = Item<'_>> {
         let first = self.document.declarations_ended(span.start) as usize;
         let from = self.items_from(first);
         from.take_while(move |item| item.span.start < span.end)
     }
 
-    /// A builtin, or a symbol that the text declares; its places count from the start of its chunk.
+    /// Returns a builtin, or a symbol that the text declares; its places count from the start of its chunk.
     pub fn symbol(&self, id: SymbolId) -> Option<&Symbol> {
         self.document.symbol(id)
     }
@@ -204,7 +204,7 @@ impl GeotraceAnalysis {
         Excerpt::new(&self.document, numbers)
     }
 
-    /// The symbols that the tokens in a range stand for.
+    /// Returns the symbols that the tokens in a range stand for.
     pub(crate) fn symbols_in(&self, span: Span) -> Vec<SymbolId> {
         let tokens = self.tokens(self.tokens_in(span));
         let symbols = tokens.filter_map(|token| match token.kind {
@@ -214,7 +214,7 @@ impl GeotraceAnalysis {
         symbols.collect()
     }
 
-    /// The token at a place: the one that holds it, or else the word or number that ends there.
+    /// Returns the token at a place: the one that holds it, or else the word or number that ends there.
     pub fn token_at(&self, offset: u32) -> Option<usize> {
         let next = self.document.tokens_ended(offset) as usize;
         let holds = self.token(next).filter(|it| it.span.start <= offset);
@@ -230,14 +230,14 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// The declaration that holds a place, or ends there.
+    /// Returns the declaration that holds a place, or ends there.
     pub fn item_at(&self, offset: u32) -> Option<Item<'_>> {
         let begun = self.document.declarations_begun(offset) as usize;
         let item = self.item(begun.checked_sub(1)?)?;
         (offset <= item.span.end).then_some(item)
     }
 
-    /// The last declaration before a place, where it has not ended with a `;`.
+    /// Returns the last declaration before a place, where it has not ended with a `;`.
     pub(crate) fn unfinished_item_before(&self, offset: u32) -> Option<Item<'_>> {
         // One that starts at the place does not stand before it.
         let begun = self.document.declarations_begun(offset.checked_sub(1)?) as usize;
@@ -248,12 +248,12 @@ impl GeotraceAnalysis {
         (!rest.contains(';')).then_some(item)
     }
 
-    /// The number of the declaration of a symbol; none for a builtin.
+    /// Returns the number of the declaration of a symbol; none for a builtin.
     pub fn item_of(&self, symbol: SymbolId) -> Option<usize> {
         self.document.declaration_of(symbol).map(|it| it as usize)
     }
 
-    /// The declaration that defines a name.
+    /// Returns the declaration that defines a name.
     pub fn declared(&self, name: &str) -> Option<Item<'_>> {
         let symbol = self.document.named(name)?;
         self.item(self.item_of(symbol)?)
@@ -277,7 +277,7 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// The name of what a token stands for.
+    /// Returns the name of what a token stands for.
     pub fn name(&self, target: Target) -> &str {
         match target {
             Target::Symbol(id) => self.symbol(id).map_or("", |symbol| &symbol.name),
@@ -289,7 +289,7 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Every token that stands for `target`, where it is introduced first, by their numbers.
+    /// Returns every token that stands for `target`, where it is introduced first, by their numbers.
     pub fn occurrences(&self, target: Target) -> Vec<usize> {
         let name = self.name(target);
         let symbol = match target {
@@ -366,7 +366,7 @@ impl GeotraceAnalysis {
     }
 }
 
-/// A token of a piece, in its place in the text.
+/// Returns a token of a piece, in its place in the text.
 pub(crate) fn lexeme(placed: PlacedChunk<'_>, token: Token) -> Lexeme<'_> {
     Lexeme {
         kind: token.kind,

@@ -115,7 +115,7 @@ impl Application {
         Some(sentences)
     }
 
-    /// The gradient of a solid's function at the arguments.
+    /// Returns the gradient of a solid's function at the arguments.
     fn gradient(&self, analysis: &GeotraceAnalysis, needed: &Needed) -> Option<String> {
         let symbol = analysis.symbol(*self.symbols.first()?)?;
         if symbol.keyword != Some(DeclarationKeyword::Solid) {
@@ -127,7 +127,7 @@ impl Application {
         Some(format!("there the gradient is {}", shown(&gradient)))
     }
 
-    /// The curvature of a surface or a metric at the arguments.
+    /// Returns the curvature of a surface or a metric at the arguments.
     fn curvature(&self, needed: &Needed) -> Option<String> {
         let Value::Vector(arguments) = needed.value(&self.arguments)? else {
             return None;
@@ -151,8 +151,8 @@ impl Application {
         ))
     }
 
-    /// The curvature of the surface on which a solid's function has the value that it has at the arguments: where it is 0, of the
-    /// solid's own.
+    /// Returns the curvature of the surface on which a solid's function has the value that it has at the arguments: where it is
+    /// 0, of the solid's own.
     fn level_curvature(&self, needed: &Needed) -> Option<String> {
         let Value::Vector(arguments) = needed.value(&self.arguments)? else {
             return None;
@@ -217,7 +217,7 @@ fn derives(analysis: &GeotraceAnalysis, start: u32) -> bool {
     analysis.slice(before) == "_"
 }
 
-/// The text of the declarations of some symbols, and of all that they use. None if there are too many.
+/// Returns the text of the declarations of some symbols, and of all that they use. None if there are too many.
 fn declarations(analysis: &GeotraceAnalysis, symbols: &[SymbolId]) -> Option<String> {
     let mut open = symbols.to_vec();
     let mut items: BTreeSet<usize> = BTreeSet::new();

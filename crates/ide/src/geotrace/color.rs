@@ -13,7 +13,7 @@ use crate::edit::Edit;
 /// The most tokens of a colour: three numbers, two commas, two brackets.
 const LONGEST: usize = 7;
 
-/// The constant colours, in the order of the text.
+/// Returns the constant colours, in the order of the text.
 pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
     let all = analysis.tokens(0..analysis.token_count());
     let mut tokens = all
@@ -54,7 +54,8 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
     found
 }
 
-/// The edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB, 0…1.
+/// Returns the edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB,
+/// 0…1.
 ///
 /// # Errors
 /// [`EditColorError::NotStated`].
@@ -78,7 +79,7 @@ pub fn edit_color(
     Ok(Edit::replace(stated.span, text))
 }
 
-/// The texts that state a colour: three numbers; where they are equal, one too.
+/// Returns the texts that state a colour: three numbers; where they are equal, one too.
 pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     let [red, green, blue] = rgb.map(channel);
     let mut texts = vec![format!("({red}, {green}, {blue})")];
@@ -88,7 +89,7 @@ pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     texts
 }
 
-/// A number of a colour, to a thousandth.
+/// Returns a number of a colour, to a thousandth.
 fn channel(x: f64) -> String {
     let share = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
     let text = format!("{share:.3}");
@@ -137,7 +138,7 @@ fn closes(kind: TokenKind) -> bool {
     )
 }
 
-/// The colour that some tokens state: `0.5`, `(1, 0.5, 0)`.
+/// Returns the colour that some tokens state: `0.5`, `(1, 0.5, 0)`.
 fn color(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
     let number = |token: &Lexeme<'_>| match token.kind {
         TokenKind::Number(x) => Some(x),

@@ -85,7 +85,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     }
 }
 
-/// The completions that go on from what is written, then those that hold its letters in order, in either case.
+/// Returns the completions that go on from what is written, then those that hold its letters in order, in either case.
 fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
     let written = written.to_lowercase();
     let (mut first, rest): (Vec<_>, Vec<_>) = list
@@ -102,7 +102,7 @@ fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
     first
 }
 
-/// The details of a completion, resolved when it is selected in the list.
+/// Returns the details of a completion, resolved when it is selected in the list.
 pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option<Description> {
     let keyword = DeclarationKeyword::from_text(label);
     let symbol = || {
@@ -126,8 +126,8 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
     }
 }
 
-/// The items that may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not those
-/// that it states elsewhere.
+/// Returns the items that may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not
+/// those that it states elsewhere.
 fn items(
     analysis: &GeotraceAnalysis,
     number: usize,
@@ -153,7 +153,7 @@ fn items(
     list
 }
 
-/// The words in front of a `:` of a declaration, without the one at an offset.
+/// Returns the words in front of a `:` of a declaration, without the one at an offset.
 fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<String> {
     let body = Span::new(item.name_span.end, item.span.end);
     let tokens: Vec<_> = analysis.tokens(analysis.tokens_in(body)).collect();
@@ -163,7 +163,7 @@ fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<Stri
     others.map(|pair| pair[0].text.to_owned()).collect()
 }
 
-/// An entry that inserts its word and nothing else: what belongs behind it is written already.
+/// Returns an entry that inserts its word and nothing else: what belongs behind it is written already.
 fn word_alone(entry: Completion) -> Completion {
     Completion {
         insert: entry.label.clone(),
@@ -172,7 +172,7 @@ fn word_alone(entry: Completion) -> Completion {
     }
 }
 
-/// The words that an attribute takes.
+/// Returns the words that an attribute takes.
 fn words(row: &AttributeRow) -> Vec<Completion> {
     let AttributeType::Choice(words) = row.value else {
         return Vec::new();
@@ -204,7 +204,7 @@ fn attribute(row: &AttributeRow, owner: &Item<'_>, snippets: bool) -> Completion
     }
 }
 
-/// The value of an attribute to begin with, over the parameters of its declaration.
+/// Returns the value of an attribute to begin with, over the parameters of its declaration.
 fn example_value(row: &AttributeRow, owner: &Item<'_>) -> String {
     let names: Vec<&str> = owner.variables().collect();
     match (row.word, &names[..]) {
@@ -273,7 +273,7 @@ impl<'r> Names<'r> {
         self.visible.above() <= MOST_NAMES
     }
 
-    /// The builtins first. Of many, those nearest above, or those that go on from what is written.
+    /// Returns the builtins first. Of many, those nearest above, or those that go on from what is written.
     fn list(&self, analysis: &'r GeotraceAnalysis) -> Vec<&'r Symbol> {
         let mut list: Vec<&Symbol> = self.visible.builtins().map(|(_, symbol)| symbol).collect();
         if self.are_few() || self.written.is_empty() {

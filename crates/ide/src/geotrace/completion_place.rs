@@ -57,7 +57,7 @@ impl CompletionPlace {
         }
     }
 
-    /// The place whose word starts at an offset.
+    /// Returns the place whose word starts at an offset.
     fn from(analysis: &GeotraceAnalysis, start: u32, offset: u32) -> Self {
         let range = Span::new(start, offset);
         let next = analysis.document().tokens_begun(start) as usize;
@@ -85,7 +85,7 @@ impl CompletionPlace {
     }
 }
 
-/// The kind of text that is expected behind a token of an item.
+/// Returns the kind of text that is expected behind a token of an item.
 fn behind(
     analysis: &GeotraceAnalysis,
     item: Option<&Item<'_>>,
@@ -128,7 +128,8 @@ fn behind(
     }
 }
 
-/// The kind of text that is expected behind the colon of an item: the surface of a geodesic, or the value of an attribute.
+/// Returns the kind of text that is expected behind the colon of an item: the surface of a geodesic, or the value of an
+/// attribute.
 fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> Expected {
     let before = colon.checked_sub(1).and_then(|k| analysis.token(k));
     let Some(word) = before.filter(is_word) else {
@@ -202,7 +203,7 @@ fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> boo
     open > 0 && is_interval
 }
 
-/// The brackets that a token opens.
+/// Returns the brackets that a token opens.
 fn depth(token: Lexeme<'_>) -> i32 {
     match token.kind {
         TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
@@ -211,7 +212,7 @@ fn depth(token: Lexeme<'_>) -> i32 {
     }
 }
 
-/// The kind of text that is expected behind a token within the set of a solid; `None` outside of sets.
+/// Returns the kind of text that is expected behind a token within the set of a solid; `None` outside of sets.
 pub(super) fn in_set(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,
@@ -301,7 +302,7 @@ fn part_start(analysis: &GeotraceAnalysis, whole: u32, offset: u32) -> u32 {
     last
 }
 
-/// The item of the function before an underscore.
+/// Returns the item of the function before an underscore.
 fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usize> {
     for token in analysis.tokens_before(underscore) {
         match token.kind {

@@ -24,7 +24,7 @@ use super::start;
 use super::targets::Target;
 use crate::description::Description;
 
-/// A description in this language.
+/// Returns a description in this language.
 pub(crate) fn description(
     code: impl Into<String>,
     text: impl IntoIterator<Item = String>,
@@ -65,7 +65,7 @@ pub(crate) fn attribute(row: &AttributeRow) -> Description {
     )
 }
 
-/// The values that an attribute may have, and the one that it has unless it is stated.
+/// Returns the values that an attribute may have, and the one that it has unless it is stated.
 pub(crate) fn range_and_default(row: &AttributeRow) -> String {
     let range = |range: AttributeRange| range.text().unwrap_or("any number");
     let values = match row.value {
@@ -121,7 +121,7 @@ fn signature(item: &Item<'_>) -> String {
     parameters(item.parameters().map(|(name, _)| name))
 }
 
-/// The interval of a parameter, as it is written.
+/// Returns the interval of a parameter, as it is written.
 fn interval_of(analysis: &GeotraceAnalysis, item: &Item<'_>, name: &str) -> Option<String> {
     // Intervals carry tags; they come in any order.
     let text = analysis.slice(item.span);
@@ -186,7 +186,7 @@ fn written_intervals(analysis: &GeotraceAnalysis, item: &Item<'_>) -> String {
     intervals.collect::<Vec<_>>().join(" × ")
 }
 
-/// The value of a constant: for one that params move, that at their start.
+/// Returns the value of a constant: for one that params move, that at their start.
 fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let excerpt = analysis.excerpt([item.index]);
     if let Some(value) = constant(&excerpt, item.name) {
@@ -241,7 +241,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     Some(format!("{told}{}", start::of_object(scene, object)))
 }
 
-/// The comment right above a declaration, or behind it on its line.
+/// Returns the comment right above a declaration, or behind it on its line.
 fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let document = analysis.document();
     // Of a line, from 1, what stands before an offset.
@@ -277,7 +277,7 @@ fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String>
     (!comment.is_empty()).then_some(comment)
 }
 
-/// A name that every program starts with.
+/// Returns a name that every program starts with.
 fn builtin(symbol: &Symbol) -> Option<Description> {
     let name = &*symbol.name;
     if symbol.kind == SymbolKind::Constant {
@@ -313,7 +313,7 @@ fn builtin(symbol: &Symbol) -> Option<Description> {
     Some(description(format!("{name} x"), text))
 }
 
-/// The description of a symbol, for a list of completions.
+/// Returns the description of a symbol, for a list of completions.
 pub(crate) fn of_symbol(analysis: &GeotraceAnalysis, id: SymbolId) -> Option<Description> {
     describe(analysis, Target::Symbol(id))
 }

@@ -13,8 +13,8 @@ use super::rename::is_free;
 use crate::edit::Edit;
 use crate::edit_camera::{EditCameraError, short_numbers};
 
-/// The edit after which the camera `name` looks along `direction` from `position`. One that is not declared is added at the
-/// end.
+/// Returns the edit after which the camera `name` looks along `direction` from `position`. One that is not declared is added at
+/// the end.
 ///
 /// # Errors
 /// If the name is that of something else, the numbers say no place, or a comment would be lost.
@@ -44,7 +44,7 @@ pub fn edit_camera(
     }
 }
 
-/// The edit of a camera that is declared.
+/// Returns the edit of a camera that is declared.
 fn replace(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,

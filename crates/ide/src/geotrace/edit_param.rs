@@ -13,9 +13,9 @@ use super::item::Item;
 use crate::edit::Edit;
 use crate::edit_param::EditParamError;
 
-/// The edit after which a param opens with these values, one for each of its components. Each is written with as few
-/// digits as distinguish it from its neighbours on a slider of ten thousand places, and lies within its interval. Where
-/// the text says the same already, the edit changes nothing.
+/// Returns the edit after which a param opens with these values, one for each of its components. Each is written with
+/// as few digits as distinguish it from its neighbours on a slider of ten thousand places, and lies within its
+/// interval. Where the text says the same already, the edit changes nothing.
 ///
 /// # Errors
 /// If there is no such param, the values are not its own, or a comment would be lost.
@@ -69,7 +69,7 @@ pub fn edit_param(
 /// than say which of them it is at.
 const STEPS: f64 = 10_000.0;
 
-/// The value that a param opens with, where it is written.
+/// Returns the value that a param opens with, where it is written.
 pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
     if item.keyword.category() != Category::Slider {
         return None;
@@ -84,7 +84,7 @@ pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Spa
     value.map(|token| token.span).reduce(Span::to)
 }
 
-/// The intervals of a param, where nothing is wrong with it.
+/// Returns the intervals of a param, where nothing is wrong with it.
 fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
     if item.keyword.category() != Category::Slider {
         return None;
@@ -95,7 +95,7 @@ fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
     Some(param.ranges.clone())
 }
 
-/// The shortest decimal number within an interval that is nearer to a value of it than half a slider's step.
+/// Returns the shortest decimal number within an interval that is nearer to a value of it than half a slider's step.
 fn shortest(range: Range, value: f64) -> String {
     let reach = 0.5 * (range.max - range.min) / STEPS;
     let fits = |text: &String| {

@@ -20,8 +20,8 @@ use crate::edit::{self, Edit};
 /// The indentation of lines that go on.
 const INDENT: &str = "    ";
 
-/// The edits that bring a text, or the declarations that touch a range of it, into the canonical layout. Empty where
-/// nothing is to be done.
+/// Returns the edits that bring a text, or the declarations that touch a range of it, into the canonical layout. Empty
+/// where nothing is to be done.
 pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let edits = gaps(analysis, range);
     if edits.is_empty() {
@@ -51,7 +51,7 @@ pub fn laid_out(text: &str) -> String {
     }
 }
 
-/// The edits of the white space between tokens.
+/// Returns the edits of the white space between tokens.
 fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let wanted = range.map(|range| whole_items(analysis, range));
     // What a range holds is laid out from the end of the token before it on: no declaration is open there.
@@ -106,7 +106,8 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     edits
 }
 
-/// The parts of a range that cannot be read: up to the `;` behind them, with the white space and the comments before them.
+/// Returns the parts of a range that cannot be read: up to the `;` behind them, with the white space and the comments before
+/// them.
 fn unreadable(analysis: &GeotraceAnalysis, range: Span) -> impl Iterator<Item = Span> {
     let document = analysis.document();
     let parts = document.chunks_in(range).filter(|(chunk, _)| {
@@ -200,7 +201,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// The white space before a token that is now behind `gap`.
+    /// Returns the white space before a token that is now behind `gap`.
     fn gap(&self, written: &str, before: Option<Lexeme<'_>>, token: Lexeme<'_>) -> String {
         let lines = written.matches('\n').count();
         let Some(before) = before else {
@@ -243,7 +244,7 @@ impl Layout {
         }
     }
 
-    /// A new line, with a blank one before it where the writer left some.
+    /// Returns a new line, with a blank one before it where the writer left some.
     fn new_line(&self, lines: usize, outside: bool) -> String {
         let mut gap = "\n".repeat(if outside { lines.clamp(1, 2) } else { 1 });
         if !outside {

@@ -10,7 +10,7 @@ use super::analysis::GeotraceAnalysis;
 use super::item::Item;
 use crate::hint::Hint;
 
-/// The hints in a range, in the order of the text.
+/// Returns the hints in a range, in the order of the text.
 pub fn hints(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let mut hints = splits(analysis, range);
     hints.extend(values(analysis, range));
@@ -95,7 +95,7 @@ fn is_literal(analysis: &GeotraceAnalysis, span: Span) -> bool {
     words.all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
 }
 
-/// The value of a name that does not depend on grids, for people; params are at their start.
+/// Returns the value of a name that does not depend on grids, for people; params are at their start.
 pub(crate) fn constant(excerpt: &Excerpt, name: &str) -> Option<String> {
     let values = ParamValues::initial(excerpt.scene());
     match excerpt.value(name, &values)? {
@@ -104,7 +104,7 @@ pub(crate) fn constant(excerpt: &Excerpt, name: &str) -> Option<String> {
     }
 }
 
-/// A value for people, to five digits.
+/// Returns a value for people, to five digits.
 pub(crate) fn shown(value: &Value) -> String {
     let number = |x: &Option<f64>| match x {
         Some(x) => short(*x),
@@ -120,7 +120,7 @@ pub(crate) fn shown(value: &Value) -> String {
     }
 }
 
-/// A number to five significant digits.
+/// Returns a number to five significant digits.
 pub(crate) fn short(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();

@@ -30,7 +30,7 @@ pub struct Item<'r> {
 }
 
 impl<'r> Item<'r> {
-    /// The declaration as it was read; its spans count from `start`.
+    /// Returns the declaration as it was read; its spans count from `start`.
     pub(crate) fn new(
         index: usize,
         start: u32,
@@ -58,8 +58,8 @@ impl<'r> Item<'r> {
             .map(move |(name, span)| (name, span.moved(start)))
     }
 
-    /// The names that its expressions may use beside those in scope: its parameters, or the coordinates of a solid that lists
-    /// none.
+    /// Returns the names that its expressions may use beside those in scope: its parameters, or the coordinates of a solid that
+    /// lists none.
     pub fn variables(&self) -> impl Iterator<Item = &'r str> + use<'r> {
         let implied: &[&str] = match self.is_set() {
             true => &COORDINATES,
@@ -74,7 +74,7 @@ impl<'r> Item<'r> {
         self.keyword == DeclarationKeyword::Solid && self.parameters.len() == 0
     }
 
-    /// The attributes that it states, each with the ranges of its word and of its value.
+    /// Returns the attributes that it states, each with the ranges of its word and of its value.
     pub fn attributes(&self) -> impl Iterator<Item = (AttributeWord, Span, Span)> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {
@@ -104,7 +104,7 @@ impl<'r> Item<'r> {
         })
     }
 
-    /// The operands and operations of its expressions, in no order.
+    /// Returns the operands and operations of its expressions, in no order.
     pub fn operands(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {

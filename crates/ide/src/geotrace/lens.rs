@@ -6,8 +6,8 @@ use super::analysis::GeotraceAnalysis;
 use super::solid;
 use crate::lens::Lens;
 
-/// The views of surfaces, metrics, solids and cameras, in the order of the text. A metric has no view in space, and a solid
-/// that is a part of others is not drawn itself.
+/// Returns the views of surfaces, metrics, solids and cameras, in the order of the text. A metric has no view in space, and a
+/// solid that is a part of others is not drawn itself.
 pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
     let items = analysis.items().filter(|item| item.symbol.is_some());
     let offered = items.flat_map(|item| {

@@ -21,7 +21,7 @@ pub(crate) struct NamesInScope<'r> {
 }
 
 impl<'r> NamesInScope<'r> {
-    /// The names that may be used at an offset.
+    /// Returns the names that may be used at an offset.
     pub(crate) fn at(analysis: &'r GeotraceAnalysis, offset: u32) -> Self {
         let item = analysis.item_at(offset);
         let item = item.or_else(|| analysis.unfinished_item_before(offset));
@@ -45,7 +45,7 @@ impl<'r> NamesInScope<'r> {
         self.above
     }
 
-    /// The builtins whose names mean them at the place.
+    /// Returns the builtins whose names mean them at the place.
     pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let all = (0..scene::geotrace::builtin_count()).map(SymbolId);
         let all = all.filter_map(move |id| Some((id, self.analysis.symbol(id)?)));
@@ -65,7 +65,7 @@ impl<'r> NamesInScope<'r> {
             .filter(|(_, symbol)| !symbol.name.is_empty())
     }
 
-    /// The first `most` declared names that begin with `prefix`, in the order of the alphabet.
+    /// Returns the first `most` declared names that begin with `prefix`, in the order of the alphabet.
     pub(crate) fn beginning(self, prefix: &str, most: usize) -> Vec<SymbolId> {
         let mut found = Vec::new();
         self.analysis.document().each_named(prefix, |id, symbol| {

@@ -5,14 +5,14 @@ use syntax::span::Span;
 use super::analysis::GeotraceAnalysis;
 use crate::occurrence::Occurrence;
 
-/// The name at a place, and where it is introduced; none for builtins and for what is no name.
+/// Returns the name at a place, and where it is introduced; none for builtins and for what is no name.
 pub fn definition(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Span)> {
     let token = analysis.token_at(offset)?;
     let place = analysis.introduction(analysis.target(token)?)?;
     Some((analysis.token(token)?.span, place))
 }
 
-/// Every occurrence of the name at a place, in the order of the text; builtins have occurrences too.
+/// Returns every occurrence of the name at a place, in the order of the text; builtins have occurrences too.
 pub fn occurrences(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Occurrence> {
     let target = analysis.token_at(offset).and_then(|k| analysis.target(k));
     let Some(target) = target else {

@@ -8,7 +8,7 @@ use syntax::span::Span;
 use super::analysis::GeotraceAnalysis;
 use crate::outline::{Fold, OutlineEntry, OutlineKind};
 
-/// Every declaration with a name, in the order of the text.
+/// Returns every declaration with a name, in the order of the text.
 pub fn outline(analysis: &GeotraceAnalysis) -> Vec<OutlineEntry> {
     let items = analysis.items();
     items
@@ -37,7 +37,7 @@ fn kind(category: Category) -> OutlineKind {
     }
 }
 
-/// The parameters of a symbol; of a solid that lists none, the coordinates.
+/// Returns the parameters of a symbol; of a solid that lists none, the coordinates.
 pub(crate) fn parameters_of(symbol: &Symbol) -> impl Iterator<Item = &str> {
     let implied: &[&str] = match symbol.keyword {
         Some(DeclarationKeyword::Solid) if symbol.parameters.is_empty() => &COORDINATES,
@@ -107,7 +107,7 @@ fn follows(text: &str, one: Span, other: Span) -> bool {
     between.matches('\n').count() == 1
 }
 
-/// The ranges around a place, from the smallest to the whole text: token, operands, declaration.
+/// Returns the ranges around a place, from the smallest to the whole text: token, operands, declaration.
 pub fn selection(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Span> {
     let holds = |span: &Span| span.start <= offset && offset <= span.end;
     let mut spans: Vec<Span> = Vec::new();

@@ -19,7 +19,7 @@ use super::targets::{ChunkTargets, Target};
 use crate::edit::Edit;
 use crate::rename::RenameError;
 
-/// The name at a place and where it stands, if it can be renamed.
+/// Returns the name at a place and where it stands, if it can be renamed.
 ///
 /// # Errors
 /// [`RenameError::NoName`], [`RenameError::Builtin`].
@@ -43,7 +43,7 @@ fn target(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, Target), Re
     Ok((token.span, target))
 }
 
-/// The edits that give the name at a place another, and put blanks where words would else be read otherwise.
+/// Returns the edits that give the name at a place another, and put blanks where words would else be read otherwise.
 ///
 /// # Errors
 /// [`RenameError`], with the reason.
@@ -189,7 +189,7 @@ impl Renamed {
         Self { document, read }
     }
 
-    /// The first token that is read otherwise, as a position in the old reading.
+    /// Returns the first token that is read otherwise, as a position in the old reading.
     fn first_difference(
         &self,
         old: &GeotraceAnalysis,
@@ -261,7 +261,7 @@ fn is_word(token: &Lexeme<'_>) -> bool {
     )
 }
 
-/// The run of touching words and numbers around a token.
+/// Returns the run of touching words and numbers around a token.
 fn run(analysis: &GeotraceAnalysis, token: usize) -> std::ops::Range<usize> {
     let touch = |k: usize| {
         let (one, other) = (analysis.token(k), analysis.token(k + 1));
@@ -280,7 +280,7 @@ fn run(analysis: &GeotraceAnalysis, token: usize) -> std::ops::Range<usize> {
     first..last + 1
 }
 
-/// The places where the word around a token can be written apart.
+/// Returns the places where the word around a token can be written apart.
 fn seams(analysis: &GeotraceAnalysis, token: usize) -> Vec<u32> {
     let mut run = run(analysis, token);
     run.next();

@@ -10,8 +10,8 @@ use super::analysis::{GeotraceAnalysis, lexeme};
 use super::targets::{ChunkTargets, Target};
 use crate::semantic::{Modifiers, SemanticToken, TokenType};
 
-/// The coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words without a
-/// meaning and characters that are no token have no colour.
+/// Returns the coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words
+/// without a meaning and characters that are no token have no colour.
 pub fn semantic_tokens(analysis: &GeotraceAnalysis, range: Span) -> Vec<SemanticToken> {
     let document = analysis.document();
     let wanted = analysis.tokens_in(range);

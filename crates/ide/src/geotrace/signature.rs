@@ -7,7 +7,7 @@ use super::analysis::GeotraceAnalysis;
 use super::outline::{parameters, parameters_of};
 use crate::signature::Signature;
 
-/// The innermost function with a bracket around a place.
+/// Returns the innermost function with a bracket around a place.
 pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> {
     let mut at = analysis.document().tokens_ended(offset) as usize;
     let behind = analysis.token(at);
@@ -40,7 +40,7 @@ pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> 
     None
 }
 
-/// The function right before a bracket: `f(`, `f'(`, `f_u(`.
+/// Returns the function right before a bracket: `f(`, `f'(`, `f_u(`.
 fn of_function_before(
     analysis: &GeotraceAnalysis,
     bracket: usize,

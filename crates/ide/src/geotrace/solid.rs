@@ -55,7 +55,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     text
 }
 
-/// The solids whose sets name this one, which is not drawn itself then.
+/// Returns the solids whose sets name this one, which is not drawn itself then.
 pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let mut names: Vec<&str> = Vec::new();
     // The end of the last set that names it: a set may name it very often.
@@ -86,7 +86,7 @@ pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Stri
     }
 }
 
-/// The box of a solid; `start` says for which params.
+/// Returns the box of a solid; `start` says for which params.
 fn extent(rays: &RayScene, start: &str) -> String {
     let Some(bounds) = rays.bounds() else {
         return format!("endless{start}");
@@ -105,7 +105,7 @@ fn extent(rays: &RayScene, start: &str) -> String {
     format!("within {}{start}", sides.join(", "))
 }
 
-/// An end of a box.
+/// Returns an end of a box.
 fn end(x: f64) -> String {
     match x {
         f64::INFINITY => "∞".to_owned(),
@@ -114,7 +114,7 @@ fn end(x: f64) -> String {
     }
 }
 
-/// The leaves by their names, each with its class.
+/// Returns the leaves by their names, each with its class.
 fn leaves(rays: &RayScene) -> Option<String> {
     let mut found: Vec<(String, &str, u64)> = Vec::new();
     for (name, degree) in rays.leaves() {
@@ -143,7 +143,7 @@ fn leaves(rays: &RayScene) -> Option<String> {
     (!found.is_empty()).then_some(told)
 }
 
-/// The values of nodes that read no variable; `None` if one does, or is undefined.
+/// Returns the values of nodes that read no variable; `None` if one does, or is undefined.
 pub(crate) fn values(scene: &Scene, nodes: [NodeId; 3], uniforms: &[f64]) -> Option<[f64; 3]> {
     let tape = Tape::new(&scene.graph, &nodes);
     let inputs = tape.inputs().iter().map(|input| match input {

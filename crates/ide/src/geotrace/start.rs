@@ -7,14 +7,15 @@ use super::hints::short;
 /// The most names that are listed.
 const MOST_NAMES: usize = 4;
 
-/// The end of a sentence about all of a scene: ", for `a = 2`" where it has params.
+/// Returns the end of a sentence about all of a scene: ", for `a = 2`" where it has params.
 pub(crate) fn of_scene(scene: &Scene) -> String {
     let values = ParamValues::initial(scene);
     let params = scene.params.iter();
     told(params.map(|param| (&*param.name, values.param(param).to_vec())))
 }
 
-/// The end of a sentence about the first instance of an object: ", for `a = 2`, `k = 0`" where it reads params or grids.
+/// Returns the end of a sentence about the first instance of an object: ", for `a = 2`, `k = 0`" where it reads params or
+/// grids.
 pub(crate) fn of_object(scene: &Scene, object: &Object) -> String {
     let uniforms = ParamValues::initial(scene).first_instance(scene, object);
     let numbers = |first: u32, count: usize| {

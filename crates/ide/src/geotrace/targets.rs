@@ -92,14 +92,14 @@ impl<'r> ChunkTargets<'r> {
         })
     }
 
-    /// The declaration that holds a place of the chunk, or ends there.
+    /// Returns the declaration that holds a place of the chunk, or ends there.
     fn item_at(&self, offset: u32) -> Option<&Item<'r>> {
         let begun = self.items.partition_point(|item| item.span.start <= offset);
         let item = self.items.get(begun.checked_sub(1)?)?;
         (offset <= item.span.end).then_some(item)
     }
 
-    /// The function whose parameter a token names: `f_u`, `f_u_v`, `f'_u`.
+    /// Returns the function whose parameter a token names: `f_u`, `f_u_v`, `f'_u`.
     fn derived_function(&self, index: usize) -> Option<SymbolId> {
         let tokens = self.placed.tokens();
         let mut before = (0..index).rev().filter_map(|k| Some((k, tokens.get(k)?)));

@@ -19,12 +19,12 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// The type of the value; `None` where that had an error.
+    /// Returns the type of the value; `None` where that had an error.
     pub fn kind(&self) -> Option<&'static str> {
         self.value.as_ref().map(ScriptValue::kind)
     }
 
-    /// The value as a script writes it, as far as it is short; empty where it had an error.
+    /// Returns the value as a script writes it, as far as it is short; empty where it had an error.
     pub fn text(&self) -> String {
         let value = self.value.as_ref();
         let mut text = value.map_or_else(String::new, ScriptValue::text);
@@ -35,7 +35,7 @@ impl Assignment {
         text
     }
 
-    /// The entity that is the value.
+    /// Returns the entity that is the value.
     pub fn entity(&self) -> Option<EntityExtent> {
         match &self.value {
             Some(ScriptValue::Entity(entity)) => Some(extent(entity)),

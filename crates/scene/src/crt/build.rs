@@ -24,8 +24,8 @@ use crate::stated_picture::StatedPicture;
 /// The greatest value of `t`.
 const LAST: f64 = 100.0;
 
-/// The scene of a run. Each entity is dropped once its object is made, so that a million of both are never in memory at
-/// once.
+/// Returns the scene of a run. Each entity is dropped once its object is made, so that a million of both are never in
+/// memory at once.
 pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene {
     let mut builder = SceneBuilder::default();
     let mut objects = Vec::with_capacity(drawn.len());
@@ -145,7 +145,7 @@ impl SceneBuilder {
         });
     }
 
-    /// The field and the cuts of a shape in its own coordinates.
+    /// Returns the field and the cuts of a shape in its own coordinates.
     fn shape(&mut self, shape: UnitShape) -> (NodeId, [Option<Cut>; 3]) {
         let cut = |min: f64| {
             Some(Cut {
@@ -355,7 +355,7 @@ impl SceneBuilder {
     }
 }
 
-/// The word for a shape of the lens.
+/// Returns the word for a shape of the lens.
 pub(super) fn bokeh(shape: &str) -> &str {
     match shape {
         "uniform" => "box",
@@ -380,8 +380,8 @@ fn step(operation: SetOperation) -> SolidStep {
     }
 }
 
-/// The turn of the picture's up towards its right, from where the scene's cameras have it, of a camera that looks along a
-/// direction of the script: there up is across (sin roll, cos roll, 0).
+/// Returns the turn of the picture's up towards its right, from where the scene's cameras have it, of a camera that looks along
+/// a direction of the script: there up is across (sin roll, cos roll, 0).
 pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     let Some(ahead) = vector::unit(direction) else {
         return 0.0;

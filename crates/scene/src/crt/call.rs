@@ -12,7 +12,7 @@ use super::value::ScriptValue;
 use super::{MAX_CALLS, codes};
 
 impl Interpreter<'_> {
-    /// A call of a name: of a macro if it is one, else of a function.
+    /// Returns a call of a name: of a macro if it is one, else of a function.
     pub(super) fn call_name(
         &mut self,
         name: &Arc<str>,
@@ -69,7 +69,7 @@ impl Interpreter<'_> {
         Err(self.fault(codes::ARGUMENT_COUNT, span, message))
     }
 
-    /// A call of a value.
+    /// Returns a call of a value.
     pub(super) fn call_value(
         &mut self,
         value: &ScriptValue,
@@ -150,7 +150,7 @@ impl Interpreter<'_> {
         })
     }
 
-    /// The entity of an operand: itself, or the union of a list.
+    /// Returns the entity of an operand: itself, or the union of a list.
     fn operand(&mut self, value: &ScriptValue, span: Span) -> Result<Option<Arc<Entity>>, Stopped> {
         if let ScriptValue::Entity(entity) = value {
             return Ok(Some(entity.clone()));
@@ -208,7 +208,7 @@ impl Interpreter<'_> {
         Ok(Some(ScriptValue::Entity(joined)))
     }
 
-    /// An entity, or the union of a list of them, after modifiers.
+    /// Returns an entity, or the union of a list of them, after modifiers.
     pub(super) fn modified(
         &mut self,
         value: &ScriptValue,

@@ -37,7 +37,7 @@ pub struct Converted {
     pub options: Vec<String>,
 }
 
-/// The program of a run; `None` if it has too many leaves.
+/// Returns the program of a run; `None` if it has too many leaves.
 pub(super) fn program(
     settings: &ScriptSettings,
     drawn: &[Arc<Entity>],
@@ -156,7 +156,7 @@ impl<'w> Writer<'w> {
         }
     }
 
-    /// A name that is free, like another one.
+    /// Returns a name that is free, like another one.
     fn free(&mut self, like: &str) -> String {
         let mut name = like.to_owned();
         let mut count = 1;
@@ -328,7 +328,7 @@ impl<'w> Writer<'w> {
         }
     }
 
-    /// A shape; `None` where its map takes volumes to 0: nothing is drawn of a set with one.
+    /// Returns a shape; `None` where its map takes volumes to 0: nothing is drawn of a set with one.
     fn leaf(
         &mut self,
         object: &ObjectNode,
@@ -357,7 +357,7 @@ impl<'w> Writer<'w> {
         })
     }
 
-    /// The name of the function of x, y, z that gives this.
+    /// Returns the name of the function of x, y, z that gives this.
     fn function(&mut self, like: &str, body: String) -> String {
         if let Some(name) = self.known.get(&body) {
             return name.clone();
@@ -368,7 +368,7 @@ impl<'w> Writer<'w> {
         name
     }
 
-    /// A shape under a map.
+    /// Returns a shape under a map.
     fn placed(&mut self, shape: UnitShape, map: &Map) -> String {
         let name = self.shape(shape);
         let map = upright(shape, map);
@@ -396,7 +396,7 @@ impl<'w> Writer<'w> {
         text
     }
 
-    /// The function of a shape in its own coordinates.
+    /// Returns the function of a shape in its own coordinates.
     fn shape(&mut self, shape: UnitShape) -> String {
         let (like, field) = match shape {
             UnitShape::Ball => ("unitball", "x^2 + y^2 + z^2 - 1".to_owned()),
@@ -556,13 +556,13 @@ impl<'w> Writer<'w> {
     }
 }
 
-/// The greatest part of a material's colour, or 1 if that is more.
+/// Returns the greatest part of a material's colour, or 1 if that is more.
 fn brightest(material: &Material) -> f64 {
     let parts = material.color.iter();
     parts.fold(1.0f64, |most, part| most.max(*part))
 }
 
-/// The attributes of a material, of a solid or else of a surface.
+/// Returns the attributes of a material, of a solid or else of a surface.
 ///
 /// A colour past 1, which no attribute may have, is divided by its greatest part, and the light that it reflects is multiplied
 /// by that; the light that passes through glass is not.
@@ -594,7 +594,7 @@ fn look(material: &Material, is_solid: bool) -> String {
     text
 }
 
-/// The variable that was emitted; `None` for what has none.
+/// Returns the variable that was emitted; `None` for what has none.
 fn label(entity: &Entity) -> Option<&str> {
     let (label, _) = entity.label.as_ref()?;
     is_word(label).then_some(label)
@@ -611,13 +611,13 @@ fn geotrace([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, z, y]
 }
 
-/// The map that leads to Geotrace's coordinates.
+/// Returns the map that leads to Geotrace's coordinates.
 fn swapped(map: &Map) -> Map {
     let Map([x, y, z]) = *map;
     Map([x, z, y])
 }
 
-/// The half-space into which a map takes z ≤ 0; `None` if it has no inverse.
+/// Returns the half-space into which a map takes z ≤ 0; `None` if it has no inverse.
 fn half_space(map: &Map) -> Option<HalfSpace> {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z] = [0, 1, 2].map(column);
@@ -629,7 +629,7 @@ fn half_space(map: &Map) -> Option<HalfSpace> {
     (height != 0.0 && offset.is_finite()).then_some(HalfSpace { normal, offset })
 }
 
-/// A map that takes a shape to the same set, without a turn about the shape's own axis where it has one.
+/// Returns a map that takes a shape to the same set, without a turn about the shape's own axis where it has one.
 fn upright(shape: UnitShape, map: &Map) -> Map {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z, at] = [0, 1, 2, 3].map(column);
@@ -672,7 +672,7 @@ fn upright(shape: UnitShape, map: &Map) -> Map {
     }
 }
 
-/// A number as a program writes it: with as many digits as it needs.
+/// Returns a number as a program writes it: with as many digits as it needs.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -701,7 +701,7 @@ fn affine(factors: [f64; 3], constant: f64) -> String {
     linear(&[(a, "x"), (b, "y"), (c, "z")], constant)
 }
 
-/// A sum of multiples of variables and a constant.
+/// Returns a sum of multiples of variables and a constant.
 fn linear(terms: &[(f64, &str)], constant: f64) -> String {
     let mut text = String::new();
     let mut add = |value: f64, variable: &str| {

@@ -94,7 +94,7 @@ impl Entity {
         self.node.as_deref()
     }
 
-    /// The same points under a map, with another number.
+    /// Returns the same points under a map, with another number.
     pub(super) fn placed(&self, map: &Map, id: u64) -> Self {
         Self {
             id,
@@ -105,7 +105,7 @@ impl Entity {
         }
     }
 
-    /// The same with a label.
+    /// Returns the same with a label.
     pub(super) fn labelled(&self, label: (Arc<str>, Span)) -> Self {
         Self {
             id: self.id,
@@ -144,7 +144,7 @@ impl Map {
         [0.0, 0.0, 1.0, 0.0],
     ]);
 
-    /// The map that takes the axes to columns, and 0 to a place.
+    /// Returns the map that takes the axes to columns, and 0 to a place.
     pub(super) fn columns([x, y, z]: [[f64; 3]; 3], at: [f64; 3]) -> Self {
         Self([0, 1, 2].map(|k| [x[k], y[k], z[k], at[k]]))
     }

@@ -18,7 +18,7 @@ pub struct EntityExtent {
 /// The least and the greatest coordinate along each axis.
 type Bounds = [[f64; 2]; 3];
 
-/// The words and the box of an entity.
+/// Returns the words and the box of an entity.
 pub(super) fn extent(entity: &Entity) -> EntityExtent {
     let what = match entity.node() {
         Some(Node::Object(object)) => object.made.split(' ').next().unwrap_or("Entity"),
@@ -86,7 +86,7 @@ fn joined(operation: SetOperation, a: Bounds, b: Bounds) -> Bounds {
     })
 }
 
-/// The box of a shape under a map, by the support of the shape along each axis.
+/// Returns the box of a shape under a map, by the support of the shape along each axis.
 fn of_shape(shape: UnitShape, map: &Map) -> Bounds {
     map.0.map(|[a, b, c, place]| {
         let (across, along) = (a.hypot(b), a.hypot(b).hypot(c));

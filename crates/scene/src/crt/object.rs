@@ -51,7 +51,7 @@ impl Stated {
 }
 
 impl Interpreter<'_> {
-    /// The value of an object.
+    /// Returns the value of an object.
     pub(super) fn object(&mut self, object: &Object, span: Span) -> Result<ScriptValue, Stopped> {
         let Some(name) = ObjectName::from_text(&object.name.text) else {
             for attribute in &object.attributes {
@@ -80,7 +80,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// The block `Settings`.
+    /// Returns the block `Settings`.
     pub(super) fn settings(
         &mut self,
         attributes: &[Attribute],
@@ -403,7 +403,7 @@ fn round(radius: f64, center: [f64; 3]) -> Map {
     Map::translate(center).after(&Map::scale([radius; 3]))
 }
 
-/// The map that takes z to a unit vector, with these lengths of the axes.
+/// Returns the map that takes z to a unit vector, with these lengths of the axes.
 fn frame(z: [f64; 3], [a, b, c]: [f64; 3], at: [f64; 3]) -> Map {
     let [x, y] = vector::across(z);
     let axes = [

@@ -12,13 +12,13 @@ impl JavaRandom {
         Self((seed ^ MULTIPLIER) & MASK)
     }
 
-    /// The top bits of the next state.
+    /// Returns the top bits of the next state.
     fn next(&mut self, bits: u32) -> u64 {
         self.0 = self.0.wrapping_mul(MULTIPLIER).wrapping_add(11) & MASK;
         self.0 >> (48 - bits)
     }
 
-    /// A number from 0 to 1.
+    /// Returns a number from 0 to 1.
     pub(super) fn number(&mut self) -> f64 {
         let high = self.next(26) << 27;
         (high + self.next(27)) as f64 / (1u64 << 53) as f64

@@ -196,12 +196,12 @@ impl<'s> Interpreter<'s> {
         })
     }
 
-    /// The settings, and the entities that are drawn.
+    /// Returns the settings, and the entities that are drawn.
     pub(super) fn left(self) -> (ScriptSettings, Vec<Arc<Entity>>) {
         (self.settings, self.drawn)
     }
 
-    /// The value of an expression after the script; its places count from its own start.
+    /// Returns the value of an expression after the script; its places count from its own start.
     pub(super) fn value_at_end(
         mut self,
         expression: &Expression,
@@ -237,7 +237,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// The number of a new entity.
+    /// Returns the number of a new entity.
     pub(super) fn id(&mut self) -> u64 {
         self.next_id += 1;
         self.next_id
@@ -358,7 +358,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// An expression as a statement.
+    /// Returns an expression as a statement.
     fn expression(&mut self, expression: &Expression, emits: bool) -> Result<(), Stopped> {
         if let E::Assignment(sides) = &expression.ungrouped().kind {
             return self.assign(sides);
@@ -540,7 +540,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// The value of a variable; `None` if it has none.
+    /// Returns the value of a variable; `None` if it has none.
     pub(super) fn known(&self, name: &str) -> Option<ScriptValue> {
         match self.resolved(name) {
             Ok(Binding::Value(value)) => Some(value),
@@ -548,8 +548,8 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// The meaning of a name, through the variables to which it points; if there is none, the pointer that leads nowhere, and
-    /// nothing if that is the name itself.
+    /// Returns the meaning of a name, through the variables to which it points; if there is none, the pointer that leads
+    /// nowhere, and nothing if that is the name itself.
     fn resolved(&self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
         let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
         // Circles are refused; a name that is bound later in a scope within might still close one.
@@ -565,7 +565,7 @@ impl<'s> Interpreter<'s> {
         Err(None)
     }
 
-    /// The names that can be meant where the run is, in no order.
+    /// Returns the names that can be meant where the run is, in no order.
     fn visible_names(&self) -> Vec<&str> {
         let parent = |scope: &usize| self.scopes[*scope].parent;
         let scopes = std::iter::successors(Some(self.scope), parent);
@@ -601,7 +601,7 @@ impl<'s> Interpreter<'s> {
         Err(Stopped)
     }
 
-    /// The value of an expression.
+    /// Returns the value of an expression.
     pub(super) fn value(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {
         self.nested(expression.span, |run| run.value_of(expression))
     }
@@ -669,7 +669,7 @@ impl<'s> Interpreter<'s> {
         })
     }
 
-    /// A list, within its limits.
+    /// Returns a list, within its limits.
     fn list(&mut self, items: Vec<ScriptValue>, span: Span) -> Result<ScriptValue, Stopped> {
         let depth = items.iter().map(|item| match item {
             ScriptValue::List(list) => list.depth,

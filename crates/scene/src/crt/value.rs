@@ -154,7 +154,7 @@ impl Default for ScriptSettings {
 pub(super) const LONGEST: usize = 200;
 
 impl ScriptValue {
-    /// The name of its type.
+    /// Returns the name of its type.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Integer(_) => "Integer",
@@ -173,7 +173,7 @@ impl ScriptValue {
         }
     }
 
-    /// The number of an Integer or a Float.
+    /// Returns the number of an Integer or a Float.
     pub(super) fn number(&self) -> Option<f64> {
         match *self {
             Self::Integer(number) => Some(f64::from(number)),
@@ -182,7 +182,7 @@ impl ScriptValue {
         }
     }
 
-    /// The numbers of a number, a vector or a colour.
+    /// Returns the numbers of a number, a vector or a colour.
     pub(super) fn numbers(&self) -> Vec<f64> {
         match self {
             Self::Vector(parts) | Self::Color(parts) => parts.to_vec(),
@@ -190,7 +190,7 @@ impl ScriptValue {
         }
     }
 
-    /// The entities of a list of nothing else.
+    /// Returns the entities of a list of nothing else.
     pub(super) fn entities(&self) -> Option<Vec<Arc<Entity>>> {
         let Self::List(list) = self else {
             return None;
@@ -222,7 +222,7 @@ impl ScriptValue {
         }
     }
 
-    /// The text of a number, a string or a Boolean, as `+` joins it.
+    /// Returns the text of a number, a string or a Boolean, as `+` joins it.
     pub(super) fn simple_text(&self) -> Option<String> {
         Some(match self {
             Self::Integer(number) => number.to_string(),
@@ -233,7 +233,7 @@ impl ScriptValue {
         })
     }
 
-    /// The value as a script writes it; a long list is cut.
+    /// Returns the value as a script writes it; a long list is cut.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
@@ -284,7 +284,7 @@ impl ScriptValue {
     }
 }
 
-/// A Float as Java writes it.
+/// Returns a Float as Java writes it.
 pub(super) fn float_text(number: f64) -> String {
     if number.is_nan() {
         return "NaN".to_owned();

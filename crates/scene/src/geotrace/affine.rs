@@ -14,7 +14,7 @@ pub(crate) const LEAST_DETERMINANT: f64 = 1e-12;
 const LEAST_HALF_ANGLE: f64 = 1e-18;
 
 impl AffineNodes {
-    /// The map that leaves all where it is.
+    /// Returns the map that leaves all where it is.
     pub(crate) fn identity(graph: &mut Graph) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
         Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| if row == column { one } else { zero })))
@@ -38,9 +38,8 @@ impl AffineNodes {
         map
     }
 
-    /// The rotation about a vector w by |w| radians, counterclockwise as seen from its tip: Rodrigues' formula with
-    /// s = sin h / h and h = |w|/2,
-    /// cos 2h · 1 + s cos h · `[w]×` + s²/2 · w wᵀ, which is the identity at w = 0.
+    /// Returns the rotation about a vector w by |w| radians, counterclockwise as seen from its tip: Rodrigues' formula
+    /// with s = sin h / h and h = |w|/2, cos 2h · 1 + s cos h · `[w]×` + s²/2 · w wᵀ, which is the identity at w = 0.
     pub(crate) fn rotation(graph: &mut Graph, about: [NodeId; 3]) -> Self {
         let is_zero = |graph: &Graph, node| graph.value(node) == Some(0.0);
         let mut map = Self::identity(graph);
@@ -90,7 +89,7 @@ impl AffineNodes {
         map
     }
 
-    /// The map that does `first` and then this.
+    /// Returns the map that does `first` and then this.
     pub(crate) fn after(&self, graph: &mut Graph, first: &Self) -> Self {
         let mut map = *first;
         for row in 0..3 {
@@ -106,7 +105,7 @@ impl AffineNodes {
         map
     }
 
-    /// The determinant of the matrix.
+    /// Returns the determinant of the matrix.
     pub(crate) fn determinant(&self, graph: &mut Graph) -> NodeId {
         let first = [0, 1, 2].map(|column| (self.0[0][column], self.cofactor(graph, 0, column)));
         product_sum(graph, first)
@@ -121,7 +120,7 @@ impl AffineNodes {
         graph.sub(a, b)
     }
 
-    /// The place that the map takes to (`Variable(0)`, `Variable(1)`, `Variable(2)`).
+    /// Returns the place that the map takes to (`Variable(0)`, `Variable(1)`, `Variable(2)`).
     pub(crate) fn preimage(&self, graph: &mut Graph) -> [NodeId; 3] {
         let place = [0, 1, 2].map(|k| {
             let x = graph.input(Input::Variable(k));
@@ -135,8 +134,8 @@ impl AffineNodes {
         })
     }
 
-    /// The affine map that three nodes over `Variable(0)` to `Variable(2)` are; `None` if a derivative of theirs reads a
-    /// variable.
+    /// Returns the affine map that three nodes over `Variable(0)` to `Variable(2)` are; `None` if a derivative of theirs reads
+    /// a variable.
     pub(crate) fn of_image(
         graph: &mut Graph,
         image: [NodeId; 3],

@@ -167,7 +167,7 @@ impl Lowerer {
         ))
     }
 
-    /// The formal parameters of these dimensions, over which a body is lowered.
+    /// Returns the formal parameters of these dimensions, over which a body is lowered.
     fn formal_parameters(&mut self, dimensions: &[usize]) -> Vec<Value> {
         let mut next = 0;
         let mut input = |graph: &mut Graph| {
@@ -183,7 +183,7 @@ impl Lowerer {
             .collect()
     }
 
-    /// The body of a builtin or of a geodesic, which have none in the text.
+    /// Returns the body of a builtin or of a geodesic, which have none in the text.
     fn own_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
         let parameters = self.formal_parameters(&key.dimensions);
         if let Meaning::Solid(solid) = self.symbols.meaning(key.symbol) {
@@ -220,7 +220,7 @@ impl Lowerer {
         }
     }
 
-    /// The body of a solid as a function of numbers.
+    /// Returns the body of a solid as a function of numbers.
     fn solid_body(
         &mut self,
         solid: &DeclaredSolid,
@@ -241,7 +241,7 @@ impl Lowerer {
         })
     }
 
-    /// The derivative of the body `id`, which is one of `key`'s or of its derivatives.
+    /// Returns the derivative of the body `id`, which is one of `key`'s or of its derivatives.
     fn derive(
         &mut self,
         id: BodyId,
@@ -284,7 +284,7 @@ impl Lowerer {
         })
     }
 
-    /// A body's value for some arguments; none where the graph is full.
+    /// Returns a body's value for some arguments; none where the graph is full.
     fn substitute(&mut self, id: BodyId, arguments: &[Value]) -> Option<Value> {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return None;
@@ -308,7 +308,7 @@ impl Lowerer {
     }
 }
 
-/// A value of the same dimension with other components.
+/// Returns a value of the same dimension with other components.
 fn like(value: &Value, nodes: Vec<NodeId>) -> Value {
     match (value, &nodes[..]) {
         (Value::Number(_), [node]) => Value::Number(*node),

@@ -64,7 +64,7 @@ pub(crate) struct Assembled {
 }
 
 impl<'s> Reading<'s> {
-    /// The names of the symbols in its expressions; those of builtins too.
+    /// Returns the names of the symbols in its expressions; those of builtins too.
     pub(crate) fn symbols(self) -> impl Iterator<Item = SymbolId> + use<'s> {
         self.events.filter_map(|event| match event {
             ParseEvent::Operator(Operator::Constant(symbol) | Operator::Function(symbol), _) => {
@@ -86,7 +86,7 @@ impl<'s> Assembler<'s> {
         }
     }
 
-    /// The symbol of a name that has a meaning and is no builtin's.
+    /// Returns the symbol of a name that has a meaning and is no builtin's.
     pub(crate) fn symbol(&self, name: &str) -> Option<SymbolId> {
         Some(self.names.get(name)?.symbol)
     }
@@ -150,7 +150,7 @@ impl<'s> Assembler<'s> {
         Some(Assembled { is_drawn, is_stale })
     }
 
-    /// The present meaning of a declared symbol, if it is of the kind it was read as: a constant, or applied.
+    /// Returns the present meaning of a declared symbol, if it is of the kind it was read as: a constant, or applied.
     fn resolve(&self, snapshot: &Snapshot, operator: Operator, symbol: SymbolId) -> Option<Named> {
         let named = *self.names.get(&*snapshot.symbol(symbol)?.name)?;
         let meaning = self.declarations.lowerer.symbols.meaning(named.symbol);
@@ -164,7 +164,7 @@ impl<'s> Assembler<'s> {
     }
 }
 
-/// An interval at another place.
+/// Returns an interval at another place.
 pub(crate) fn moved(
     interval: actions::Interval,
     placed: impl Fn(Span) -> Span,
@@ -176,7 +176,7 @@ pub(crate) fn moved(
     }
 }
 
-/// An attribute at another place.
+/// Returns an attribute at another place.
 pub(crate) fn moved_attribute(
     attribute: StatedAttribute,
     placed: impl Fn(Span) -> Span,

@@ -50,7 +50,7 @@ impl Code {
         self.steps[index]
     }
 
-    /// The place of an expression in the text.
+    /// Returns the place of an expression in the text.
     pub(crate) fn span(&self, expression: Expression) -> Span {
         // The last operator's place covers all its operands.
         self.steps[expression.steps()]
@@ -59,13 +59,13 @@ impl Code {
             .unwrap_or_default()
     }
 
-    /// The number of steps: the end of the last expression read.
+    /// Returns the number of steps: the end of the last expression read.
     pub(crate) fn end(&self) -> usize {
         self.steps.len()
     }
 
-    /// The last `N` expressions read before the step `end`, in the order of the text; `None` if this declaration has
-    /// fewer.
+    /// Returns the last `N` expressions read before the step `end`, in the order of the text; `None` if this
+    /// declaration has fewer.
     pub(crate) fn last_before<const N: usize>(&self, mut end: usize) -> Option<[Expression; N]> {
         let mut found = [Expression { start: 0, end: 0 }; N];
         for place in found.iter_mut().rev() {
@@ -115,12 +115,12 @@ impl Code {
         (a.len() == b.len() && a.iter().zip(b).all(same)).then_some(shift)
     }
 
-    /// The operator that gives an expression its value.
+    /// Returns the operator that gives an expression its value.
     pub(crate) fn last_operator(&self, expression: Expression) -> Option<Operator> {
         Some(self.steps[expression.steps()].last()?.operator)
     }
 
-    /// The functions in an expression, each with its place.
+    /// Returns the functions in an expression, each with its place.
     pub(crate) fn functions(
         &self,
         expression: Expression,
@@ -132,7 +132,7 @@ impl Code {
         })
     }
 
-    /// The places in an expression where `'` follows a function, each with the function.
+    /// Returns the places in an expression where `'` follows a function, each with the function.
     pub(crate) fn totals(
         &self,
         expression: Expression,

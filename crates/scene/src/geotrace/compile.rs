@@ -60,7 +60,7 @@ impl Compilation {
         has_errors(&self.diagnostics)
     }
 
-    /// The value of an expression, read with the names that stand at the program's end.
+    /// Returns the value of an expression, read with the names that stand at the program's end.
     ///
     /// `params` are those of the program's scene. It does not matter whether [`Compilation::scene`] has been
     /// taken out.

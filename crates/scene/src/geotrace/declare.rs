@@ -43,7 +43,7 @@ impl Declarations {
         }
     }
 
-    /// A function's body is kept as it was read, for its type is that of its applications.
+    /// Returns a function's body is kept as it was read, for its type is that of its applications.
     fn function(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
         let [body] = self.expressions(&[])?;
         // An error that does not depend on the arguments is reported at its place in the body.
@@ -150,8 +150,8 @@ impl Declarations {
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
-    /// The sampled intervals of a curve or a surface in the order of its parameters, `None` for one with an error; `None`
-    /// for all if the number of parameters or a tag is wrong.
+    /// Returns the sampled intervals of a curve or a surface in the order of its parameters, `None` for one with an error;
+    /// `None` for all if the number of parameters or a tag is wrong.
     pub(crate) fn domain<const N: usize>(
         &mut self,
         declaration: &Declaration<'_>,

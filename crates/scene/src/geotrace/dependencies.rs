@@ -51,7 +51,7 @@ impl Default for DependencySets {
 }
 
 impl DependencySets {
-    /// A new param or grid of so many components, which are the next uniforms: the set that holds just it.
+    /// Returns a new param or grid of so many components, which are the next uniforms: the set that holds just it.
     pub(crate) fn declare(&mut self, symbol: Option<SymbolId>, components: usize) -> Dependencies {
         let source = self.sources.len();
         self.sources.push(symbol);
@@ -71,12 +71,12 @@ impl DependencySets {
         first
     }
 
-    /// The number of uniforms.
+    /// Returns the number of uniforms.
     pub(crate) fn uniform_count(&self) -> u32 {
         self.uniforms.len() as u32
     }
 
-    /// The dependencies of an expression with these inputs.
+    /// Returns the dependencies of an expression with these inputs.
     pub(crate) fn of_inputs(&mut self, inputs: &[Input]) -> Dependencies {
         inputs
             .iter()
@@ -89,7 +89,7 @@ impl DependencySets {
             })
     }
 
-    /// The dependencies of an expression with two parts.
+    /// Returns the dependencies of an expression with two parts.
     pub(crate) fn union(&mut self, a: Dependencies, b: Dependencies) -> Dependencies {
         if a == b || b == Dependencies::default() {
             return a;
@@ -116,7 +116,7 @@ impl DependencySets {
         union
     }
 
-    /// The members of a set for which `is_kept` holds.
+    /// Returns the members of a set for which `is_kept` holds.
     pub(crate) fn retained(
         &mut self,
         dependencies: Dependencies,
@@ -134,7 +134,7 @@ impl DependencySets {
         self.set(bits)
     }
 
-    /// The params and grids of a set, in the order of the text.
+    /// Returns the params and grids of a set, in the order of the text.
     pub(crate) fn sources(
         &self,
         dependencies: Dependencies,
@@ -158,7 +158,7 @@ impl DependencySets {
         self.places = Some(places);
     }
 
-    /// The params and grids of a set, in the order in which they came.
+    /// Returns the params and grids of a set, in the order in which they came.
     fn members(&self, dependencies: Dependencies) -> impl Iterator<Item = SourceIndex> + '_ {
         let words = self.sets[dependencies.0 as usize].iter().zip(0..);
         words.flat_map(|(&word, index): (&u64, u32)| {
@@ -167,7 +167,7 @@ impl DependencySets {
         })
     }
 
-    /// The first param or grid of a set that has a name.
+    /// Returns the first param or grid of a set that has a name.
     pub(crate) fn first(&self, dependencies: Dependencies) -> Option<SymbolId> {
         let mut sources = self.sources(dependencies);
         sources.find_map(|source| *self.sources.get(source.0 as usize)?)

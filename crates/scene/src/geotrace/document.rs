@@ -105,7 +105,7 @@ impl CheckedChunk {
         }
     }
 
-    /// The diagnostics of each declaration; empty if there are none.
+    /// Returns the diagnostics of each declaration; empty if there are none.
     fn diagnostics(&self) -> &[Vec<Diagnostic>] {
         self.rest.as_ref().map_or(&[], |rest| &rest.diagnostics)
     }
@@ -191,12 +191,12 @@ impl Document {
         Ok(change)
     }
 
-    /// The text and its declarations as they were read.
+    /// Returns the text and its declarations as they were read.
     pub fn text(&self) -> &syntax::geotrace::document::Document {
         &self.text
     }
 
-    /// The work done so far.
+    /// Returns the work done so far.
     pub fn counters(&self) -> Counters {
         Counters {
             reading: self.text.counters(),
@@ -212,7 +212,7 @@ impl Document {
         self.own_diagnostics()
     }
 
-    /// The compilation of the text, put together at the first call after an edit.
+    /// Returns the compilation of the text, put together at the first call after an edit.
     pub fn compilation(&self) -> &Compilation {
         self.compilation.get_or_init(|| {
             if self.is_beyond_limits() {
@@ -249,7 +249,7 @@ impl Document {
         all.flat_map(|chunk| self.diagnostics_of(chunk)).collect()
     }
 
-    /// The diagnostics that lie in one chunk, sorted by place, as though no limit for the whole program were
+    /// Returns the diagnostics that lie in one chunk, sorted by place, as though no limit for the whole program were
     /// exceeded.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut findings = self.text.findings_of(chunk).into_iter();
@@ -395,9 +395,9 @@ impl Document {
         (scene, scope)
     }
 
-    /// The scene of the text as it is; of a text with errors, what can be shown of it, with what was last good in the
-    /// place of what is faulty. It is put together at the first call after an edit. What is good is remembered once it
-    /// has been requested.
+    /// Returns the scene of the text as it is; of a text with errors, what can be shown of it, with what was last good
+    /// in the place of what is faulty. It is put together at the first call after an edit. What is good is remembered
+    /// once it has been requested.
     pub fn scene_with_last_good(&self) -> &ProgramScene {
         &self.shown().program
     }
@@ -409,7 +409,7 @@ impl Document {
         })
     }
 
-    /// The chunks in which there are errors.
+    /// Returns the chunks in which there are errors.
     fn faulty(&self) -> HashSet<ChunkId> {
         let is_error = |found: &Diagnostic| found.severity == Severity::Error;
         let chunks = self.text.diagnosed().into_iter();

@@ -283,7 +283,7 @@ impl SemanticError {
         self
     }
 
-    /// The error to report at `span`. For a fault inside a function's body that is where the function is
+    /// Returns the error to report at `span`. For a fault inside a function's body that is where the function is
     /// applied.
     pub(crate) fn at(self, span: Span) -> Diagnostic {
         let message = match self.function {

@@ -22,8 +22,8 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// The declarations of these numbers, from 0, and all that they use. Those with errors are left out, and those that use
-    /// them.
+    /// Returns the declarations of these numbers, from 0, and all that they use. Those with errors are left out, and those that
+    /// use them.
     pub fn new(snapshot: &Snapshot, declarations: impl IntoIterator<Item = u32>) -> Self {
         let wanted: Vec<u32> = declarations.into_iter().collect();
         let mut needed: BTreeSet<u32> = BTreeSet::new();
@@ -53,7 +53,7 @@ impl Excerpt {
         }
     }
 
-    /// The scene. Places in it mean nothing.
+    /// Returns the scene. Places in it mean nothing.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -73,7 +73,7 @@ impl Excerpt {
     }
 }
 
-/// A declaration by its number.
+/// Returns a declaration by its number.
 fn reading(snapshot: &Snapshot, number: u32) -> Option<Reading<'_>> {
     let (placed, index) = snapshot.placed_chunk_of_declaration(number)?;
     let (declaration, events) = placed.declarations().nth(index)?;

@@ -48,7 +48,7 @@ pub(crate) enum DeclaredWay {
 }
 
 impl DeclaredWay {
-    /// The number of coordinates of its points.
+    /// Returns the number of coordinates of its points.
     fn dimension(&self) -> u32 {
         match self {
             Self::Chart { .. } => 2,
@@ -138,12 +138,12 @@ impl Geodesics {
         self.declared.get(id.0 as usize)
     }
 
-    /// The values whose numbers are uniforms.
+    /// Returns the values whose numbers are uniforms.
     pub(crate) fn values(&self) -> &[GeodesicValue] {
         &self.values
     }
 
-    /// The shortest geodesic between two places: nodes of its start, its velocity and its length.
+    /// Returns the shortest geodesic between two places: nodes of its start, its velocity and its length.
     pub(crate) fn connection(
         &mut self,
         graph: &mut Graph,
@@ -170,7 +170,7 @@ impl Geodesics {
         [0, 1, 2, 3, 4].map(|k| graph.input(Input::Uniform(first + k)))
     }
 
-    /// The point of a geodesic and its velocity there, as nodes.
+    /// Returns the point of a geodesic and its velocity there, as nodes.
     fn point(
         &mut self,
         graph: &mut Graph,
@@ -241,7 +241,7 @@ impl Geodesics {
         Some(place)
     }
 
-    /// The pending points that some nodes read, directly or not, each after those that its argument reads.
+    /// Returns the pending points that some nodes read, directly or not, each after those that its argument reads.
     fn reached(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<usize> {
         if self.pending.is_empty() {
             return Vec::new();
@@ -258,7 +258,7 @@ impl Geodesics {
         reached.into_iter().collect()
     }
 
-    /// The name of a geodesic whose argument depends on parameters, if some nodes read one.
+    /// Returns the name of a geodesic whose argument depends on parameters, if some nodes read one.
     pub(crate) fn open_name(&self, graph: &Graph, nodes: &[NodeId]) -> Option<&str> {
         if self.pending.is_empty() {
             return None;
@@ -268,7 +268,7 @@ impl Geodesics {
         Some(&self.get(pending.geodesic)?.name)
     }
 
-    /// The params and grids that some nodes read, through geodesics too.
+    /// Returns the params and grids that some nodes read, through geodesics too.
     pub(crate) fn dependencies(
         &self,
         graph: &Graph,
@@ -289,7 +289,7 @@ impl Geodesics {
         all
     }
 
-    /// The derivatives of some nodes by an input, through geodesics too.
+    /// Returns the derivatives of some nodes by an input, through geodesics too.
     pub(crate) fn derivatives(
         &mut self,
         graph: &mut Graph,
@@ -307,7 +307,7 @@ impl Geodesics {
         self.total(graph, nodes, by, &chain)
     }
 
-    /// The derivatives of some nodes, where those of the arguments of pending points are known.
+    /// Returns the derivatives of some nodes, where those of the arguments of pending points are known.
     fn total(
         &mut self,
         graph: &mut Graph,
@@ -346,7 +346,7 @@ impl Geodesics {
         Ok(totals)
     }
 
-    /// The second derivatives of a geodesic's coordinates at a point with a velocity: −Γ(g′, g′) in a chart.
+    /// Returns the second derivatives of a geodesic's coordinates at a point with a velocity: −Γ(g′, g′) in a chart.
     fn acceleration(
         &mut self,
         graph: &mut Graph,
@@ -436,7 +436,7 @@ impl Geodesics {
         Ok(followed)
     }
 
-    /// The values that some nodes read, directly or not, in the order of their uniforms.
+    /// Returns the values that some nodes read, directly or not, in the order of their uniforms.
     pub(crate) fn read(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<u32> {
         if self.values.is_empty() {
             return Vec::new();
@@ -484,7 +484,7 @@ impl Geodesics {
     }
 }
 
-/// All nodes of a shape that its samples or its geodesics are computed from.
+/// Returns all nodes of a shape that its samples or its geodesics are computed from.
 pub(crate) fn nodes_of(shape: &Shape) -> Vec<NodeId> {
     let mut nodes = shape.roots();
     nodes.extend(shape.followed().iter().flat_map(GeodesicValue::nodes));
@@ -495,7 +495,7 @@ fn variable(index: usize, component: u32) -> Input {
     Input::Variable(FIRST_PENDING + WIDTH * index as u32 + component)
 }
 
-/// The pending points among the inputs of some nodes.
+/// Returns the pending points among the inputs of some nodes.
 fn pending_in(graph: &Graph, nodes: &[NodeId]) -> impl Iterator<Item = usize> + use<> {
     let inputs = graph.inputs(nodes).into_iter();
     inputs.filter_map(|input| match input {

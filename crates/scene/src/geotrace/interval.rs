@@ -60,7 +60,7 @@ pub(crate) struct Bounds {
 }
 
 impl DeclaredInterval {
-    /// The interval whose expressions are the last ones read; `None` if they are incomplete.
+    /// Returns the interval whose expressions are the last ones read; `None` if they are incomplete.
     pub(crate) fn last(lowerer: &Lowerer, read: actions::Interval) -> Option<Self> {
         let code = &lowerer.code;
         let (ends, count) = match read.kind {
@@ -73,12 +73,12 @@ impl DeclaredInterval {
         Some(Self { read, ends, count })
     }
 
-    /// The step at which its first expression starts.
+    /// Returns the step at which its first expression starts.
     pub(crate) fn start(&self) -> usize {
         self.ends[0].steps().start
     }
 
-    /// The interval's numbers; `None` after an error, which goes to `diagnostics`.
+    /// Returns the interval's numbers; `None` after an error, which goes to `diagnostics`.
     pub(crate) fn bounds(
         &self,
         lowerer: &mut Lowerer,
@@ -127,7 +127,7 @@ impl DeclaredInterval {
 }
 
 impl Bounds {
-    /// The interval with its count, or with `default` where it has none.
+    /// Returns the interval with its count, or with `default` where it has none.
     pub(crate) fn sampling(self, default: u32) -> Sampling {
         Sampling {
             range: self.range,
@@ -154,8 +154,8 @@ impl Role {
     }
 }
 
-/// The finite number that an expression of an interval has as its value; `None` if it uses a name whose declaration
-/// failed.
+/// Returns the finite number that an expression of an interval has as its value; `None` if it uses a name whose
+/// declaration failed.
 fn constant(
     lowerer: &Lowerer,
     lowered: &Lowered,
@@ -225,7 +225,7 @@ fn in_order(min: f64, max: f64) -> Result<Range, SemanticError> {
     })
 }
 
-/// A count, rounded down.
+/// Returns a count, rounded down.
 fn whole(count: f64, purpose: Purpose) -> Result<u32, SemanticError> {
     let largest = match purpose {
         Purpose::Param | Purpose::Grid => MAX_AXIS,

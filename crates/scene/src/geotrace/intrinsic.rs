@@ -222,7 +222,7 @@ impl Declarations {
         None
     }
 
-    /// A direction or a start in the parameters of a surface.
+    /// Returns a direction or a start in the parameters of a surface.
     fn in_chart(
         &mut self,
         expression: Expression,
@@ -248,7 +248,8 @@ impl Declarations {
         None
     }
 
-    /// The surface or metric that a geodesic names; `None` if the name means something else or its declaration failed.
+    /// Returns the surface or metric that a geodesic names; `None` if the name means something else or its declaration
+    /// failed.
     fn surface_of(&mut self, named: Expression) -> Option<DeclaredManifold> {
         let (symbol, span) = self.lowerer.code.functions(named).next()?;
         if let Some(manifold) = self.manifold_of(symbol) {
@@ -276,7 +277,7 @@ impl Declarations {
         }
     }
 
-    /// A warning about a geodesic that cannot start for any values of the params.
+    /// Returns a warning about a geodesic that cannot start for any values of the params.
     fn not_drawn(
         &self,
         declaration: &Declaration<'_>,
@@ -318,8 +319,8 @@ impl Declarations {
         ))
     }
 
-    /// A warning about a metric that is not positive definite somewhere inside its domain, at the initial values of the
-    /// params.
+    /// Returns a warning about a metric that is not positive definite somewhere inside its domain, at the initial
+    /// values of the params.
     fn degenerate(&self, metric: &Drawn, place: Span) -> Option<Diagnostic> {
         let object = &metric.object;
         let (components, domain) = object.shape.metric()?;
@@ -373,7 +374,7 @@ impl Declarations {
     }
 }
 
-/// A number to six digits.
+/// Returns a number to six digits.
 fn short(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse();
     number::text(rounded.unwrap_or(value))

@@ -286,7 +286,7 @@ impl Lowerer {
         }
     }
 
-    /// A function with one derivative more; only one of a single parameter has *the* derivative, `f'`.
+    /// Returns a function with one derivative more; only one of a single parameter has *the* derivative, `f'`.
     fn derived(
         &self,
         item: StackItem,
@@ -305,7 +305,7 @@ impl Lowerer {
         Ok(StackItem::Function(function))
     }
 
-    /// A bracketed list. One with vectors in it may still be an argument list.
+    /// Returns a bracketed list. One with vectors in it may still be an argument list.
     fn tuple(
         &mut self,
         stack: &mut Vec<StackItem>,
@@ -359,7 +359,7 @@ impl CallFrame {
     }
 }
 
-/// The error of a geodesic whose argument is no number before its reader is drawn.
+/// Returns the error of a geodesic whose argument is no number before its reader is drawn.
 fn no_formula(name: &str) -> SemanticError {
     SemanticError::new(
         error::NO_FORMULA,
@@ -372,12 +372,12 @@ fn no_formula(name: &str) -> SemanticError {
     ))
 }
 
-/// The item on top. Every operator's operands have been pushed, for steps come in postfix order.
+/// Returns the item on top. Every operator's operands have been pushed, for steps come in postfix order.
 fn pop(stack: &mut Vec<StackItem>) -> StackItem {
     stack.pop().unwrap_or(StackItem::Poison)
 }
 
-/// The value of an operation on values, or what is wrong with their dimensions.
+/// Returns the value of an operation on values, or what is wrong with their dimensions.
 fn computed(
     result: Result<Value, DimensionError>,
     span: Span,

@@ -123,14 +123,14 @@ pub(crate) struct Applications {
 }
 
 impl Applications {
-    /// A body has been lowered.
+    /// Returns a body has been lowered.
     pub(crate) fn add(&mut self, key: BodyKey, outcome: BodyOutcome) -> BodyId {
         let id = self.push(outcome);
         self.ids.insert(key, id);
         id
     }
 
-    /// The derivative of a body has been taken.
+    /// Returns the derivative of a body has been taken.
     pub(crate) fn add_derived(
         &mut self,
         of: BodyId,
@@ -154,14 +154,14 @@ impl Applications {
 }
 
 impl Lowerer {
-    /// The numbers of nodes that depend on no param and no grid, one each.
+    /// Returns the numbers of nodes that depend on no param and no grid, one each.
     pub(crate) fn numbers(&self, nodes: &[NodeId]) -> Vec<f64> {
         let (uniforms, _) = self.values_of_geodesics(nodes);
         numbers(&self.graph, nodes, &uniforms, &[])
     }
 
-    /// The uniforms, with the values of geodesics that nodes read in place and all others NaN; none if they read no geodesic.
-    /// Beside them the geodesics that have no value.
+    /// Returns the uniforms, with the values of geodesics that nodes read in place and all others NaN; none if they read no
+    /// geodesic. Beside them the geodesics that have no value.
     pub(crate) fn values_of_geodesics(&self, nodes: &[NodeId]) -> (Vec<f64>, GeodesicFaults) {
         if self.geodesics.read(&self.graph, nodes).is_empty() {
             return (Vec::new(), Vec::new());
@@ -171,7 +171,7 @@ impl Lowerer {
         (uniforms, faults)
     }
 
-    /// The value that an item is; none for what a reported fault left behind.
+    /// Returns the value that an item is; none for what a reported fault left behind.
     pub(crate) fn value(
         &mut self,
         item: StackItem,

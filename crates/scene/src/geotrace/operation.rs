@@ -61,7 +61,7 @@ pub(crate) struct Binary {
     pub(crate) values: fn(&mut Graph, &Value, &Value) -> Result<Value, DimensionError>,
 }
 
-/// The operation of an operator.
+/// Returns the operation of an operator.
 pub(crate) fn operation(operator: Operator) -> Operation {
     use Operation::{Binary, Unary};
     match operator {
@@ -99,7 +99,7 @@ pub(crate) fn operation(operator: Operator) -> Operation {
 }
 
 impl Operation {
-    /// The number of items it takes from the stack; each operation puts one back.
+    /// Returns the number of items it takes from the stack; each operation puts one back.
     pub(crate) fn operand_count(&self) -> usize {
         match self {
             Self::Number(_) | Self::Constant(_) | Self::Variable(_) | Self::Function(_) => 0,

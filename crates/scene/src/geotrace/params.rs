@@ -74,8 +74,8 @@ impl Declarations {
         }))
     }
 
-    /// The initial value of a param, one number per interval; `None` after an error. It is checked against the intervals
-    /// if they are known.
+    /// Returns the initial value of a param, one number per interval; `None` after an error. It is checked against the
+    /// intervals if they are known.
     fn initial(
         &mut self,
         name: &str,
@@ -157,7 +157,8 @@ impl Declarations {
         Ok(Some(numbers))
     }
 
-    /// A number or a vector over uniforms, the uniforms, and whether they are new; `None` if there are too many.
+    /// Returns a number or a vector over uniforms, the uniforms, and whether they are new; `None` if there are too
+    /// many.
     fn uniforms(
         &mut self,
         declaration: &Declaration<'_>,
@@ -210,7 +211,7 @@ impl Declarations {
         Some((meaning, uniforms, kept.is_none()))
     }
 
-    /// All intervals; `None` if any has an error.
+    /// Returns all intervals; `None` if any has an error.
     fn bounds(&mut self, intervals: &[DeclaredInterval], purpose: Purpose) -> Option<Vec<Bounds>> {
         let bounds: Vec<_> = intervals
             .iter()

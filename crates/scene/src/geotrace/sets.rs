@@ -65,21 +65,21 @@ impl DeclaredSolid {
             && self.set.solid.is_same(&other.set.solid)
     }
 
-    /// The values of a grid at which a part of it closes.
+    /// Returns the values of a grid at which a part of it closes.
     fn axes_of(&self, bound: &BoundGrid) -> Vec<Sampling> {
         let mut closed = self.set.closed.iter();
         let closed = closed.find(|it| it.bound == *bound);
         closed.map_or_else(Vec::new, |it| it.axes.clone())
     }
 
-    /// The set that it stands for as a function.
+    /// Returns the set that it stands for as a function.
     fn function_set(&self) -> &Solid {
         self.uncut.as_ref().unwrap_or(&self.set.solid)
     }
 }
 
 impl PointSet {
-    /// A leaf alone.
+    /// Returns a leaf alone.
     pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
         Self {
             solid: Arc::new(Solid {
@@ -92,7 +92,7 @@ impl PointSet {
         }
     }
 
-    /// The set of two that a step joins.
+    /// Returns the set of two that a step joins.
     pub(crate) fn joined(mut self, other: Self, step: SolidStep) -> Result<Self, SemanticError> {
         self.size = self.size.saturating_add(other.size);
         if self.size > MAX_LEAVES {
@@ -117,7 +117,7 @@ impl PointSet {
         Ok(self)
     }
 
-    /// The set, placed by a map.
+    /// Returns the set, placed by a map.
     fn placed(mut self, graph: &mut Graph, by: &AffineNodes) -> Self {
         let identity = AffineNodes::identity(graph);
         for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
@@ -143,7 +143,7 @@ impl PointSet {
 }
 
 impl Lowerer {
-    /// The set that a function stands for. The function is put back where its body has to be lowered first.
+    /// Returns the set that a function stands for. The function is put back where its body has to be lowered first.
     pub(crate) fn atom(
         &mut self,
         function: StackItem,
@@ -297,8 +297,8 @@ impl Lowerer {
         SemanticError::new(error::NOT_A_SOLID, message)
     }
 
-    /// The value of a function at an operand. Where its body has to be lowered first, that is the effect, and the function is
-    /// put back alone.
+    /// Returns the value of a function at an operand. Where its body has to be lowered first, that is the effect, and the
+    /// function is put back alone.
     fn body_at(
         &mut self,
         function: Box<Function>,
@@ -319,7 +319,7 @@ impl Lowerer {
         })
     }
 
-    /// The set of two sets that a step joins.
+    /// Returns the set of two sets that a step joins.
     pub(crate) fn joined(
         &mut self,
         first: StackItem,
@@ -429,7 +429,7 @@ impl Lowerer {
         self.under(*set, &map, span).map(Effect::Push)
     }
 
-    /// A set under a map, which is an error where the map is constant and singular.
+    /// Returns a set under a map, which is an error where the map is constant and singular.
     fn under(
         &mut self,
         set: PointSet,
@@ -453,8 +453,8 @@ impl Lowerer {
         Ok(StackItem::Set(Box::new(placed)))
     }
 
-    /// The number that a solid is as a function, over the variables of space: min for a union, max for an intersection, and
-    /// the least over all instances. A solid's cuts are not part of it.
+    /// Returns the number that a solid is as a function, over the variables of space: min for a union, max for an intersection,
+    /// and the least over all instances. A solid's cuts are not part of it.
     ///
     /// # Errors
     /// The solid has so many leaves or instances that the expression has no room.
@@ -468,7 +468,7 @@ impl Lowerer {
         found.map_err(|_| too_large())
     }
 
-    /// The field whose surface, where it is 0, is a solid's: its function with its cuts.
+    /// Returns the field whose surface, where it is 0, is a solid's: its function with its cuts.
     ///
     /// # Errors
     /// As [`Lowerer::solid_function`].

@@ -129,7 +129,7 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    /// A solid by a function of two or three numbers.
+    /// Returns a solid by a function of two or three numbers.
     fn field(
         &mut self,
         declaration: &Declaration<'_>,
@@ -173,7 +173,7 @@ impl Declarations {
         (Some(PointSet::leaf(leaf)), dependencies)
     }
 
-    /// The intervals of x, y and z; `None` after an error.
+    /// Returns the intervals of x, y and z; `None` after an error.
     fn cuts(
         &mut self,
         declaration: &Declaration<'_>,
@@ -217,7 +217,7 @@ impl Declarations {
         is_sound.then(|| cuts.map(|cut| cut.map(|(cut, _)| cut)))
     }
 
-    /// A set as the union of its instances.
+    /// Returns a set as the union of its instances.
     fn closed_at(&self, mut solid: Arc<Solid>, dependencies: Dependencies) -> Arc<Solid> {
         let (_, grids) = self.sources_of(dependencies);
         if !grids.is_empty() {
@@ -308,7 +308,7 @@ impl Declarations {
         instances
     }
 
-    /// The params of a set of dependencies.
+    /// Returns the params of a set of dependencies.
     fn without_grids(&mut self, dependencies: Dependencies) -> Dependencies {
         let sources = &self.sources;
         let is_param = |index: usize| !matches!(sources.get(index), Some(Owner::Grid(_)));

@@ -26,7 +26,7 @@ use crate::scene::{GeodesicPath, Sampling, Shape};
 const TRIED: usize = 4_000;
 
 impl Declarations {
-    /// The solid that a geodesic names, if it names one, with the place of the name.
+    /// Returns the solid that a geodesic names, if it names one, with the place of the name.
     pub(crate) fn solid_below(
         &self,
         intervals: &[DeclaredInterval],
@@ -116,7 +116,7 @@ impl Declarations {
         Some(Understood::from(Meaning::Geodesic(geodesic)).drawn(drawn))
     }
 
-    /// A direction or a start in space.
+    /// Returns a direction or a start in space.
     fn on_solid(
         &mut self,
         expression: Expression,
@@ -142,7 +142,7 @@ impl Declarations {
         None
     }
 
-    /// A warning about a geodesic that depends on no param and cannot start.
+    /// Returns a warning about a geodesic that depends on no param and cannot start.
     fn cannot_start(
         &self,
         declaration: &Declaration<'_>,

@@ -63,7 +63,7 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    /// A warning about a parallel light that shines upwards along a vector so long that a place is meant.
+    /// Returns a warning about a parallel light that shines upwards along a vector so long that a place is meant.
     fn upward_light(&self, name: &str, direction: [NodeId; 3], span: Span) -> Option<Diagnostic> {
         const LONGEST: f64 = 2.0;
         let found = self.lowerer.numbers(&direction);
@@ -168,7 +168,7 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    /// A warning about a background that is white wherever its numbers are known, as if they were bytes.
+    /// Returns a warning about a background that is white wherever its numbers are known, as if they were bytes.
     fn bytes_of_background(
         &self,
         name: &str,

@@ -62,7 +62,7 @@ pub(crate) struct Declared {
 }
 
 impl Symbols {
-    /// The builtin names with their meanings, in the order of [`vocabulary`](super::builtin::vocabulary).
+    /// Returns the builtin names with their meanings, in the order of [`vocabulary`](super::builtin::vocabulary).
     pub(crate) fn builtin(graph: &mut Graph) -> Self {
         let mut symbols = Self::default();
         let constants = CONSTANTS.into_iter().map(|(name, value, _)| {
@@ -130,7 +130,7 @@ impl Symbols {
         self.0.get(symbol.0 as usize)?.keyword
     }
 
-    /// The name of a function's parameter.
+    /// Returns the name of a function's parameter.
     pub(crate) fn parameter(&self, symbol: SymbolId, position: usize) -> &str {
         match self.meaning(symbol) {
             Meaning::Declared(Declared { parameters, .. }) => named(parameters, position),
@@ -139,7 +139,7 @@ impl Symbols {
         }
     }
 
-    /// The names of a function's parameters; none of what has no body in the text.
+    /// Returns the names of a function's parameters; none of what has no body in the text.
     fn parameters(&self, symbol: SymbolId) -> Option<&[Box<str>]> {
         match self.meaning(symbol) {
             Meaning::Declared(declared) => Some(&declared.parameters),
@@ -148,7 +148,7 @@ impl Symbols {
         }
     }
 
-    /// The error of writing `f'` for a function of several parameters, which has a derivative by each.
+    /// Returns the error of writing `f'` for a function of several parameters, which has a derivative by each.
     pub(crate) fn total_error(&self, symbol: SymbolId) -> Option<SemanticError> {
         let parameters = self.parameters(symbol)?;
         let count = parameters.len();

@@ -32,7 +32,7 @@ impl<'s> Builder<'s> {
         }
     }
 
-    /// The last expression.
+    /// Returns the last expression.
     pub(super) fn expression(&mut self) -> Option<Expression> {
         self.expressions.pop()
     }
@@ -44,7 +44,7 @@ impl<'s> Builder<'s> {
         }
     }
 
-    /// The last expression; the parser gives no step before its parts.
+    /// Returns the last expression; the parser gives no step before its parts.
     fn pop(&mut self) -> Expression {
         self.expressions.pop().unwrap_or(Expression {
             kind: ExpressionKind::Missing,
@@ -81,7 +81,7 @@ impl<'s> Builder<'s> {
     }
 }
 
-/// The last elements of a list.
+/// Returns the last elements of a list.
 fn last<T>(list: &mut Vec<T>, count: usize) -> Box<[T]> {
     list.drain(list.len().saturating_sub(count)..).collect()
 }

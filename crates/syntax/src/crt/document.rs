@@ -116,7 +116,7 @@ impl Analysis for ChunkAnalysis {
 }
 
 impl Snapshot {
-    /// The tree of the script.
+    /// Returns the tree of the script.
     pub fn script(&self) -> Script {
         let mut start = 0;
         let mut pieces = Vec::new();
@@ -139,7 +139,7 @@ impl Snapshot {
         }
     }
 
-    /// The tokens that a range touches, comments among them, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, comments among them, in order. Places are those of the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {
@@ -155,7 +155,7 @@ impl Snapshot {
 }
 
 impl Document {
-    /// All diagnostics of the text, sorted by place: those of its pieces, and of the order of its blocks.
+    /// Returns all diagnostics of the text, sorted by place: those of its pieces, and of the order of its blocks.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let mut all = self.diagnostics();
         all.extend(self.script().misplaced());

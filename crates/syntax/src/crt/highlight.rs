@@ -6,7 +6,7 @@ use super::token::{Token, TokenKind};
 use crate::highlight::HighlightKind;
 use crate::span::Span;
 
-/// Every token of a script with its colour, in the order of the text and without overlap.
+/// Returns every token of a script with its colour, in the order of the text and without overlap.
 pub fn highlight(source: &str) -> Vec<(Span, HighlightKind)> {
     let mut highlighter = Highlighter::default();
     parse_script(source, &mut highlighter);
@@ -59,7 +59,7 @@ impl Actions for Highlighter {
     }
 }
 
-/// The colour of a token by itself; `None` at the end of the text.
+/// Returns the colour of a token by itself; `None` at the end of the text.
 pub fn kind(token: TokenKind) -> Option<HighlightKind> {
     use TokenKind::{
         And, Arrow, Assign, BraceClose, BraceOpen, BracketClose, BracketOpen, Caret, Colon, Comma,

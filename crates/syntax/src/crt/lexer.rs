@@ -42,7 +42,7 @@ pub struct Lexer<'s> {
 }
 
 impl<'s> Lexer<'s> {
-    /// A lexer at an offset of a text of less than `u32::MAX` bytes.
+    /// Returns a lexer at an offset of a text of less than `u32::MAX` bytes.
     pub fn new(source: &'s str, offset: u32) -> Self {
         Self {
             source,
@@ -50,7 +50,7 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// The next lexeme. Comments are lexemes, white space is passed.
+    /// Returns the next lexeme. Comments are lexemes, white space is passed.
     #[inline]
     pub fn read(&mut self) -> Lexeme {
         let bytes = self.source.as_bytes();
@@ -109,7 +109,7 @@ impl<'s> Lexer<'s> {
         Lexeme { token, fault }
     }
 
-    /// The kind of the next token that is no comment, without passing it.
+    /// Returns the kind of the next token that is no comment, without passing it.
     pub fn peek(&self) -> TokenKind {
         let mut ahead = self.clone();
         loop {
@@ -146,7 +146,8 @@ impl<'s> Lexer<'s> {
     }
 }
 
-/// The length of the string that `bytes` begin with, and whether it is closed. One that is not ends with its line.
+/// Returns the length of the string that `bytes` begin with, and whether it is closed. One that is not ends with its
+/// line.
 fn string(bytes: &[u8]) -> (usize, bool) {
     let mut at = 1;
     loop {
@@ -160,8 +161,8 @@ fn string(bytes: &[u8]) -> (usize, bool) {
     }
 }
 
-/// The text that a string between quotes stands for: with Java's escapes, `\b \t \n \f \r \" \' \\`, `\0` to `\377` and
-/// `\u0041` (The Java Language Specification, 3.3 and 3.10.7).
+/// Returns the text that a string between quotes stands for: with Java's escapes, `\b \t \n \f \r \" \' \\`, `\0` to
+/// `\377` and `\u0041` (The Java Language Specification, 3.3 and 3.10.7).
 ///
 /// # Errors
 /// The place of the first `\` that begins no escape.
@@ -198,7 +199,7 @@ pub fn string_value(literal: &str) -> Result<Cow<'_, str>, Span> {
     }
 }
 
-/// The escape that `bytes`, which start with a `\`, begin with: its UTF-16 unit and its length.
+/// Returns the escape that `bytes`, which start with a `\`, begin with: its UTF-16 unit and its length.
 fn escape(bytes: &[u8]) -> Option<(u16, usize)> {
     let unit = match bytes.get(1)? {
         b'b' => 8,
@@ -231,7 +232,7 @@ fn escape(bytes: &[u8]) -> Option<(u16, usize)> {
     Some((unit, 2))
 }
 
-/// The longest number that a text, starting with a digit or a `.`, begins with: its length and its kind.
+/// Returns the longest number that a text, starting with a digit or a `.`, begins with: its length and its kind.
 fn number(text: &str) -> (usize, Result<TokenKind, Fault>) {
     let bytes = text.as_bytes();
     let digits = |from: usize| {

@@ -6,7 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
 impl Script {
-    /// The diagnostics of blocks that stand where they may not, or are missing.
+    /// Returns the diagnostics of blocks that stand where they may not, or are missing.
     pub fn misplaced(&self) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         let mut first: [Option<Span>; 2] = [None; 2];
@@ -52,7 +52,7 @@ impl Script {
     }
 }
 
-/// The number of the kind of a block that a script has once, its word, and the place of that.
+/// Returns the number of the kind of a block that a script has once, its word, and the place of that.
 fn keyword(block: &Block) -> Option<(usize, &'static str, Span)> {
     let (kind, word) = match block.kind {
         BlockKind::Settings(..) => (0, "Settings"),

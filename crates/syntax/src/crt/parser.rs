@@ -90,7 +90,7 @@ pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Dia
     }
 }
 
-/// The tree of a piece of a script and its diagnostics, with each token.
+/// Returns the tree of a piece of a script and its diagnostics, with each token.
 pub(super) fn parse_tree(
     source: &str,
     is_first: bool,

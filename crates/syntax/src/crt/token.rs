@@ -34,7 +34,7 @@ macro_rules! token_kinds {
         pub const RESERVED: &[(&str, TokenKind)] = &[$(($text, TokenKind::$word)),*];
 
         impl TokenKind {
-            /// The kind of a reserved word.
+            /// Returns the kind of a reserved word.
             pub fn from_word(word: &str) -> Option<Self> {
                 Some(match word {
                     $($text => Self::$word,)*
@@ -42,7 +42,7 @@ macro_rules! token_kinds {
                 })
             }
 
-            /// The longest sign that a text begins with, and its length in bytes.
+            /// Returns the longest sign that a text begins with, and its length in bytes.
             pub(crate) fn from_sign(bytes: &[u8]) -> Option<(Self, usize)> {
                 // Signs of two characters come first in the table.
                 $(if bytes.starts_with($sign.as_bytes()) {
@@ -51,7 +51,7 @@ macro_rules! token_kinds {
                 None
             }
 
-            /// The token as it is written, if all tokens of the kind are written alike.
+            /// Returns the token as it is written, if all tokens of the kind are written alike.
             pub fn text(self) -> Option<&'static str> {
                 Some(match self {
                     $(Self::$word => $text,)*

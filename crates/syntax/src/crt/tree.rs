@@ -255,7 +255,7 @@ pub enum BinaryOperator {
 }
 
 impl BinaryOperator {
-    /// The level of the operator: of two levels, the greater binds its operands.
+    /// Returns the level of the operator: of two levels, the greater binds its operands.
     pub fn level(self) -> u8 {
         match self {
             Self::Or => 0,
@@ -271,7 +271,7 @@ impl BinaryOperator {
         }
     }
 
-    /// The operator as it is written.
+    /// Returns the operator as it is written.
     pub fn text(self) -> &'static str {
         match self {
             Self::Or => "||",
@@ -293,7 +293,7 @@ impl BinaryOperator {
 }
 
 impl Expression {
-    /// The expression without the brackets around it.
+    /// Returns the expression without the brackets around it.
     pub fn ungrouped(&self) -> &Self {
         let mut expression = self;
         while let ExpressionKind::Group(inner) = &expression.kind {
@@ -302,7 +302,7 @@ impl Expression {
         expression
     }
 
-    /// The name, if the expression is an identifier, in brackets or not.
+    /// Returns the name, if the expression is an identifier, in brackets or not.
     pub fn identifier(&self) -> Option<&Arc<str>> {
         match &self.ungrouped().kind {
             ExpressionKind::Identifier(name) => Some(name),
@@ -407,7 +407,7 @@ impl Expression {
 }
 
 impl Script {
-    /// All blocks, each with the offset from which its places count.
+    /// Returns all blocks, each with the offset from which its places count.
     pub fn blocks(&self) -> impl Iterator<Item = (u32, &Block)> {
         let pieces = self.pieces.iter();
         pieces.flat_map(|piece| piece.blocks.iter().map(move |block| (piece.start, block)))

@@ -40,7 +40,7 @@ pub(super) struct Chunk<G: Grammar> {
 }
 
 impl<G: Grammar> Chunk<G> {
-    /// A chunk that has not been read yet.
+    /// Returns a chunk that has not been read yet.
     pub(super) fn unread(text: &str, version: u64) -> Self {
         let mut chunk = Self {
             text: Box::default(),
@@ -84,33 +84,33 @@ impl<G: Grammar> Chunk<G> {
         }
     }
 
-    /// The symbols that it defines, in the order of the text.
+    /// Returns the symbols that it defines, in the order of the text.
     pub(super) fn defined(&self) -> impl Iterator<Item = SymbolId> {
         self.analysis.defined(&self.text)
     }
 
-    /// The names that its text seems to declare, each with its last place.
+    /// Returns the names that its text seems to declare, each with its last place.
     pub(super) fn declared(&self) -> impl Iterator<Item = (&str, u32)> {
         let declared = self.declared.iter();
         declared.map(|it| (&self.text[it.start as usize..it.end as usize], it.start))
     }
 
-    /// The number of line ends before an offset.
+    /// Returns the number of line ends before an offset.
     pub(super) fn line_ends_before(&self, offset: u32) -> u32 {
         self.checkpoints.line_ends_before(&self.text, offset)
     }
 
-    /// The offset of a line end by its number, from 0.
+    /// Returns the offset of a line end by its number, from 0.
     pub(super) fn line_end(&self, number: u32) -> Option<u32> {
         self.checkpoints.line_end(&self.text, number)
     }
 
-    /// The number of characters that start before an offset.
+    /// Returns the number of characters that start before an offset.
     pub(super) fn characters_before(&self, offset: u32) -> u32 {
         self.checkpoints.characters_before(&self.text, offset)
     }
 
-    /// The offset of a character by its number, from 0.
+    /// Returns the offset of a character by its number, from 0.
     pub(super) fn character(&self, number: u32) -> Option<u32> {
         self.checkpoints.character(&self.text, number)
     }

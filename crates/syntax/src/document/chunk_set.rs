@@ -35,7 +35,7 @@ impl Default for ChunkSet {
 }
 
 impl ChunkSet {
-    /// A set of some chunks, at most [`MAX_FEW`].
+    /// Returns a set of some chunks, at most [`MAX_FEW`].
     fn few(some: &[ChunkId]) -> Self {
         let mut chunks = [ChunkId(0); MAX_FEW];
         let count = some.len().min(MAX_FEW);
@@ -136,7 +136,7 @@ impl ChunkSet {
     }
 }
 
-/// The block that holds a chunk, or would.
+/// Returns the block that holds a chunk, or would.
 fn block_of(blocks: &[Arc<Vec<ChunkId>>], chunk: ChunkId) -> usize {
     let after = blocks.partition_point(|block| block.first().is_some_and(|it| *it <= chunk));
     after.saturating_sub(1)

@@ -24,7 +24,7 @@ pub(super) struct Split {
 }
 
 impl<G: Grammar> Document<G> {
-    /// All diagnostics, sorted by place: those of reading the whole text at once.
+    /// Returns all diagnostics, sorted by place: those of reading the whole text at once.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         if self.is_overfull() {
@@ -38,7 +38,7 @@ impl<G: Grammar> Document<G> {
         all
     }
 
-    /// The chunks with diagnostics, from top to bottom.
+    /// Returns the chunks with diagnostics, from top to bottom.
     pub fn diagnosed(&self) -> Vec<ChunkId> {
         let mut chunks = Vec::new();
         let mut next = 0;
@@ -57,7 +57,7 @@ impl<G: Grammar> Document<G> {
         chunks.into_iter().map(|(_, chunk)| chunk).collect()
     }
 
-    /// The diagnostics of one chunk, sorted by place. The limit of diagnostics for a text does not apply.
+    /// Returns the diagnostics of one chunk, sorted by place. The limit of diagnostics for a text does not apply.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut all = self.findings_of(chunk);
         all.extend(self.shadowed_splits_of(chunk));
@@ -65,7 +65,7 @@ impl<G: Grammar> Document<G> {
         all
     }
 
-    /// The diagnostics that reading a chunk has given, completed, in the order in which it has given them.
+    /// Returns the diagnostics that reading a chunk has given, completed, in the order in which it has given them.
     pub fn findings_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let read = self.chunk(chunk);
         if read.findings.is_empty() {
@@ -85,7 +85,7 @@ impl<G: Grammar> Document<G> {
         findings.collect()
     }
 
-    /// The warnings about names that a chunk declares and whose letters are read as several tokens above it.
+    /// Returns the warnings about names that a chunk declares and whose letters are read as several tokens above it.
     pub fn shadowed_splits_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         if self.shadowed.is_empty() {
             return Vec::new();

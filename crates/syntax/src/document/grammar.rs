@@ -49,7 +49,7 @@ pub trait Grammar: Clone + Debug + Sized {
         let _ = (text, state, ends);
     }
 
-    /// The builtin symbols. Their handles count up from 0 in this order; of equal names the first is found.
+    /// Returns the builtin symbols. Their handles count up from 0 in this order; of equal names the first is found.
     fn builtins(builtins: &Self::Builtins) -> Vec<Self::Symbol>;
 
     /// Calls `found` with each name that a chunk seems to declare, and its place, without reading the chunk.
@@ -78,8 +78,8 @@ pub trait Grammar: Clone + Debug + Sized {
         searches: usize,
     );
 
-    /// The warning about a name whose letters are read as several tokens above its declaration. A language that does not
-    /// split words into tokens has none.
+    /// Returns the warning about a name whose letters are read as several tokens above its declaration. A language that does
+    /// not split words into tokens has none.
     fn shadowed_split(split: ShadowedSplit<'_>) -> Option<Diagnostic> {
         let _ = split;
         None
@@ -91,7 +91,7 @@ pub trait Definition: Clone + Debug {
     /// The part of it that the text below notices: while this stays equal, nothing below is read again.
     type Signature: Clone + Debug + Eq;
 
-    /// The name.
+    /// Returns the name.
     fn name(&self) -> &Arc<str>;
 
     /// Replaces the name by an equal one that the document shares, and gives back room that is not used.
@@ -102,7 +102,7 @@ pub trait Definition: Clone + Debug {
         true
     }
 
-    /// The place where the text declares it, counted from its chunk's start. Builtins have none.
+    /// Returns the place where the text declares it, counted from its chunk's start. Builtins have none.
     fn name_span(&self) -> Option<Span>;
 
     /// Returns the part that the text below notices.
@@ -113,16 +113,16 @@ pub trait Definition: Clone + Debug {
 ///
 /// The text of the chunk is handed to what may leave to the text what it says.
 pub trait Analysis: Clone + Debug + Default {
-    /// The number of tokens.
+    /// Returns the number of tokens.
     fn token_count(&self) -> usize;
 
-    /// The place of a token by its number, from 0. Tokens are in the order of the text and do not overlap.
+    /// Returns the place of a token by its number, from 0. Tokens are in the order of the text and do not overlap.
     fn token_span(&self, index: usize) -> Option<Span>;
 
-    /// The places of the declarations, in the order of the text.
+    /// Returns the places of the declarations, in the order of the text.
     fn declaration_spans<'a>(&'a self, text: &'a str) -> impl Iterator<Item = Span> + 'a;
 
-    /// The symbols that [`ScopeView::define`] has returned, in the order of the text.
+    /// Returns the symbols that [`ScopeView::define`] has returned, in the order of the text.
     fn defined<'a>(&'a self, text: &'a str) -> impl Iterator<Item = SymbolId> + 'a;
 }
 

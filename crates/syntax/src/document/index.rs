@@ -38,7 +38,8 @@ impl<'d, G: Grammar> PlacedChunk<'d, G> {
         self.analysis.declaration_spans(self.text)
     }
 
-    /// The number of tokens at its start for which `holds`, a predicate that is true up to some token and false behind it.
+    /// Returns the number of tokens at its start for which `holds`, a predicate that is true up to some token and false behind
+    /// it.
     fn tokens_that(&self, holds: impl Fn(Span) -> bool) -> usize {
         let (mut low, mut high) = (0, self.analysis.token_count());
         while low < high {
@@ -53,17 +54,17 @@ impl<'d, G: Grammar> PlacedChunk<'d, G> {
 }
 
 impl<G: Grammar> Snapshot<G> {
-    /// The number of tokens.
+    /// Returns the number of tokens.
     pub fn token_count(&self) -> u32 {
         self.sequence.total().tokens
     }
 
-    /// The number of declarations.
+    /// Returns the number of declarations.
     pub fn declaration_count(&self) -> u32 {
         self.sequence.total().declarations
     }
 
-    /// The piece that holds the token of this number, from 0, and the token's number in it.
+    /// Returns the piece that holds the token of this number, from 0, and the token's number in it.
     pub fn placed_chunk_of_token(&self, token: u32) -> Option<(PlacedChunk<'_, G>, usize)> {
         if token >= self.token_count() {
             return None;
@@ -72,7 +73,7 @@ impl<G: Grammar> Snapshot<G> {
         Some((placed, (token - placed.first_token) as usize))
     }
 
-    /// The piece that holds the declaration of this number, from 0, and the declaration's number in it.
+    /// Returns the piece that holds the declaration of this number, from 0, and the declaration's number in it.
     pub fn placed_chunk_of_declaration(
         &self,
         declaration: u32,
@@ -84,17 +85,17 @@ impl<G: Grammar> Snapshot<G> {
         Some((placed, (declaration - placed.first_declaration) as usize))
     }
 
-    /// The piece that holds the byte at an offset, or the last one.
+    /// Returns the piece that holds the byte at an offset, or the last one.
     pub fn placed_chunk_at(&self, offset: u32) -> Option<PlacedChunk<'_, G>> {
         Some(self.placed(self.sequence.at_byte(offset)?))
     }
 
-    /// A chunk in its place.
+    /// Returns a chunk in its place.
     pub fn placed_chunk(&self, chunk: ChunkId) -> PlacedChunk<'_, G> {
         self.placed((chunk, self.sequence.before(chunk)))
     }
 
-    /// A piece and all below it.
+    /// Returns a piece and all below it.
     pub fn placed_chunks_from<'d>(
         &'d self,
         first: Option<PlacedChunk<'d, G>>,
@@ -114,17 +115,17 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// The number of tokens that end at an offset or before it.
+    /// Returns the number of tokens that end at an offset or before it.
     pub fn tokens_ended(&self, offset: u32) -> u32 {
         self.tokens_that(offset, |token, offset| token.end <= offset)
     }
 
-    /// The number of tokens that start before an offset.
+    /// Returns the number of tokens that start before an offset.
     pub fn tokens_begun(&self, offset: u32) -> u32 {
         self.tokens_that(offset, |token, offset| token.start < offset)
     }
 
-    /// The number of tokens for which `holds`, a predicate that is true up to some token and false behind it.
+    /// Returns the number of tokens for which `holds`, a predicate that is true up to some token and false behind it.
     fn tokens_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
         self.placed_chunk_at(offset).map_or(0, |placed| {
             let inside = offset - placed.start;
@@ -132,12 +133,12 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// The number of declarations that start at an offset or before it.
+    /// Returns the number of declarations that start at an offset or before it.
     pub fn declarations_begun(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.start <= offset)
     }
 
-    /// The number of declarations that end at an offset or before it.
+    /// Returns the number of declarations that end at an offset or before it.
     pub fn declarations_ended(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.end <= offset)
     }

@@ -78,7 +78,8 @@ impl UnresolvedWords {
         }
     }
 
-    /// The chunks that a definition of `name` above them would change, each with a flag that a token was split off.
+    /// Returns the chunks that a definition of `name` above them would change, each with a flag that a token was split
+    /// off.
     pub(super) fn beginning_with<'w>(
         &'w self,
         name: &'w str,

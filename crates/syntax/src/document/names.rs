@@ -88,7 +88,7 @@ impl<G: Grammar> Names<G> {
         self.symbols.get(id.0 as usize)?.as_deref()
     }
 
-    /// The handle of the next new symbol after `taken` others that are about to be defined.
+    /// Returns the handle of the next new symbol after `taken` others that are about to be defined.
     pub(super) fn fresh(&self, taken: usize) -> SymbolId {
         match self.free.len().checked_sub(1 + taken) {
             Some(index) => self.free[index],
@@ -100,7 +100,7 @@ impl<G: Grammar> Names<G> {
         (id.0 as usize) < self.builtins
     }
 
-    /// All symbols that are defined.
+    /// Returns all symbols that are defined.
     pub(super) fn iter(&self) -> impl Iterator<Item = (SymbolId, &Defined<G>)> {
         let ids = (0..).map(SymbolId);
         ids.zip(self.symbols.iter())
@@ -111,7 +111,7 @@ impl<G: Grammar> Names<G> {
         Some(self.get(id)?.symbol.signature())
     }
 
-    /// The name's handle. The name need not be defined.
+    /// Returns the name's handle. The name need not be defined.
     pub(super) fn name(&mut self, name: &str) -> NameId {
         if let Some(id) = self.trie.get(name) {
             return id;
@@ -133,7 +133,7 @@ impl<G: Grammar> Names<G> {
         Arc::make_mut(entry.expect("a name of this document"))
     }
 
-    /// The symbol of a handle that is known to be in use.
+    /// Returns the symbol of a handle that is known to be in use.
     pub(super) fn symbol(&self, id: SymbolId) -> &G::Symbol {
         let defined = self.get(id).expect("a symbol that a lookup has returned");
         &defined.symbol
@@ -147,13 +147,13 @@ impl<G: Grammar> Names<G> {
         Some(self.get(id)?.name)
     }
 
-    /// The symbol of a name that the text defines. Only between edits is it unique.
+    /// Returns the symbol of a name that the text defines. Only between edits is it unique.
     pub(super) fn declared(&self, name: NameId) -> Option<SymbolId> {
         let definers = &self.entries[name.0 as usize].definers;
         definers.first().copied().filter(|id| !self.is_builtin(*id))
     }
 
-    /// The symbol that a name means at the end of the text.
+    /// Returns the symbol that a name means at the end of the text.
     pub(super) fn named(&self, name: &str) -> Option<SymbolId> {
         let name = self.trie.get(name)?;
         self.entries[name.0 as usize].definers.first().copied()
@@ -225,7 +225,7 @@ impl<G: Grammar> Names<G> {
         self.entry_mut(name).declared.remove(chunk);
     }
 
-    /// The chunks that seem to declare a name.
+    /// Returns the chunks that seem to declare a name.
     pub(super) fn declaring(&self, name: &str) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.trie.get(name).into_iter();
         name.flat_map(|name| self.entries[name.0 as usize].declared.iter())
@@ -241,7 +241,7 @@ impl<G: Grammar> Names<G> {
         self.entry_mut(name).uses.remove(chunk);
     }
 
-    /// The chunks in which a token is this name.
+    /// Returns the chunks in which a token is this name.
     pub(super) fn users(&self, name: NameId) -> impl Iterator<Item = ChunkId> + '_ {
         self.entries[name.0 as usize].uses.iter()
     }
@@ -255,7 +255,8 @@ impl<G: Grammar> Names<G> {
         });
     }
 
-    /// The symbol that a name means to a chunk with `rank` chunks above it; without a rank, at the end of the text.
+    /// Returns the symbol that a name means to a chunk with `rank` chunks above it; without a rank, at the end of the
+    /// text.
     pub(super) fn visible(
         &self,
         name: NameId,

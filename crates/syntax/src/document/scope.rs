@@ -69,7 +69,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         (symbols.collect(), lookups)
     }
 
-    /// The longest name that `word` begins with: its length in bytes, and its symbol.
+    /// Returns the longest name that `word` begins with: its length in bytes, and its symbol.
     pub fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
         let own = self.own_trie.as_ref();
         let mut longest = own.and_then(|trie| trie.longest_prefix(word));
@@ -83,7 +83,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         longest
     }
 
-    /// The symbol of exactly this name.
+    /// Returns the symbol of exactly this name.
     pub fn get(&self, name: &str) -> Option<SymbolId> {
         let own = self.own_trie.as_ref().and_then(|trie| trie.get(name));
         own.or_else(|| {
@@ -92,13 +92,13 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         })
     }
 
-    /// The first of the symbols that every text starts with.
+    /// Returns the first of the symbols that every text starts with.
     pub fn first_builtin(&self) -> Option<&G::Symbol> {
         let first = self.names.get(SymbolId(0))?;
         first.home.is_none().then_some(&first.symbol)
     }
 
-    /// A symbol that one of the other functions has returned.
+    /// Returns a symbol that one of the other functions has returned.
     pub fn symbol(&self, id: SymbolId) -> &G::Symbol {
         match self.own.get(&id) {
             Some(symbol) => symbol,

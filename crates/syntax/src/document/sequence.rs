@@ -81,7 +81,7 @@ impl Default for Sequence {
 }
 
 impl Sequence {
-    /// The sum over all chunks.
+    /// Returns the sum over all chunks.
     pub(super) fn total(&self) -> Measure {
         sum(&self.nodes[self.root as usize].items)
     }
@@ -94,32 +94,32 @@ impl Sequence {
         node.items.first().map(|item| ChunkId(item.0))
     }
 
-    /// The chunk that holds the byte at this offset, or the last one; with the sum of all before it.
+    /// Returns the chunk that holds the byte at this offset, or the last one; with the sum of all before it.
     pub(super) fn at_byte(&self, offset: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.bytes <= offset)
     }
 
-    /// The first chunk in which `lines` line ends are reached, or the last one; with the sum of all before it.
+    /// Returns the first chunk in which `lines` line ends are reached, or the last one; with the sum of all before it.
     pub(super) fn at_line_end(&self, lines: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.lines < lines)
     }
 
-    /// The chunk that holds this character, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that holds this character, counted from 0, or the last one; with the sum of all before it.
     pub(super) fn at_character(&self, character: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.characters <= character)
     }
 
-    /// The chunk that holds this finding, counted from 0; with the sum of all before it.
+    /// Returns the chunk that holds this finding, counted from 0; with the sum of all before it.
     pub(super) fn at_finding(&self, finding: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.findings <= finding)
     }
 
-    /// The chunk that holds this token, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that holds this token, counted from 0, or the last one; with the sum of all before it.
     pub(super) fn at_token(&self, token: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.tokens <= token)
     }
 
-    /// The chunk that holds this declaration, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that holds this declaration, counted from 0, or the last one; with the sum of all before it.
     pub(super) fn at_declaration(&self, declaration: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.declarations <= declaration)
     }
@@ -148,7 +148,7 @@ impl Sequence {
         }
     }
 
-    /// The sum of all chunks before this one.
+    /// Returns the sum of all chunks before this one.
     pub(super) fn before(&self, chunk: ChunkId) -> Measure {
         let mut before = Measure::default();
         let mut item = chunk.0;
@@ -166,7 +166,7 @@ impl Sequence {
         before
     }
 
-    /// The number of chunks before this one.
+    /// Returns the number of chunks before this one.
     pub(super) fn rank(&self, chunk: ChunkId) -> u32 {
         self.before(chunk).chunks
     }
@@ -190,7 +190,7 @@ impl Sequence {
         None
     }
 
-    /// All chunks from this one on.
+    /// Returns all chunks from this one on.
     pub(super) fn from(&self, first: Option<ChunkId>) -> impl Iterator<Item = ChunkId> + '_ {
         std::iter::successors(first, |chunk| self.next(*chunk))
     }
@@ -382,7 +382,7 @@ impl Sequence {
 }
 
 impl TreeNode {
-    /// The position of an item, which the node holds.
+    /// Returns the position of an item, which the node holds.
     fn index(&self, item: u32) -> usize {
         // From the end: a text that is read from top to bottom changes the last item.
         let index = self.items.iter().rposition(|(other, _)| *other == item);
@@ -398,7 +398,7 @@ fn sum(items: &[(u32, Measure)]) -> Measure {
 }
 
 impl Measure {
-    /// Each count of two measures taken together.
+    /// Returns each count of two measures taken together.
     fn with(self, other: Self, together: impl Fn(u32, u32) -> u32) -> Self {
         Self {
             chunks: together(self.chunks, other.chunks),

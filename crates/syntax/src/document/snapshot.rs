@@ -26,7 +26,7 @@ pub struct Snapshot<G: Grammar> {
 }
 
 impl<G: Grammar> Snapshot<G> {
-    /// The length of the text in bytes.
+    /// Returns the length of the text in bytes.
     pub fn len(&self) -> u32 {
         self.sequence.total().bytes
     }
@@ -36,12 +36,13 @@ impl<G: Grammar> Snapshot<G> {
         self.len() == 0
     }
 
-    /// The whole text.
+    /// Returns the whole text.
     pub fn text(&self) -> String {
         self.slice(Span::new(0, self.len())).unwrap_or_default()
     }
 
-    /// The text of a range. Returns `None` if the text does not have the range or an end lies inside a character.
+    /// Returns the text of a range. Returns `None` if the text does not have the range or an end lies inside a
+    /// character.
     pub fn slice(&self, range: Span) -> Option<String> {
         if range.end > self.len() || range.start > range.end {
             return None;
@@ -56,12 +57,12 @@ impl<G: Grammar> Snapshot<G> {
         Some(text)
     }
 
-    /// The number of lines, at least 1.
+    /// Returns the number of lines, at least 1.
     pub fn line_count(&self) -> u32 {
         self.sequence.total().lines + 1
     }
 
-    /// The line and column of the character that starts at `offset`; an offset past the end counts as the end.
+    /// Returns the line and column of the character that starts at `offset`; an offset past the end counts as the end.
     pub fn position(&self, offset: u32) -> Position {
         let offset = offset.min(self.len());
         let line = self.line(offset);
@@ -73,7 +74,7 @@ impl<G: Grammar> Snapshot<G> {
         }
     }
 
-    /// The line, from 1, of an offset.
+    /// Returns the line, from 1, of an offset.
     pub fn line(&self, offset: u32) -> u32 {
         let Some((chunk, before)) = self.sequence.at_byte(offset) else {
             return 1;
@@ -81,7 +82,7 @@ impl<G: Grammar> Snapshot<G> {
         before.lines + self.chunk(chunk).line_ends_before(offset - before.bytes) + 1
     }
 
-    /// The offset at which a line, from 1, starts. Returns `None` if the text has fewer lines.
+    /// Returns the offset at which a line, from 1, starts. Returns `None` if the text has fewer lines.
     pub fn line_start(&self, line: u32) -> Option<u32> {
         let ends = line.checked_sub(1)?;
         if ends == 0 {
@@ -95,8 +96,8 @@ impl<G: Grammar> Snapshot<G> {
         Some(before.bytes + end + 1)
     }
 
-    /// The offset of the character at a position. A column past the line's end gives the line's end. Returns `None` if the
-    /// text has fewer lines, or for a line or column 0.
+    /// Returns the offset of the character at a position. A column past the line's end gives the line's end. Returns `None` if
+    /// the text has fewer lines, or for a line or column 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let start = self.line_start(position.line)?;
         let end = match self.line_start(position.line + 1) {
@@ -116,12 +117,12 @@ impl<G: Grammar> Snapshot<G> {
         Some(before.bytes + at)
     }
 
-    /// All chunks, from top to bottom.
+    /// Returns all chunks, from top to bottom.
     pub fn chunks(&self) -> impl Iterator<Item = ChunkId> + '_ {
         self.sequence.from(self.sequence.first())
     }
 
-    /// The chunks that a range touches, each with the offset of its start.
+    /// Returns the chunks that a range touches, each with the offset of its start.
     pub fn chunks_in(&self, range: Span) -> impl Iterator<Item = (ChunkId, u32)> + '_ {
         let first = self.sequence.at_byte(range.start);
         let mut start = first.map_or(0, |(_, before)| before.bytes);
@@ -135,44 +136,44 @@ impl<G: Grammar> Snapshot<G> {
             .take_while(move |(_, start)| *start < range.end || *start <= range.start)
     }
 
-    /// The offset at which a chunk starts.
+    /// Returns the offset at which a chunk starts.
     pub fn start(&self, chunk: ChunkId) -> u32 {
         self.sequence.before(chunk).bytes
     }
 
-    /// The number of chunks above a chunk.
+    /// Returns the number of chunks above a chunk.
     pub fn rank(&self, chunk: ChunkId) -> u32 {
         self.sequence.rank(chunk)
     }
 
-    /// The text of a chunk.
+    /// Returns the text of a chunk.
     pub fn chunk_text(&self, chunk: ChunkId) -> &str {
         &self.chunk(chunk).text
     }
 
-    /// The version of the document at which a chunk was read.
+    /// Returns the version of the document at which a chunk was read.
     pub fn chunk_version(&self, chunk: ChunkId) -> u64 {
         self.chunk(chunk).version
     }
 
-    /// The errors of a chunk in the order in which they were found. Places count from the chunk's start.
+    /// Returns the errors of a chunk in the order in which they were found. Places count from the chunk's start.
     pub fn errors(&self, chunk: ChunkId) -> impl Iterator<Item = (Code, Span)> + '_ {
         let findings = self.chunk(chunk).findings.iter();
         let errors = findings.filter(|it| it.diagnostic.severity == Severity::Error);
         errors.map(|it| (it.diagnostic.code, it.diagnostic.span))
     }
 
-    /// A builtin, or a symbol that the text defines. Its places count from the start of its chunk.
+    /// Returns a builtin, or a symbol that the text defines. Its places count from the start of its chunk.
     pub fn symbol(&self, id: SymbolId) -> Option<&G::Symbol> {
         Some(&self.names.get(id)?.symbol)
     }
 
-    /// The chunk that defines a symbol. Returns `None` for a builtin.
+    /// Returns the chunk that defines a symbol. Returns `None` for a builtin.
     pub fn home(&self, id: SymbolId) -> Option<ChunkId> {
         self.names.get(id)?.home
     }
 
-    /// The symbol that a name means at the end of the text.
+    /// Returns the symbol that a name means at the end of the text.
     pub fn named(&self, name: &str) -> Option<SymbolId> {
         self.names.named(name)
     }
@@ -188,7 +189,8 @@ impl<G: Grammar> Snapshot<G> {
             .each_named(prefix, |id, defined| visit(id, &defined.symbol));
     }
 
-    /// The start of the run of letters and digits that ends at an offset. Returns the offset if the run is empty.
+    /// Returns the start of the run of letters and digits that ends at an offset. Returns the offset if the run is
+    /// empty.
     pub fn word_start(&self, offset: u32) -> u32 {
         // A chunk does not end inside a word.
         let before = offset
@@ -204,19 +206,19 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// The place where the text declares a symbol. Returns `None` for a builtin.
+    /// Returns the place where the text declares a symbol. Returns `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         let defined = self.names.get(id)?;
         let start = self.start(defined.home?);
         Some(defined.symbol.name_span()?.moved(start))
     }
 
-    /// All symbols: the builtins in their order, then the others in no particular order.
+    /// Returns all symbols: the builtins in their order, then the others in no particular order.
     pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &G::Symbol)> {
         self.names.iter().map(|(id, defined)| (id, &defined.symbol))
     }
 
-    /// The chunks that use a symbol, in no particular order. Its own may be among them.
+    /// Returns the chunks that use a symbol, in no particular order. Its own may be among them.
     pub fn readers(&self, id: SymbolId) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.names.name_of(id);
         name.into_iter().flat_map(|name| self.names.users(name))

@@ -26,26 +26,27 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         }
     }
 
-    /// The sum over the chunks above.
+    /// Returns the sum over the chunks above.
     pub(super) fn before(&self) -> Measure {
         self.before
     }
 
-    /// The line, from 1, of an offset of the chunk.
+    /// Returns the line, from 1, of an offset of the chunk.
     pub fn line(&self, offset: u32) -> u32 {
         let chunk = self.document.chunk(self.chunk);
         self.before.lines + chunk.line_ends_before(offset) + 1
     }
 
-    /// A symbol that the text declares, the place of its name in the text, and the line of that place. Returns `None` for a
-    /// builtin.
+    /// Returns a symbol that the text declares, the place of its name in the text, and the line of that place. Returns `None`
+    /// for a builtin.
     pub fn declaration(&self, symbol: SymbolId) -> Option<(&'d G::Symbol, Span, u32)> {
         let span = self.document.place(symbol)?;
         let symbol = &self.document.names.get(symbol)?.symbol;
         Some((symbol, span, self.document.line(span.start)))
     }
 
-    /// The last place where the text seems to declare a name, and its line, if that place is behind an offset of the chunk.
+    /// Returns the last place where the text seems to declare a name, and its line, if that place is behind an offset of the
+    /// chunk.
     pub fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
         let document = self.document;
         let ranked = document
@@ -63,7 +64,8 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         Some((Span::new(start, start + name.len() as u32), line))
     }
 
-    /// The name that is spelt most like `word`, among `parameters` and the names that are known at an offset of the chunk.
+    /// Returns the name that is spelt most like `word`, among `parameters` and the names that are known at an offset of the
+    /// chunk.
     pub fn nearest(
         &self,
         parameters: Option<&Trie<u32>>,

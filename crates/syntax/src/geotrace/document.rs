@@ -354,12 +354,12 @@ impl<'d> PlacedChunk<'d> {
         self.analysis.tokens(self.text)
     }
 
-    /// The calls of the hooks, in order.
+    /// Returns the calls of the hooks, in order.
     pub fn events(&self) -> ParseEvents<'d> {
         self.analysis.events(self.text)
     }
 
-    /// The declarations in order, each with its steps and intervals.
+    /// Returns the declarations in order, each with its steps and intervals.
     pub fn declarations(
         &self,
     ) -> impl Iterator<Item = (ReadDeclaration<'d>, ParseEvents<'d>)> + use<'d> {
@@ -368,12 +368,12 @@ impl<'d> PlacedChunk<'d> {
 }
 
 impl Snapshot {
-    /// The calls of the hooks while a chunk was read. Places count from its start.
+    /// Returns the calls of the hooks while a chunk was read. Places count from its start.
     pub fn events(&self, chunk: ChunkId) -> ParseEvents<'_> {
         self.analysis(chunk).events(self.chunk_text(chunk))
     }
 
-    /// The tokens that a range touches, comments among them, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, comments among them, in order. Places are those of the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {
@@ -387,7 +387,7 @@ impl Snapshot {
         })
     }
 
-    /// The declarations in order, each with its chunk. Places count from the chunk's start.
+    /// Returns the declarations in order, each with its chunk. Places count from the chunk's start.
     pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, ReadDeclaration<'_>)> {
         self.chunks().flat_map(|chunk| {
             let declarations = self.events(chunk).declarations();
@@ -395,7 +395,7 @@ impl Snapshot {
         })
     }
 
-    /// The number of the declaration of a symbol. Returns `None` for a builtin.
+    /// Returns the number of the declaration of a symbol. Returns `None` for a builtin.
     pub fn declaration_of(&self, symbol: SymbolId) -> Option<u32> {
         let placed = self.placed_chunk(self.home(symbol)?);
         let mut declarations = placed.declarations();
@@ -403,8 +403,8 @@ impl Snapshot {
         Some(placed.first_declaration + place as u32)
     }
 
-    /// The names at the end of the text as [`parse_program`](super::parse_program) gives them: with other handles, which
-    /// count up in the order of the text.
+    /// Returns the names at the end of the text as [`parse_program`](super::parse_program) gives them: with other handles,
+    /// which count up in the order of the text.
     pub fn parsed(&self) -> Parsed {
         let mut parsed = Parsed::default();
         let builtins = self

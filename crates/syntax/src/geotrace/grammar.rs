@@ -35,8 +35,8 @@ macro_rules! terminals {
         }
 
         impl Terminal {
-            /// The terminal of a token; `None` for comments, errors and the end of input. An undefined word is a name,
-            /// which expressions do not contain.
+            /// Returns the terminal of a token; `None` for comments, errors and the end of input. An undefined word is
+            /// a name, which expressions do not contain.
             pub fn from_token(kind: TokenKind) -> Option<Self> {
                 Some(match kind {
                     TokenKind::Declare(keyword) => Self::Keyword(keyword),

@@ -18,7 +18,7 @@ pub struct Highlight {
     pub declares: bool,
 }
 
-/// Every token of a program, in the order of the text and without overlap.
+/// Returns every token of a program, in the order of the text and without overlap.
 pub fn highlight(source: &str, vocabulary: &Vocabulary) -> Vec<Highlight> {
     let mut highlighter = Highlighter::default();
     parse_program(source, vocabulary, &mut highlighter);

@@ -55,7 +55,7 @@ pub struct Lexer<'s> {
 }
 
 impl<'s> Lexer<'s> {
-    /// A lexer at the start of a text of less than `u32::MAX` bytes. A byte order mark there is white space.
+    /// Returns a lexer at the start of a text of less than `u32::MAX` bytes. A byte order mark there is white space.
     pub fn new(source: &'s str) -> Self {
         let position = match source.strip_prefix('\u{FEFF}') {
             Some(rest) => source.len() - rest.len(),
@@ -69,7 +69,7 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// A lexer at the start of a chunk inside a text, where a byte order mark is not white space.
+    /// Returns a lexer at the start of a chunk inside a text, where a byte order mark is not white space.
     pub(crate) fn inside(source: &'s str) -> Self {
         Self {
             position: 0,
@@ -77,12 +77,12 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// The text that is read.
+    /// Returns the text that is read.
     pub fn source(&self) -> &'s str {
         self.source
     }
 
-    /// The word that the last token was taken from, if that was a word.
+    /// Returns the word that the last token was taken from, if that was a word.
     pub fn word(&self) -> Span {
         Span::new(self.word_start as u32, self.word_end as u32)
     }
@@ -95,7 +95,7 @@ impl<'s> Lexer<'s> {
         self.position = start as usize;
     }
 
-    /// The next lexeme. At a word, `split` says how many bytes of its rest make the token (at least 1 and at
+    /// Returns the next lexeme. At a word, `split` says how many bytes of its rest make the token (at least 1 and at
     /// most all) and of what kind it is.
     #[inline]
     pub fn next(&mut self, split: impl FnOnce(Word<'s>) -> (usize, TokenKind)) -> Lexeme {
@@ -151,7 +151,7 @@ impl<'s> Lexer<'s> {
         Lexeme { token, fault }
     }
 
-    /// The word at `start`, or what is left of it. Each word is measured once, however often it is split.
+    /// Returns the word at `start`, or what is left of it. Each word is measured once, however often it is split.
     fn word_at(&mut self, start: usize) -> Word<'s> {
         if start >= self.word_end {
             self.word_start = start;
@@ -167,8 +167,8 @@ impl<'s> Lexer<'s> {
     }
 }
 
-/// The span of a name in double quotes, `"earth"` or `"earth.png"`, with both of them, where this is the span of the first one.
-/// It goes no farther than one word and its ending: an edit behind them must not change what was read before.
+/// Returns the span of a name in double quotes, `"earth"` or `"earth.png"`, with both of them, where this is the span of the
+/// first one. It goes no farther than one word and its ending: an edit behind them must not change what was read before.
 pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
     let inner = source[first.start as usize..].strip_prefix('"')?;
     let length_of_word = |text: &str| {
@@ -183,7 +183,7 @@ pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
     (is_closed && length > 0).then(|| Span::new(first.start, first.end + length as u32 + 1))
 }
 
-/// The value of a number that has been read as one: of a text that is just that.
+/// Returns the value of a number that has been read as one: of a text that is just that.
 pub(crate) fn literal(text: &str) -> f64 {
     match number(text.as_bytes()) {
         (_, Ok(value)) => value,
@@ -192,7 +192,7 @@ pub(crate) fn literal(text: &str) -> f64 {
     }
 }
 
-/// The longest decimal literal that `bytes`, starting with a digit or a `.`, begins with: its length and
+/// Returns the longest decimal literal that `bytes`, starting with a digit or a `.`, begins with: its length and
 /// its value, correctly rounded.
 fn number(bytes: &[u8]) -> (usize, Result<f64, Fault>) {
     let digits = |from: usize| {

@@ -185,7 +185,7 @@ struct DeclarationState<'s> {
 }
 
 impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
-    /// A parser whose first token is read as the mode says.
+    /// Returns a parser whose first token is read as the mode says.
     fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A, mode: Mode) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
@@ -374,12 +374,12 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         }
     }
 
-    /// The limit of diagnostics is reached: there is no use in composing another.
+    /// Returns the limit of diagnostics is reached: there is no use in composing another.
     fn is_muted(&self) -> bool {
         self.diagnostics >= MAX_DIAGNOSTICS
     }
 
-    /// The line, from 1, of a place.
+    /// Returns the line, from 1, of a place.
     fn line_of(&self, offset: u32) -> u32 {
         let lines = self.lines.get_or_init(|| LineIndex::new(self.source));
         lines.position(offset).line

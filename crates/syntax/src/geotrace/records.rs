@@ -104,7 +104,7 @@ impl Records {
         }
     }
 
-    /// The place of an entry.
+    /// Returns the place of an entry.
     pub(crate) fn span(&self, index: usize) -> Option<Span> {
         Some(self.get(index)?.span)
     }
@@ -129,7 +129,7 @@ impl<'d> Tokens<'d> {
         Self { records, text }
     }
 
-    /// The number of tokens.
+    /// Returns the number of tokens.
     pub fn len(&self) -> usize {
         self.records.len()
     }
@@ -139,7 +139,7 @@ impl<'d> Tokens<'d> {
         self.len() == 0
     }
 
-    /// A token by its number, from 0.
+    /// Returns a token by its number, from 0.
     pub fn get(&self, index: usize) -> Option<Token> {
         let Entry { span, tag, number } = self.records.get(index)?;
         Some(Token {
@@ -148,12 +148,12 @@ impl<'d> Tokens<'d> {
         })
     }
 
-    /// The place of a token: cheaper than the whole token.
+    /// Returns the place of a token: cheaper than the whole token.
     pub fn span(&self, index: usize) -> Option<Span> {
         self.records.span(index)
     }
 
-    /// All of them, in order.
+    /// Returns all of them, in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = Token> + use<'d> {
         (0..self.len()).filter_map(move |index| self.get(index))
     }
@@ -231,7 +231,7 @@ impl<'d> ParseEvents<'d> {
         }
     }
 
-    /// The declarations in order, each with what was read of it: its steps and intervals.
+    /// Returns the declarations in order, each with what was read of it: its steps and intervals.
     pub fn declarations(
         self,
     ) -> impl Iterator<Item = (ReadDeclaration<'d>, ParseEvents<'d>)> + use<'d> {

@@ -94,13 +94,13 @@ pub(crate) trait NameScope {
     /// deferred.
     const IS_CHUNK: bool;
 
-    /// The longest name that `word` begins with: its length in bytes, and what it names.
+    /// Returns the longest name that `word` begins with: its length in bytes, and what it names.
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)>;
 
-    /// The symbol of exactly this name.
+    /// Returns the symbol of exactly this name.
     fn get(&self, name: &str) -> Option<SymbolId>;
 
-    /// A symbol that one of the other functions has returned.
+    /// Returns a symbol that one of the other functions has returned.
     fn symbol(&self, id: SymbolId) -> &Symbol;
 
     /// Adds a symbol whose name is free.
@@ -110,7 +110,7 @@ pub(crate) trait NameScope {
     /// name that the rest begins with would have been taken instead.
     fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
-    /// The words that are no names; `None` if the builtins have none.
+    /// Returns the words that are no names; `None` if the builtins have none.
     fn words(&self) -> Option<&SpecialWords>;
 
     /// Offers all names to a search.
@@ -130,7 +130,7 @@ pub struct Parsed {
 }
 
 impl Vocabulary {
-    /// The builtin constants and functions. Their [`SymbolId`]s count up from 0 in this order, constants
+    /// Returns the builtin constants and functions. Their [`SymbolId`]s count up from 0 in this order, constants
     /// first. A name that is empty, leaves `a-z A-Z 0-9` or comes twice keeps its identifier but is never
     /// found in a text.
     pub fn new(constants: &[&str], functions: &[&str]) -> Self {
@@ -200,12 +200,12 @@ impl Vocabulary {
         self
     }
 
-    /// The builtins in the order of their handles.
+    /// Returns the builtins in the order of their handles.
     pub(crate) fn symbols(&self) -> &[Symbol] {
         &self.builtins
     }
 
-    /// The names that a text starts with.
+    /// Returns the names that a text starts with.
     pub(crate) fn start(&self) -> Parsed {
         let mut parsed = Parsed::default();
         for symbol in &self.builtins {
@@ -219,7 +219,7 @@ impl Vocabulary {
 const FEW_PARAMETERS: usize = 8;
 
 impl Symbol {
-    /// A symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
+    /// Returns a symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
     pub(crate) fn declared(
         name: &str,
         keyword: DeclarationKeyword,
@@ -247,7 +247,8 @@ impl Symbol {
         }
     }
 
-    /// The parameters that a text is made of, one after the other; `None` if it is not made of parameters alone.
+    /// Returns the parameters that a text is made of, one after the other; `None` if it is not made of parameters
+    /// alone.
     pub(crate) fn split_parameters<'t>(&self, text: &'t str) -> Option<Vec<&'t str>> {
         let mut names = Vec::new();
         let mut rest = text;
@@ -260,7 +261,8 @@ impl Symbol {
         Some(names)
     }
 
-    /// The longest parameter that a word begins with, of equal ones the first: its length in bytes and its position.
+    /// Returns the longest parameter that a word begins with, of equal ones the first: its length in bytes and its
+    /// position.
     pub(crate) fn longest_parameter(&self, word: &str) -> Option<(usize, u32)> {
         if self.parameters.is_empty() && self.keyword == Some(DeclarationKeyword::Solid) {
             let named = COORDINATES.iter().position(|name| word.starts_with(name));
@@ -333,7 +335,7 @@ impl Parsed {
 }
 
 impl SpecialWords {
-    /// The builtin function that is a word of its own only before a bracket.
+    /// Returns the builtin function that is a word of its own only before a bracket.
     pub(crate) fn weak(&self, word: &str) -> Option<SymbolId> {
         let mut all = self.weak.iter();
         all.find(|(name, _)| **name == *word).map(|(_, id)| *id)
@@ -341,18 +343,18 @@ impl SpecialWords {
 }
 
 impl Symbols {
-    /// The symbol, unless it belongs to another text.
+    /// Returns the symbol, unless it belongs to another text.
     pub fn get(&self, id: SymbolId) -> Option<&Symbol> {
         self.0.get(id.0 as usize)
     }
 
-    /// All symbols in the order of their identifiers.
+    /// Returns all symbols in the order of their identifiers.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (SymbolId, &Symbol)> {
         let ids = 0..self.0.len() as u32;
         ids.map(SymbolId).zip(&self.0)
     }
 
-    /// The number of symbols.
+    /// Returns the number of symbols.
     pub fn len(&self) -> usize {
         self.0.len()
     }

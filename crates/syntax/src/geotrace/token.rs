@@ -57,7 +57,7 @@ macro_rules! token_kinds {
                 matches!(self, Self::Variable(_) | Self::Constant(_))
             }
 
-            /// The symbol that a byte is.
+            /// Returns the symbol that a byte is.
             pub(crate) fn from_byte(byte: u8) -> Option<Self> {
                 Some(match byte {
                     $($byte => Self::$symbol,)*
@@ -83,7 +83,7 @@ impl MapWord {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Scale, Self::Rotate];
 
-    /// The word as it is written.
+    /// Returns the word as it is written.
     pub fn text(self) -> &'static str {
         match self {
             Self::Scale => "scale",
@@ -91,7 +91,7 @@ impl MapWord {
         }
     }
 
-    /// The map that is written so.
+    /// Returns the map that is written so.
     pub fn from_text(text: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|map| map.text() == text)
     }

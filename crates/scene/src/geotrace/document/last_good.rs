@@ -69,7 +69,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// The scene of a text without errors.
+    /// Returns the scene of a text without errors.
     pub(super) fn whole(scene: Scene) -> Self {
         Self {
             program: ProgramScene {
@@ -140,7 +140,7 @@ impl LastGood {
         Shown::nothing()
     }
 
-    /// The last good reading of a declaration.
+    /// Returns the last good reading of a declaration.
     fn reading(&self, name: &str) -> Option<Reading<'_>> {
         let (snapshot, chunk) = match (self.since.get(name), &self.whole) {
             (Some(good), _) => (&good.snapshot, good.chunk),
@@ -316,7 +316,8 @@ impl<'s> Recovery<'_, 's> {
     }
 }
 
-/// The names that a chunk declares, empty where one was not read; where none was, the word behind its first word.
+/// Returns the names that a chunk declares, empty where one was not read; where none was, the word behind its first
+/// word.
 fn names(text: &Snapshot, chunk: ChunkId) -> Vec<&str> {
     let read = text.events(chunk).declarations();
     let names: Vec<&str> = read.map(|(declaration, _)| declaration.name).collect();

@@ -306,7 +306,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             .with_fix(fix.with_all())
     }
 
-    /// The place of `<1, 2, 3>`, if it begins with the current token and ends in its line.
+    /// Returns the place of `<1, 2, 3>`, if it begins with the current token and ends in its line.
     fn angle_vector(&self) -> Option<Span> {
         let start = self.current.span.start;
         let rest = &self.source[start as usize..];
@@ -417,7 +417,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.report(diagnostic);
     }
 
-    /// The columns of white space at the start of the line of an offset, and the offset of that line.
+    /// Returns the columns of white space at the start of the line of an offset, and the offset of that line.
     fn indentation(&self, offset: u32) -> (usize, u32) {
         let before = &self.source[..offset as usize];
         let start = before.rfind('\n').map_or(0, |end| end + 1);

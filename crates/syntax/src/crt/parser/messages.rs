@@ -128,7 +128,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.actions.act_step(ParseStep::Missing, place);
     }
 
-    /// The hint at `i++` and `i += 1`, which other languages have.
+    /// Returns the hint at `i++` and `i += 1`, which other languages have.
     fn increment_hint(&self) -> Option<String> {
         let (before, sign) = (self.previous.span, self.text());
         let is_double = before.end == self.current.span.start
@@ -153,7 +153,7 @@ fn joins(first: char, next: char) -> bool {
     first == next || !is_known(first) && !is_known(next)
 }
 
-/// The error of a run of characters that begin no token.
+/// Returns the error of a run of characters that begin no token.
 fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
     let is_single = text.len() == first.len_utf8();
     let shown = match first {
@@ -194,7 +194,7 @@ fn bad_characters(text: &str, span: Span, first: char) -> Diagnostic {
     }
 }
 
-/// The error of a comment that begins with `//`.
+/// Returns the error of a comment that begins with `//`.
 fn bad_comment(comment: Span) -> Diagnostic {
     let sign = Span::new(comment.start, comment.start + 2);
     Diagnostic::error(codes::BAD_CHARACTER, sign, "`//` does not begin a comment")
@@ -202,7 +202,7 @@ fn bad_comment(comment: Span) -> Diagnostic {
         .with_fix(Fix::change(sign, "--", true).with_all())
 }
 
-/// The error of a malformed number or string.
+/// Returns the error of a malformed number or string.
 fn bad_token(text: &str, span: Span, fault: Fault) -> Diagnostic {
     match fault {
         Fault::Character(first) => bad_characters(text, span, first),

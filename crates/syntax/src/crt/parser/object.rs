@@ -19,7 +19,7 @@ fn small(word: &str) -> String {
     first.into_iter().chain(letters).collect()
 }
 
-/// The name of the object that a word is without its capital letters.
+/// Returns the name of the object that a word is without its capital letters.
 pub(super) fn uncapitalized(word: &str) -> Option<&'static str> {
     let mut names = ObjectName::objects().map(ObjectName::text);
     names.find(|name| name.eq_ignore_ascii_case(word) && *name != word)

@@ -278,7 +278,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject(diagnostic))
     }
 
-    /// The token that stands after the name.
+    /// Returns the token that stands after the name.
     fn after_name(
         &mut self,
         keyword: DeclarationKeyword,

@@ -53,18 +53,19 @@ pub struct Undefined {
 
 /// The answers of the text around a declaration.
 pub(crate) trait References {
-    /// The line, from 1, of an offset of the declaration.
+    /// Returns the line, from 1, of an offset of the declaration.
     fn line(&self, offset: u32) -> u32;
 
-    /// A symbol that the text declares, the place of its name, and the line of that place. Returns `None` for a builtin.
+    /// Returns a symbol that the text declares, the place of its name, and the line of that place. Returns `None` for a
+    /// builtin.
     fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)>;
 
-    /// The last place where the text has the name behind a declaration keyword, and its line, if that place is behind this
-    /// offset of the declaration.
+    /// Returns the last place where the text has the name behind a declaration keyword, and its line, if that place is behind
+    /// this offset of the declaration.
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)>;
 
-    /// The name that is spelt most like the word, among the parameters and the names defined above this offset of the
-    /// declaration.
+    /// Returns the name that is spelt most like the word, among the parameters and the names defined above this offset
+    /// of the declaration.
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String>;
 }
 

@@ -24,7 +24,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.add_tail(first)
     }
 
-    /// The rest of `EXPR` behind its first `APP`.
+    /// Returns the rest of `EXPR` behind its first `APP`.
     pub(super) fn add_from(&mut self, app: Span) -> Parse {
         let factor = self.mult_tail(app)?;
         let first = self.jux_tail(factor)?;
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.mult_tail(first)
     }
 
-    /// The rest of `MULT` and of `MULT2` behind the first operand.
+    /// Returns the rest of `MULT` and of `MULT2` behind the first operand.
     fn mult_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
@@ -159,7 +159,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.prefix_operator().is_some() || self.starts_app()
     }
 
-    /// The rest of `APP` behind its `FUNC2`.
+    /// Returns the rest of `APP` behind its `FUNC2`.
     pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
         let function = self.func(id, function)?;
         if !self.starts_operand() {
@@ -181,7 +181,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// The rest of `FUNC = FUNC2 "^" UNARY | FUNC2` behind its `FUNC2`.
+    /// Returns the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` behind its `FUNC2`.
     fn func(&mut self, id: SymbolId, function: Span) -> Parse {
         if self.current.kind != TokenKind::Caret {
             return Ok(function);
@@ -287,7 +287,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// A `TUPLE` between brackets.
+    /// Returns a `TUPLE` between brackets.
     fn bracket(&mut self, close: TokenKind, closing: char) -> Parse {
         let opening = self.current.span;
         self.advance(Mode::Expression);
@@ -333,7 +333,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         )
     }
 
-    /// The current number as the number of a component: digits alone, and not 0.
+    /// Returns the current number as the number of a component: digits alone, and not 0.
     fn component_index(&mut self) -> Option<u32> {
         let digits = self.current.span.text(self.source);
         let is_integer = digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -344,7 +344,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         })
     }
 
-    /// The current number counts further than components can; returns one that they can have.
+    /// Returns the current number counts further than components can; returns one that they can have.
     #[cold]
     fn component_beyond_number(&mut self) -> u32 {
         let message = format!("no value has this many components: {}", self.found());

@@ -16,7 +16,8 @@ pub(super) struct ForeignInterval<'s> {
     pub(super) ends: [&'s str; 2],
 }
 
-/// The keyword for a word that opens a declaration in other languages. `is_applied` says that a name and a bracket follow.
+/// Returns the keyword for a word that opens a declaration in other languages. `is_applied` says that a name and a bracket
+/// follow.
 pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword> {
     match word {
         "func" | "fn" | "fun" => Some(DeclarationKeyword::Function),
@@ -32,7 +33,7 @@ pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword
     }
 }
 
-/// The hint for a word that sets how things look in other languages.
+/// Returns the hint for a word that sets how things look in other languages.
 pub(super) fn style(word: &str) -> Option<&'static str> {
     Some(match word {
         "color" | "colour" => {
@@ -51,14 +52,14 @@ pub(super) fn style(word: &str) -> Option<&'static str> {
     })
 }
 
-/// The sign that begins a comment in another language, if the text begins with one.
+/// Returns the sign that begins a comment in another language, if the text begins with one.
 pub(super) fn comment(text: &str) -> Option<&'static str> {
     let signs = ["//", "/*", "%", "--"];
     signs.into_iter().find(|sign| text.starts_with(sign))
 }
 
-/// The comment `/* … */` with which a text begins, as it is written here. `None` if it does not end before a `;`, where the
-/// text is cut.
+/// Returns the comment `/* … */` with which a text begins, as it is written here. `None` if it does not end before a `;`, where
+/// the text is cut.
 pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
     let inside = text.strip_prefix("/*")?;
     let end = inside
@@ -75,8 +76,8 @@ pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
     Some((length, lines.join("\n") + end))
 }
 
-/// The interval with which a text begins, if it is written as `a <= t <= b`, `a..b`, or `t in`, `t =` or `t :` before
-/// `a..b` or `[a, b]`.
+/// Returns the interval with which a text begins, if it is written as `a <= t <= b`, `a..b`, or `t in`, `t =` or `t :`
+/// before `a..b` or `[a, b]`.
 pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     let text = first_item(text);
     let sides: Vec<&str> = text.split(['<', '≤']).collect();
@@ -113,7 +114,7 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// The interval with which a text begins, if its ends stand between two brackets of any kind.
+/// Returns the interval with which a text begins, if its ends stand between two brackets of any kind.
 pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
     let text = first_item(text);
     let (a, b) = text
@@ -129,7 +130,7 @@ pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// The vector with which a text begins, if it is written as `<1, 2, 3>`.
+/// Returns the vector with which a text begins, if it is written as `<1, 2, 3>`.
 pub(super) fn angle_vector(text: &str) -> Option<&str> {
     /// The longest vector that is looked at.
     const LONGEST: usize = 200;
@@ -152,7 +153,7 @@ pub(super) fn angle_vector(text: &str) -> Option<&str> {
     None
 }
 
-/// The colour `#ff8000` or `#f80` with which a text begins: its length, and how it is written here.
+/// Returns the colour `#ff8000` or `#f80` with which a text begins: its length, and how it is written here.
 pub(super) fn color(text: &str) -> Option<(usize, String)> {
     let behind = text.strip_prefix('#')?;
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
@@ -172,7 +173,7 @@ pub(super) fn color(text: &str) -> Option<(usize, String)> {
     Some((1 + digits.len(), format!("({})", parts?.join(", "))))
 }
 
-/// The text between the bars of `|x|` with which a text begins, if it has one line and no comma.
+/// Returns the text between the bars of `|x|` with which a text begins, if it has one line and no comma.
 pub(super) fn between_bars(text: &str) -> Option<&str> {
     let inside = text.strip_prefix('|')?;
     let end = inside.find(['|', ',', ';', '\n', '#'])?;
@@ -182,7 +183,7 @@ pub(super) fn between_bars(text: &str) -> Option<&str> {
     (behind.starts_with('|') && is_whole && !inside.trim().is_empty()).then_some(inside)
 }
 
-/// The vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or behind it.
+/// Returns the vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or behind it.
 pub(super) fn rotation(text: &str) -> Option<String> {
     let opening = text.find('(')?;
     let closing = opening + text[opening..].find(')')?;
@@ -208,7 +209,7 @@ pub(super) fn rotation(text: &str) -> Option<String> {
     is_axis.then(|| format!("({})", parts.join(", ")))
 }
 
-/// The attribute for a word that sets the same in other languages.
+/// Returns the attribute for a word that sets the same in other languages.
 pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
     Some(match word {
         "colour" | "pigment" => AttributeWord::Color,
@@ -220,7 +221,7 @@ pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
 }
 
 impl ForeignInterval<'_> {
-    /// The number of whole numbers from one end to the other, where both are such numbers.
+    /// Returns the number of whole numbers from one end to the other, where both are such numbers.
     pub(super) fn count(&self) -> Option<i64> {
         /// More values are hardly meant.
         const MOST: i64 = 1000;
@@ -247,7 +248,7 @@ impl ForeignInterval<'_> {
         }
     }
 
-    /// The interval as it is written here.
+    /// Returns the interval as it is written here.
     pub(super) fn written(&self) -> String {
         let [a, b] = self.ends_written();
         match self.parameter {
@@ -257,7 +258,8 @@ impl ForeignInterval<'_> {
     }
 }
 
-/// The text that is written in the place of a character, with spaces where it would run into what stands around it.
+/// Returns the text that is written in the place of a character, with spaces where it would run into what stands around
+/// it.
 pub(super) fn apart(before: &str, text: &str, after: &str) -> String {
     let is_letter_or_digit = |c: char| c.is_ascii_alphanumeric();
     let begins_word = text.starts_with(|c: char| c.is_ascii_alphabetic());
@@ -283,7 +285,7 @@ fn is_word(text: &str) -> bool {
         && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }
 
-/// The text up to the first comma outside brackets, or to the end of the line or of the declaration.
+/// Returns the text up to the first comma outside brackets, or to the end of the line or of the declaration.
 pub(super) fn first_item(text: &str) -> &str {
     /// The longest item that is looked at.
     const LONGEST: usize = 200;

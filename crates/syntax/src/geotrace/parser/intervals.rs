@@ -80,12 +80,12 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         stop
     }
 
-    /// The interval in another notation that begins with the current token, which is none of this one.
+    /// Returns the interval in another notation that begins with the current token, which is none of this one.
     fn interval_here(&self) -> Option<(Span, ForeignInterval<'s>)> {
         self.interval_at(self.current.span.start)
     }
 
-    /// The interval in another notation that begins at a place.
+    /// Returns the interval in another notation that begins at a place.
     pub(super) fn interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let text = &self.source[start as usize..];
         let found = match text.starts_with(['(', '{']) {
@@ -99,7 +99,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         names_parameter.then_some((place, found))
     }
 
-    /// The two ends between brackets at a place.
+    /// Returns the two ends between brackets at a place.
     pub(super) fn bracketed_interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let found = foreign::bracketed_interval(&self.source[start as usize..])?;
         let place = Span::new(start, start + found.text.len() as u32);

@@ -57,7 +57,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.items()
     }
 
-    /// The solid that a surface with three parameters and one number as its value is meant to be.
+    /// Returns the solid that a surface with three parameters and one number as its value is meant to be.
     fn implicit_form(&self) -> Option<String> {
         let is_surface = self.state.keyword == Some(DeclarationKeyword::Surface);
         let value = self.state.body.text(self.source);
@@ -300,7 +300,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         value.trim_start().starts_with('[')
     }
 
-    /// The value of an attribute whose word is the current token, which may not be one of this declaration.
+    /// Returns the value of an attribute whose word is the current token, which may not be one of this declaration.
     fn attribute(&mut self, word: AttributeWord) -> Result<(), Stop> {
         let span = self.current.span;
         let keyword = self.state.keyword.unwrap_or(DeclarationKeyword::Define);
@@ -364,7 +364,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// The expression behind a `:`, over the parameters of the declaration.
+    /// Returns the expression behind a `:`, over the parameters of the declaration.
     fn value(&mut self) -> Result<Span, Stop> {
         self.state.in_body = true;
         self.advance(Mode::Expression);
@@ -440,12 +440,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 }
 
-/// A declaration's word with its article: `a solid`.
+/// Returns a declaration's word with its article: `a solid`.
 fn with_article(keyword: DeclarationKeyword) -> String {
     format!("a `{}`", keyword.text())
 }
 
-/// The attributes of a declaration, as a hint.
+/// Returns the attributes of a declaration, as a hint.
 fn attributes_of(keyword: DeclarationKeyword) -> String {
     let words: Vec<&str> = attributes::of(keyword).map(|row| row.text).collect();
     format!("its attributes are `{}`", words.join("`, `"))

@@ -590,7 +590,7 @@ fn is_plain_product(text: &str) -> bool {
     })
 }
 
-/// The warning at a name whose letters are read as several tokens above.
+/// Returns the warning at a name whose letters are read as several tokens above.
 pub(crate) fn shadowed_split(split: ShadowedSplit<'_>) -> Diagnostic {
     let ShadowedSplit {
         name,

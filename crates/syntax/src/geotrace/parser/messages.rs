@@ -17,7 +17,7 @@ use crate::span::Span;
 /// The number of characters of the text that a sentence quotes at most.
 const QUOTE_LENGTH: usize = 40;
 
-/// A piece of the text between backquotes, cut where it is long.
+/// Returns a piece of the text between backquotes, cut where it is long.
 pub(super) fn quote(text: &str) -> String {
     let mut cut: String = text.chars().take(QUOTE_LENGTH).collect();
     cut = cut.replace(['\n', '\r', '\t'], " ");
@@ -35,7 +35,7 @@ pub(super) fn describe(source: &str, token: Token) -> String {
     }
 }
 
-/// An error of a run of characters that begin no token.
+/// Returns an error of a run of characters that begin no token.
 fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
     let text = span.text(source);
     let single = text.len() == first.len_utf8();
@@ -89,7 +89,7 @@ const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in bracke
 /// The hint at a comment of another language.
 const COMMENT: &str = "a comment begins with `#`";
 
-/// An error, or a warning, of a number.
+/// Returns an error, or a warning, of a number.
 pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
     let number = quote(span.text(source));
     match fault {
@@ -127,7 +127,7 @@ fn visible(text: &str) -> String {
     text.map(show).collect()
 }
 
-/// The text with the meaning of a character, wherever that stands.
+/// Returns the text with the meaning of a character, wherever that stands.
 fn equivalent(character: char) -> Option<&'static str> {
     Some(match character {
         '\u{2212}' => "-",
@@ -144,7 +144,7 @@ fn equivalent(character: char) -> Option<&'static str> {
     })
 }
 
-/// The hint for a character that is often pasted by mistake.
+/// Returns the hint for a character that is often pasted by mistake.
 fn substitute(character: char) -> Option<&'static str> {
     Some(match character {
         '\u{2212}' | '\u{2010}'..='\u{2015}' => "write `-`",
@@ -181,7 +181,7 @@ fn substitute(character: char) -> Option<&'static str> {
     })
 }
 
-/// The error of an interval in another notation.
+/// Returns the error of an interval in another notation.
 pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diagnostic {
     let found = quote(place.text(source));
     let message = format!("an interval is written `[min, max]`, found {found}");
@@ -306,7 +306,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             || parameter.is_some_and(|parameter| is_behind(parameter.span))
     }
 
-    /// The interval in another notation in the place of an item, if it begins with this character.
+    /// Returns the interval in another notation in the place of an item, if it begins with this character.
     pub(super) fn foreign_item(
         &self,
         first: Span,
@@ -316,7 +316,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         found.1.parameter.is_some().then_some(found)
     }
 
-    /// The error of a component that is chosen by a letter, `.x`.
+    /// Returns the error of a component that is chosen by a letter, `.x`.
     fn bad_component(&self, span: Span) -> Diagnostic {
         let number = match span.text(self.source) {
             ".x" => 1,
@@ -334,7 +334,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .with_fix(Fix::change(span, &written, true).with_all())
     }
 
-    /// The place of `.x`, `.y` or `.z` right behind a value, if it begins with this point.
+    /// Returns the place of `.x`, `.y` or `.z` right behind a value, if it begins with this point.
     pub(super) fn lettered_component(&self, point: Span) -> Option<Span> {
         let rest = &self.source.as_bytes()[point.end as usize..];
         let is_letter = matches!(rest, [b'x' | b'y' | b'z', ..]);
@@ -348,7 +348,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         (is_letter && is_whole && is_behind_value).then_some(place)
     }
 
-    /// The place of `<1, 2, 3>` where an operand is expected, if it begins with this character.
+    /// Returns the place of `<1, 2, 3>` where an operand is expected, if it begins with this character.
     pub(super) fn angle_vector(&self, first: Span) -> Option<Span> {
         let is_before_operand = matches!(
             self.previous.kind,
@@ -366,7 +366,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
     }
 
-    /// The place of `|x|` in an expression, if it begins with this bar.
+    /// Returns the place of `|x|` in an expression, if it begins with this bar.
     pub(super) fn absolute_value(&self, bar: Span) -> Option<Span> {
         let is_set = self.state.is_of_space && self.state.parameters.is_empty();
         let is_behind_value = matches!(
@@ -542,7 +542,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Stop
     }
 
-    /// An error at the current token.
+    /// Returns an error at the current token.
     pub(super) fn here(&self, code: Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic::error(code, self.current.span, message)
     }
@@ -574,7 +574,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// The current token begins no expression.
+    /// Returns the current token begins no expression.
     pub(super) fn expected_expression(&mut self) -> Stop {
         if let Some(diagnostic) = self.hexadecimal_color() {
             return self.reject(diagnostic);
@@ -591,7 +591,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// The error of a colour `#ff0000` before the current token, which was passed as a comment.
+    /// Returns the error of a colour `#ff0000` before the current token, which was passed as a comment.
     fn hexadecimal_color(&self) -> Option<Diagnostic> {
         let is_value = matches!(self.previous.kind, TokenKind::Colon | TokenKind::Equals);
         let start = self.previous.span.end;
@@ -605,7 +605,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Some(Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message).with_fix(fix))
     }
 
-    /// A bracket that was opened at `opening` is not closed by the current token.
+    /// Returns a bracket that was opened at `opening` is not closed by the current token.
     pub(super) fn unclosed(&mut self, opening: Span, close: char, separator: &str) -> Stop {
         let open = opening.text(self.source);
         let found = self.found();

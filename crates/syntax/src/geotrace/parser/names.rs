@@ -38,7 +38,7 @@ pub(super) enum Mode {
 const MAX_UNDEFINED: usize = 32;
 
 impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
-    /// The next lexeme of the text.
+    /// Returns the next lexeme of the text.
     #[inline]
     pub(super) fn lex(&mut self, mode: Mode) -> Lexeme {
         let Self {
@@ -224,7 +224,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(false)
     }
 
-    /// The error of a name that is taken. For a name that the text declares, [`Deferred::Taken`] adds its place.
+    /// Returns the error of a name that is taken. For a name that the text declares, [`Deferred::Taken`] adds its
+    /// place.
     fn name_taken(&self, id: SymbolId) -> Diagnostic {
         let symbol = self.parsed.symbol(id);
         let kind = match symbol.kind {
@@ -242,7 +243,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .is_some_and(|byte| byte.is_ascii_alphabetic())
     }
 
-    /// The first byte at or after `offset` that is no white space.
+    /// Returns the first byte at or after `offset` that is no white space.
     pub(super) fn following(&self, offset: u32) -> Option<u8> {
         let mut rest = self.source.as_bytes()[offset as usize..].iter().copied();
         rest.find(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
@@ -290,7 +291,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.flagged = true;
     }
 
-    /// The word of another notation, if it is one. `is_applied` says that a bracket follows.
+    /// Returns the word of another notation, if it is one. `is_applied` says that a bracket follows.
     pub(super) fn foreign_word(&self, word: &str, is_applied: bool) -> Option<ForeignWord> {
         let mut all = self.parsed.words()?.foreign.iter();
         let fits = |it: &&ForeignWord| {
@@ -352,14 +353,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         rest.is_some_and(|rest| parameters.longest_prefix(rest).is_some())
     }
 
-    /// The value of a metric, as a hint.
+    /// Returns the value of a metric, as a hint.
     fn metric_form(&self) -> String {
         let names: Vec<&str> = self.state.parameters.iter().map(|it| &*it.name).collect();
         let [x, y] = names[..].first_chunk().copied().unwrap_or(["u", "v"]);
         format!("a metric's value is `(E, F, G)` for E d{x}² + 2F d{x} d{y} + G d{y}²")
     }
 
-    /// The hint for an undefined word that is not declared below, as far as it follows from the declaration alone.
+    /// Returns the hint for an undefined word that is not declared below, as far as it follows from the declaration
+    /// alone.
     fn undefined_hint(&self, whole: &str, word: &str) -> Option<String> {
         let name = self.state.name;
         if !name.is_empty() && (word == name || whole == name) {
@@ -434,8 +436,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         None
     }
 
-    /// The parameters between braces that open at the current token, as in `f_{xy}`: the place of the braces, and what is
-    /// written here in their place.
+    /// Returns the parameters between braces that open at the current token, as in `f_{xy}`: the place of the braces, and what
+    /// is written here in their place.
     fn parameters_in_braces(&self, function: &Symbol) -> Option<(Span, String)> {
         let start = self.current.span.start;
         let (inside, length) = in_braces(&self.source[start as usize..])?;
@@ -489,7 +491,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     }
 }
 
-/// The words and numbers between braces with which a text begins, and the length with the braces.
+/// Returns the words and numbers between braces with which a text begins, and the length with the braces.
 pub(super) fn in_braces(text: &str) -> Option<(&str, u32)> {
     let inside = text.strip_prefix('{')?;
     let end = inside.find(|c: char| !c.is_ascii_alphanumeric() && !" ,".contains(c))?;
@@ -497,7 +499,7 @@ pub(super) fn in_braces(text: &str) -> Option<(&str, u32)> {
     is_closed.then(|| (inside[..end].trim(), end as u32 + 2))
 }
 
-/// The parameters of a function, as the end of a sentence.
+/// Returns the parameters of a function, as the end of a sentence.
 pub(super) fn list(parameters: &[Parameter]) -> String {
     const SHOWN: usize = 8;
     let names: Vec<String> = parameters
@@ -513,8 +515,8 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
     }
 }
 
-/// The keyword that a word is where a declaration may begin, of those that are ordinary words elsewhere; there it counts only
-/// where another word follows.
+/// Returns the keyword that a word is where a declaration may begin, of those that are ordinary words elsewhere; there it
+/// counts only where another word follows.
 #[inline]
 fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationKeyword> {
     let keyword = DeclarationKeyword::from_text(word.rest)?;
@@ -533,7 +535,7 @@ fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationK
     counts.then_some(keyword)
 }
 
-/// The keyword that a word is wherever it stands.
+/// Returns the keyword that a word is wherever it stands.
 fn hard_keyword(word: Word<'_>) -> Option<DeclarationKeyword> {
     let keyword = DeclarationKeyword::from_text(word.rest)?;
     (word.is_whole() && !keyword.is_soft()).then_some(keyword)
@@ -560,7 +562,8 @@ fn expression_word(
     }
 }
 
-/// The builtin function that the rest of a word is, if it is one of those that are words of their own before a bracket only.
+/// Returns the builtin function that the rest of a word is, if it is one of those that are words of their own before a bracket
+/// only.
 #[inline]
 fn weak_function(
     parsed: &impl NameScope,

@@ -9,7 +9,7 @@ use crate::spelling::nearest;
 pub(super) struct DeclaredNames<'s>(HashMap<&'s str, u32>);
 
 impl<'s> DeclaredNames<'s> {
-    /// The last place of a name behind a declaration keyword.
+    /// Returns the last place of a name behind a declaration keyword.
     pub(super) fn place(&self, name: &str) -> Option<u32> {
         self.0.get(name).copied()
     }
@@ -60,7 +60,7 @@ pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, 
     }
 }
 
-/// The declaration keyword that a word is most likely meant to be.
+/// Returns the declaration keyword that a word is most likely meant to be.
 pub(super) fn nearest_keyword(word: &str) -> Option<DeclarationKeyword> {
     let keywords = DeclarationKeyword::ALL.iter();
     let nearest = nearest(word, keywords.map(|keyword| keyword.text()))?;

@@ -21,7 +21,7 @@ pub(super) fn keyword(index: u8) -> DeclarationKeyword {
     keyword.unwrap_or(DeclarationKeyword::Define)
 }
 
-/// The attribute of a number.
+/// Returns the attribute of a number.
 pub(super) fn attribute(number: u32) -> AttributeWord {
     let word = AttributeWord::ALL.get(number as usize).copied();
     word.unwrap_or(AttributeWord::Color)
@@ -36,7 +36,7 @@ const VARIABLE: u8 = NUMBER + 4;
 const ATTRIBUTE_WORD: u8 = NUMBER + 5;
 const MAP_WORD: u8 = NUMBER + 6;
 
-/// The tag and the number of a token.
+/// Returns the tag and the number of a token.
 pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
     match kind {
         TokenKind::Number(_) => (NUMBER, 0),
@@ -53,7 +53,7 @@ pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
     }
 }
 
-/// The token of a tag, a number and the text where it stands.
+/// Returns the token of a tag, a number and the text where it stands.
 pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
     match tag {
         NUMBER => TokenKind::Number(literal(text)),
@@ -106,7 +106,7 @@ const TUPLE: u8 = STEPS.len() as u8 + 6;
 /// Above the tags of all steps.
 pub(super) const STEPS_END: u8 = 32;
 
-/// The tag and the number of a step, which is below [`STEPS_END`].
+/// Returns the tag and the number of a step, which is below [`STEPS_END`].
 pub(super) fn of_operator(operator: Operator) -> (u8, u32) {
     match operator {
         // It is pushed where it stands.
@@ -124,7 +124,7 @@ pub(super) fn of_operator(operator: Operator) -> (u8, u32) {
     }
 }
 
-/// The step of a tag, a number and the text where it stands.
+/// Returns the step of a tag, a number and the text where it stands.
 pub(super) fn operator(tag: u8, number: u32, text: &str) -> Operator {
     match tag {
         PUSH_NUMBER => Operator::Number(literal(text)),
