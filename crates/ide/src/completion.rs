@@ -7,7 +7,7 @@ use crate::text::Text;
 /// One entry of a list of completions.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Completion {
-    /// The name, as it is written and listed.
+    /// The name, as written and listed.
     pub label: String,
     /// The kind of its symbol.
     pub kind: CompletionKind,

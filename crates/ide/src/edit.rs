@@ -22,7 +22,7 @@ impl Edit {
         }
     }
 
-    /// New lines behind the last one.
+    /// New lines after the last one.
     pub(crate) fn append(text: &dyn Text, lines: &str) -> Self {
         let end = text.len();
         let last = text.slice(Span::new(end.saturating_sub(1), end));

@@ -60,7 +60,7 @@ impl fmt::Display for EditCameraError {
 
 impl std::error::Error for EditCameraError {}
 
-/// The digits behind the length of the direction that are written: less than a pixel at any size of a picture.
+/// The digits after the length of the direction that are written: less than a pixel at any size of a picture.
 const DIGITS: i32 = 4;
 
 /// Returns the numbers of a vector, to a fraction of a length.

@@ -220,7 +220,7 @@ impl Analysis for GeotraceAnalysis {
     }
 
     fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
-        // The offset lies behind the `;` that ends the declaration.
+        // The offset lies after the `;` that ends the declaration.
         let item = self.item_at(offset.saturating_sub(1))?;
         Some(format::format(self, Some(item.span)))
     }

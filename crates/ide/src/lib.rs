@@ -3,7 +3,7 @@
 //! ```text
 //! languages     the languages by file extension and name
 //! language      the interface of a language: Language, Program, Analysis
-//! geotrace, crt the languages behind it
+//! geotrace, crt the languages after it
 //! text          a text by its lines
 //! limited       files that are read up to a limit
 //! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …

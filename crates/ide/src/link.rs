@@ -5,7 +5,7 @@ use syntax::span::Span;
 /// A file that a text names.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct FileLink {
-    /// The place of the name, without quotes.
+    /// The span of the name, without quotes.
     pub span: Span,
     /// The path, relative to the folder of the text.
     pub path: String,

@@ -20,7 +20,7 @@ pub enum RenameError {
     },
     /// Some word would be read otherwise, whatever blanks are put in.
     ReadOtherwise {
-        /// The word as it is written now.
+        /// The word as written now.
         word: String,
         /// The number of the line, from 1.
         line: u32,

@@ -159,7 +159,7 @@ impl Scene {
 pub struct Param {
     /// Its name.
     pub name: String,
-    /// The place of the name in the text.
+    /// The span of the name in the text.
     pub name_span: Span,
     /// One interval per component.
     pub ranges: Vec<Range>,
@@ -175,7 +175,7 @@ pub struct Param {
 pub struct Grid {
     /// Its name.
     pub name: String,
-    /// The place of the name in the text.
+    /// The span of the name in the text.
     pub name_span: Span,
     /// One axis per component; the grid's values are the product of its axes.
     pub axes: Vec<Sampling>,
@@ -188,7 +188,7 @@ pub struct Grid {
 pub struct Object {
     /// Its name.
     pub name: String,
-    /// The place of the name in the text.
+    /// The span of the name in the text.
     pub name_span: Span,
     /// Its kind, with its expressions.
     pub shape: Shape,

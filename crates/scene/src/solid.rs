@@ -52,7 +52,7 @@ pub(crate) const EVERYWHERE: f64 = -1.0;
 pub struct SolidLeaf {
     /// The function, or the solid in field form, that it is.
     pub name: String,
-    /// The place of its name in the set; for a solid in field form the place where that is declared.
+    /// The span of its name in the set; for a solid in field form the place where that is declared.
     pub name_span: Span,
     /// The function over `Variable(0)`, `Variable(1)`, `Variable(2)`: the leaf's own x, y, z.
     pub field: NodeId,
@@ -84,7 +84,7 @@ pub struct AffineNodes(pub [[NodeId; 4]; 3]);
 pub struct Attribute {
     /// Its word: `color`, `mirror`, …
     pub word: &'static str,
-    /// Its place in the text.
+    /// Its span in the text.
     pub span: Span,
     /// Its value.
     pub value: AttributeValue,

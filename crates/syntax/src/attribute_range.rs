@@ -5,7 +5,7 @@
 pub struct AttributeRange {
     /// The least number.
     pub min: f64,
-    /// The greatest number.
+    /// The maximum number.
     pub max: f64,
     /// True if the least number itself is none of them.
     pub is_open: bool,

@@ -8,7 +8,7 @@
 //!
 //! A script is run by an interpreter, which reads its [`tree`](tree::Script). This module reports all that can be found
 //! without running it: what does not follow the grammar, objects and attributes that are unknown, missing or stated twice, a
-//! second block, a statement behind the scene.
+//! second block, a statement after the scene.
 //!
 //! - [`objects`]: the one table of objects and their attributes.
 //! - [`token`], [`lexer`]: tokens.

@@ -20,7 +20,7 @@ pub struct Code(pub &'static str);
 /// Another place that explains a diagnostic, such as the body of a function.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Related {
-    /// The place.
+    /// The span.
     pub span: Span,
     /// One sentence, in the user's words.
     pub message: String,
@@ -48,7 +48,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Its kind.
     pub code: Code,
-    /// Its place.
+    /// Its span.
     pub span: Span,
     /// One sentence that says what is wrong, in the words of the language's users.
     pub message: String,

@@ -103,7 +103,7 @@ pub struct ReadCounters {
 /// The reason why an edit is refused. The document is as it was before.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum EditError {
-    /// The range ends behind the text's end, or before its own start.
+    /// The range ends after the text's end, or before its own start.
     OutOfRange,
     /// An end of the range lies inside a character.
     InsideCharacter,

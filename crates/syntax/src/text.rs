@@ -5,7 +5,7 @@ use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
-/// The greatest number of diagnostics for one text; the last one says that others are left out.
+/// The maximum number of diagnostics for one text; the last one says that others are omitted.
 pub const MAX_DIAGNOSTICS: usize = 100_000;
 
 /// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it

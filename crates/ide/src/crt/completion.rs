@@ -221,7 +221,7 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
     place_behind(analysis, &tokens[..before], offset)
 }
 
-/// Finds the kind of place behind some tokens.
+/// Finds the kind of place after some tokens.
 fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> CompletionPlace {
     let before: Vec<Token> = tokens
         .iter()
@@ -291,7 +291,7 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
     }
 }
 
-/// Returns true if a modifier is expected behind some tokens: behind a `<` that is closed on its line, or behind a `,` within
+/// Returns true if a modifier is expected after some tokens: after a `<` that is closed on its line, or after a `,` within
 /// `<…>`.
 fn begins_modifier(analysis: &CrtAnalysis, before: &[Token], offset: u32) -> bool {
     let Some((last, before)) = before.split_last() else {

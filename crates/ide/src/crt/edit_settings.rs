@@ -1,6 +1,6 @@
 //! Values that a person has found by hand, written into the block `Settings`: the place of the camera, and numbers.
 //!
-//! Input: an analysis and numbers in the script's coordinates. Output: the edit after which the script states them. What else
+//! In: an analysis and numbers in the script's coordinates. Out: the edit after which the script states them. What else
 //! the block and its camera state stays as it is.
 
 use syntax::crt::objects::{ObjectName, ValueType};

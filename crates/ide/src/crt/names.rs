@@ -39,9 +39,9 @@ pub struct Variable {
     pub name: Arc<str>,
     /// The value that it was given first.
     pub origin: Origin,
-    /// The place of the assignment that gave it.
+    /// The span of the assignment that gave it.
     pub assignment: Span,
-    /// The place of the scope: of the macro with its parameters; `None` for the script.
+    /// The span of the scope: of the macro with its parameters; `None` for the script.
     pub scope: Option<Span>,
     /// When it was bound first, in the order of the text.
     order: usize,
@@ -58,7 +58,7 @@ struct NameUse {
     span: Span,
     scope: usize,
     order: usize,
-    /// The place of the assignment that binds it, or of the parameter.
+    /// The span of the assignment that binds it, or of the parameter.
     binds: Option<Span>,
     variable: Option<VariableId>,
 }
@@ -75,9 +75,9 @@ struct MacroScope {
 pub struct ObjectPlace {
     /// The object; `None` for an unknown name.
     pub object: Option<ObjectName>,
-    /// The place of the name.
+    /// The span of the name.
     pub name: Span,
-    /// The place of the braces.
+    /// The span of the braces.
     pub braces: Span,
     /// The places of the attributes, each with that of its name.
     pub attributes: Vec<(Span, Span)>,

@@ -178,7 +178,7 @@ impl GeotraceAnalysis {
         self.document.symbol(id)
     }
 
-    /// Returns the place of a symbol's declaration; `None` for a builtin.
+    /// Returns the span of a symbol's declaration; `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         self.document.place(id)
     }
@@ -267,7 +267,7 @@ impl GeotraceAnalysis {
         ChunkTargets::new(placed).target(self, index)
     }
 
-    /// Returns the place where a name is introduced; `None` for a builtin.
+    /// Returns the span where a name is introduced; `None` for a builtin.
     pub fn introduction(&self, target: Target) -> Option<Span> {
         match target {
             Target::Symbol(id) => self.place(id),
@@ -294,7 +294,7 @@ impl GeotraceAnalysis {
         let name = self.name(target);
         let symbol = match target {
             Target::Symbol(id) => Some(id),
-            // Behind `f_` the parameters of `f` are named, wherever `f` is.
+            // After `f_` the parameters of `f` are named, wherever `f` is.
             Target::Parameter { item, .. } => self.item(item).and_then(|item| item.symbol),
         };
         let document = &self.document;

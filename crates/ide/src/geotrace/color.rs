@@ -1,4 +1,4 @@
-//! Colours that are stated as numbers: behind `color :`, and of a background.
+//! Colours that are stated as numbers: after `color :`, and of a background.
 //!
 //! A colour that names anything is no constant of its own, and one outside 0…1 (of a light) has no place in a picker.
 
@@ -104,7 +104,7 @@ struct Opening<'r> {
 }
 
 impl<'r> Opening<'r> {
-    /// Takes the next token; returns true if a colour is expected behind it.
+    /// Takes the next token; returns true if a colour is expected after it.
     fn pass(&mut self, token: &Lexeme<'r>) -> bool {
         let [_, first, second] = self.last;
         self.last = [first, second, Some(*token)];

@@ -126,7 +126,7 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
     }
 }
 
-/// Returns the items that may stand behind a `,` of a declaration: its parameters, and the attributes that it may state; not
+/// Returns the items that may stand after a `,` of a declaration: its parameters, and the attributes that it may state; not
 /// those that it states elsewhere.
 fn items(
     analysis: &GeotraceAnalysis,
@@ -163,7 +163,7 @@ fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<Stri
     others.map(|pair| pair[0].text.to_owned()).collect()
 }
 
-/// Returns an entry that inserts its word and nothing else: what belongs behind it is written already.
+/// Returns an entry that inserts its word and nothing else: what belongs after it is written already.
 fn word_alone(entry: Completion) -> Completion {
     Completion {
         insert: entry.label.clone(),

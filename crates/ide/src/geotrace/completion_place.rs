@@ -1,6 +1,6 @@
 //! The place of a completion: what is expected there, and the part of a word that is already written.
 //!
-//! Behind a `,` of a declaration, in a set and behind an attribute's `:` a word is read whole; in an expression it is split
+//! After a `,` of a declaration, in a set and after an attribute's `:` a word is read whole; in an expression it is split
 //! into names, and its last part is being written.
 
 use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
@@ -17,17 +17,17 @@ use super::names_in_scope::NamesInScope;
 pub(super) enum Expected {
     Nothing,
     Declaration,
-    /// A parameter or an attribute of this item: behind a `,` of it.
+    /// A parameter or an attribute of this item: after a `,` of it.
     Item(usize),
     /// A word that this attribute takes.
     Word(&'static AttributeRow),
-    /// A parameter of the function that this item declares: behind `f_`.
+    /// A parameter of the function that this item declares: after `f_`.
     ParameterOf(usize),
-    /// A surface, a metric or a solid: behind the colon of a geodesic.
+    /// A surface, a metric or a solid: after the colon of a geodesic.
     Surface,
     /// A solid or a function that stands for one: in a set.
     Atom,
-    /// A map, or an operand: behind the `@` of a set.
+    /// A map, or an operand: after the `@` of a set.
     Place,
     /// An operand that depends on no param and no grid: in an interval.
     Constant,
@@ -85,7 +85,7 @@ impl CompletionPlace {
     }
 }
 
-/// Returns the kind of text that is expected behind a token of an item.
+/// Returns the kind of text that is expected after a token of an item.
 fn behind(
     analysis: &GeotraceAnalysis,
     item: Option<&Item<'_>>,
@@ -128,7 +128,7 @@ fn behind(
     }
 }
 
-/// Returns the kind of text that is expected behind the colon of an item: the surface of a geodesic, or the value of an
+/// Returns the kind of text that is expected after the colon of an item: the surface of a geodesic, or the value of an
 /// attribute.
 fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> Expected {
     let before = colon.checked_sub(1).and_then(|k| analysis.token(k));
@@ -138,7 +138,7 @@ fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> E
             _ => Expected::Nothing,
         };
     };
-    // Behind a parameter comes its interval.
+    // After a parameter comes its interval.
     let stated = AttributeWord::from_text(word.text);
     let stated = stated.filter(|_| item.variables().all(|name| name != word.text));
     match stated.and_then(|stated| stated.row(item.keyword)) {
@@ -156,7 +156,7 @@ fn is_word(token: &Lexeme<'_>) -> bool {
     last.is_some_and(|byte| byte.is_ascii_alphanumeric())
 }
 
-/// Returns true if a declaration has intervals or attributes behind its body.
+/// Returns true if a declaration has intervals or attributes after its body.
 fn takes_items(item: &Item<'_>) -> bool {
     item.keyword.has_domain() || attributes::of(item.keyword).next().is_some()
 }
@@ -175,7 +175,7 @@ fn in_head(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     tokens.all(|token| !matches!(token.kind, TokenKind::Equals | TokenKind::Colon))
 }
 
-/// Returns true if the interval of a parameter, a param or a grid is open behind a token of an item.
+/// Returns true if the interval of a parameter, a param or a grid is open after a token of an item.
 fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let tokens = analysis.tokens(first..last + 1);
@@ -212,7 +212,7 @@ fn depth(token: Lexeme<'_>) -> i32 {
     }
 }
 
-/// Returns the kind of text that is expected behind a token within the set of a solid; `None` outside of sets.
+/// Returns the kind of text that is expected after a token within the set of a solid; `None` outside of sets.
 pub(super) fn in_set(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,
@@ -266,16 +266,16 @@ pub(super) fn in_set(
 enum SetState {
     /// An atom is expected.
     Atom,
-    /// Behind an atom, or a set in brackets.
+    /// After an atom, or a set in brackets.
     Set,
-    /// Right behind an `@`.
+    /// Right after an `@`.
     Place,
-    /// Within the expression behind an `@`.
+    /// Within the expression after an `@`.
     Expression,
 }
 
 /// Returns the start of the part of a word, from `whole` on, that is being written before a place: the first seam of the
-/// word from which a name goes on as it is written, else the last one. Of `2pive` that is `ve` where `vel` is defined.
+/// word from which a name goes on as written, else the last one. Of `2pive` that is `ve` where `vel` is defined.
 fn part_start(analysis: &GeotraceAnalysis, whole: u32, offset: u32) -> u32 {
     let mut start = whole;
     // Digits before the first letter are a number.

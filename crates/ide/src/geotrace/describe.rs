@@ -121,7 +121,7 @@ fn signature(item: &Item<'_>) -> String {
     parameters(item.parameters().map(|(name, _)| name))
 }
 
-/// Returns the interval of a parameter, as it is written.
+/// Returns the interval of a parameter, as written.
 fn interval_of(analysis: &GeotraceAnalysis, item: &Item<'_>, name: &str) -> Option<String> {
     // Intervals carry tags; they come in any order.
     let text = analysis.slice(item.span);
@@ -241,7 +241,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     Some(format!("{told}{}", start::of_object(scene, object)))
 }
 
-/// Returns the comment right above a declaration, or behind it on its line.
+/// Returns the comment right above a declaration, or after it on its line.
 fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let document = analysis.document();
     // Of a line, from 1, what stands before an offset.

@@ -1,6 +1,6 @@
 //! A view that a person has found by hand, written into the text as a camera.
 //!
-//! Input: a direction and a position, as the 3D view has them. Output: the edit after which `camera eye = … @ …;` says
+//! In: a direction and a position, as the 3D view has them. Out: the edit after which `camera eye = … @ …;` says
 //! them. Attributes stay as they are.
 
 use syntax::geotrace::declarations::DeclarationKeyword;

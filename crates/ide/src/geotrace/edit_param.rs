@@ -1,6 +1,6 @@
 //! Values that a person has found with a slider, written into the text.
 //!
-//! Input: a param's name and a number for each of its components. Output: the edit after which the param opens with
+//! In: a param's name and a number for each of its components. Out: the edit after which the param opens with
 //! them, as in `param r = 0.3 : [0, 1];`.
 
 use scene::Range;

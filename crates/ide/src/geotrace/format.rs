@@ -106,7 +106,7 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     edits
 }
 
-/// Returns the parts of a range that cannot be read: up to the `;` behind them, with the white space and the comments before
+/// Returns the parts of a range that cannot be read: up to the `;` after them, with the white space and the comments before
 /// them.
 fn unreadable(analysis: &GeotraceAnalysis, range: Span) -> impl Iterator<Item = Span> {
     let document = analysis.document();
@@ -117,7 +117,7 @@ fn unreadable(analysis: &GeotraceAnalysis, range: Span) -> impl Iterator<Item = 
     parts.map(|(chunk, start)| Span::new(start, start + document.chunk_text(chunk).len() as u32))
 }
 
-/// Returns true for the code of an error behind which the text may not have been read.
+/// Returns true for the code of an error after which the text may not have been read.
 fn is_of_syntax(code: Code) -> bool {
     matches!(
         code,
@@ -201,7 +201,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// Returns the white space before a token that is now behind `gap`.
+    /// Returns the white space before a token that is now after `gap`.
     fn gap(&self, written: &str, before: Option<Lexeme<'_>>, token: Lexeme<'_>) -> String {
         let lines = written.matches('\n').count();
         let Some(before) = before else {

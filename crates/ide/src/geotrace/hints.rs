@@ -59,7 +59,7 @@ fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
         .collect()
 }
 
-/// `= 6.2832` behind a define that no param or grid changes.
+/// `= 6.2832` after a define that no param or grid changes.
 fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let is_wanted = |item: &Item<'_>| {
         item.keyword == DeclarationKeyword::Define

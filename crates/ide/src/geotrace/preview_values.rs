@@ -1,4 +1,4 @@
-//! The values that params and defines have in a preview, shown behind their declarations.
+//! The values that params and defines have in a preview, shown after their declarations.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::hints::{short, shown};
 use super::item::Item;
 use crate::hint::Hint;
 
-/// `= 0.25` behind each param in a range that has a value, and behind each define that depends on one; `values` are by name,
+/// `= 0.25` after each param in a range that has a value, and after each define that depends on one; `values` are by name,
 /// one number per component.
 pub fn preview_values(
     analysis: &GeotraceAnalysis,

@@ -31,7 +31,7 @@ pub(crate) struct ChunkTargets<'r> {
     placed: PlacedChunk<'r>,
     /// Its declarations, in their order; places count from its start.
     items: Vec<Item<'r>>,
-    /// The last token that stands behind a derivative's `_`, and the function: a chain of them is gone through once.
+    /// The last token that stands after a derivative's `_`, and the function: a chain of them is gone through once.
     derived: Cell<Option<(usize, SymbolId)>>,
 }
 

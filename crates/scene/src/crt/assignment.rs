@@ -8,7 +8,7 @@ use super::value::{LONGEST, ScriptValue};
 /// A place where a name is assigned, or a parameter is given a value, as the run has left it.
 #[derive(Clone, Debug)]
 pub struct Assignment {
-    /// The place of the name.
+    /// The span of the name.
     pub span: Span,
     /// The number of times that the run has come there.
     pub count: u32,

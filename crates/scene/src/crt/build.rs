@@ -1,6 +1,6 @@
 //! The scene that a run leaves.
 //!
-//! Input: settings and emitted entities, in the script's coordinates. Output: a scene with y and z changed. Shapes of one
+//! In: settings and emitted entities, in the script's coordinates. Out: a scene with y and z changed. Shapes of one
 //! kind share a field, and have their sizes and places in their maps.
 
 use std::collections::HashMap;

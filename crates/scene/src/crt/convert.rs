@@ -1,6 +1,6 @@
 //! A program in Geotrace's language that shows what a script leaves.
 //!
-//! Input: settings and emitted entities, in the script's coordinates. Output: declarations with y and z changed, and what the
+//! In: settings and emitted entities, in the script's coordinates. Out: declarations with y and z changed, and what the
 //! picture needs besides them. Shapes of one kind share a function; a lone plane becomes a parametric surface, since look
 //! `crt` shows those from one side, unless it is transparent.
 
@@ -179,7 +179,7 @@ impl<'w> Writer<'w> {
     }
 
     fn object(&mut self, entity: &Entity) {
-        // A plane through which light is refracted is the face of a half-space, though one that is seen from behind too.
+        // A plane through which light is refracted is the face of a half-space, though one that is seen from after too.
         if let Some(Node::Object(object)) = entity.node()
             && object.is_plane
             && object.material.transparency == 0.0
@@ -426,7 +426,7 @@ impl<'w> Writer<'w> {
             return;
         };
         let [p, q] = vector::across(half.normal);
-        // The one behind the direction of a half-plane is left out; where the surface begins, both planes are.
+        // The one after the direction of a half-plane is left out; where the surface begins, both planes are.
         let second = object
             .second
             .and_then(|(_, _, own)| half_space(&placed(&own)));

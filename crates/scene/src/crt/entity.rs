@@ -68,7 +68,7 @@ pub(super) struct ObjectNode {
     pub(super) made: String,
     /// The variable that it was given first.
     pub(super) name: OnceLock<Arc<str>>,
-    /// The place of the name of the object.
+    /// The span of the name of the object.
     pub(super) span: Span,
     pub(super) material: Arc<Material>,
     /// On its own, the first part is seen from outside, and the second one is not.

@@ -1,6 +1,6 @@
 //! Operators on values.
 //!
-//! Input: one value or two. Output: a value, or the code and the sentence of what is wrong.
+//! In: one value or two. Out: a value, or the code and the sentence of what is wrong.
 
 use std::sync::Arc;
 

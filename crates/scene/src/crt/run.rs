@@ -1,6 +1,6 @@
 //! The run of a script: statements, scopes, and expressions.
 //!
-//! Input: the tree of a script. Output: the entities that its scene emits, its settings, and its diagnostics. An error ends
+//! In: the tree of a script. Out: the entities that its scene emits, its settings, and its diagnostics. An error ends
 //! the statement at top level, or in the block `Scene`, in which it is met; what that assigns has no value, and uses of it
 //! are not reported.
 
@@ -139,7 +139,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Runs a script. Of a second block, and behind the scene, all is run: the parser has reported it.
+    /// Runs a script. Of a second block, and after the scene, all is run: the parser has reported it.
     pub(super) fn script(&mut self, script: &Script) {
         let (mut has_settings, mut has_scene) = (false, false);
         for (base, block) in script.blocks() {

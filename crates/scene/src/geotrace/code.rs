@@ -50,7 +50,7 @@ impl Code {
         self.steps[index]
     }
 
-    /// Returns the place of an expression in the text.
+    /// Returns the span of an expression in the text.
     pub(crate) fn span(&self, expression: Expression) -> Span {
         // The last operator's place covers all its operands.
         self.steps[expression.steps()]

@@ -1,6 +1,6 @@
 //! The meanings of symbols.
 //!
-//! Input: declarations, as they have been understood. Output: the meaning of a name in the expressions below. A symbol
+//! In: declarations, as they have been understood. Out: the meaning of a name in the expressions below. A symbol
 //! that is never given a meaning is one whose declaration failed: its uses are silent, for the mistake has been
 //! reported.
 

@@ -25,9 +25,9 @@ pub enum ParseStep<'s> {
     Group,
     /// `[a, b]`: this many expressions.
     List(usize),
-    /// `a -> b`, with the place of the name: one expression → an attribute.
+    /// `a -> b`, with the span of the name: one expression → an attribute.
     Attribute(Span),
-    /// `Sphere { … }`, with the place of the name and this many attributes. The place of the braces is the rest.
+    /// `Sphere { … }`, with the span of the name and this many attributes. The place of the braces is the rest.
     Object(Span, usize, Span),
     /// A parameter of a macro: an identifier.
     Parameter,
@@ -37,17 +37,17 @@ pub enum ParseStep<'s> {
     Assignment,
     /// `a ? b : c`: three expressions.
     Conditional,
-    /// `a + b`, with the place of the operator: two expressions.
+    /// `a + b`, with the span of the operator: two expressions.
     Binary(BinaryOperator, Span),
     /// `-a`: one expression.
     Prefix(PrefixOperator),
-    /// `a[i]`, with the place of the brackets: two expressions.
+    /// `a[i]`, with the span of the brackets: two expressions.
     Element(Span),
-    /// `a(b, c)`, with the place of the brackets: an expression, and this many arguments.
+    /// `a(b, c)`, with the span of the brackets: an expression, and this many arguments.
     Call(Span, usize),
     /// `scale a`: one expression → a modifier.
     Modifier(ModifierKind),
-    /// `a <scale b>`, with the place of the brackets: an expression, and this many modifiers.
+    /// `a <scale b>`, with the span of the brackets: an expression, and this many modifiers.
     Modifiers(Span, usize),
     /// An expression → a statement.
     Expression,
@@ -59,7 +59,7 @@ pub enum ParseStep<'s> {
     While,
     /// This many arms, and a body if there is an `else` → a statement.
     If(usize, bool),
-    /// `Settings { … }`, with the place of the braces: this many attributes → a block.
+    /// `Settings { … }`, with the span of the braces: this many attributes → a block.
     Settings(Span, usize),
     /// `Scene { … }`: a body → a block.
     Scene,

@@ -1,6 +1,6 @@
 //! The ends of the pieces of a script, found without parsing it.
 //!
-//! Nothing ends a statement but the token behind it: one that begins a statement and goes on with none. A piece ends before
+//! Nothing ends a statement but the token after it: one that begins a statement and goes on with none. A piece ends before
 //! that token: with the line before, or right before it if they share a line. So the beginning of a piece also decides where
 //! the one above ends ([`LOOKAHEAD`]).
 
@@ -8,11 +8,11 @@ use super::lexer::{Fault, Lexer};
 use super::parser::is_certificate;
 use super::token::TokenKind;
 
-/// The number of bytes behind the white space at a piece's start that decide that the piece above ends there: those of the
+/// The number of bytes after the white space at a piece's start that decide that the piece above ends there: those of the
 /// longest word, and one that shows where it ends.
 pub(super) const LOOKAHEAD: usize = "Settings".len() + 1;
 
-/// The state of the search behind a part of a text.
+/// The state of the search after a part of a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CutState {
     /// The offset of the first token that more text may change.
@@ -35,15 +35,15 @@ enum Phase {
     Start,
     /// In an expression, before an operand.
     Operand,
-    /// In an expression, behind an operand.
+    /// In an expression, after an operand.
     Operator,
     /// Before the `(` of a condition; `true` for an `if`.
     Condition(bool),
     /// Before a `{`; `true` for an `if`.
     Body(bool),
-    /// Behind the last `}`; `true` for an `if`.
+    /// After the last `}`; `true` for an `if`.
     End(bool),
-    /// Behind `else`.
+    /// After `else`.
     Else,
 }
 
@@ -85,7 +85,7 @@ impl Brackets {
     }
 }
 
-/// Appends to `ends` the offsets behind the pieces that end in a text, as far as the text decides them. `from` and `state` are
+/// Appends to `ends` the offsets after the pieces that end in a text, as far as the text decides them. `from` and `state` are
 /// those of the call with its beginning.
 pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
     if is_certificate(text) {
@@ -129,7 +129,7 @@ pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<u
     }
 }
 
-/// Returns true if more text behind a token may make it longer, or another one.
+/// Returns true if more text after a token may make it longer, or another one.
 fn may_go_on(kind: TokenKind, fault: Option<Fault>) -> bool {
     use TokenKind::{
         BraceClose, BraceOpen, BracketClose, BracketOpen, Comma, Error, ParenClose, ParenOpen, Text,
@@ -165,7 +165,7 @@ impl CutState {
         }
     }
 
-    /// Goes on behind a token of the block.
+    /// Goes on after a token of the block.
     fn take(&mut self, kind: TokenKind, fault: Option<Fault>) {
         use TokenKind::{
             BraceClose, BraceOpen, BracketClose, BracketOpen, Else, Error, Greater, If, ParenClose,

@@ -139,7 +139,7 @@ impl Snapshot {
         }
     }
 
-    /// Returns the tokens that a range touches, comments among them, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, including comments, in order. Places are those of the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {

@@ -1,13 +1,13 @@
 //! The productions of the language as data, in the LL(1) form that the parser follows: left recursion turned into tails, common
 //! prefixes factored. Tests compute FIRST and FOLLOW from this table and hold the parser to it.
 //!
-//! Four cells of the LL(1) table have two productions, and the one that goes on with an expression is taken: behind an
+//! Four cells of the LL(1) table have two productions, and the one that goes on with an expression is taken: after an
 //! expression `+` and `-` are binary, `[` and `(` belong to it ([`GREEDY`]).
 
 use super::token::TokenKind as Terminal;
 use crate::productions::{self, productions};
 
-/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
+/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators after the first operand.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 #[allow(missing_docs)]
 pub enum Nonterminal {

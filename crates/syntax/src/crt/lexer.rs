@@ -109,7 +109,7 @@ impl<'s> Lexer<'s> {
         Lexeme { token, fault }
     }
 
-    /// Returns the kind of the next token that is no comment, without passing it.
+    /// Returns the kind of the next token that is not a comment, without passing it.
     pub fn peek(&self) -> TokenKind {
         let mut ahead = self.clone();
         loop {
@@ -131,7 +131,7 @@ impl<'s> Lexer<'s> {
         (word.len(), TokenKind::from_word(word).unwrap_or(plain))
     }
 
-    /// Returns true if the next token behind an offset is the word of a modifier.
+    /// Returns true if the next token after an offset is the word of a modifier.
     fn is_modifier(&self, offset: usize) -> bool {
         let bytes = self.source.as_bytes();
         let mut at = offset;

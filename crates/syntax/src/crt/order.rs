@@ -1,4 +1,4 @@
-//! The blocks of a script in their order: one block of each kind, nothing behind the scene.
+//! The blocks of a script in their order: one block of each kind, nothing after the scene.
 
 use super::codes;
 use super::tree::{Block, BlockKind, Script};

@@ -2,7 +2,7 @@
 //! goes. The levels of left-associative operators are one function.
 //!
 //! Parsing never fails: what is wrong becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the list
-//! that the fault lies in (of statements, attributes, arguments) goes on behind it.
+//! that the fault lies in (of statements, attributes, arguments) goes on after it.
 //!
 //! - `expression`: expressions.
 //! - `object`: objects with their attributes.
@@ -22,7 +22,7 @@ use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::span::Span;
 use crate::text::{MAX_DIAGNOSTICS, too_large, too_many_diagnostics};
 
-/// The greatest nesting depth of a script: brackets, blocks, prefix operators and operators that are read from right to left
+/// The maximum nesting depth of a script: brackets, blocks, prefix operators and operators that are read from right to left
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
 pub const MAX_DEPTH: u32 = 256;
 
@@ -126,7 +126,7 @@ struct Parser<'s, 'a, A> {
     actions: &'a mut A,
     /// The token to be accepted next.
     current: Token,
-    /// The token accepted last that is no comment.
+    /// The token accepted last that is not a comment.
     previous: Token,
     /// The start of the token at which an error was reported last: one is enough.
     reported: Option<u32>,
@@ -345,7 +345,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         self.current.span.text(self.source)
     }
 
-    /// Moves past the current token.
+    /// Consumes the current token.
     fn advance(&mut self) {
         if self.at(TokenKind::Eoi) {
             return;
@@ -355,7 +355,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         self.fetch();
     }
 
-    /// Looks at the next token. Comments and characters that begin no token are passed on the way.
+    /// Reads the next token. Comments and characters that begin no token are skipped on the way.
     #[inline]
     fn fetch(&mut self) {
         let lexeme = self.lexer.read();
@@ -365,7 +365,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
     }
 
-    /// Moves past the current token if it is of a kind; else reports what is expected.
+    /// Consumes the current token if it is of a kind; else reports what is expected.
     fn accept(&mut self, kind: TokenKind, expected: &str) -> bool {
         let is_here = self.at(kind);
         if is_here {
@@ -376,7 +376,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         is_here
     }
 
-    /// Moves past the bracket that closes one. Where it is missing, nothing is passed.
+    /// Consumes the bracket that closes one. Where it is missing, nothing is passed.
     fn close(&mut self, kind: TokenKind, open: Span) {
         if self.at(kind) {
             return self.advance();

@@ -51,7 +51,7 @@ macro_rules! token_kinds {
                 None
             }
 
-            /// Returns the token as it is written, if all tokens of the kind are written alike.
+            /// Returns the token as written, if all tokens of the kind are written alike.
             pub fn text(self) -> Option<&'static str> {
                 Some(match self {
                     $(Self::$word => $text,)*
@@ -113,6 +113,6 @@ impl TokenKind {
 pub struct Token {
     /// Its kind.
     pub kind: TokenKind,
-    /// Its place.
+    /// Its span.
     pub span: Span,
 }

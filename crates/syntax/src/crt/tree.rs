@@ -2,7 +2,7 @@
 //!
 //! The places in a [`Piece`] count from its start, so that an edit above it changes nothing of it. A clone of a [`Script`]
 //! shares its trees. Operators of one level that are read from left to right are one [`Chain`](ExpressionKind::Chain), and what
-//! stands behind a primary expression is one list of suffixes: the depth of a tree is the nesting of the text, which
+//! stands after a primary expression is one list of suffixes: the depth of a tree is the nesting of the text, which
 //! [`MAX_DEPTH`](super::parser::MAX_DEPTH) limits.
 
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub struct Piece {
 pub struct Block {
     /// The kind with its parts.
     pub kind: BlockKind,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -52,7 +52,7 @@ pub enum BlockKind {
 pub struct Body {
     /// The statements.
     pub statements: Box<[Statement]>,
-    /// The place from `{` to `}`.
+    /// The span from `{` to `}`.
     pub span: Span,
 }
 
@@ -61,7 +61,7 @@ pub struct Body {
 pub struct Statement {
     /// The kind with its parts.
     pub kind: StatementKind,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -90,7 +90,7 @@ pub struct Arm {
 pub struct Expression {
     /// The kind with its parts.
     pub kind: ExpressionKind,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -125,7 +125,7 @@ pub enum ExpressionKind {
     Chain(Box<Expression>, Vec<Link>),
     /// `-a`.
     Prefix(PrefixOperator, Box<Expression>),
-    /// `a[0](1) <scale 2>`: what stands behind a primary expression, from left to right. There is one suffix at least.
+    /// `a[0](1) <scale 2>`: what stands after a primary expression, from left to right. There is one suffix at least.
     Suffixed(Box<Expression>, Vec<Suffix>),
 }
 
@@ -134,7 +134,7 @@ pub enum ExpressionKind {
 pub struct Word {
     /// The text.
     pub text: Arc<str>,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -145,7 +145,7 @@ pub struct Object {
     pub name: Word,
     /// Its attributes as they are stated. Those that are unknown, missing, or stated twice have been reported.
     pub attributes: Box<[Attribute]>,
-    /// The place from `{` to `}`.
+    /// The span from `{` to `}`.
     pub braces: Span,
 }
 
@@ -156,7 +156,7 @@ pub struct Attribute {
     pub name: Word,
     /// The value.
     pub value: Expression,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -169,23 +169,23 @@ pub struct Macro {
     pub body: Body,
 }
 
-/// An operator between two operands, and the operand behind it.
+/// An operator between two operands, and the operand after it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// The operator.
     pub operator: BinaryOperator,
-    /// The place of the operator.
+    /// The span of the operator.
     pub operator_span: Span,
-    /// The operand behind it.
+    /// The operand after it.
     pub operand: Expression,
 }
 
-/// A part behind a primary expression.
+/// A part after a primary expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suffix {
     /// The kind with its parts.
     pub kind: SuffixKind,
-    /// The place from its first token to its last.
+    /// The span from its first token to its last.
     pub span: Span,
 }
 
@@ -207,7 +207,7 @@ pub struct Modifier {
     pub kind: ModifierKind,
     /// The operand.
     pub value: Expression,
-    /// The place.
+    /// The span.
     pub span: Span,
 }
 
@@ -271,7 +271,7 @@ impl BinaryOperator {
         }
     }
 
-    /// Returns the operator as it is written.
+    /// Returns the operator as written.
     pub fn text(self) -> &'static str {
         match self {
             Self::Or => "||",

@@ -23,9 +23,9 @@ pub(super) enum ChunkSet {
 /// Stretches of a sorted list.
 type Blocks = Vec<Arc<Vec<ChunkId>>>;
 
-/// The greatest number of chunks that take no more room than the pointer to a list and its tag.
+/// The maximum number of chunks that take no more room than the pointer to a list and its tag.
 const MAX_FEW: usize = 5;
-/// The greatest number of chunks in a block.
+/// The maximum number of chunks in a block.
 const MAX_BLOCK: usize = 128;
 
 impl Default for ChunkSet {

@@ -102,7 +102,7 @@ impl<G: Grammar> Document<G> {
     }
 
     /// Calls `give` with the first [`MAX_DIAGNOSTICS`] diagnostics, each with its chunk, in the order in which reading the
-    /// whole text gives them; the last one says that others are left out.
+    /// whole text gives them; the last one says that others are omitted.
     fn each_limited(&self, mut give: impl FnMut(ChunkId, Diagnostic)) {
         let mut count = 0;
         let mut offer = |chunk, diagnostic: Diagnostic| {

@@ -23,7 +23,7 @@ use super::surroundings::Surroundings;
 ///
 /// A language without such chunks cuts nothing; its texts are documents of one chunk.
 pub trait Grammar: Clone + Debug + Sized {
-    /// The number of bytes, behind the white space at the start of a chunk, that together with the text above decide that
+    /// The number of bytes, after the white space at the start of a chunk, that together with the text above decide that
     /// the chunk above ends there; 0 if the text above decides it alone. What they do not decide is no end.
     const LOOKAHEAD: usize = 0;
     /// The state of [`cut`](Self::cut) between two calls, such as a comment that has not ended or the depth of nested
@@ -39,7 +39,7 @@ pub trait Grammar: Clone + Debug + Sized {
     /// requested, because it may change while the chunk does not.
     type Deferred: Clone + Debug;
 
-    /// Appends to `ends` the offsets behind the chunks that end in `text[from..]`, and returns the state behind it. `state` is
+    /// Appends to `ends` the offsets after the chunks that end in `text[from..]`, and returns the state after it. `state` is
     /// the one before `from`.
     fn cut(text: &str, from: usize, state: Self::CutState, ends: &mut Vec<usize>)
     -> Self::CutState;
@@ -94,7 +94,7 @@ pub trait Definition: Clone + Debug {
     /// Returns the name.
     fn name(&self) -> &Arc<str>;
 
-    /// Replaces the name by an equal one that the document shares, and gives back room that is not used.
+    /// Replaces the name by an equal one that the document shares, and returns room that is not used.
     fn share_name(&mut self, name: &Arc<str>);
 
     /// Returns false for a builtin that no look-up finds: the grammar finds it by itself, where nothing has its name.
@@ -102,7 +102,7 @@ pub trait Definition: Clone + Debug {
         true
     }
 
-    /// Returns the place where the text declares it, counted from its chunk's start. Builtins have none.
+    /// Returns the span where the text declares it, counted from its chunk's start. Builtins have none.
     fn name_span(&self) -> Option<Span>;
 
     /// Returns the part that the text below notices.
@@ -116,7 +116,7 @@ pub trait Analysis: Clone + Debug + Default {
     /// Returns the number of tokens.
     fn token_count(&self) -> usize;
 
-    /// Returns the place of a token by its number, from 0. Tokens are in the order of the text and do not overlap.
+    /// Returns the span of a token by its number, from 0. Tokens are in the order of the text and do not overlap.
     fn token_span(&self, index: usize) -> Option<Span>;
 
     /// Returns the places of the declarations, in the order of the text.
@@ -144,11 +144,11 @@ pub struct Reading<G: Grammar> {
 pub struct ShadowedSplit<'d> {
     /// The name.
     pub name: &'d str,
-    /// The place of its declaration.
+    /// The span of its declaration.
     pub name_span: Span,
     /// The length of the first token that is read above.
     pub token_length: usize,
-    /// The place above, as long as the name.
+    /// The span above, as long as the name.
     pub place: Span,
     /// The line of that place, from 1.
     pub line: u32,

@@ -1,6 +1,6 @@
 //! Tokens and declarations by their number, in the order of the text.
 //!
-//! Input: a number, or an offset. Output: the chunk that holds it, with what reading it has given, in logarithmic time.
+//! In: a number, or an offset. Out: the chunk that holds it, with what reading it has given, in logarithmic time.
 
 use crate::span::Span;
 
@@ -38,7 +38,7 @@ impl<'d, G: Grammar> PlacedChunk<'d, G> {
         self.analysis.declaration_spans(self.text)
     }
 
-    /// Returns the number of tokens at its start for which `holds`, a predicate that is true up to some token and false behind
+    /// Returns the number of tokens at its start for which `holds`, a predicate that is true up to some token and false after
     /// it.
     fn tokens_that(&self, holds: impl Fn(Span) -> bool) -> usize {
         let (mut low, mut high) = (0, self.analysis.token_count());
@@ -125,7 +125,7 @@ impl<G: Grammar> Snapshot<G> {
         self.tokens_that(offset, |token, offset| token.start < offset)
     }
 
-    /// Returns the number of tokens for which `holds`, a predicate that is true up to some token and false behind it.
+    /// Returns the number of tokens for which `holds`, a predicate that is true up to some token and false after it.
     fn tokens_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
         self.placed_chunk_at(offset).map_or(0, |placed| {
             let inside = offset - placed.start;

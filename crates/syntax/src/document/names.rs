@@ -1,6 +1,6 @@
 //! The names that a document defines, where, and which chunks a change of one concerns.
 //!
-//! Input: the symbols that each chunk defines, and the names it uses. Output: the meaning of a word at a place (one
+//! In: the symbols that each chunk defines, and the names it uses. Out: the meaning of a word at a place (one
 //! trie holds the names of all places; the rank of the defining chunk decides), and the chunks that use a name.
 
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! The chunks of a document in their order: a balanced tree that keeps sums.
 //!
-//! Input: a chunk's handle with its measure (bytes, lines, …), inserted behind another. Output: the chunk at an offset,
+//! In: a chunk's handle with its measure (bytes, lines, …), inserted after another. Out: the chunk at an offset,
 //! the offset of a chunk, and which of two chunks comes first, each in logarithmic time. It is a B⁺-tree whose inner
 //! nodes hold the sums of their children; each chunk knows its leaf and each node its parent, so that a chunk's place
 //! is found from below.
@@ -195,7 +195,7 @@ impl Sequence {
         std::iter::successors(first, |chunk| self.next(*chunk))
     }
 
-    /// Inserts a new chunk behind another, or at the front.
+    /// Inserts a new chunk after another, or at the front.
     pub(super) fn insert(&mut self, after: Option<ChunkId>, chunk: ChunkId, measure: Measure) {
         let (leaf, index) = match after {
             Some(after) => {

@@ -206,7 +206,7 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// Returns the place where the text declares a symbol. Returns `None` for a builtin.
+    /// Returns the span where the text declares a symbol. Returns `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         let defined = self.names.get(id)?;
         let start = self.start(defined.home?);

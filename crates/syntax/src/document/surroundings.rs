@@ -45,7 +45,7 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         Some((symbol, span, self.document.line(span.start)))
     }
 
-    /// Returns the last place where the text seems to declare a name, and its line, if that place is behind an offset of the
+    /// Returns the last place where the text seems to declare a name, and its line, if that place is after an offset of the
     /// chunk.
     pub fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
         let document = self.document;

@@ -97,9 +97,9 @@ pub struct Interval {
 pub struct StatedAttribute {
     /// The word.
     pub word: AttributeWord,
-    /// The place of the word.
+    /// The span of the word.
     pub word_span: Span,
-    /// The place of the value: of the expression, or of the word.
+    /// The span of the value: of the expression, or of the word.
     pub value_span: Span,
 }
 
@@ -108,7 +108,7 @@ pub struct StatedAttribute {
 pub struct Parameter {
     /// Its name.
     pub name: String,
-    /// Its place in the list.
+    /// Its span in the list.
     pub span: Span,
 }
 
@@ -123,9 +123,9 @@ pub struct Declaration<'a> {
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// The name as it is written; empty if it was not read.
+    /// The name as written; empty if it was not read.
     pub name: &'a str,
-    /// The place of the name; empty if it was not read.
+    /// The span of the name; empty if it was not read.
     pub name_span: Span,
     /// The parameters that it lists. A solid that lists none has the parameters x, y and z.
     pub parameters: &'a [Parameter],

@@ -8,14 +8,14 @@
 use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 
-/// The number of bytes behind the white space at a chunk's start that decide that the chunk above ends there: those of the
+/// The number of bytes after the white space at a chunk's start that decide that the chunk above ends there: those of the
 /// longest keyword, and one that shows where it ends.
 pub(super) const LOOKAHEAD: usize = "background".len() + 1;
 
 /// The length, in bytes, in which a bracket with a `;` is searched for its end: long texts take linear time.
 const SEARCH_LENGTH: usize = 2000;
 
-/// The state of the search behind a part of a text.
+/// The state of the search after a part of a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CutState {
     /// The offset of the first byte that has not been taken.
@@ -25,7 +25,7 @@ pub struct CutState {
     depth: u32,
 }
 
-/// Appends to `ends` the offsets behind the declarations that end in a text, as far as the text decides them. `state` is that
+/// Appends to `ends` the offsets after the declarations that end in a text, as far as the text decides them. `state` is that
 /// of the call with its beginning.
 pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
     for (at, byte) in text.bytes().enumerate().skip(state.at) {
@@ -56,14 +56,14 @@ pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> Cut
     state
 }
 
-/// Appends the end behind a `;` that [`cut`] left open for want of text, where no more follows.
+/// Appends the end after a `;` that [`cut`] left open for want of text, where no more follows.
 pub(super) fn cut_last(text: &str, state: CutState, ends: &mut Vec<usize>) {
     if state.depth == 0 && text.as_bytes().get(state.at) == Some(&b';') {
         ends.push(state.at + 1);
     }
 }
 
-/// Returns true if a `;` between brackets ends a declaration, by the text behind it; `None` if that is too short to say.
+/// Returns true if a `;` between brackets ends a declaration, by the text after it; `None` if that is too short to say.
 fn is_end_between_brackets(behind: &str) -> Option<bool> {
     let behind = behind.trim_start();
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
@@ -92,7 +92,7 @@ pub(super) fn is_item(behind: &str) -> Option<bool> {
     }
 }
 
-/// Returns the place from a `;` between brackets to the last one before the innermost of them closes. Returns `None` if it
+/// Returns the span from a `;` between brackets to the last one before the innermost of them closes. Returns `None` if it
 /// does not close before the declaration ends.
 pub(super) fn separators(text: &str, first: u32) -> Option<Span> {
     let start = first as usize;

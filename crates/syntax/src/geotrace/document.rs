@@ -83,9 +83,9 @@ pub struct ReadDeclaration<'d> {
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// The name as it is written; empty if it was not read.
+    /// The name as written; empty if it was not read.
     pub name: &'d str,
-    /// The place of the name; empty if it was not read.
+    /// The span of the name; empty if it was not read.
     pub name_span: Span,
     /// The parameters, for what is applied.
     pub parameters: Parameters<'d>,
@@ -349,7 +349,7 @@ impl Actions for Recorder {
 }
 
 impl<'d> PlacedChunk<'d> {
-    /// Its tokens, comments among them, in order.
+    /// Its tokens, including comments, in order.
     pub fn tokens(&self) -> Tokens<'d> {
         self.analysis.tokens(self.text)
     }
@@ -373,7 +373,7 @@ impl Snapshot {
         self.analysis(chunk).events(self.chunk_text(chunk))
     }
 
-    /// Returns the tokens that a range touches, comments among them, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, including comments, in order. Places are those of the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {

@@ -59,7 +59,7 @@ macro_rules! terminals {
 
 with_symbols!(terminals);
 
-/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
+/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators after the first operand.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 #[allow(missing_docs)]
 pub enum Nonterminal {
@@ -85,11 +85,11 @@ pub enum Nonterminal {
     Item,
     /// The number of samples of an interval.
     Count,
-    /// A solid behind its name.
+    /// A solid after its name.
     Body,
-    /// A light behind its `=`.
+    /// A light after its `=`.
     Light,
-    /// A background behind its name.
+    /// A background after its name.
     Sky,
     Set,
     SetTail,

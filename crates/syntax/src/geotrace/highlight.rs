@@ -10,7 +10,7 @@ use crate::span::Span;
 /// A coloured piece of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Highlight {
-    /// Its place.
+    /// Its span.
     pub span: Span,
     /// Its class.
     pub kind: HighlightKind,

@@ -168,7 +168,7 @@ impl<'s> Lexer<'s> {
 }
 
 /// Returns the span of a name in double quotes, `"earth"` or `"earth.png"`, with both of them, where this is the span of the
-/// first one. It goes no farther than one word and its ending: an edit behind them must not change what was read before.
+/// first one. It goes no farther than one word and its ending: an edit after them must not change what was read before.
 pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
     let inner = source[first.start as usize..].strip_prefix('"')?;
     let length_of_word = |text: &str| {

@@ -6,7 +6,7 @@
 //! declaration keyword.
 //!
 //! - `declaration`: `DECL` and all that is not an expression.
-//! - `items`: the intervals and attributes behind a declaration's commas.
+//! - `items`: the intervals and attributes after a declaration's commas.
 //! - `intervals`: the intervals of params, grids and domains.
 //! - `sets`: `SET` and all below it.
 //! - `expression`: `EXPR` and all below it.
@@ -48,7 +48,7 @@ use deferred::{Deferred, References};
 use names::Mode;
 use suggestions::DeclaredNames;
 
-/// The greatest nesting depth of an expression: brackets, prefix operators, exponents and functions of functions
+/// The maximum nesting depth of an expression: brackets, prefix operators, exponents and functions of functions
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
 pub const MAX_DEPTH: u32 = 256;
 
@@ -242,14 +242,14 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         self.fetch(mode);
     }
 
-    /// Moves past the current token, without looking at the next yet.
+    /// Consumes the current token, without looking at the next yet.
     fn accept(&mut self) {
         self.actions.act_advance(self.current);
         self.accepted += 1;
         self.previous = self.current;
     }
 
-    /// Looks at the next token. Comments and characters that begin no token are passed on the way.
+    /// Reads the next token. Comments and characters that begin no token are skipped on the way.
     #[inline]
     fn fetch(&mut self, mode: Mode) {
         self.flagged = false;

@@ -1,6 +1,6 @@
 //! The tokens and hook calls of a chunk, packed: eight bytes for a token, and for a step of an expression.
 //!
-//! Input: tokens and events as the hooks get them, with places that count from the chunk's start. Output: the same
+//! In: tokens and events as the hooks get them, with places that count from the chunk's start. Out: the same
 //! tokens and events, by their number or in their order. The values of numbers and the names are not kept, but read
 //! from the text again. A chunk of 64 KiB or more, or with a number that does not fit, takes sixteen bytes for each.
 //!
@@ -104,7 +104,7 @@ impl Records {
         }
     }
 
-    /// Returns the place of an entry.
+    /// Returns the span of an entry.
     pub(crate) fn span(&self, index: usize) -> Option<Span> {
         Some(self.get(index)?.span)
     }
@@ -148,7 +148,7 @@ impl<'d> Tokens<'d> {
         })
     }
 
-    /// Returns the place of a token: cheaper than the whole token.
+    /// Returns the span of a token: cheaper than the whole token.
     pub fn span(&self, index: usize) -> Option<Span> {
         self.records.span(index)
     }

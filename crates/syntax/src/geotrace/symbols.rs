@@ -67,7 +67,7 @@ pub struct Symbol {
     pub kind: SymbolKind,
     /// The keyword that declares it; `None` for a builtin.
     pub keyword: Option<DeclarationKeyword>,
-    /// The place of the name in its declaration; `None` for a builtin.
+    /// The span of the name in its declaration; `None` for a builtin.
     pub name_span: Option<Span>,
     /// The parameters of what is declared with parameters; empty for everything else. A solid that lists none has the
     /// parameters [`COORDINATES`].
@@ -215,7 +215,7 @@ impl Vocabulary {
     }
 }
 
-/// The greatest number of parameters that are searched one by one: a trie takes more room and is not faster.
+/// The maximum number of parameters that are searched one by one: a trie takes more room and is not faster.
 const FEW_PARAMETERS: usize = 8;
 
 impl Symbol {

@@ -34,11 +34,11 @@ macro_rules! token_kinds {
             Variable(u32),
             /// A word that is not defined.
             Undefined,
-            /// The word of an attribute, behind a `,` of a declaration.
+            /// The word of an attribute, after a `,` of a declaration.
             Attribute(AttributeWord),
             /// The word that is the value of an attribute.
             Word,
-            /// The word of a map, right behind the `@` of a set.
+            /// The word of a map, right after the `@` of a set.
             Map(MapWord),
             $($symbol,)*
             /// Any other character, or a malformed number.
@@ -83,7 +83,7 @@ impl MapWord {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Scale, Self::Rotate];
 
-    /// Returns the word as it is written.
+    /// Returns the word as written.
     pub fn text(self) -> &'static str {
         match self {
             Self::Scale => "scale",
@@ -102,6 +102,6 @@ impl MapWord {
 pub struct Token {
     /// Its kind.
     pub kind: TokenKind,
-    /// Its place.
+    /// Its span.
     pub span: Span,
 }

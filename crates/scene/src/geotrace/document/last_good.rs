@@ -18,7 +18,7 @@
 //! of each faulty declaration takes the place of what is there now, its names read as they were; but no text is put
 //! together, and none is parsed.
 //!
-//! - A last good reading is found by the name of the declaration. Of one whose name cannot be read, the word behind its
+//! - A last good reading is found by the name of the declaration. Of one whose name cannot be read, the word after its
 //!   first word is the name.
 //! - A declaration that stands nowhere any more is put back in front of the first last good reading that uses it.
 //! - A declaration is good if it was shown as it stood. One that reads a stale meaning may so become good itself.
@@ -316,7 +316,7 @@ impl<'s> Recovery<'_, 's> {
     }
 }
 
-/// Returns the names that a chunk declares, empty where one was not read; where none was, the word behind its first
+/// Returns the names that a chunk declares, empty where one was not read; where none was, the word after its first
 /// word.
 fn names(text: &Snapshot, chunk: ChunkId) -> Vec<&str> {
     let read = text.events(chunk).declarations();

@@ -306,7 +306,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             .with_fix(fix.with_all())
     }
 
-    /// Returns the place of `<1, 2, 3>`, if it begins with the current token and ends in its line.
+    /// Returns the span of `<1, 2, 3>`, if it begins with the current token and ends in its line.
     fn angle_vector(&self) -> Option<Span> {
         let start = self.current.span.start;
         let rest = &self.source[start as usize..];

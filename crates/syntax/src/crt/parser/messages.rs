@@ -147,7 +147,7 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 }
 
-/// Returns true if a bad character behind another one is reported with it: what is said of the first holds for both.
+/// Returns true if a bad character after another one is reported with it: what is said of the first holds for both.
 fn joins(first: char, next: char) -> bool {
     let is_known = |character| matches!(character, ';' | '#' | '\'' | '&' | '|' | '−' | '–' | '→');
     first == next || !is_known(first) && !is_known(next)

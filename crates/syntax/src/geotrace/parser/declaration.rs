@@ -14,7 +14,7 @@ use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// A geodesic as it is written.
+/// A geodesic as written.
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
@@ -35,7 +35,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// Reads a declaration whose first token is not a keyword. Guesses the keyword from a misspelt word, or from the token
-    /// behind the name, so that the name is defined and its uses are not reported as well.
+    /// after the name, so that the name is defined and its uses are not reported as well.
     #[cold]
     pub(super) fn declaration_without_keyword(&mut self) {
         self.state = DeclarationState::default();
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.recover();
                 if self.current.kind == TokenKind::Semicolon {
                     self.accept();
-                    // What stands behind is read as at the start of a text.
+                    // What stands after is read as at the start of a text.
                     self.state = DeclarationState::default();
                     self.fetch(Mode::Start);
                 }
@@ -98,7 +98,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         name.len() < rest.len() && name.trim_start().starts_with('(')
     }
 
-    /// The rest of a declaration, from its name (the current token) to behind its `;`.
+    /// The rest of a declaration, from its name (the current token) to after its `;`.
     fn declaration_from_name(&mut self, keyword: DeclarationKeyword, start: Span) {
         if self.decl(keyword).is_err() {
             self.state.faulty = true;
@@ -107,7 +107,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state.in_body = false;
         let ends = self.current.kind == TokenKind::Semicolon;
         let last = if ends { self.current } else { self.previous };
-        // The name is defined before the parser looks at the token behind the `;`.
+        // The name is defined before the parser looks at the token after the `;`.
         let symbol = self.define(keyword);
         if ends {
             self.accept();
@@ -406,7 +406,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Rejects the second of two places of a geodesic, if it stands behind the current comma and not in one bracket with the
+    /// Rejects the second of two places of a geodesic, if it stands after the current comma and not in one bracket with the
     /// first: `(a, b), (c, d)`.
     fn reject_loose_place(&mut self, first: Span) -> Result<(), Stop> {
         let comma = self.current.span.end;
@@ -510,7 +510,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.ids(opening)
     }
 
-    /// `IDS = IDS "," id | id`, and the `)` behind it.
+    /// `IDS = IDS "," id | id`, and the `)` after it.
     fn ids(&mut self, opening: Span) -> Result<(), Stop> {
         self.new_parameter()?;
         while self.is_separator() {

@@ -39,7 +39,7 @@ pub enum Deferred {
 pub struct Undefined {
     /// The whole word.
     pub(crate) whole: String,
-    /// The rest of it behind the tokens that have been split off.
+    /// The rest of it after the tokens that have been split off.
     pub(crate) word: String,
     /// The offset at which the rest starts.
     pub(crate) offset: u32,
@@ -60,7 +60,7 @@ pub(crate) trait References {
     /// builtin.
     fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)>;
 
-    /// Returns the last place where the text has the name behind a declaration keyword, and its line, if that place is behind
+    /// Returns the last place where the text has the name after a declaration keyword, and its line, if that place is after
     /// this offset of the declaration.
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)>;
 

@@ -24,7 +24,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.add_tail(first)
     }
 
-    /// Returns the rest of `EXPR` behind its first `APP`.
+    /// Returns the rest of `EXPR` after its first `APP`.
     pub(super) fn add_from(&mut self, app: Span) -> Parse {
         let factor = self.mult_tail(app)?;
         let first = self.jux_tail(factor)?;
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.mult_tail(first)
     }
 
-    /// Returns the rest of `MULT` and of `MULT2` behind the first operand.
+    /// Returns the rest of `MULT` and of `MULT2` after the first operand.
     fn mult_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
@@ -159,7 +159,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.prefix_operator().is_some() || self.starts_app()
     }
 
-    /// Returns the rest of `APP` behind its `FUNC2`.
+    /// Returns the rest of `APP` after its `FUNC2`.
     pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
         let function = self.func(id, function)?;
         if !self.starts_operand() {
@@ -181,7 +181,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// Returns the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` behind its `FUNC2`.
+    /// Returns the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.
     fn func(&mut self, id: SymbolId, function: Span) -> Parse {
         if self.current.kind != TokenKind::Caret {
             return Ok(function);
@@ -383,7 +383,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     #[cold]
     fn missing_argument(&mut self, function: Span) -> Stop {
-        // As in `K(s)`, where nothing is called `K`: that has been said, and `s` would be right behind a word that takes it.
+        // As in `K(s)`, where nothing is called `K`: that has been said, and `s` would be right after a word that takes it.
         self.flagged |= self.state.silent
             && self.current.kind == TokenKind::ParenClose
             && self.is_argument_of_word(function.start);

@@ -58,7 +58,7 @@ pub(super) fn comment(text: &str) -> Option<&'static str> {
     signs.into_iter().find(|sign| text.starts_with(sign))
 }
 
-/// Returns the comment `/* … */` with which a text begins, as it is written here. `None` if it does not end before a `;`, where
+/// Returns the comment `/* … */` with which a text begins, as written here. `None` if it does not end before a `;`, where
 /// the text is cut.
 pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
     let inside = text.strip_prefix("/*")?;
@@ -183,7 +183,7 @@ pub(super) fn between_bars(text: &str) -> Option<&str> {
     (behind.starts_with('|') && is_whole && !inside.trim().is_empty()).then_some(inside)
 }
 
-/// Returns the vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or behind it.
+/// Returns the vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or after it.
 pub(super) fn rotation(text: &str) -> Option<String> {
     let opening = text.find('(')?;
     let closing = opening + text[opening..].find(')')?;
@@ -248,7 +248,7 @@ impl ForeignInterval<'_> {
         }
     }
 
-    /// Returns the interval as it is written here.
+    /// Returns the interval as written here.
     pub(super) fn written(&self) -> String {
         let [a, b] = self.ends_written();
         match self.parameter {

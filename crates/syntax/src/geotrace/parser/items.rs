@@ -1,4 +1,4 @@
-//! The items behind the commas of a declaration: `ATTRS`, `ITEMS` and all below them but intervals.
+//! The items after the commas of a declaration: `ATTRS`, `ITEMS` and all below them but intervals.
 
 use super::intervals::IntervalOwner;
 use super::messages::quote;
@@ -235,7 +235,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.interval(IntervalOwner::Domain, tag)
     }
 
-    /// Rejects what stands behind the value of a curve, a surface or a metric, if it is no item: the value's components are
+    /// Rejects what stands after the value of a curve, a surface or a metric, if it is no item: the value's components are
     /// meant to be in brackets.
     fn reject_loose_components(&mut self, start: u32) -> Result<(), Stop> {
         let body = self.state.body;
@@ -364,7 +364,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Returns the expression behind a `:`, over the parameters of the declaration.
+    /// Returns the expression after a `:`, over the parameters of the declaration.
     fn value(&mut self) -> Result<Span, Stop> {
         self.state.in_body = true;
         self.advance(Mode::Expression);
@@ -431,7 +431,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Returns true if a word stands at a place, and behind it the end of an item.
+    /// Returns true if a word stands at a place, and after it the end of an item.
     fn is_lone_word(&self, offset: u32) -> bool {
         let rest = self.source[offset as usize..].trim_start();
         let behind = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());

@@ -18,7 +18,7 @@ use crate::symbol::SymbolId;
 /// The state of the lints between declarations.
 #[derive(Default)]
 pub(super) struct LintState {
-    /// The last bracket that opens right behind a function. The operand that begins with it takes it.
+    /// The last bracket that opens right after a function. The operand that begins with it takes it.
     pub(super) touching: Option<Touching>,
     /// The last application whose operand ended with a number or a name.
     pub(super) argument: Option<Argument>,
@@ -43,7 +43,7 @@ pub(super) struct Argument {
     pub(super) operand: Span,
 }
 
-/// `sin 2x`: the application, and the start of the factors behind its operand.
+/// `sin 2x`: the application, and the start of the factors after its operand.
 #[derive(Clone, Copy)]
 pub(super) struct ShortArgument {
     argument: Argument,
@@ -113,7 +113,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `sin 2x`, `sin 2 x`, `sin nt`: returns the operand where the current token is a factor behind it, and may be meant to be a
+    /// `sin 2x`, `sin 2 x`, `sin nt`: returns the operand where the current token is a factor after it, and may be meant to be a
     /// part of it.
     #[inline]
     pub(super) fn short_argument(&self) -> Option<ShortArgument> {
@@ -190,7 +190,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.parsed.get(name).is_none() && words.is_some_and(|words| words.weak(name).is_some())
     }
 
-    /// `v[1]`: looks like a component. The current token is a factor behind a product.
+    /// `v[1]`: looks like a component. The current token is a factor after a product.
     #[inline]
     pub(super) fn warn_index(&mut self, product: Span) {
         if self.current.kind != TokenKind::BracketOpen
@@ -205,7 +205,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `1 000`, `3.14.15`: looks like one number. The current token is a factor behind a product.
+    /// `1 000`, `3.14.15`: looks like one number. The current token is a factor after a product.
     #[inline]
     pub(super) fn warn_numbers(&mut self, product: Span) {
         if matches!(self.current.kind, TokenKind::Number(_))
@@ -397,7 +397,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(fraction, message, hint, &[&meant]);
     }
 
-    /// `e^-2t`: looks as if the factor behind the number were in the exponent. The current token is that factor. Of other bases
+    /// `e^-2t`: looks as if the factor after the number were in the exponent. The current token is that factor. Of other bases
     /// such a power is usual: `x^2y`.
     #[inline]
     pub(super) fn warn_short_exponent(&mut self, base: Span, exponent: Span) {
@@ -427,7 +427,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_of_reading(place, written, &meant, &read);
     }
 
-    /// `sin 1/`: returns the application of a function to the number 1 that a slash stands behind.
+    /// `sin 1/`: returns the application of a function to the number 1 that a slash stands after.
     pub(super) fn argument_of_one(&self, slash: Span) -> Option<Argument> {
         let argument = self.lints.argument?;
         let touches = argument.operand.end == slash.start && slash.text(self.source) == "/";

@@ -190,7 +190,7 @@ pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diag
         .with_fix(Fix::change(place, written, true).with_all())
 }
 
-/// Returns true if a text begins with digits and no list goes on behind them.
+/// Returns true if a text begins with digits and no list goes on after them.
 fn is_last_digits(text: &str) -> bool {
     let behind = text.trim_start_matches(|c: char| c.is_ascii_digit());
     behind.len() < text.len() && !behind.trim_start().starts_with(',')
@@ -290,7 +290,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.report(diagnostic);
     }
 
-    /// Returns true if a bad character behind another one is reported with it.
+    /// Returns true if a bad character after another one is reported with it.
     pub(super) fn joins(&self, first: char, next: char, mode: Mode) -> bool {
         let is_sign = |character| equivalent(character).is_some();
         self.is_in_name(mode)
@@ -334,7 +334,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .with_fix(Fix::change(span, &written, true).with_all())
     }
 
-    /// Returns the place of `.x`, `.y` or `.z` right behind a value, if it begins with this point.
+    /// Returns the span of `.x`, `.y` or `.z` right after a value, if it begins with this point.
     pub(super) fn lettered_component(&self, point: Span) -> Option<Span> {
         let rest = &self.source.as_bytes()[point.end as usize..];
         let is_letter = matches!(rest, [b'x' | b'y' | b'z', ..]);
@@ -348,7 +348,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         (is_letter && is_whole && is_behind_value).then_some(place)
     }
 
-    /// Returns the place of `<1, 2, 3>` where an operand is expected, if it begins with this character.
+    /// Returns the span of `<1, 2, 3>` where an operand is expected, if it begins with this character.
     pub(super) fn angle_vector(&self, first: Span) -> Option<Span> {
         let is_before_operand = matches!(
             self.previous.kind,
@@ -366,7 +366,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         is_before_operand.then(|| Span::new(first.start, first.start + found.len() as u32))
     }
 
-    /// Returns the place of `|x|` in an expression, if it begins with this bar.
+    /// Returns the span of `|x|` in an expression, if it begins with this bar.
     pub(super) fn absolute_value(&self, bar: Span) -> Option<Span> {
         let is_set = self.state.is_of_space && self.state.parameters.is_empty();
         let is_behind_value = matches!(
@@ -427,7 +427,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         is_field.then_some((hint, fix))
     }
 
-    /// Returns the error of the token behind a map's operand, with how that is written.
+    /// Returns the error of the token after a map's operand, with how that is written.
     fn with_map(&self, diagnostic: Diagnostic, map: MapWord, operand: Span) -> Diagnostic {
         let behind = &self.source[operand.start as usize..];
         let item = foreign::first_item(behind);
@@ -568,7 +568,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let line = rest.lines().next().unwrap_or_default();
         let diagnostic = diagnostic.with_hint(COMMENT);
         match line.contains(';') {
-            // The rest of the declaration stands behind it.
+            // The rest of the declaration stands after it.
             true => diagnostic,
             false => diagnostic.with_fix(Fix::change(Span::new(start, start + 2), "#", true)),
         }

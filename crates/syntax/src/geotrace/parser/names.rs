@@ -34,7 +34,7 @@ pub(super) enum Mode {
     ParameterOf(SymbolId),
 }
 
-/// The greatest number of undefined words that are reported in one declaration.
+/// The maximum number of undefined words that are reported in one declaration.
 const MAX_UNDEFINED: usize = 32;
 
 impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
@@ -243,13 +243,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             .is_some_and(|byte| byte.is_ascii_alphabetic())
     }
 
-    /// Returns the first byte at or after `offset` that is no white space.
+    /// Returns the first byte at or after `offset` that is not white space.
     pub(super) fn following(&self, offset: u32) -> Option<u8> {
         let mut rest = self.source.as_bytes()[offset as usize..].iter().copied();
         rest.find(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
     }
 
-    /// Reports an undefined word in the place of an operand and takes it for one, so that the text behind it is still read.
+    /// Reports an undefined word in the place of an operand and takes it for one, so that the text after it is still read.
     /// Returns its place.
     #[cold]
     pub(super) fn undefined_operand(&mut self) -> Span {

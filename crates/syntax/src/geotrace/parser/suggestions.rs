@@ -9,7 +9,7 @@ use crate::spelling::nearest;
 pub(super) struct DeclaredNames<'s>(HashMap<&'s str, u32>);
 
 impl<'s> DeclaredNames<'s> {
-    /// Returns the last place of a name behind a declaration keyword.
+    /// Returns the last place of a name after a declaration keyword.
     pub(super) fn place(&self, name: &str) -> Option<u32> {
         self.0.get(name).copied()
     }
