@@ -1,18 +1,18 @@
-//! The numbers that an attribute of a language may have.
+//! The numbers that an attribute of a language can have.
 
-/// The numbers that an attribute may have as its value, or as components of it.
+/// The numbers that an attribute's value, or each component of it, can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AttributeRange {
-    /// The least number.
+    /// The minimum.
     pub min: f64,
-    /// The maximum number.
+    /// The maximum.
     pub max: f64,
-    /// True if the least number itself is none of them.
+    /// True if the minimum is excluded.
     pub is_open: bool,
 }
 
 impl AttributeRange {
-    /// Every finite number.
+    /// All finite numbers.
     pub const ANY: Self = Self::closed(f64::NEG_INFINITY, f64::INFINITY);
     /// 0…1.
     pub const SHARE: Self = Self::closed(0.0, 1.0);
@@ -29,7 +29,7 @@ impl AttributeRange {
         ..Self::closed(0.0, std::f64::consts::TAU)
     };
 
-    /// Returns the numbers from one up to another, both included.
+    /// Returns the closed range from `min` to `max`.
     pub const fn closed(min: f64, max: f64) -> Self {
         Self {
             min,
@@ -38,14 +38,14 @@ impl AttributeRange {
         }
     }
 
-    /// Returns true if a number is one of the range. NaN and infinite numbers are not.
+    /// Returns true if the range contains a number. It contains neither NaN nor infinities.
     pub fn contains(self, value: f64) -> bool {
         let above = value > self.min || (value == self.min && !self.is_open);
         value.is_finite() && above && value <= self.max
     }
 
-    /// Returns the number of the range that is nearest to a finite one; of an open range the least that is above its end and
-    /// not denormal.
+    /// Returns the number of the range nearest to a finite number. In an open range, the minimum is replaced by the smallest
+    /// number above it that is not denormal.
     pub fn clamp(self, value: f64) -> f64 {
         let least = if self.is_open {
             self.min + f64::MIN_POSITIVE
@@ -55,7 +55,7 @@ impl AttributeRange {
         value.clamp(least, self.max)
     }
 
-    /// Returns the range as the end of a sentence: `0…1`, `> 0`; `None` if every number is in it.
+    /// Returns the range for the end of a sentence: `0…1`, `> 0`; `None` if it contains every number.
     pub fn text(self) -> Option<&'static str> {
         match self {
             Self::SHARE => Some("0…1"),

@@ -1,15 +1,16 @@
-//! Counts of line ends and characters at checkpoints of a text, so that a count up to any place takes one block at most.
+//! Counts of line ends and characters at checkpoints of a text, so that a count up to any offset reads at most one
+//! block.
 
 /// Bytes between two checkpoints.
 pub(crate) const BLOCK: usize = 1024;
 
-/// The counts before byte `(k + 1) · BLOCK` of a text, for each k: nothing for a short text.
+/// The counts before byte `(k + 1) · BLOCK` of a text, for each k; empty for a short text.
 ///
-/// Each method takes the text that the checkpoints were made of.
+/// Each method takes the text from which the checkpoints were made.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Checkpoints(Box<[Counts]>);
 
-/// The number of line ends, `\n`, and of characters that start before a place.
+/// The numbers of line ends, `\n`, and of characters that start before an offset.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     line_ends: u32,
@@ -17,7 +18,7 @@ struct Counts {
 }
 
 impl Checkpoints {
-    /// Counts through a text of less than 4 GiB.
+    /// Counts line ends and characters in a text of less than 4 GiB.
     pub(crate) fn new(text: &str) -> Self {
         let mut counts = Counts::default();
         let blocks = text.as_bytes().chunks_exact(BLOCK);
@@ -41,12 +42,12 @@ impl Checkpoints {
         counts.characters + count(rest, starts_character)
     }
 
-    /// Returns the offset of a line end by its number, from 0.
+    /// Returns the offset of the line end with this number, from 0.
     pub(crate) fn line_end(&self, text: &str, number: u32) -> Option<u32> {
         self.find(text, number, |counts| counts.line_ends, is_line_end)
     }
 
-    /// Returns the offset of a character by its number, from 0.
+    /// Returns the offset of the character with this number, from 0.
     pub(crate) fn character(&self, text: &str, number: u32) -> Option<u32> {
         self.find(text, number, |counts| counts.characters, starts_character)
     }
@@ -64,7 +65,7 @@ impl Checkpoints {
         counts.copied().unwrap_or_default()
     }
 
-    /// Returns the offset of the byte of this number, from 0, among those that are `counted`.
+    /// Returns the offset of the byte with this number, from 0, among the bytes that are `counted`.
     fn find(
         &self,
         text: &str,

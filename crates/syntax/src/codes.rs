@@ -1,8 +1,8 @@
-//! The codes of the diagnostics that concern texts of any language, and what each means.
+//! The codes of the diagnostics for texts of any language, with their explanations.
 
 use crate::diagnostic::Code;
 
-/// Defines codes and, as `CODES`, their table.
+/// Defines codes and their table, `CODES`.
 macro_rules! codes {
     ($($constant:ident = $name:literal, $explanation:literal;)*) => {
         $(#[doc = $explanation] pub const $constant: Code = Code($name);)*

@@ -1,4 +1,4 @@
-//! Diagnostics: what is wrong with a text, where, and how to correct it.
+//! Diagnostics: a fault of a text, its location, and its corrections.
 
 use crate::span::Span;
 
@@ -17,7 +17,7 @@ pub enum Severity {
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Code(pub &'static str);
 
-/// Another place that explains a diagnostic, such as the body of a function.
+/// Another location that explains a diagnostic, such as the body of a function.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Related {
     /// The span.
@@ -26,22 +26,22 @@ pub struct Related {
     pub message: String,
 }
 
-/// A change of the text that corrects what a diagnostic reports, if it is what the user means.
+/// A change of the text that corrects the fault of a diagnostic, if it is what the user means.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Fix {
     /// The effect, as an imperative: "Write `sin(2x)`".
     pub title: String,
-    /// The text that is replaced; empty to insert.
+    /// The range that is replaced; empty to insert.
     pub span: Span,
     /// The new text.
     pub replacement: String,
-    /// True if an editor may apply it without asking which one is meant.
+    /// True if an editor may apply it without asking the user to choose.
     pub preferred: bool,
-    /// True if an editor may apply it together with all others of which this is true.
+    /// True if an editor may apply it together with all others that have this flag.
     pub all: bool,
 }
 
-/// One finding in a text.
+/// A finding about a text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Diagnostic {
     /// Its severity.
@@ -50,18 +50,18 @@ pub struct Diagnostic {
     pub code: Code,
     /// Its span.
     pub span: Span,
-    /// One sentence that says what is wrong, in the words of the language's users.
+    /// One sentence that describes the fault, in the words of the language's users.
     pub message: String,
     /// A correction, if one is known ("did you mean `cos`?").
     pub hint: Option<String>,
-    /// Other places that explain it.
+    /// Other locations that explain it.
     pub related: Vec<Related>,
     /// Changes of the text that correct it.
     pub fixes: Vec<Fix>,
 }
 
 impl Fix {
-    /// Returns the fix that replaces a word by another.
+    /// Creates a fix that replaces a word by another.
     pub(crate) fn change(span: Span, word: &str, preferred: bool) -> Self {
         Self {
             title: format!("Change to `{word}`"),
@@ -72,7 +72,7 @@ impl Fix {
         }
     }
 
-    /// Returns the fix that removes a sign.
+    /// Creates a fix that removes a sign.
     pub(crate) fn remove(span: Span, sign: &str) -> Self {
         Self {
             title: format!("Remove `{sign}`"),
@@ -80,13 +80,13 @@ impl Fix {
         }
     }
 
-    /// Returns the fix as one that may be applied together with others.
+    /// Returns the fix, marked as one that may be applied together with others.
     #[must_use]
     pub(crate) fn with_all(self) -> Self {
         Self { all: true, ..self }
     }
 
-    /// Returns the fix that writes an expression so that it cannot be read in two ways.
+    /// Creates a fix that rewrites an expression unambiguously.
     pub(crate) fn write(span: Span, text: &str) -> Self {
         Self {
             title: format!("Write `{text}`"),
@@ -97,7 +97,7 @@ impl Fix {
         }
     }
 
-    /// Returns the fix that inserts a text at an offset.
+    /// Creates a fix that inserts a text at an offset.
     pub(crate) fn insert(title: &str, offset: u32, text: &str) -> Self {
         Self {
             title: title.to_owned(),
@@ -110,7 +110,7 @@ impl Fix {
 }
 
 impl Diagnostic {
-    /// Returns an error without hint or related places.
+    /// Creates an error without hint or related locations.
     pub fn error(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
@@ -123,7 +123,7 @@ impl Diagnostic {
         }
     }
 
-    /// Returns a warning without hint or related places.
+    /// Creates a warning without hint or related locations.
     pub fn warning(code: Code, span: Span, message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Warning,
@@ -131,7 +131,7 @@ impl Diagnostic {
         }
     }
 
-    /// Sorts diagnostics by their start; of those with one start, the widest comes first.
+    /// Sorts diagnostics by their start; with equal starts, the widest comes first.
     pub fn sort(diagnostics: &mut [Self]) {
         diagnostics.sort_by_key(|diagnostic| {
             let Span { start, end } = diagnostic.span;
@@ -146,14 +146,14 @@ impl Diagnostic {
         self
     }
 
-    /// Returns the diagnostic with one more change that corrects it.
+    /// Returns the diagnostic with another fix.
     #[must_use]
     pub fn with_fix(mut self, fix: Fix) -> Self {
         self.fixes.push(fix);
         self
     }
 
-    /// Returns the diagnostic with all its places mapped.
+    /// Returns the diagnostic with all its spans mapped.
     #[must_use]
     pub fn mapped(mut self, place: impl Fn(Span) -> Span) -> Self {
         self.span = place(self.span);
@@ -166,13 +166,13 @@ impl Diagnostic {
         self
     }
 
-    /// Returns the diagnostic with all its places `bytes` further down.
+    /// Returns the diagnostic with all its spans moved by `bytes`.
     #[must_use]
     pub fn moved(self, bytes: u32) -> Self {
         self.mapped(|span| span.moved(bytes))
     }
 
-    /// Returns the diagnostic with one more related place.
+    /// Returns the diagnostic with another related location.
     #[must_use]
     pub fn with_related(mut self, span: Span, message: impl Into<String>) -> Self {
         self.related.push(Related {

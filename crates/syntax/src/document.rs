@@ -1,27 +1,27 @@
-//! A text that is edited: it is read chunk by chunk, and again only where an edit makes a difference.
+//! A text that is edited: it is read chunk by chunk, and only chunks that an edit affects are read again.
 //!
 //! ```text
-//! edit ──▶ edit.rs          the chunks that are cut anew, and those that are read again
+//! edit ──▶ edit.rs          the chunks that are cut again, and the chunks that are read again
 //!          grammar.rs       the interface of a language
-//!          chunk.rs         a piece of the text, with what reading it has given
+//!          chunk.rs         a piece of the text, with the results of reading it
 //!          sequence.rs      the chunks in order, with sums: offsets and lines in logarithmic time
-//!          names.rs         the meaning of a word at a place; the chunks that use a name
+//!          names.rs         the meaning of a word at a position; the chunks that use a name
 //!          lookups.rs       the chunks that a new name would change
 //!          scope.rs         the names as a grammar sees them while it reads a chunk
-//!          diagnostics.rs   diagnostics, completed with lines and names of other places on request
-//!          surroundings.rs  the text around a chunk, for that
-//! ask  ──▶ snapshot.rs, index.rs   the text, its tokens, symbols and lines, at one version
+//!          diagnostics.rs   diagnostics, completed with lines and names of other locations on request
+//!          surroundings.rs  the text around a chunk, to complete diagnostics
+//! query ─▶ snapshot.rs, index.rs   the text, its tokens, symbols and lines, at one version
 //!          chunk_set.rs     sets of chunks that snapshots share with the document
 //! ```
 //!
-//! The language, a [`Grammar`], cuts the text into chunks without knowing the meaning of any name. An edit cuts anew only the
-//! chunks that it touches. They are read again, and so are those below that use a name whose meaning has changed, or hold a
-//! word that a new name changes: reading a chunk records each name and word that it has looked up. Reading a chunk may change
-//! names in turn; the chunks are read from top to bottom, each once at most. After every edit the document equals one that is
-//! made from the whole text.
+//! The language, a [`Grammar`], cuts the text into chunks without knowing the meaning of any name. An edit recuts only the
+//! chunks that it touches. These are read again, and so are the chunks below that use a name whose meaning has changed, or
+//! contain a word that a new name changes: reading a chunk records each name and word that it looks up. Reading a chunk may
+//! change further names; chunks are read from top to bottom, each at most once. After every edit the document equals a
+//! document made from the whole text.
 //!
-//! All that is kept of a chunk counts from its start, and a symbol keeps its handle for as long as its declaration is there:
-//! edits above and below leave a chunk as it is.
+//! All offsets in a chunk are relative to its start, and a symbol keeps its handle as long as its declaration exists, so
+//! that edits above and below leave a chunk unchanged.
 
 mod chunk;
 mod chunk_set;
@@ -56,7 +56,7 @@ pub use sequence::ChunkId;
 pub use snapshot::Snapshot;
 pub use surroundings::Surroundings;
 
-/// A text and what reading it has given: its present [`Snapshot`], and what is needed to change it.
+/// A text and the results of reading it: its present [`Snapshot`], and the indexes that edits require.
 #[derive(Clone, Debug)]
 pub struct Document<G: Grammar> {
     snapshot: Snapshot<G>,
@@ -81,31 +81,31 @@ impl<G: Grammar> Deref for Document<G> {
 pub struct Change {
     /// The document's version after the edit.
     pub version: u64,
-    /// The chunks that the edit has removed. A later edit may use a handle again for a new chunk.
+    /// The chunks that the edit has removed. A later edit may reuse their handles for new chunks.
     pub removed: Vec<ChunkId>,
-    /// The chunks that were read, new ones among them, from top to bottom.
+    /// The chunks that were read, including new ones, from top to bottom.
     pub read: Vec<ChunkId>,
-    /// The symbols that are no longer defined. A later edit may use a handle again for a new symbol.
+    /// The symbols that are no longer defined. A later edit may reuse their handles for new symbols.
     pub forgotten: Vec<SymbolId>,
 }
 
-/// Counters of the work that a document has done since it was made.
+/// Counters of the work of a document since it was created.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct ReadCounters {
-    /// The bytes that were searched for the ends of chunks.
+    /// The number of bytes searched for the ends of chunks.
     pub cut: u64,
-    /// The chunks that were read because their text was new.
+    /// The number of chunks read because their text was new.
     pub edited: u64,
-    /// The chunks that were read again because of the names above them.
+    /// The number of chunks read again because of the names above them.
     pub reread: u64,
 }
 
-/// The reason why an edit is refused. The document is as it was before.
+/// The reason why an edit is refused. The document is then unchanged.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum EditError {
     /// The range ends after the text's end, or before its own start.
     OutOfRange,
-    /// An end of the range lies inside a character.
+    /// An end of the range is inside a character.
     InsideCharacter,
     /// The text would have 4 GiB or more.
     TooLarge,
@@ -159,7 +159,7 @@ impl<G: Grammar> Document<G> {
         Ok(document)
     }
 
-    /// Returns a document of a snapshot, without the indexes that a snapshot does not hold.
+    /// Creates a document from a snapshot, without the indexes that a snapshot lacks.
     fn unindexed(snapshot: Snapshot<G>) -> Self {
         Self {
             snapshot,
@@ -171,7 +171,7 @@ impl<G: Grammar> Document<G> {
         }
     }
 
-    /// Returns a document that goes on from a snapshot of another, for trying edits out. Nothing is read for it.
+    /// Creates a document that continues from a snapshot of another, to try out edits. Nothing is read.
     pub fn from_snapshot(snapshot: Snapshot<G>) -> Self {
         let mut document = Self::unindexed(snapshot);
         let Self {
@@ -209,7 +209,7 @@ impl<G: Grammar> Document<G> {
     /// Replaces the bytes of a range.
     ///
     /// # Errors
-    /// If the text does not have the range, or would be too large. The document is then as it was before.
+    /// If the text does not have the range, or would be too large. The document is then unchanged.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
         let length = self.len();
         if range.start > range.end || range.end > length {
@@ -242,7 +242,7 @@ impl<G: Grammar> Document<G> {
         })
     }
 
-    /// Returns the document as it is now. Later edits do not change the snapshot.
+    /// Returns the present state of the document. Later edits do not change the snapshot.
     pub fn snapshot(&self) -> Snapshot<G> {
         self.snapshot.clone()
     }
@@ -252,7 +252,7 @@ impl<G: Grammar> Document<G> {
         self.version
     }
 
-    /// Returns the counters of the work so far.
+    /// Returns the counters of the work since the document was created.
     pub fn counters(&self) -> ReadCounters {
         self.counters
     }

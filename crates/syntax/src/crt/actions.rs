@@ -1,21 +1,21 @@
-//! The semantic hooks: what builds the tree of a script, or colours it.
+//! The semantic hooks, which build the syntax tree of a script, or colour it.
 
 use super::token::Token;
 use super::tree::{BinaryOperator, ModifierKind, PrefixOperator};
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
-/// One step of a script, in postfix order: each takes the parts that the steps before it gave, and gives one. Whatever is
-/// wrong with a text, no part is left out: the step [`Missing`](Self::Missing) stands for an expression that is.
+/// A step of parsing, in postfix order: it takes the parts that earlier steps returned, and returns one part. Even in a
+/// text with errors, no part is absent: [`Missing`](Self::Missing) represents a missing expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParseStep<'s> {
     /// An expression that is missing.
     Missing,
     /// A whole number.
     Integer(i32),
-    /// A number with a point.
+    /// A number with a decimal point.
     Float(f64),
-    /// A string, without quotes and escapes.
+    /// A string, without quotes and with its escapes replaced.
     Text(&'s str),
     /// `true` or `false`.
     Boolean(bool),
@@ -27,7 +27,7 @@ pub enum ParseStep<'s> {
     List(usize),
     /// `a -> b`, with the span of the name: one expression → an attribute.
     Attribute(Span),
-    /// `Sphere { … }`, with the span of the name and this many attributes. The place of the braces is the rest.
+    /// `Sphere { … }`, with the span of the name, this many attributes, and the span of the braces.
     Object(Span, usize, Span),
     /// A parameter of a macro: an identifier.
     Parameter,
@@ -70,11 +70,11 @@ pub enum ParseStep<'s> {
 /// The hooks that the parser calls. All do nothing unless implemented.
 #[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Actions {
-    /// The parser moved past a token. Comes for every token, comments and tokens skipped by recovery too, in the order of
-    /// the text and without gaps but for white space; the end of input is not reported.
+    /// The parser moved past a token. Called for every token in the order of the text, including comments and tokens
+    /// skipped by recovery. Only white space and the end of input are not reported.
     fn act_advance(&mut self, token: Token) {}
 
-    /// One step. `span` covers the step with its parts.
+    /// A step of parsing. `span` covers the step with its parts.
     fn act_step(&mut self, step: ParseStep<'_>, span: Span) {}
 
     /// An error, a warning or a hint.

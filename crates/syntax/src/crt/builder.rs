@@ -1,4 +1,4 @@
-//! From the calls of the hooks to the tree.
+//! From the calls of the hooks to the syntax tree.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::tree::{
 };
 use crate::span::Span;
 
-/// Builds the blocks of a text as the parser goes.
+/// Builds the blocks of a text while the parser runs.
 #[derive(Debug, Default)]
 pub(super) struct Builder<'s> {
     source: &'s str,
@@ -20,7 +20,7 @@ pub(super) struct Builder<'s> {
     statements: Vec<Statement>,
     bodies: Vec<Body>,
     arms: Vec<Arm>,
-    /// The blocks that are complete.
+    /// The complete blocks.
     pub(super) blocks: Vec<Block>,
 }
 
@@ -44,7 +44,7 @@ impl<'s> Builder<'s> {
         }
     }
 
-    /// Returns the last expression; the parser gives no step before its parts.
+    /// Returns the last expression; the parser reports no step before its parts.
     fn pop(&mut self) -> Expression {
         self.expressions.pop().unwrap_or(Expression {
             kind: ExpressionKind::Missing,
@@ -81,7 +81,7 @@ impl<'s> Builder<'s> {
     }
 }
 
-/// Returns the last elements of a list.
+/// Returns the last `count` elements of a list.
 fn last<T>(list: &mut Vec<T>, count: usize) -> Box<[T]> {
     list.drain(list.len().saturating_sub(count)..).collect()
 }

@@ -1,4 +1,4 @@
-//! The codes of the diagnostics of the parser, and what each means.
+//! The codes of the parser's diagnostics, with their explanations.
 
 use crate::codes::codes;
 use crate::diagnostic::Code;
@@ -27,7 +27,7 @@ codes! {
     UNKNOWN_OBJECT = "unknown-object", "There is no object of this name.";
 }
 
-/// The codes of the errors that leave nothing out of the tree: such a script can be run, for the errors of the run.
+/// The codes of errors that leave the tree complete: such a script can be run, to find its run-time errors.
 pub const OF_WHOLE_TREES: &[Code] = &[
     AFTER_SCENE,
     DUPLICATE_PARAMETER,

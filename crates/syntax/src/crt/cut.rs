@@ -1,33 +1,33 @@
 //! The ends of the pieces of a script, found without parsing it.
 //!
-//! Nothing ends a statement but the token after it: one that begins a statement and goes on with none. A piece ends before
-//! that token: with the line before, or right before it if they share a line. So the beginning of a piece also decides where
-//! the one above ends ([`LOOKAHEAD`]).
+//! A statement has no terminator: it ends before a token that begins a statement and cannot continue one. A piece ends
+//! before that token: at the end of the line before, or right before the token if they share a line. So the beginning of a
+//! piece also determines where the piece above ends ([`LOOKAHEAD`]).
 
 use super::lexer::{Fault, Lexer};
 use super::parser::is_certificate;
 use super::token::TokenKind;
 
-/// The number of bytes after the white space at a piece's start that decide that the piece above ends there: those of the
-/// longest word, and one that shows where it ends.
+/// The number of bytes after the white space at a piece's start that determine whether the piece above ends there: the
+/// length of the longest word, plus one byte that shows where the word ends.
 pub(super) const LOOKAHEAD: usize = "Settings".len() + 1;
 
 /// The state of the search after a part of a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CutState {
-    /// The offset of the first token that more text may change.
+    /// The offset of the first token that more text can change.
     at: usize,
-    /// The end of the token before.
+    /// The end of the previous token.
     previous_end: usize,
     phase: Phase,
     brackets: Brackets,
-    /// The number of modifiers that are open outside brackets.
+    /// The number of open modifiers outside brackets.
     modifiers: u32,
-    /// The token before is a `<`.
+    /// True if the previous token is a `<`.
     is_less: bool,
 }
 
-/// The place in a block, outside its brackets.
+/// The position within a block, outside its brackets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Phase {
     /// Before the block.
@@ -41,22 +41,22 @@ enum Phase {
     Condition(bool),
     /// Before a `{`; `true` for an `if`.
     Body(bool),
-    /// After the last `}`; `true` for an `if`.
+    /// After the final `}`; `true` for an `if`.
     End(bool),
     /// After `else`.
     Else,
 }
 
-/// The brackets that are open.
+/// The open brackets.
 #[derive(Clone, Copy, Debug, Default)]
 struct Brackets {
     depth: u32,
-    /// A bit for each of the outermost brackets: set for a brace.
+    /// One bit for each of the outermost brackets: set for a brace.
     braces: [u64; 4],
 }
 
 impl Brackets {
-    /// The depth of which the kind is known. Deeper text is an error, which the parser reports.
+    /// The maximum depth at which the kind of a bracket is stored. Deeper text is an error, which the parser reports.
     const KNOWN: u32 = 256;
 
     fn is_brace(&self, level: u32) -> bool {
@@ -72,7 +72,7 @@ impl Brackets {
         self.depth = self.depth.saturating_add(1);
     }
 
-    /// A `}` closes all up to the last `{`; another bracket does not close a brace.
+    /// Closes a bracket. A `}` closes all brackets up to the last `{`; another bracket does not close a brace.
     fn close(&mut self, is_brace: bool) {
         if self.depth > Self::KNOWN {
             self.depth -= 1;
@@ -85,13 +85,13 @@ impl Brackets {
     }
 }
 
-/// Appends to `ends` the offsets after the pieces that end in a text, as far as the text decides them. `from` and `state` are
-/// those of the call with its beginning.
+/// Appends to `ends` the offsets after the pieces that end in a text, as far as the text determines them. `from` and `state`
+/// are the length of the text in the previous call and the state after it.
 pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
     if is_certificate(text) {
         return state;
     }
-    // A comment or a string that nothing new can end is not read again.
+    // Do not read a comment or a string again unless the new text can end it.
     let begun = text.get(state.at..from).unwrap_or_default().as_bytes();
     let is_open = matches!(begun, [b'-', b'-', ..]) || matches!(begun, [b'"', ..]);
     if is_open && begun.len() >= LOOKAHEAD && !text[from..].contains(['\n', '\r', '"', '\\']) {
@@ -129,7 +129,7 @@ pub(super) fn cut(text: &str, from: usize, mut state: CutState, ends: &mut Vec<u
     }
 }
 
-/// Returns true if more text after a token may make it longer, or another one.
+/// Returns true if more text after a token can extend it or change its kind.
 fn may_go_on(kind: TokenKind, fault: Option<Fault>) -> bool {
     use TokenKind::{
         BraceClose, BraceOpen, BracketClose, BracketOpen, Comma, Error, ParenClose, ParenOpen, Text,
@@ -149,7 +149,7 @@ impl CutState {
         let is_passed = kind == Comment || matches!(fault, Some(Fault::Character(_)));
         match self.phase {
             Phase::Start => false,
-            // These stand at top level only: all brackets were meant to be closed.
+            // These occur at top level only: all open brackets were meant to be closed.
             _ if matches!(kind, Settings | Scene) => true,
             _ if self.brackets.depth > 0 || is_passed => false,
             Phase::Operand => matches!(kind, While | If),
@@ -165,7 +165,7 @@ impl CutState {
         }
     }
 
-    /// Goes on after a token of the block.
+    /// Advances the state past a token of the block.
     fn take(&mut self, kind: TokenKind, fault: Option<Fault>) {
         use TokenKind::{
             BraceClose, BraceOpen, BracketClose, BracketOpen, Else, Error, Greater, If, ParenClose,
@@ -206,7 +206,7 @@ impl CutState {
                     self.modifiers += 1;
                     Phase::Operand
                 }
-                // The brackets that a macro needs go on with it.
+                // The brackets that a macro requires follow it.
                 TokenKind::Macro => Phase::Operand,
                 _ if kind.begins_primary() => Phase::Operator,
                 _ => Phase::Operand,

@@ -1,6 +1,6 @@
 //! A script that is edited: the language as a [`Grammar`] of the kernel's document.
 //!
-//! A chunk is as a rule one block; no name changes how another one is read.
+//! A chunk is usually one block; no name changes the reading of another chunk.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub struct Crt;
 pub type Document = document::Document<Crt>;
 /// A script at one version.
 pub type Snapshot = document::Snapshot<Crt>;
-/// A chunk of a script at its place.
+/// A chunk of a script with its position.
 pub type PlacedChunk<'d> = document::PlacedChunk<'d, Crt>;
 
 /// The analysis of a chunk: its tokens and its blocks.
@@ -31,7 +31,7 @@ pub struct ChunkAnalysis {
     blocks: Arc<[Block]>,
 }
 
-/// The meaning of a name: no name has one before a script is run.
+/// The meaning of a name: names have no meaning before a script is run.
 #[derive(Clone, Copy, Debug)]
 pub enum NoSymbol {}
 
@@ -116,7 +116,7 @@ impl Analysis for ChunkAnalysis {
 }
 
 impl Snapshot {
-    /// Returns the tree of the script.
+    /// Returns the syntax tree of the script.
     pub fn script(&self) -> Script {
         let mut start = 0;
         let mut pieces = Vec::new();
@@ -139,7 +139,7 @@ impl Snapshot {
         }
     }
 
-    /// Returns the tokens that a range touches, including comments, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, including comments, in order. Their spans are relative to the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {
@@ -155,7 +155,7 @@ impl Snapshot {
 }
 
 impl Document {
-    /// Returns all diagnostics of the text, sorted by place: those of its pieces, and of the order of its blocks.
+    /// Returns all diagnostics of the text, sorted by position: of its pieces and of the order of its blocks.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let mut all = self.diagnostics();
         all.extend(self.script().misplaced());

@@ -1,8 +1,8 @@
-//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion turned into tails, common
-//! prefixes factored. Tests compute FIRST and FOLLOW from this table and hold the parser to it.
+//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion is replaced by tails, and
+//! common prefixes are factored out. Tests compute FIRST and FOLLOW from this table and compare the parser with it.
 //!
-//! Four cells of the LL(1) table have two productions, and the one that goes on with an expression is taken: after an
-//! expression `+` and `-` are binary, `[` and `(` belong to it ([`GREEDY`]).
+//! Four cells of the LL(1) table have two productions; the one that continues the expression is chosen. After an
+//! expression, `+` and `-` are binary, and `[` and `(` belong to the expression ([`GREEDY`]).
 
 use super::token::TokenKind as Terminal;
 use crate::productions::{self, productions};
@@ -53,7 +53,7 @@ pub enum Nonterminal {
 /// One alternative of a nonterminal.
 pub type Production = productions::Production<Nonterminal, Terminal>;
 
-/// The cells of the table with two productions: of these, the one that is not empty is taken.
+/// The cells of the table with two productions: the nonempty one is chosen.
 pub const GREEDY: [(Nonterminal, Terminal); 4] = [
     (Nonterminal::SumTail, Terminal::Plus),
     (Nonterminal::SumTail, Terminal::Minus),
@@ -61,7 +61,7 @@ pub const GREEDY: [(Nonterminal, Terminal); 4] = [
     (Nonterminal::PostTail, Terminal::ParenOpen),
 ];
 
-/// The grammar; [`Nonterminal::Script`] is its start.
+/// The grammar; its start symbol is [`Nonterminal::Script`].
 pub const PRODUCTIONS: &[Production] = {
     productions! {
         Script = N(Block) N(Script);

@@ -6,14 +6,14 @@ use super::token::{Token, TokenKind};
 use crate::highlight::HighlightKind;
 use crate::span::Span;
 
-/// Returns every token of a script with its colour, in the order of the text and without overlap.
+/// Returns every token of a script with its colour, in the order of the text and without overlaps.
 pub fn highlight(source: &str) -> Vec<(Span, HighlightKind)> {
     let mut highlighter = Highlighter::default();
     parse_script(source, &mut highlighter);
     highlighter.highlights
 }
 
-/// Collects the colours as the parser goes.
+/// Collects the colours while the parser runs.
 #[derive(Clone, Debug, Default)]
 pub struct Highlighter {
     /// The coloured pieces so far.
@@ -21,7 +21,7 @@ pub struct Highlighter {
 }
 
 impl Highlighter {
-    /// Gives another colour to the token of a place.
+    /// Changes the colour of the token at a span.
     fn recolor(&mut self, span: Span, kind: HighlightKind) {
         let found = self.highlights.binary_search_by_key(&span, |it| it.0);
         if let Ok(index) = found {
@@ -41,7 +41,7 @@ impl Actions for Highlighter {
         match step {
             ParseStep::Attribute(name) => self.recolor(name, HighlightKind::Constant),
             ParseStep::Call(brackets, _) => {
-                // The last token before the brackets, if it is a name, is called.
+                // A name right before the brackets is called.
                 let before = self
                     .highlights
                     .partition_point(|it| it.0.start < brackets.start);
@@ -59,7 +59,7 @@ impl Actions for Highlighter {
     }
 }
 
-/// Returns the colour of a token by itself; `None` at the end of the text.
+/// Returns the default colour of a token; `None` at the end of the text.
 pub fn kind(token: TokenKind) -> Option<HighlightKind> {
     use TokenKind::{
         And, Arrow, Assign, BraceClose, BraceOpen, BracketClose, BracketOpen, Caret, Colon, Comma,

@@ -6,7 +6,7 @@ use super::token::{Token, TokenKind};
 use crate::span::Span;
 use crate::text::line_length;
 
-/// A token, and what is wrong with it.
+/// A token and its fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lexeme {
     /// The token; of kind [`TokenKind::Error`] where it has no value.
@@ -22,13 +22,13 @@ pub enum Fault {
     Character(char),
     /// A `.` without digits.
     LonePoint,
-    /// A whole number that 32 bits do not hold.
+    /// A whole number that exceeds 32 bits.
     IntegerTooLarge,
     /// A number whose nearest 64-bit floating-point number is infinite.
     Overflow,
-    /// A string that its line does not end.
+    /// A string that is not closed on its line.
     UnclosedString,
-    /// A `\` of a string that begins no escape, with its place. The token is a string.
+    /// A `\` in a string that does not begin an escape, with its span. The token is a string.
     Escape(Span),
     /// A comment of another language, which begins with `//`. The token is a comment.
     ForeignComment,
@@ -50,7 +50,7 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// Returns the next lexeme. Comments are lexemes, white space is passed.
+    /// Returns the next lexeme. Comments are lexemes; white space is skipped.
     #[inline]
     pub fn read(&mut self) -> Lexeme {
         let bytes = self.source.as_bytes();
@@ -109,7 +109,7 @@ impl<'s> Lexer<'s> {
         Lexeme { token, fault }
     }
 
-    /// Returns the kind of the next token that is not a comment, without passing it.
+    /// Returns the kind of the next token that is not a comment, without consuming it.
     pub fn peek(&self) -> TokenKind {
         let mut ahead = self.clone();
         loop {
@@ -146,8 +146,8 @@ impl<'s> Lexer<'s> {
     }
 }
 
-/// Returns the length of the string that `bytes` begin with, and whether it is closed. One that is not ends with its
-/// line.
+/// Returns the length of the string at the start of `bytes`, and whether it is closed. An unclosed string ends at the
+/// end of its line.
 fn string(bytes: &[u8]) -> (usize, bool) {
     let mut at = 1;
     loop {
@@ -161,11 +161,11 @@ fn string(bytes: &[u8]) -> (usize, bool) {
     }
 }
 
-/// Returns the text that a string between quotes stands for: with Java's escapes, `\b \t \n \f \r \" \' \\`, `\0` to
-/// `\377` and `\u0041` (The Java Language Specification, 3.3 and 3.10.7).
+/// Returns the value of a string literal between quotes, with Java's escapes: `\b \t \n \f \r \" \' \\`, `\0` to `\377`
+/// and `\u0041` (The Java Language Specification, 3.3 and 3.10.7).
 ///
 /// # Errors
-/// The place of the first `\` that begins no escape.
+/// The span of the first `\` that does not begin an escape.
 pub fn string_value(literal: &str) -> Result<Cow<'_, str>, Span> {
     let end = literal.len().saturating_sub(1).max(1);
     let inside = &literal[1..end];
@@ -194,12 +194,12 @@ pub fn string_value(literal: &str) -> Result<Cow<'_, str>, Span> {
     }
     match (String::from_utf16(&units), escape_of_surrogate) {
         (Ok(text), _) => Ok(Cow::Owned(text)),
-        // Half of a pair is no character.
+        // Half of a surrogate pair is not a character.
         (Err(_), place) => Err(place.unwrap_or_default()),
     }
 }
 
-/// Returns the escape that `bytes`, which start with a `\`, begin with: its UTF-16 unit and its length.
+/// Returns the escape at the start of `bytes`, which begin with a `\`: its UTF-16 unit and its length.
 fn escape(bytes: &[u8]) -> Option<(u16, usize)> {
     let unit = match bytes.get(1)? {
         b'b' => 8,
@@ -232,7 +232,7 @@ fn escape(bytes: &[u8]) -> Option<(u16, usize)> {
     Some((unit, 2))
 }
 
-/// Returns the longest number that a text, starting with a digit or a `.`, begins with: its length and its kind.
+/// Returns the longest number at the start of a text, which begins with a digit or a `.`: its length and its kind.
 fn number(text: &str) -> (usize, Result<TokenKind, Fault>) {
     let bytes = text.as_bytes();
     let digits = |from: usize| {

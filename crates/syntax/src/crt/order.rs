@@ -1,4 +1,4 @@
-//! The blocks of a script in their order: one block of each kind, nothing after the scene.
+//! The order of a script's blocks: one block of each kind, and nothing after the scene.
 
 use super::codes;
 use super::tree::{Block, BlockKind, Script};
@@ -6,7 +6,7 @@ use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
 impl Script {
-    /// Returns the diagnostics of blocks that stand where they may not, or are missing.
+    /// Returns the diagnostics of misplaced or missing blocks.
     pub fn misplaced(&self) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         let mut first: [Option<Span>; 2] = [None; 2];
@@ -52,7 +52,7 @@ impl Script {
     }
 }
 
-/// Returns the number of the kind of a block that a script has once, its word, and the place of that.
+/// Returns the number of the kind of a block that may occur only once, its keyword, and the keyword's span.
 fn keyword(block: &Block) -> Option<(usize, &'static str, Span)> {
     let (kind, word) = match block.kind {
         BlockKind::Settings(..) => (0, "Settings"),

@@ -1,8 +1,8 @@
-//! The parser of CRT scripts: LL(1) recursive descent along [`grammar`](super::grammar), calling the hooks of [`Actions`] as it
-//! goes. The levels of left-associative operators are one function.
+//! The parser of CRT scripts: LL(1) recursive descent along [`grammar`](super::grammar) that calls the hooks of [`Actions`].
+//! One function reads all levels of left-associative operators.
 //!
-//! Parsing never fails: what is wrong becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the list
-//! that the fault lies in (of statements, attributes, arguments) goes on after it.
+//! Parsing never fails: an error becomes a diagnostic, a missing expression becomes [`ParseStep::Missing`], and the enclosing
+//! list (of statements, attributes, arguments) continues after the fault.
 //!
 //! - `expression`: expressions.
 //! - `object`: objects with their attributes.
@@ -22,17 +22,17 @@ use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::span::Span;
 use crate::text::{MAX_DIAGNOSTICS, too_large, too_many_diagnostics};
 
-/// The maximum nesting depth of a script: brackets, blocks, prefix operators and operators that are read from right to left
-/// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
+/// The maximum nesting depth of a script, which counts brackets, blocks, prefix operators and right-associative operators.
+/// In a debug build, 2 MiB of stack suffice for it.
 pub const MAX_DEPTH: u32 = 256;
 
-/// Returns true for a text that is a certificate and no script.
+/// Returns true if a text is a certificate rather than a script.
 pub fn is_certificate(source: &str) -> bool {
     let text = source.strip_prefix('\u{FEFF}').unwrap_or(source);
     text.starts_with("-----BEGIN")
 }
 
-/// Reads a whole script. A text of 4 GiB and more is refused with one diagnostic; a certificate is left alone.
+/// Reads a whole script. A text of 4 GiB or more is refused with one diagnostic; a certificate is skipped.
 pub fn parse_script<A: Actions>(source: &str, actions: &mut A) {
     if u32::try_from(source.len()).is_ok_and(|length| length < u32::MAX) {
         parse_chunk(source, true, actions);
@@ -41,7 +41,7 @@ pub fn parse_script<A: Actions>(source: &str, actions: &mut A) {
     }
 }
 
-/// Reads a piece of a script: blocks. `is_first` says that it is the first, where a byte order mark is white space.
+/// Reads a piece of a script: blocks. `is_first` is true for the first piece, where a byte order mark is white space.
 pub(super) fn parse_chunk<A: Actions>(source: &str, is_first: bool, actions: &mut A) {
     if is_first && is_certificate(source) {
         return;
@@ -52,10 +52,10 @@ pub(super) fn parse_chunk<A: Actions>(source: &str, is_first: bool, actions: &mu
     parser.script();
 }
 
-/// Reads a lone expression. Returns its tree, if there is no error in it.
+/// Reads a lone expression, and returns its tree if it has no errors.
 ///
 /// # Errors
-/// The diagnostics, with one error at least.
+/// The diagnostics, at least one of which is an error.
 pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Diagnostic>> {
     #[derive(Default)]
     struct Findings<'s> {
@@ -90,7 +90,7 @@ pub fn parse_expression(source: &str) -> Result<super::tree::Expression, Vec<Dia
     }
 }
 
-/// Returns the tree of a piece of a script and its diagnostics, with each token.
+/// Returns the tree of a piece of a script, its diagnostics and its tokens.
 pub(super) fn parse_tree(
     source: &str,
     is_first: bool,
@@ -124,21 +124,21 @@ struct Parser<'s, 'a, A> {
     source: &'s str,
     lexer: Lexer<'s>,
     actions: &'a mut A,
-    /// The token to be accepted next.
+    /// The next token to accept.
     current: Token,
-    /// The token accepted last that is not a comment.
+    /// The last accepted token that is not a comment.
     previous: Token,
-    /// The start of the token at which an error was reported last: one is enough.
+    /// The start of the token of the last reported error: a token gets at most one error.
     reported: Option<u32>,
     /// The number of errors so far.
     errors: usize,
     diagnostics: usize,
     depth: u32,
-    /// The block is nested too deep, and that has been reported.
+    /// True if the block is nested too deep, which has been reported.
     is_too_deep: bool,
-    /// The first token of the statement that is being read.
+    /// The start of the statement that is being read.
     statement_start: u32,
-    /// The number of brackets of the statement that are open.
+    /// The number of open brackets in the statement.
     brackets: u32,
 }
 
@@ -215,7 +215,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
     }
 
-    /// Returns true if the current word is that of a block but for its capital letter, and a brace follows.
+    /// Returns true if the current word is that of a block in lower case, and a brace follows.
     fn begins_small_block(&self) -> bool {
         let text = self.text();
         ["scene", "settings"]
@@ -313,7 +313,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         self.step(ParseStep::Body(count), open.start);
     }
 
-    /// Passes tokens that begin no statement, up to the end of their line and of braces that open in it.
+    /// Skips tokens that do not begin a statement, up to the end of their line and of braces that open on it.
     fn stray(&mut self) {
         self.unexpected("a statement");
         let mut open = 0;
@@ -365,7 +365,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
     }
 
-    /// Consumes the current token if it is of a kind; else reports what is expected.
+    /// Consumes the current token if it is of a kind; otherwise reports what is expected.
     fn accept(&mut self, kind: TokenKind, expected: &str) -> bool {
         let is_here = self.at(kind);
         if is_here {
@@ -376,7 +376,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         is_here
     }
 
-    /// Consumes the bracket that closes one. Where it is missing, nothing is passed.
+    /// Consumes the bracket that closes `open`. If it is missing, nothing is consumed.
     fn close(&mut self, kind: TokenKind, open: Span) {
         if self.at(kind) {
             return self.advance();
@@ -406,7 +406,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
                 TokenKind::Arrow => {
                     diagnostic.with_hint("the attributes of an object are enclosed in `{` and `}`")
                 }
-                // The text would become a part of the string.
+                // The text would become part of the string.
                 _ if is_open_string => diagnostic,
                 _ => {
                     let title = format!("Insert `{closer}`");
@@ -417,8 +417,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
     }
 
-    /// Counts a level of nesting. Returns false, with a report, if there are too many: then all up to the closing bracket is
-    /// passed.
+    /// Counts a level of nesting. If there are too many, reports that, skips to the closing bracket and returns false.
     fn enter(&mut self) -> bool {
         if self.depth < MAX_DEPTH {
             self.depth += 1;
@@ -446,7 +445,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
             }
             self.advance();
         }
-        // What follows is a consequence.
+        // Errors here are consequences.
         self.reported = Some(self.current.span.start);
         false
     }
@@ -460,7 +459,7 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         self.actions.act_step(step, Span::new(start, end));
     }
 
-    /// Returns the error, unless one has been reported at the current token.
+    /// Returns the error, unless one has already been reported at the current token.
     fn fault(&mut self, code: Code, span: Span, message: impl Into<String>) -> Option<Diagnostic> {
         let start = self.current.span.start;
         let is_new = self.reported.replace(start) != Some(start);

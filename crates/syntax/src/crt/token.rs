@@ -4,7 +4,7 @@ use crate::span::Span;
 
 macro_rules! token_kinds {
     ($($word:ident $text:literal)*; $($symbol:ident $sign:literal)*) => {
-        /// The kind of a token. The productions name tokens by it.
+        /// The kind of a token, by which the productions refer to tokens.
         #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
         #[allow(missing_docs)]
         pub enum TokenKind {
@@ -12,7 +12,7 @@ macro_rules! token_kinds {
             Comment,
             /// A whole number.
             Integer,
-            /// A number with a point.
+            /// A number with a decimal point.
             Float,
             /// A text between `"`.
             Text,
@@ -30,7 +30,7 @@ macro_rules! token_kinds {
             Eoi,
         }
 
-        /// The reserved words, each with its kind.
+        /// The reserved words with their kinds.
         pub const RESERVED: &[(&str, TokenKind)] = &[$(($text, TokenKind::$word)),*];
 
         impl TokenKind {
@@ -42,7 +42,7 @@ macro_rules! token_kinds {
                 })
             }
 
-            /// Returns the longest sign that a text begins with, and its length in bytes.
+            /// Returns the longest sign at the start of a text, and its length in bytes.
             pub(crate) fn from_sign(bytes: &[u8]) -> Option<(Self, usize)> {
                 // Signs of two characters come first in the table.
                 $(if bytes.starts_with($sign.as_bytes()) {
@@ -51,7 +51,7 @@ macro_rules! token_kinds {
                 None
             }
 
-            /// Returns the token as written, if all tokens of the kind are written alike.
+            /// Returns the text of the token, if all tokens of the kind have the same text.
             pub fn text(self) -> Option<&'static str> {
                 Some(match self {
                     $(Self::$word => $text,)*
@@ -80,7 +80,7 @@ impl TokenKind {
         matches!(self, Self::Scale | Self::Translate | Self::Rotate)
     }
 
-    /// Returns true for a token that begins a primary expression, whatever stands before it.
+    /// Returns true for a token that begins a primary expression in any context.
     pub(crate) fn begins_primary(self) -> bool {
         matches!(
             self,

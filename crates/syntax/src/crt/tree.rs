@@ -1,8 +1,8 @@
-//! The tree of a script: every node has its place.
+//! The syntax tree of a script; every node has its span.
 //!
-//! The places in a [`Piece`] count from its start, so that an edit above it changes nothing of it. A clone of a [`Script`]
-//! shares its trees. Operators of one level that are read from left to right are one [`Chain`](ExpressionKind::Chain), and what
-//! stands after a primary expression is one list of suffixes: the depth of a tree is the nesting of the text, which
+//! The spans in a [`Piece`] are relative to its start, so that an edit above it does not change it. A clone of a [`Script`]
+//! shares its trees. Left-associative operators of one level form one [`Chain`](ExpressionKind::Chain), and the parts after a
+//! primary expression form one list of suffixes. So the depth of a tree is the nesting depth of the text, which
 //! [`MAX_DEPTH`](super::parser::MAX_DEPTH) limits.
 
 use std::sync::Arc;
@@ -14,14 +14,14 @@ use crate::span::Span;
 pub struct Script {
     /// The pieces, in the order of the text.
     pub pieces: Arc<[Piece]>,
-    /// The text opens with `-----BEGIN`: it is a certificate and no script, and has no pieces.
+    /// True if the text begins with `-----BEGIN`: then it is a certificate rather than a script, and has no pieces.
     pub is_certificate: bool,
 }
 
-/// A piece of a script: as a rule one block.
+/// A piece of a script: usually one block.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// The offset in the text from which the places of the piece count.
+    /// The offset in the text to which the piece's spans are relative.
     pub start: u32,
     /// The blocks, in the order of the text.
     pub blocks: Arc<[Block]>,
@@ -39,7 +39,7 @@ pub struct Block {
 /// The kind of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BlockKind {
-    /// `Settings { … }`. The place is that of the braces.
+    /// `Settings { … }`, with the span of the braces.
     Settings(Box<[Attribute]>, Span),
     /// `Scene { … }`.
     Scene(Body),
@@ -97,11 +97,11 @@ pub struct Expression {
 /// The kind of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExpressionKind {
-    /// Nothing where an expression is needed, or what cannot be one. An error has been reported.
+    /// A missing or invalid expression. An error has been reported.
     Missing,
     /// A whole number.
     Integer(i32),
-    /// A number with a point.
+    /// A number with a decimal point.
     Float(f64),
     /// A string, without quotes and escapes.
     Text(Arc<str>),
@@ -121,15 +121,15 @@ pub enum ExpressionKind {
     Assignment(Box<[Expression; 2]>),
     /// `a ? b : c`.
     Conditional(Box<[Expression; 3]>),
-    /// `a + b - c`: operators of one level, from left to right. There is one link at least.
+    /// `a + b - c`: operators of one level, from left to right. There is at least one link.
     Chain(Box<Expression>, Vec<Link>),
     /// `-a`.
     Prefix(PrefixOperator, Box<Expression>),
-    /// `a[0](1) <scale 2>`: what stands after a primary expression, from left to right. There is one suffix at least.
+    /// `a[0](1) <scale 2>`: the parts after a primary expression, from left to right. There is at least one suffix.
     Suffixed(Box<Expression>, Vec<Suffix>),
 }
 
-/// A word and its place.
+/// A word and its span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Word {
     /// The text.
@@ -141,9 +141,9 @@ pub struct Word {
 /// An object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Its name. A name that the table of objects lacks has been reported.
+    /// Its name. A name that is not in the table of objects has been reported.
     pub name: Word,
-    /// Its attributes as they are stated. Those that are unknown, missing, or stated twice have been reported.
+    /// Its attributes as stated. Unknown, missing and duplicate attributes have been reported.
     pub attributes: Box<[Attribute]>,
     /// The span from `{` to `}`.
     pub braces: Span,
@@ -163,7 +163,7 @@ pub struct Attribute {
 /// A macro.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Macro {
-    /// The parameters. One that is named twice has been reported.
+    /// The parameters. Duplicates have been reported.
     pub parameters: Box<[Word]>,
     /// The body.
     pub body: Body,
@@ -185,7 +185,7 @@ pub struct Link {
 pub struct Suffix {
     /// The kind with its parts.
     pub kind: SuffixKind,
-    /// The span from its first token to its last.
+    /// The span from its first to its last token.
     pub span: Span,
 }
 
@@ -214,7 +214,7 @@ pub struct Modifier {
 /// The kind of a modifier.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum ModifierKind {
-    /// By a number, or by one along each axis.
+    /// By a number, or by one number along each axis.
     Scale,
     /// By a vector.
     Translate,
@@ -255,7 +255,7 @@ pub enum BinaryOperator {
 }
 
 impl BinaryOperator {
-    /// Returns the level of the operator: of two levels, the greater binds its operands.
+    /// Returns the precedence of the operator: greater levels bind more tightly.
     pub fn level(self) -> u8 {
         match self {
             Self::Or => 0,
@@ -293,7 +293,7 @@ impl BinaryOperator {
 }
 
 impl Expression {
-    /// Returns the expression without the brackets around it.
+    /// Returns the expression without brackets around it.
     pub fn ungrouped(&self) -> &Self {
         let mut expression = self;
         while let ExpressionKind::Group(inner) = &expression.kind {
@@ -302,7 +302,7 @@ impl Expression {
         expression
     }
 
-    /// Returns the name, if the expression is an identifier, in brackets or not.
+    /// Returns the name, if the expression is an identifier, possibly in brackets.
     pub fn identifier(&self) -> Option<&Arc<str>> {
         match &self.ungrouped().kind {
             ExpressionKind::Identifier(name) => Some(name),
@@ -312,7 +312,7 @@ impl Expression {
 }
 
 impl Statement {
-    /// Hands each name that the statement may assign to `found`, but for those that are assigned in macros.
+    /// Passes each name that the statement may assign to `found`, except names assigned in macros.
     pub fn each_assigned(&self, found: &mut dyn FnMut(&Arc<str>)) {
         match &self.kind {
             StatementKind::Expression(expression) => expression.each_assigned(found),
@@ -407,7 +407,7 @@ impl Expression {
 }
 
 impl Script {
-    /// Returns all blocks, each with the offset from which its places count.
+    /// Returns all blocks, each with the offset to which its spans are relative.
     pub fn blocks(&self) -> impl Iterator<Item = (u32, &Block)> {
         let pieces = self.pieces.iter();
         pieces.flat_map(|piece| piece.blocks.iter().map(move |block| (piece.start, block)))

@@ -1,6 +1,6 @@
-//! One piece of a document: a text, and what reading it has given.
+//! A piece of a document: a text, and the results of reading it.
 //!
-//! All places in a chunk count from its own start, so that an edit above it changes nothing of it.
+//! All offsets in a chunk are relative to its start, so that an edit above it does not change it.
 
 use crate::checkpoints::Checkpoints;
 use crate::diagnostic::Diagnostic;
@@ -10,29 +10,29 @@ use super::grammar::{Analysis, Grammar};
 use super::lookups::Lookup;
 use super::sequence::Measure;
 
-/// A diagnostic of a chunk, and the part of it that depends on other places of the text.
+/// A diagnostic of a chunk, and the part of it that depends on other parts of the text.
 #[derive(Clone, Debug)]
 pub(super) struct Finding<G: Grammar> {
     pub(super) diagnostic: Diagnostic,
-    /// Boxed, since few have it: a text of a million mistakes has a million findings.
+    /// Boxed because few findings have it: a text with a million mistakes has a million findings.
     pub(super) deferred: Option<Box<G::Deferred>>,
 }
 
-/// The place of a name that the text seems to declare: its last place in the chunk.
+/// The last position in the chunk of a name that the text seems to declare.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Declared {
     pub(super) start: u32,
     pub(super) end: u32,
 }
 
-/// A piece of the text and what reading it has given.
+/// A piece of the text and the results of reading it.
 #[derive(Clone, Debug)]
 pub(super) struct Chunk<G: Grammar> {
     pub(super) text: Box<str>,
     checkpoints: Checkpoints,
     pub(super) analysis: G::Analysis,
     pub(super) findings: Box<[Finding<G>]>,
-    /// The look-ups that reading it has made in the names above.
+    /// The look-ups in the names above that reading it made.
     pub(super) lookups: Box<[Lookup]>,
     pub(super) declared: Box<[Declared]>,
     /// The version of the document at which it was read.
@@ -40,7 +40,7 @@ pub(super) struct Chunk<G: Grammar> {
 }
 
 impl<G: Grammar> Chunk<G> {
-    /// Returns a chunk that has not been read yet.
+    /// Creates a chunk that has not been read.
     pub(super) fn unread(text: &str, version: u64) -> Self {
         let mut chunk = Self {
             text: Box::default(),
@@ -55,7 +55,7 @@ impl<G: Grammar> Chunk<G> {
         chunk
     }
 
-    /// Returns the chunk without what reading it has given.
+    /// Returns the chunk without the results of reading it.
     pub(super) fn without_reading(&self) -> Self {
         Self {
             text: self.text.clone(),
@@ -89,7 +89,7 @@ impl<G: Grammar> Chunk<G> {
         self.analysis.defined(&self.text)
     }
 
-    /// Returns the names that its text seems to declare, each with its last place.
+    /// Returns the names that its text seems to declare, each with its last position.
     pub(super) fn declared(&self) -> impl Iterator<Item = (&str, u32)> {
         let declared = self.declared.iter();
         declared.map(|it| (&self.text[it.start as usize..it.end as usize], it.start))
@@ -100,7 +100,7 @@ impl<G: Grammar> Chunk<G> {
         self.checkpoints.line_ends_before(&self.text, offset)
     }
 
-    /// Returns the offset of a line end by its number, from 0.
+    /// Returns the offset of the line end with this number, from 0.
     pub(super) fn line_end(&self, number: u32) -> Option<u32> {
         self.checkpoints.line_end(&self.text, number)
     }
@@ -110,18 +110,18 @@ impl<G: Grammar> Chunk<G> {
         self.checkpoints.characters_before(&self.text, offset)
     }
 
-    /// Returns the offset of a character by its number, from 0.
+    /// Returns the offset of the character with this number, from 0.
     pub(super) fn character(&self, number: u32) -> Option<u32> {
         self.checkpoints.character(&self.text, number)
     }
 
-    /// Sets the text, and finds the names that it seems to declare. What reading it has given is not changed.
+    /// Sets the text, and finds the names that it seems to declare. The results of reading remain unchanged.
     pub(super) fn set_text(&mut self, text: &str) {
         self.text = text.into();
         self.checkpoints = Checkpoints::new(text);
         let mut declared: Vec<(&str, u32)> = Vec::new();
         G::each_declared(&self.text, |name, start| declared.push((name, start)));
-        // Keeps the last place of each name.
+        // Keep the last position of each name.
         declared.sort_by(|(a, at), (b, other)| (a, other).cmp(&(b, at)));
         declared.dedup_by_key(|(name, _)| *name);
         let places = declared.into_iter().map(|(name, start)| Declared {

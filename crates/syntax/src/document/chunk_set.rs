@@ -1,8 +1,8 @@
-//! Sets of chunks: most often one or two, sometimes nearly all.
+//! Sets of chunks, usually of one or two, sometimes of nearly all.
 //!
-//! There are two for each name of a text, so a set of up to five chunks is stored in place, without an allocation; no
-//! persistent set of a library (`imbl::OrdSet`) does that, and one allocation for each of 200,000 sets would cost more than all
-//! that they hold.
+//! There are two sets for each name of a text, so a set of up to five chunks is stored inline, without an allocation.
+//! Persistent sets of libraries (`imbl::OrdSet`) do not do this, and one allocation for each of 200,000 sets would cost more
+//! than all their elements.
 
 use std::sync::Arc;
 
@@ -16,14 +16,14 @@ pub(super) enum ChunkSet {
         count: u8,
         chunks: [ChunkId; MAX_FEW],
     },
-    /// Sorted, in blocks of which none is empty.
+    /// Sorted, in nonempty blocks.
     Many(Box<Blocks>),
 }
 
-/// Stretches of a sorted list.
+/// Consecutive parts of a sorted list.
 type Blocks = Vec<Arc<Vec<ChunkId>>>;
 
-/// The maximum number of chunks that take no more room than the pointer to a list and its tag.
+/// The maximum number of chunks that take no more space than the pointer to a list and its tag.
 const MAX_FEW: usize = 5;
 /// The maximum number of chunks in a block.
 const MAX_BLOCK: usize = 128;
@@ -35,7 +35,7 @@ impl Default for ChunkSet {
 }
 
 impl ChunkSet {
-    /// Returns a set of some chunks, at most [`MAX_FEW`].
+    /// Creates a set of at most [`MAX_FEW`] chunks.
     fn few(some: &[ChunkId]) -> Self {
         let mut chunks = [ChunkId(0); MAX_FEW];
         let count = some.len().min(MAX_FEW);
@@ -136,7 +136,7 @@ impl ChunkSet {
     }
 }
 
-/// Returns the block that holds a chunk, or would.
+/// Returns the block that contains a chunk, or into which it would be inserted.
 fn block_of(blocks: &[Arc<Vec<ChunkId>>], chunk: ChunkId) -> usize {
     let after = blocks.partition_point(|block| block.first().is_some_and(|it| *it <= chunk));
     after.saturating_sub(1)

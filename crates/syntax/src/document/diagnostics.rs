@@ -1,5 +1,5 @@
-//! The diagnostics of a document: those of its chunks, completed with what depends on other places, and the warnings about
-//! shadowed splits, which compare a chunk with the chunks below it.
+//! The diagnostics of a document: those of its chunks, completed with parts that depend on other chunks, and the warnings
+//! about shadowed splits, which compare a chunk with the chunks below it.
 
 use std::ops::ControlFlow;
 
@@ -14,17 +14,17 @@ use crate::span::Span;
 use crate::symbol::SymbolId;
 use crate::text::{MAX_DIAGNOSTICS, too_many_diagnostics};
 
-/// The first place above a name's declaration where its letters are read as several tokens.
+/// The first position above a name's declaration where its letters are read as several tokens.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) struct Split {
     chunk: ChunkId,
-    /// The place of the first token in the chunk.
+    /// The start of the first token in the chunk.
     start: u32,
     end: u32,
 }
 
 impl<G: Grammar> Document<G> {
-    /// Returns all diagnostics, sorted by place: those of reading the whole text at once.
+    /// Returns all diagnostics, sorted by position: the same as reading the whole text at once.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         if self.is_overfull() {
@@ -57,7 +57,8 @@ impl<G: Grammar> Document<G> {
         chunks.into_iter().map(|(_, chunk)| chunk).collect()
     }
 
-    /// Returns the diagnostics of one chunk, sorted by place. The limit of diagnostics for a text does not apply.
+    /// Returns the diagnostics of one chunk, sorted by position, without the limit on the number of diagnostics of a
+    /// text.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut all = self.findings_of(chunk);
         all.extend(self.shadowed_splits_of(chunk));
@@ -65,7 +66,7 @@ impl<G: Grammar> Document<G> {
         all
     }
 
-    /// Returns the diagnostics that reading a chunk has given, completed, in the order in which it has given them.
+    /// Returns the completed diagnostics of reading a chunk, in the order in which they were found.
     pub fn findings_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let read = self.chunk(chunk);
         if read.findings.is_empty() {
@@ -102,7 +103,7 @@ impl<G: Grammar> Document<G> {
     }
 
     /// Calls `give` with the first [`MAX_DIAGNOSTICS`] diagnostics, each with its chunk, in the order in which reading the
-    /// whole text gives them; the last one says that others are omitted.
+    /// whole text finds them; the last one reports that others are omitted.
     fn each_limited(&self, mut give: impl FnMut(ChunkId, Diagnostic)) {
         let mut count = 0;
         let mut offer = |chunk, diagnostic: Diagnostic| {
@@ -156,7 +157,7 @@ impl<G: Grammar> Document<G> {
         })
     }
 
-    /// Finds the shadowed split of a name anew.
+    /// Recomputes the shadowed split of a name.
     pub(super) fn find_shadowed(&mut self, name: NameId) {
         let Some(id) = self.names.declared(name) else {
             return;

@@ -1,4 +1,4 @@
-//! One edit: the chunks that are cut anew, and those that are read again because a name has changed.
+//! An edit: the chunks that are cut again, and the chunks that are read again because a name has changed.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -20,13 +20,13 @@ type Signature<G> = <<G as Grammar>::Symbol as Definition>::Signature;
 /// The state of an edit in progress.
 #[derive(Debug)]
 pub(super) struct Pass<G: Grammar> {
-    /// The earlier definitions of the chunks that are being read, by name.
+    /// The previous definitions of the chunks that are being read, by name.
     before: HashMap<NameId, (SymbolId, Signature<G>)>,
-    /// The handles of the symbols that are not defined at the moment, by name.
+    /// The handles of symbols that are currently undefined, by name.
     pub(super) pool: HashMap<Arc<str>, SymbolId>,
     /// The names whose shadowed splits may have changed.
     pub(super) touched: BTreeSet<NameId>,
-    /// The chunks that are still to be read again, by rank.
+    /// The chunks that remain to be read again, by rank.
     affected: BTreeMap<u32, ChunkId>,
     /// The number of chunks above the new text.
     above: u32,
@@ -81,10 +81,10 @@ impl<G: Grammar> Document<G> {
         }
     }
 
-    /// Returns the chunks that an edit replaces, and the texts that take their place.
+    /// Returns the chunks that an edit replaces, and the texts of their replacements.
     ///
-    /// The new text is cut from the start of the first chunk that the edit touches. Chunks below are taken in until the new
-    /// text ends where a chunk does: an edit that opens a comment or a block may change where many of them end.
+    /// The new text is cut from the start of the first chunk that the edit touches. Chunks below are included until the new
+    /// text ends at a chunk's end: an edit that opens a comment or a block may move many ends.
     pub(super) fn replace(&mut self, range: Span, text: &str) -> (Vec<ChunkId>, Vec<String>) {
         let Some((touched, before)) = self.sequence.at_byte(range.start) else {
             return (Vec::new(), Vec::new());
@@ -102,7 +102,7 @@ impl<G: Grammar> Document<G> {
         }
         let mut head = self.chunk(touched).text[..(range.start - before.bytes) as usize].to_owned();
         let mut first = before.bytes;
-        // The beginning of a chunk may decide where the one above ends.
+        // The beginning of a chunk may determine where the chunk above ends.
         while head.trim_start().len() < G::LOOKAHEAD
             && let Some((above, before)) = first
                 .checked_sub(1)
@@ -117,7 +117,7 @@ impl<G: Grammar> Document<G> {
         let mut ends = Vec::new();
         let mut cut_to = 0;
         let mut state = G::CutState::default();
-        // Where the chunk begins that was taken in last, for its beginning.
+        // The start of the last included chunk, for its beginning.
         let mut boundary = None;
         loop {
             state = G::cut(&all, cut_to, state, &mut ends);
@@ -153,11 +153,11 @@ impl<G: Grammar> Document<G> {
         (old, texts.collect())
     }
 
-    /// Replaces old chunks by chunks with new texts, and returns those that are to be read.
+    /// Replaces old chunks by chunks with new texts, and returns the chunks that have to be read.
     ///
-    /// Chunks at either end whose text is unchanged stay as they are. The definitions and look-ups of the others are
-    /// removed; their handles go to the new texts from the end, because the last new text is most likely what the last
-    /// old chunk has become.
+    /// Chunks at either end whose text is unchanged are left as they are. The definitions and look-ups of the others
+    /// are removed. Their handles are assigned to the new texts from the end, because the last new text most likely
+    /// corresponds to the last old chunk.
     pub(super) fn rearrange(
         &mut self,
         mut old: Vec<ChunkId>,
@@ -225,8 +225,8 @@ impl<G: Grammar> Document<G> {
         chunks
     }
 
-    /// Removes all definitions and look-ups of a chunk. Its symbols wait in the pool: defined again under the same
-    /// names, they keep their handles.
+    /// Removes all definitions and look-ups of a chunk. Its symbols are pooled: if they are defined again under the
+    /// same names, they keep their handles.
     fn clear_reading(&mut self, id: ChunkId, pass: &mut Pass<G>) {
         let Some(chunk) = self.snapshot.chunks[id.0 as usize].clone() else {
             return;
@@ -261,7 +261,7 @@ impl<G: Grammar> Document<G> {
         chunks.set(id.0 as usize, Some(cleared), None);
     }
 
-    /// Reads a chunk with the names above it. Its earlier definitions and look-ups have been removed.
+    /// Reads a chunk with the names above it. Its previous definitions and look-ups have been removed.
     pub(super) fn read(
         &mut self,
         id: ChunkId,
@@ -337,10 +337,10 @@ impl<G: Grammar> Document<G> {
         self.compare(chunks, first + chunks.len() as u32, pass);
     }
 
-    /// Reads the chunks below that a change of names concerns.
+    /// Reads the chunks below that a change of names affects.
     ///
-    /// Reading one may change names in turn, but only for chunks below it. So the chunk of the lowest rank is always read
-    /// next, and each chunk is read at most once.
+    /// Reading a chunk may change further names, but that affects only chunks below it. So the affected chunk of the
+    /// lowest rank is always read next, and each chunk is read at most once.
     pub(super) fn read_below(&mut self, pass: &mut Pass<G>) {
         while let Some((rank, chunk)) = pass.affected.pop_first() {
             self.clear_reading(chunk, pass);
@@ -351,11 +351,11 @@ impl<G: Grammar> Document<G> {
         }
     }
 
-    /// Compares what chunks define with what they defined before, and marks the chunks below that a difference concerns.
-    /// `rank` is that of the first chunk below.
+    /// Compares the definitions of chunks with their previous definitions, and marks the chunks below that a difference
+    /// affects. `rank` is the rank of the first chunk below.
     ///
-    /// A name that changed or went concerns the chunks that use it. A new name also concerns the chunks with a word that
-    /// begins with it and was read otherwise.
+    /// A changed or removed name affects the chunks that use it. A new name also affects the chunks that contain a word
+    /// that begins with it and was read differently.
     fn compare(&mut self, chunks: &[ChunkId], rank: u32, pass: &mut Pass<G>) {
         let mut before = std::mem::take(&mut pass.before);
         let mut changed: Vec<(NameId, bool)> = Vec::new();

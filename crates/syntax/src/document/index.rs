@@ -1,6 +1,6 @@
-//! Tokens and declarations by their number, in the order of the text.
+//! Tokens and declarations by number, in the order of the text.
 //!
-//! In: a number, or an offset. Out: the chunk that holds it, with what reading it has given, in logarithmic time.
+//! In: a number, or an offset. Out: the chunk that contains it, with its analysis, in logarithmic time.
 
 use crate::span::Span;
 
@@ -8,7 +8,7 @@ use super::grammar::{Analysis, Grammar};
 use super::sequence::{ChunkId, Measure};
 use super::snapshot::Snapshot;
 
-/// A chunk at its place in the text. The places in its analysis count from its start.
+/// A chunk with its position in the text. The spans in its analysis are relative to its start.
 #[derive(Debug)]
 pub struct PlacedChunk<'d, G: Grammar> {
     /// The chunk.
@@ -64,7 +64,7 @@ impl<G: Grammar> Snapshot<G> {
         self.sequence.total().declarations
     }
 
-    /// Returns the piece that holds the token of this number, from 0, and the token's number in it.
+    /// Returns the chunk that contains the token with this number, from 0, and the token's number in it.
     pub fn placed_chunk_of_token(&self, token: u32) -> Option<(PlacedChunk<'_, G>, usize)> {
         if token >= self.token_count() {
             return None;
@@ -73,7 +73,7 @@ impl<G: Grammar> Snapshot<G> {
         Some((placed, (token - placed.first_token) as usize))
     }
 
-    /// Returns the piece that holds the declaration of this number, from 0, and the declaration's number in it.
+    /// Returns the chunk that contains the declaration with this number, from 0, and the declaration's number in it.
     pub fn placed_chunk_of_declaration(
         &self,
         declaration: u32,
@@ -85,17 +85,17 @@ impl<G: Grammar> Snapshot<G> {
         Some((placed, (declaration - placed.first_declaration) as usize))
     }
 
-    /// Returns the piece that holds the byte at an offset, or the last one.
+    /// Returns the chunk that contains the byte at an offset, or the last one.
     pub fn placed_chunk_at(&self, offset: u32) -> Option<PlacedChunk<'_, G>> {
         Some(self.placed(self.sequence.at_byte(offset)?))
     }
 
-    /// Returns a chunk in its place.
+    /// Returns a chunk with its position.
     pub fn placed_chunk(&self, chunk: ChunkId) -> PlacedChunk<'_, G> {
         self.placed((chunk, self.sequence.before(chunk)))
     }
 
-    /// Returns a piece and all below it.
+    /// Returns a chunk and all below it.
     pub fn placed_chunks_from<'d>(
         &'d self,
         first: Option<PlacedChunk<'d, G>>,
@@ -115,7 +115,7 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// Returns the number of tokens that end at an offset or before it.
+    /// Returns the number of tokens that end at or before an offset.
     pub fn tokens_ended(&self, offset: u32) -> u32 {
         self.tokens_that(offset, |token, offset| token.end <= offset)
     }
@@ -133,12 +133,12 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// Returns the number of declarations that start at an offset or before it.
+    /// Returns the number of declarations that start at or before an offset.
     pub fn declarations_begun(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.start <= offset)
     }
 
-    /// Returns the number of declarations that end at an offset or before it.
+    /// Returns the number of declarations that end at or before an offset.
     pub fn declarations_ended(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.end <= offset)
     }

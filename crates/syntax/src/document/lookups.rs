@@ -1,4 +1,4 @@
-//! The look-ups of chunks in the names above them, and the index of the words that a new name would change.
+//! The look-ups that chunks make in the names above them, and the index of the words that a new name would change.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -7,13 +7,13 @@ use super::chunk_set::ChunkSet;
 use super::names::NameId;
 use super::sequence::ChunkId;
 
-/// A look-up that reading a chunk has made in the names above it.
+/// A look-up made in the names above while a chunk was read.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub(super) enum Lookup {
     /// A token is this name, which the text declares.
     Used(NameId),
-    /// The chunk's text from `start` to `end` was looked up, and any name longer than `length` that it begins with
-    /// would have changed the reading.
+    /// The chunk's text from `start` to `end` was looked up. Any name longer than `length` at the start of it would
+    /// have changed the reading.
     Open {
         start: u32,
         end: u32,
@@ -23,12 +23,12 @@ pub(super) enum Lookup {
     },
 }
 
-/// An index from words that are not one whole name to the chunks that have looked them up. The order is lexicographic, so
-/// that the words that begin with a name are neighbours.
+/// An index from words that are not one whole name to the chunks that looked them up, in lexicographic order, so that all
+/// words that begin with a name are adjacent.
 #[derive(Clone, Debug, Default)]
 pub(super) struct UnresolvedWords(BTreeMap<Box<str>, Vec<Group>>);
 
-/// The chunks that have looked up one word with one result.
+/// The chunks that looked up a word with the same result.
 #[derive(Clone, Debug)]
 struct Group {
     length: u32,
@@ -37,7 +37,7 @@ struct Group {
 }
 
 impl UnresolvedWords {
-    /// Adds a chunk that has looked up a word, whose first `length` bytes became a token.
+    /// Adds a chunk that looked up a word, whose first `length` bytes became a token.
     pub(super) fn insert(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
         if !self.0.contains_key(rest) {
             self.0.insert(rest.into(), Vec::new());
@@ -51,7 +51,7 @@ impl UnresolvedWords {
             None => {
                 let mut chunks = ChunkSet::default();
                 chunks.insert(chunk);
-                // Most words have one group; a vector that grows by itself would reserve four.
+                // Most words have one group; a vector that grows by itself would reserve space for four.
                 groups.reserve_exact(1);
                 groups.push(Group {
                     length,
@@ -62,7 +62,7 @@ impl UnresolvedWords {
         }
     }
 
-    /// Removes what [`insert`](Self::insert) has added.
+    /// Removes an entry added by [`insert`](Self::insert).
     pub(super) fn remove(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
         let Some(groups) = self.0.get_mut(rest) else {
             return;
@@ -78,8 +78,8 @@ impl UnresolvedWords {
         }
     }
 
-    /// Returns the chunks that a definition of `name` above them would change, each with a flag that a token was split
-    /// off.
+    /// Returns the chunks that a definition of `name` above them would change, each with a flag that is true if a token
+    /// was split off.
     pub(super) fn beginning_with<'w>(
         &'w self,
         name: &'w str,

@@ -1,7 +1,7 @@
-//! The names that a document defines, where, and which chunks a change of one concerns.
+//! The names that a document defines, where they are defined, and the chunks that a change of a name affects.
 //!
-//! In: the symbols that each chunk defines, and the names it uses. Out: the meaning of a word at a place (one
-//! trie holds the names of all places; the rank of the defining chunk decides), and the chunks that use a name.
+//! In: the symbols that each chunk defines, and the names that it uses. Out: the meaning of a word at a position (one
+//! trie contains the names of all chunks; the rank of the defining chunk decides), and the chunks that use a name.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::chunk_set::ChunkSet;
 use super::grammar::{Definition, Grammar};
 use super::sequence::{ChunkId, Sequence};
 
-/// Identifies a name that the document defines, or has defined or looked up.
+/// Identifies a name that the document has defined or looked up.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(super) struct NameId(u32);
 
@@ -33,7 +33,7 @@ pub(super) struct Names<G: Grammar> {
 #[derive(Clone, Debug)]
 struct NameEntry {
     name: Arc<str>,
-    /// The symbols of this name. Between edits there is at most one; a builtin is always the only one.
+    /// The symbols of this name: at most one between edits; a builtin is always the only one.
     definers: Vec<SymbolId>,
     uses: ChunkSet,
     /// The chunks that seem to declare it.
@@ -45,9 +45,9 @@ struct NameEntry {
 pub(super) struct Defined<G: Grammar> {
     /// The symbol; its places count from the start of its chunk.
     pub(super) symbol: G::Symbol,
-    /// The chunk that defines it. Builtins have none.
+    /// The chunk that defines it; `None` for a builtin.
     pub(super) home: Option<ChunkId>,
-    /// The offset in its chunk from which on it is known.
+    /// The offset in its chunk from which it is known.
     pub(super) known_from: u32,
     name: NameId,
 }
@@ -88,7 +88,7 @@ impl<G: Grammar> Names<G> {
         self.symbols.get(id.0 as usize)?.as_deref()
     }
 
-    /// Returns the handle of the next new symbol after `taken` others that are about to be defined.
+    /// Returns the handle of the next new symbol, after `taken` others that are about to be defined.
     pub(super) fn fresh(&self, taken: usize) -> SymbolId {
         match self.free.len().checked_sub(1 + taken) {
             Some(index) => self.free[index],
@@ -100,7 +100,7 @@ impl<G: Grammar> Names<G> {
         (id.0 as usize) < self.builtins
     }
 
-    /// Returns all symbols that are defined.
+    /// Returns all defined symbols.
     pub(super) fn iter(&self) -> impl Iterator<Item = (SymbolId, &Defined<G>)> {
         let ids = (0..).map(SymbolId);
         ids.zip(self.symbols.iter())
@@ -133,7 +133,7 @@ impl<G: Grammar> Names<G> {
         Arc::make_mut(entry.expect("a name of this document"))
     }
 
-    /// Returns the symbol of a handle that is known to be in use.
+    /// Returns the symbol of a handle that is in use.
     pub(super) fn symbol(&self, id: SymbolId) -> &G::Symbol {
         let defined = self.get(id).expect("a symbol that a lookup has returned");
         &defined.symbol
@@ -147,7 +147,7 @@ impl<G: Grammar> Names<G> {
         Some(self.get(id)?.name)
     }
 
-    /// Returns the symbol of a name that the text defines. Only between edits is it unique.
+    /// Returns the symbol of a name that the text defines. It is unique only between edits.
     pub(super) fn declared(&self, name: NameId) -> Option<SymbolId> {
         let definers = &self.entries[name.0 as usize].definers;
         definers.first().copied().filter(|id| !self.is_builtin(*id))
@@ -199,7 +199,8 @@ impl<G: Grammar> Names<G> {
         self.entry_mut(name).definers.push(id);
     }
 
-    /// Removes the definition of a symbol whose chunk is about to be read again or removed. Its handle stays taken.
+    /// Removes the definition of a symbol whose chunk is about to be read again or removed. Its handle remains
+    /// reserved.
     pub(super) fn undefine(&mut self, id: SymbolId) {
         if let Some(name) = self.name_of(id) {
             let definers = &mut self.entry_mut(name).definers;
@@ -207,7 +208,7 @@ impl<G: Grammar> Names<G> {
         }
     }
 
-    /// Frees the handle of a symbol that is not defined.
+    /// Frees the handle of an undefined symbol.
     pub(super) fn free(&mut self, id: SymbolId) {
         self.symbols.set(id.0 as usize, None, None);
         self.free.push(id);
@@ -231,22 +232,22 @@ impl<G: Grammar> Names<G> {
         name.flat_map(|name| self.entries[name.0 as usize].declared.iter())
     }
 
-    /// Adds a chunk in which a token is this name.
+    /// Adds a chunk that uses this name as a token.
     pub(super) fn insert_use(&mut self, name: NameId, chunk: ChunkId) {
         self.entry_mut(name).uses.insert(chunk);
     }
 
-    /// Removes a chunk in which a token was this name.
+    /// Removes a chunk that used this name as a token.
     pub(super) fn remove_use(&mut self, name: NameId, chunk: ChunkId) {
         self.entry_mut(name).uses.remove(chunk);
     }
 
-    /// Returns the chunks in which a token is this name.
+    /// Returns the chunks that use this name as a token.
     pub(super) fn users(&self, name: NameId) -> impl Iterator<Item = ChunkId> + '_ {
         self.entries[name.0 as usize].uses.iter()
     }
 
-    /// Calls `found` with each name that the text defines, that `rest` begins with and that is longer than `length`.
+    /// Calls `found` with each name that the text defines, that is a prefix of `rest` and that is longer than `length`.
     pub(super) fn longer_prefixes(&self, rest: &str, length: u32, mut found: impl FnMut(NameId)) {
         self.trie.each_prefix(rest, |name_length, name| {
             if name_length > length as usize && self.declared(name).is_some() {
@@ -255,8 +256,8 @@ impl<G: Grammar> Names<G> {
         });
     }
 
-    /// Returns the symbol that a name means to a chunk with `rank` chunks above it; without a rank, at the end of the
-    /// text.
+    /// Returns the symbol that a name denotes in a chunk with `rank` chunks above it, or without a rank at the end of
+    /// the text.
     pub(super) fn visible(
         &self,
         name: NameId,
@@ -280,7 +281,7 @@ impl<G: Grammar> Names<G> {
             .map(|(_, id)| id)
     }
 
-    /// Offers a search the names that are known at an offset of a chunk.
+    /// Passes the names that are known at an offset of a chunk to a search.
     pub(super) fn search(
         &self,
         search: &mut Search<'_>,

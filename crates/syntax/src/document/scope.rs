@@ -1,4 +1,4 @@
-//! The names as a grammar sees them while it reads a chunk, and the record of its look-ups.
+//! The names that a grammar sees while it reads a chunk, and the record of its look-ups.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -12,18 +12,18 @@ use super::lookups::Lookup;
 use super::names::Names;
 use super::sequence::Sequence;
 
-/// The names above a chunk that is being read, and those that it has defined so far.
+/// The names above a chunk that is being read, and the names that it has defined so far.
 ///
 /// The grammar records its look-ups: [`record_use`](Self::record_use) for a token that is a name,
 /// [`record_prefix_lookup`](Self::record_prefix_lookup) and [`record_name_lookup`](Self::record_name_lookup) for words
-/// that another name would change. The document reads the chunk again when one of these answers changes.
+/// that another name would change. The document reads the chunk again when the result of a look-up changes.
 #[derive(Debug)]
 pub struct ScopeView<'d, G: Grammar> {
     names: &'d Names<G>,
     sequence: &'d Sequence,
-    /// The number of chunks above; without one, all chunks that have been read stand above.
+    /// The number of chunks above; `None` if all chunks that have been read are above.
     rank: Option<u32>,
-    /// The handles of symbols that are not defined at the moment, by name: a name that comes back takes its handle again.
+    /// The handles of symbols that are currently undefined, by name: a name that is defined again gets its old handle.
     pool: &'d mut HashMap<Arc<str>, SymbolId>,
     fresh: usize,
     own: HashMap<SymbolId, G::Symbol>,
@@ -61,7 +61,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
             mut lookups,
             ..
         } = self;
-        // Equal questions are kept once. Of the splits of equal words, the warning shows the first.
+        // Equal look-ups are stored once. Among the splits of equal words, the warning shows the first.
         lookups.sort_unstable();
         lookups.dedup();
         let symbols = defined.into_iter();
@@ -69,7 +69,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         (symbols.collect(), lookups)
     }
 
-    /// Returns the longest name that `word` begins with: its length in bytes, and its symbol.
+    /// Returns the longest name that is a prefix of `word`: its length in bytes, and its symbol.
     pub fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
         let own = self.own_trie.as_ref();
         let mut longest = own.and_then(|trie| trie.longest_prefix(word));
@@ -83,7 +83,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         longest
     }
 
-    /// Returns the symbol of exactly this name.
+    /// Returns the symbol with exactly this name.
     pub fn get(&self, name: &str) -> Option<SymbolId> {
         let own = self.own_trie.as_ref().and_then(|trie| trie.get(name));
         own.or_else(|| {
@@ -92,13 +92,13 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         })
     }
 
-    /// Returns the first of the symbols that every text starts with.
+    /// Returns the first builtin symbol.
     pub fn first_builtin(&self) -> Option<&G::Symbol> {
         let first = self.names.get(SymbolId(0))?;
         first.home.is_none().then_some(&first.symbol)
     }
 
-    /// Returns a symbol that one of the other functions has returned.
+    /// Returns a symbol by a handle that another method has returned.
     pub fn symbol(&self, id: SymbolId) -> &G::Symbol {
         match self.own.get(&id) {
             Some(symbol) => symbol,
@@ -123,7 +123,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
 
     /// Records that a token of the chunk is this symbol's name.
     pub fn record_use(&mut self, id: SymbolId) {
-        // What the chunk defines itself changes with it alone, and builtins never change.
+        // Symbols of the chunk itself change only with it, and builtins never change.
         if !self.own.contains_key(&id)
             && !self.names.is_builtin(id)
             && let Some(name) = self.names.name_of(id)
@@ -132,8 +132,8 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         }
     }
 
-    /// Records that the chunk's text in `range` was looked up for its longest prefix, and `taken` bytes became a token:
-    /// any name that is longer and that the text begins with would be taken instead.
+    /// Records that the longest prefix of the chunk's text in `range` was looked up, and `taken` bytes became a token:
+    /// any longer name that is a prefix of the text would have been taken instead.
     pub fn record_prefix_lookup(&mut self, range: Span, taken: u32) {
         if taken < range.end - range.start {
             self.lookups.push(Lookup::Open {

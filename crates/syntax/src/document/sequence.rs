@@ -1,19 +1,19 @@
-//! The chunks of a document in their order: a balanced tree that keeps sums.
+//! The chunks of a document in order: a balanced tree with sums.
 //!
-//! In: a chunk's handle with its measure (bytes, lines, …), inserted after another. Out: the chunk at an offset,
-//! the offset of a chunk, and which of two chunks comes first, each in logarithmic time. It is a B⁺-tree whose inner
-//! nodes hold the sums of their children; each chunk knows its leaf and each node its parent, so that a chunk's place
-//! is found from below.
+//! In: a chunk's handle with its measure (bytes, lines, …), inserted after another. Out: the chunk at an offset, the
+//! offset of a chunk, and the order of two chunks, each in logarithmic time. It is a B⁺-tree whose inner nodes hold the
+//! sums of their children; each chunk knows its leaf and each node its parent, so that a chunk's position is found from
+//! below.
 //!
-//! The trees of `crop` and `ropey` hold sums too, but keep the tree private and hold text: they do not find the place of an
-//! element from its handle, which every question about a chunk needs.
+//! The trees of `crop` and `ropey` have sums too, but they are private and hold text: they cannot find the position of an
+//! element from its handle, which every query about a chunk requires.
 
 use std::ops::{Add, AddAssign, Sub};
 use std::sync::Arc;
 
 use crate::persistent_vector::PersistentVector;
 
-/// Identifies a chunk of a document. Once the chunk is removed, a new one may take the handle.
+/// Identifies a chunk of a document. Once the chunk is removed, a new one may reuse the handle.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ChunkId(pub(super) u32);
 
@@ -28,9 +28,9 @@ pub(super) struct Measure {
     pub(super) lines: u32,
     /// The number of Unicode scalar values in their texts.
     pub(super) characters: u32,
-    /// The number of diagnostics that reading them has given.
+    /// The number of diagnostics from reading them.
     pub(super) findings: u32,
-    /// The number of diagnostics among them that search all names.
+    /// The number of those diagnostics that search all names.
     pub(super) searches: u32,
     /// The number of tokens.
     pub(super) tokens: u32,
@@ -52,13 +52,13 @@ pub(super) struct Sequence {
 struct TreeNode {
     parent: u32,
     is_leaf: bool,
-    /// Chunks in a leaf, nodes in other nodes, each with its sum.
+    /// The chunks of a leaf or the children of an inner node, each with its sum.
     items: Vec<(u32, Measure)>,
 }
 
-/// The most items of a node.
+/// The maximum number of items of a node.
 const MAX_ITEMS: usize = 32;
-/// A node with fewer is joined with a neighbour where both fit into one.
+/// A node with fewer items is joined with a neighbour if both fit into one.
 const MIN_ITEMS: usize = MAX_ITEMS / 4;
 /// The parent of the root.
 const NONE: u32 = u32::MAX;
@@ -94,32 +94,36 @@ impl Sequence {
         node.items.first().map(|item| ChunkId(item.0))
     }
 
-    /// Returns the chunk that holds the byte at this offset, or the last one; with the sum of all before it.
+    /// Returns the chunk that contains the byte at this offset, or the last one, with the sum of all chunks before it.
     pub(super) fn at_byte(&self, offset: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.bytes <= offset)
     }
 
-    /// Returns the first chunk in which `lines` line ends are reached, or the last one; with the sum of all before it.
+    /// Returns the first chunk in which `lines` line ends are reached, or the last one, with the sum of all chunks
+    /// before it.
     pub(super) fn at_line_end(&self, lines: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.lines < lines)
     }
 
-    /// Returns the chunk that holds this character, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that contains this character, counted from 0, or the last one, with the sum of all chunks
+    /// before it.
     pub(super) fn at_character(&self, character: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.characters <= character)
     }
 
-    /// Returns the chunk that holds this finding, counted from 0; with the sum of all before it.
+    /// Returns the chunk that contains this finding, counted from 0, with the sum of all chunks before it.
     pub(super) fn at_finding(&self, finding: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.findings <= finding)
     }
 
-    /// Returns the chunk that holds this token, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that contains this token, counted from 0, or the last one, with the sum of all chunks before
+    /// it.
     pub(super) fn at_token(&self, token: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.tokens <= token)
     }
 
-    /// Returns the chunk that holds this declaration, counted from 0, or the last one; with the sum of all before it.
+    /// Returns the chunk that contains this declaration, counted from 0, or the last one, with the sum of all chunks
+    /// before it.
     pub(super) fn at_declaration(&self, declaration: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.declarations <= declaration)
     }
@@ -190,7 +194,7 @@ impl Sequence {
         None
     }
 
-    /// Returns all chunks from this one on.
+    /// Returns all chunks from `first` on.
     pub(super) fn from(&self, first: Option<ChunkId>) -> impl Iterator<Item = ChunkId> + '_ {
         std::iter::successors(first, |chunk| self.next(*chunk))
     }
@@ -222,7 +226,7 @@ impl Sequence {
     }
 
     pub(super) fn remove(&mut self, chunk: ChunkId) {
-        // The sums above no longer count it.
+        // Remove it from the sums above.
         self.measure(chunk, Measure::default());
         let leaf = self.leaves[chunk.0 as usize];
         self.leaves.set(chunk.0 as usize, NONE, NONE);
@@ -254,11 +258,11 @@ impl Sequence {
         }
     }
 
-    /// Splits a node that is too large, and then its ancestors as far as they become too large. Returns the highest node that
-    /// has a new item: the sums above it lack what is new.
+    /// Splits a node that is too large, and then its ancestors as long as they become too large. Returns the highest node
+    /// that has a new item: the sums above it do not include the new item yet.
     ///
-    /// `is_last` says that the new item is the node's last: then the node keeps all its other items, so that a text that is
-    /// read from top to bottom fills its nodes instead of leaving them half empty.
+    /// `is_last` is true if the new item is the node's last: then the node keeps all its other items, so that a text that
+    /// is read from top to bottom fills its nodes instead of leaving them half empty.
     fn split(&mut self, mut at: u32, mut is_last: bool) -> u32 {
         while self.nodes[at as usize].items.len() > MAX_ITEMS {
             let node = self.node_mut(at);
@@ -306,7 +310,7 @@ impl Sequence {
         }
     }
 
-    /// Removes an item whose sum is no longer in those above the node.
+    /// Removes an item that the sums above the node no longer include.
     fn remove_item(&mut self, at: u32, item: u32) {
         let node = self.node_mut(at);
         let index = node.index(item);
@@ -382,9 +386,9 @@ impl Sequence {
 }
 
 impl TreeNode {
-    /// Returns the position of an item, which the node holds.
+    /// Returns the position of an item, which the node must contain.
     fn index(&self, item: u32) -> usize {
-        // From the end: a text that is read from top to bottom changes the last item.
+        // Search from the end: a text that is read from top to bottom changes the last item.
         let index = self.items.iter().rposition(|(other, _)| *other == item);
         debug_assert!(index.is_some(), "a node holds what names it as its parent");
         index.unwrap_or_default()
@@ -398,7 +402,7 @@ fn sum(items: &[(u32, Measure)]) -> Measure {
 }
 
 impl Measure {
-    /// Returns each count of two measures taken together.
+    /// Combines two measures count by count.
     fn with(self, other: Self, together: impl Fn(u32, u32) -> u32) -> Self {
         Self {
             chunks: together(self.chunks, other.chunks),
@@ -413,7 +417,7 @@ impl Measure {
     }
 }
 
-/// A difference wraps around where it is less than nothing, and so does a sum with it.
+/// A negative difference wraps around, and so does a sum with it.
 impl Add for Measure {
     type Output = Self;
 

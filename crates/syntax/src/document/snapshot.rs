@@ -1,7 +1,7 @@
-//! A text and what reading it has given, at one version.
+//! A text and the results of reading it, at one version.
 //!
-//! A snapshot shares its parts with the document that it is taken from; the document copies a part before an edit changes it.
-//! Taking one costs a few reference counts, and it never changes.
+//! A snapshot shares its parts with its document; the document copies a part before an edit changes it. A snapshot costs a
+//! few reference counts and never changes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::grammar::{Definition, Grammar};
 use super::names::Names;
 use super::sequence::{ChunkId, Sequence};
 
-/// A text and what reading it has given.
+/// A text and the results of reading it.
 #[derive(Clone, Debug)]
 pub struct Snapshot<G: Grammar> {
     pub(super) sequence: Sequence,
@@ -41,8 +41,7 @@ impl<G: Grammar> Snapshot<G> {
         self.slice(Span::new(0, self.len())).unwrap_or_default()
     }
 
-    /// Returns the text of a range. Returns `None` if the text does not have the range or an end lies inside a
-    /// character.
+    /// Returns the text of a range; `None` if the text does not have the range or an end is inside a character.
     pub fn slice(&self, range: Span) -> Option<String> {
         if range.end > self.len() || range.start > range.end {
             return None;
@@ -82,7 +81,7 @@ impl<G: Grammar> Snapshot<G> {
         before.lines + self.chunk(chunk).line_ends_before(offset - before.bytes) + 1
     }
 
-    /// Returns the offset at which a line, from 1, starts. Returns `None` if the text has fewer lines.
+    /// Returns the offset at which a line, from 1, starts; `None` if the text has fewer lines.
     pub fn line_start(&self, line: u32) -> Option<u32> {
         let ends = line.checked_sub(1)?;
         if ends == 0 {
@@ -96,7 +95,7 @@ impl<G: Grammar> Snapshot<G> {
         Some(before.bytes + end + 1)
     }
 
-    /// Returns the offset of the character at a position. A column past the line's end gives the line's end. Returns `None` if
+    /// Returns the offset of the character at a position. A column past the line's end is the line's end. Returns `None` if
     /// the text has fewer lines, or for a line or column 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let start = self.line_start(position.line)?;
@@ -156,29 +155,30 @@ impl<G: Grammar> Snapshot<G> {
         self.chunk(chunk).version
     }
 
-    /// Returns the errors of a chunk in the order in which they were found. Places count from the chunk's start.
+    /// Returns the errors of a chunk in the order in which they were found. Their spans are relative to the chunk's
+    /// start.
     pub fn errors(&self, chunk: ChunkId) -> impl Iterator<Item = (Code, Span)> + '_ {
         let findings = self.chunk(chunk).findings.iter();
         let errors = findings.filter(|it| it.diagnostic.severity == Severity::Error);
         errors.map(|it| (it.diagnostic.code, it.diagnostic.span))
     }
 
-    /// Returns a builtin, or a symbol that the text defines. Its places count from the start of its chunk.
+    /// Returns a builtin, or a symbol that the text defines. Its spans are relative to the start of its chunk.
     pub fn symbol(&self, id: SymbolId) -> Option<&G::Symbol> {
         Some(&self.names.get(id)?.symbol)
     }
 
-    /// Returns the chunk that defines a symbol. Returns `None` for a builtin.
+    /// Returns the chunk that defines a symbol; `None` for a builtin.
     pub fn home(&self, id: SymbolId) -> Option<ChunkId> {
         self.names.get(id)?.home
     }
 
-    /// Returns the symbol that a name means at the end of the text.
+    /// Returns the symbol that a name denotes at the end of the text.
     pub fn named(&self, name: &str) -> Option<SymbolId> {
         self.names.named(name)
     }
 
-    /// Visits the symbols that the names that begin with `prefix` mean at the end of the text, in alphabetical order, until
+    /// Visits the symbols of the names that begin with `prefix` at the end of the text, in alphabetical order, until
     /// `visit` breaks.
     pub fn each_named(
         &self,
@@ -189,10 +189,10 @@ impl<G: Grammar> Snapshot<G> {
             .each_named(prefix, |id, defined| visit(id, &defined.symbol));
     }
 
-    /// Returns the start of the run of letters and digits that ends at an offset. Returns the offset if the run is
-    /// empty.
+    /// Returns the start of the run of letters and digits that ends at an offset, which is the offset itself if the run
+    /// is empty.
     pub fn word_start(&self, offset: u32) -> u32 {
-        // A chunk does not end inside a word.
+        // A chunk never ends inside a word.
         let before = offset
             .checked_sub(1)
             .and_then(|last| self.placed_chunk_at(last));
@@ -206,25 +206,25 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// Returns the span where the text declares a symbol. Returns `None` for a builtin.
+    /// Returns the span of the name in a symbol's declaration; `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         let defined = self.names.get(id)?;
         let start = self.start(defined.home?);
         Some(defined.symbol.name_span()?.moved(start))
     }
 
-    /// Returns all symbols: the builtins in their order, then the others in no particular order.
+    /// Returns all symbols: first the builtins in order, then the others in no particular order.
     pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &G::Symbol)> {
         self.names.iter().map(|(id, defined)| (id, &defined.symbol))
     }
 
-    /// Returns the chunks that use a symbol, in no particular order. Its own may be among them.
+    /// Returns the chunks that use a symbol, in no particular order. The defining chunk may be among them.
     pub fn readers(&self, id: SymbolId) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.names.name_of(id);
         name.into_iter().flat_map(|name| self.names.users(name))
     }
 
-    /// Returns the analysis of a chunk. Places count from the chunk's start.
+    /// Returns the analysis of a chunk. Its spans are relative to the chunk's start.
     pub fn analysis(&self, chunk: ChunkId) -> &G::Analysis {
         &self.chunk(chunk).analysis
     }

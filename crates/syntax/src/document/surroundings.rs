@@ -1,4 +1,4 @@
-//! The text around a chunk, for diagnostics that name other places.
+//! The text around a chunk, for diagnostics that refer to it.
 
 use crate::span::Span;
 use crate::spelling::Search;
@@ -37,15 +37,15 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         self.before.lines + chunk.line_ends_before(offset) + 1
     }
 
-    /// Returns a symbol that the text declares, the place of its name in the text, and the line of that place. Returns `None`
-    /// for a builtin.
+    /// Returns a symbol that the text declares, the span of its name in the text, and the line of that span; `None` for a
+    /// builtin.
     pub fn declaration(&self, symbol: SymbolId) -> Option<(&'d G::Symbol, Span, u32)> {
         let span = self.document.place(symbol)?;
         let symbol = &self.document.names.get(symbol)?.symbol;
         Some((symbol, span, self.document.line(span.start)))
     }
 
-    /// Returns the last place where the text seems to declare a name, and its line, if that place is after an offset of the
+    /// Returns the last position where the text seems to declare a name, and its line, if it is after an offset of the
     /// chunk.
     pub fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
         let document = self.document;
@@ -64,8 +64,8 @@ impl<'d, G: Grammar> Surroundings<'d, G> {
         Some((Span::new(start, start + name.len() as u32), line))
     }
 
-    /// Returns the name that is spelt most like `word`, among `parameters` and the names that are known at an offset of the
-    /// chunk.
+    /// Returns the name most similar in spelling to `word`, among `parameters` and the names that are known at an offset of
+    /// the chunk.
     pub fn nearest(
         &self,
         parameters: Option<&Trie<u32>>,

@@ -48,7 +48,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             }
             self.report(diagnostic);
         }
-        // What follows may be wrong for itself.
+        // Errors after this one may be independent.
         self.reported = None;
     }
 
@@ -71,7 +71,8 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.step(ParseStep::Conditional, start);
     }
 
-    /// The chains of operators from one level on: `Or`, `And`, `Cmp`, `Sum` and `Prod` with their tails.
+    /// The chains of left-associative operators from a level upwards: `Or`, `And`, `Cmp`, `Sum` and `Prod` with their
+    /// tails.
     fn binary(&mut self, least: u8) {
         let start = self.current.span.start;
         let first = self.current;
@@ -157,7 +158,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         count
     }
 
-    /// `Mods`. Returns their number.
+    /// `Mods`. Returns the number of modifiers.
     fn modifier_list(&mut self) -> usize {
         let mut count = 0;
         loop {
@@ -188,7 +189,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         count
     }
 
-    /// `Args`, between brackets. Returns their number.
+    /// `Args`, between brackets. Returns the number of arguments.
     fn arguments(&mut self, closer: TokenKind) -> usize {
         let open = self.current.span;
         self.advance();
@@ -217,7 +218,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         count
     }
 
-    /// Returns true if another argument seems to begin here: in the same line, and not an attribute.
+    /// Returns true if another argument seems to begin here: on the same line, and not an attribute.
     fn lacks_comma(&self) -> bool {
         self.current.kind.begins_primary()
             && !self.begins_line()
@@ -273,7 +274,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         }
     }
 
-    /// Reads what follows the first component of a vector without a name, `(1, 2, 3)`, from the `,` on.
+    /// Reads the rest of an unnamed vector `(1, 2, 3)`, from the `,` after its first component.
     fn bare_vector(&mut self, open: Span) {
         let mut count = 1;
         while self.at(TokenKind::Comma) {
@@ -306,7 +307,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             .with_fix(fix.with_all())
     }
 
-    /// Returns the span of `<1, 2, 3>`, if it begins with the current token and ends in its line.
+    /// Returns the span of `<1, 2, 3>`, if it begins with the current token and ends on the same line.
     fn angle_vector(&self) -> Option<Span> {
         let start = self.current.span.start;
         let rest = &self.source[start as usize..];
@@ -318,7 +319,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         (self.at(TokenKind::Less) && is_vector).then_some(place)
     }
 
-    /// Passes `<1, 2, 3>`, with a report.
+    /// Reports and skips `<1, 2, 3>`.
     fn pass_angle_vector(&mut self, place: Span) {
         let text = place.text(self.source);
         let written = format!("vec3({})", &text[1..text.len() - 1]);
@@ -369,7 +370,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.step(ParseStep::Macro(names.len()), start);
     }
 
-    /// Warns of a quotient of two whole numbers whose fraction is dropped.
+    /// Warns about a quotient of whole numbers whose fraction is dropped.
     fn check_fraction(&mut self, left: Token, right: Token) {
         let [a, b] = [left, right].map(|token| match token.kind {
             TokenKind::Integer => token.span.text(self.source).parse::<i32>().ok(),
@@ -390,7 +391,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.report(diagnostic);
     }
 
-    /// Warns of a line that goes on with the statement above, though it may be meant to begin one.
+    /// Warns about a line that continues the statement above, though it may be meant to begin one.
     fn check_continued_line(&mut self) {
         let kind = self.current.kind;
         let may_begin = matches!(
@@ -417,7 +418,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.report(diagnostic);
     }
 
-    /// Returns the columns of white space at the start of the line of an offset, and the offset of that line.
+    /// Returns the indentation of the line that contains an offset, in columns, and the line's start.
     fn indentation(&self, offset: u32) -> (usize, u32) {
         let before = &self.source[..offset as usize];
         let start = before.rfind('\n').map_or(0, |end| end + 1);

@@ -1,4 +1,4 @@
-//! The sentences of lexical and syntax errors, in the user's words.
+//! The messages of lexical and syntax errors, in the user's words.
 
 use super::Parser;
 use crate::crt::actions::{Actions, ParseStep};
@@ -23,7 +23,7 @@ pub(super) fn quote(text: &str) -> String {
 }
 
 impl<A: Actions> Parser<'_, '_, A> {
-    /// Passes comments and characters that begin no token. A run of such characters is reported once.
+    /// Skips comments and characters that begin no token. A run of such characters is reported once.
     #[cold]
     pub(super) fn fetch_slowly(&mut self, mut lexeme: Lexeme) {
         let mut run: Option<(Span, char)> = None;
@@ -40,7 +40,7 @@ impl<A: Actions> Parser<'_, '_, A> {
                     if let Some((span, first)) = ended {
                         let mut found = bad_characters(span.text(self.source), span, first);
                         if first == ';' && self.is_in_parentheses(span.start) {
-                            // The head of a loop of another language: to remove the sign repairs nothing.
+                            // The head of a loop in another language: removing the character does not fix it.
                             found.fixes.clear();
                         }
                         self.report(found);
@@ -72,23 +72,23 @@ impl<A: Actions> Parser<'_, '_, A> {
         }
     }
 
-    /// Returns true if a `(` stands open in the line before a place.
+    /// Returns true if a `(` is open on the line before an offset.
     fn is_in_parentheses(&self, place: u32) -> bool {
         let before = &self.source[..place as usize];
         let line = before.rsplit('\n').next().unwrap_or_default();
         line.matches('(').count() > line.matches(')').count()
     }
 
-    /// Reports that the current token is not what is expected.
+    /// Reports that the current token is unexpected.
     pub(super) fn unexpected(&mut self, expected: &str) {
         let hint = self.reserved_hint();
         self.unexpected_with(expected, hint);
     }
 
-    /// Reports that the current token is not what is expected, with a hint.
+    /// Reports that the current token is unexpected, with a hint.
     pub(super) fn unexpected_with(&mut self, expected: &str, hint: Option<String>) {
         let (span, message) = match self.current.kind {
-            // The statement ends, and with it this piece of the script.
+            // The statement ends here, and so does this piece of the script.
             TokenKind::Eoi => {
                 let before = self.previous.span;
                 let text = quote(before.text(self.source));
@@ -128,7 +128,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.actions.act_step(ParseStep::Missing, place);
     }
 
-    /// Returns the hint at `i++` and `i += 1`, which other languages have.
+    /// Returns the hint for `i++` and `i += 1` of other languages.
     fn increment_hint(&self) -> Option<String> {
         let (before, sign) = (self.previous.span, self.text());
         let is_double = before.end == self.current.span.start
@@ -147,7 +147,8 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 }
 
-/// Returns true if a bad character after another one is reported with it: what is said of the first holds for both.
+/// Returns true if a bad character is reported together with the one before it: the message for the first holds for
+/// both.
 fn joins(first: char, next: char) -> bool {
     let is_known = |character| matches!(character, ';' | '#' | '\'' | '&' | '|' | '−' | '–' | '→');
     first == next || !is_known(first) && !is_known(next)

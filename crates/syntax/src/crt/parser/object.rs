@@ -9,17 +9,17 @@ use crate::diagnostic::{Diagnostic, Fix};
 use crate::span::Span;
 use crate::spelling::nearest;
 
-/// The attributes that an object states, each with the place of its name.
+/// The attributes stated in an object, each with the span of its name.
 type Stated<'s> = Vec<(&'s str, Span)>;
 
-/// Returns a word with a small first letter.
+/// Returns a word with its first letter in lower case.
 fn small(word: &str) -> String {
     let mut letters = word.chars();
     let first = letters.next().map(|letter| letter.to_ascii_lowercase());
     first.into_iter().chain(letters).collect()
 }
 
-/// Returns the name of the object that a word is without its capital letters.
+/// Returns the name of the object that a word matches if capital letters are ignored.
 pub(super) fn uncapitalized(word: &str) -> Option<&'static str> {
     let mut names = ObjectName::objects().map(ObjectName::text);
     names.find(|name| name.eq_ignore_ascii_case(word) && *name != word)
@@ -54,7 +54,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         self.step(ParseStep::Object(name, count, braces), name.start);
     }
 
-    /// Reports a variable that begins with a capital letter, and takes it for one.
+    /// Reports a variable that begins with a capital letter, and reads it as a variable.
     fn capital_variable(&mut self) {
         let (text, span) = (self.text(), self.current.span);
         let written = small(text);
@@ -67,7 +67,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         self.step(ParseStep::Identifier(text), span.start);
     }
 
-    /// `"{" Attrs "}"`, of an object with the place of its name, or of the block `Settings`. Returns the place of the braces
+    /// `"{" Attrs "}"` of an object, with the span of its name, or of the block `Settings`. Returns the span of the braces
     /// and the number of attributes.
     pub(super) fn attributes(
         &mut self,
@@ -94,7 +94,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         let is_closed = self.at(TokenKind::BraceClose);
         self.close(TokenKind::BraceClose, open);
         self.brackets -= 1;
-        // A fault in the braces may hide what seems to be missing.
+        // An error between the braces may hide an attribute that seems to be missing.
         if let Some((object, place)) = object
             && is_closed
             && (errors == self.errors || !stated.is_empty())
@@ -104,7 +104,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         (Span::new(open.start, self.previous.span.end), count)
     }
 
-    /// `Attr = ident "->" Expr`, or what stands in its place. Returns false where the list ends.
+    /// `Attr = ident "->" Expr`, or an erroneous attribute. Returns false at the end of the list.
     fn attribute(
         &mut self,
         object: Option<ObjectName>,
@@ -143,7 +143,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 self.reported = None;
                 return true;
             }
-            // The brace before was meant to be closed.
+            // The previous brace was meant to be closed.
             TokenKind::While | TokenKind::If | TokenKind::Name => return false,
             _ => {
                 self.unexpected("an attribute");
@@ -157,7 +157,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
             || known == Some(true)
             || known.is_none() && next == TokenKind::Colon;
         if !is_attribute {
-            // An assignment or another statement: the brace before was meant to be closed.
+            // An assignment or another statement: the previous brace was meant to be closed.
             if matches!(
                 next,
                 TokenKind::Assign | TokenKind::ParenOpen | TokenKind::Modify
@@ -226,7 +226,7 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         self.report(diagnostic);
     }
 
-    /// Reports the attributes that an object needs and does not state.
+    /// Reports the required attributes that an object does not state.
     fn check_required(&mut self, object: ObjectName, place: Span, stated: &Stated<'_>) {
         let states = |word: &str| stated.iter().any(|(text, _)| *text == word);
         let required = object.attributes().iter().filter(|row| row.is_required());
