@@ -1,4 +1,4 @@
-//! Colours that a text states as numbers, for an editor's colour picker and that of the window.
+//! Colours that a text states as numbers, for the colour pickers of editors and of the window.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub struct StatedColor {
     pub rgb: [f64; 3],
 }
 
-/// The reason for which a colour is not written into a text.
+/// The reason why a colour is not written into a text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum EditColorError {
     /// No object of this name states its colour as numbers.

@@ -1,4 +1,4 @@
-//! Completions: what the user can write at a place.
+//! Completions: the text that the user can write at a position.
 
 use syntax::span::Span;
 
@@ -15,7 +15,7 @@ pub struct Completion {
     pub detail: String,
     /// The text that replaces [`Completions::range`].
     pub insert: String,
-    /// True if `insert` holds places to fill in: `${1:name}`.
+    /// True if `insert` contains placeholders: `${1:name}`.
     pub snippet: bool,
 }
 
@@ -32,18 +32,18 @@ pub enum CompletionKind {
     Solid,
     /// The word of an attribute.
     Attribute,
-    /// A word that an attribute takes.
+    /// A word that is the value of an attribute.
     Word,
 }
 
-/// The completions at a place.
+/// The completions at a position.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Completions {
     /// The range that a completion replaces: the part of the word that is already written.
     pub range: Span,
     /// The entries.
     pub list: Vec<Completion>,
-    /// False if the list was cut off, so that the editor requests it again when more of the word is written.
+    /// False if the list was truncated, so that the editor requests it again when more of the word is written.
     pub is_complete: bool,
 }
 
@@ -58,7 +58,7 @@ impl Completions {
     }
 }
 
-/// Returns what follows the word at an offset on its line, from the first character that is no blank.
+/// Returns the text after the word at an offset on its line, from the first character that is not blank.
 pub(crate) fn behind_word(text: &dyn Text, offset: u32) -> String {
     let next = text.line_start(text.line(offset) + 1);
     let end = next.unwrap_or(text.len());

@@ -1,17 +1,17 @@
-//! Conversions: the text of one language flows in, a text of another one that shows the same flows out.
+//! Conversions of a text into another language, in which it shows the same scene.
 
 use std::fmt;
 
-/// The reason for which a text was not converted.
+/// The reason why a text is not converted.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum ConvertError {
     /// Texts of the language are not converted.
     NotOffered,
     /// The text has errors.
     HasErrors,
-    /// The scene has more leaves of solids than the other language takes in one program.
+    /// The scene has more leaves of solids than the other language allows in a program.
     TooManyLeaves {
-        /// The most that it takes.
+        /// The maximum.
         most: u64,
     },
 }

@@ -54,11 +54,11 @@ pub struct Crt;
 #[derive(Debug)]
 pub struct CrtProgram {
     document: Document,
-    /// The state of the document, once it has been requested.
+    /// The analysis of the document's present state, once requested.
     analysis: OnceLock<Arc<CrtAnalysis>>,
 }
 
-/// A script that has been run.
+/// The result of running a script.
 #[derive(Debug)]
 struct CrtRun {
     scene: Arc<Scene>,
@@ -66,17 +66,17 @@ struct CrtRun {
     assignments: Vec<Assignment>,
 }
 
-/// A CRT script at one version. The first that asks for what only a run tells runs it; an edit of the program gives up a run
-/// that is under way.
+/// A CRT script at one version. It is run on the first request for results that require a run. An edit of the program
+/// cancels a run in progress.
 #[derive(Debug)]
 pub struct CrtAnalysis {
     snapshot: Snapshot,
-    /// The diagnostics of reading.
+    /// The diagnostics of reading the script.
     findings: Arc<[Diagnostic]>,
     given_up: AtomicBool,
-    /// The run; `None` for a script of which parts cannot be read, which is not run, and for a run that was given up.
+    /// The run; `None` if parts of the script cannot be read, so that it is not run, and if the run was cancelled.
     run: OnceLock<Option<CrtRun>>,
-    /// Those of reading and running.
+    /// The diagnostics of reading and running.
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
     names: OnceLock<ScriptNames>,
 }
@@ -190,13 +190,13 @@ fn whole(snapshot: &Snapshot) -> String {
 }
 
 impl CrtAnalysis {
-    /// Returns the errors of reading.
+    /// Returns the errors of reading the script.
     fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
         let findings = self.findings.iter();
         findings.filter(|it| it.severity == Severity::Error)
     }
 
-    /// Returns true for a script that is run: there is no error, or those that there are leave nothing out of its tree.
+    /// Returns true if the script is run: it has no errors, or none that leave its tree incomplete.
     fn is_run(&self) -> bool {
         self.errors()
             .all(|it| syntax::crt::codes::OF_WHOLE_TREES.contains(&it.code))
@@ -218,12 +218,13 @@ impl CrtAnalysis {
         run.as_ref()
     }
 
-    /// Returns the places where the run assigns names, in the order of the text; `None` for a script that is not run.
+    /// Returns the locations where the run assigns names, in the order of the text; `None` for a script that is not
+    /// run.
     pub fn assignments(&self) -> Option<&[Assignment]> {
         self.run().map(|run| &run.assignments[..])
     }
 
-    /// Returns the tree of the script.
+    /// Returns the syntax tree of the script.
     pub fn script(&self) -> Script {
         self.snapshot.script()
     }
@@ -232,27 +233,27 @@ impl CrtAnalysis {
         &self.snapshot
     }
 
-    /// Returns the names of the script, which are looked up on the first call.
+    /// Returns the names of the script, which are resolved on the first call.
     pub fn names(&self) -> &ScriptNames {
         self.names.get_or_init(|| ScriptNames::of(&self.script()))
     }
 
-    /// Returns the tokens that touch a range, comments among them.
+    /// Returns the tokens that touch a range, including comments.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         self.snapshot.tokens(range)
     }
 
-    /// Returns all tokens, comments among them.
+    /// Returns all tokens, including comments.
     pub fn all_tokens(&self) -> Vec<Token> {
         self.tokens(Span::new(0, self.snapshot.len())).collect()
     }
 
-    /// Returns the text of a range; empty if the range lies outside the text.
+    /// Returns the text of a range; empty if the range is outside the text.
     pub fn slice(&self, span: Span) -> String {
         self.snapshot.slice(span).unwrap_or_default()
     }
 
-    /// Returns the word at a place: the token that holds it, or else the word that ends there.
+    /// Returns the word at an offset: the token that contains it, or else the word that ends there.
     pub fn word_at(&self, offset: u32) -> Option<Token> {
         let around = Span::new(offset, offset);
         let mut words = self.tokens(around).filter(|token| {

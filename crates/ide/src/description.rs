@@ -3,7 +3,7 @@
 /// The description of a name for a reader: `code` in the language, `text` in Markdown.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Description {
-    /// The language of `code`, as [`Language::name`](crate::Language::name) gives it.
+    /// The language of `code`, as returned by [`Language::name`](crate::Language::name).
     pub language: &'static str,
     /// One line of code: `surface s(u, v)`.
     pub code: String,
@@ -27,7 +27,7 @@ impl Description {
     }
 }
 
-/// Returns the text of Markdown without its marks. Between backquotes stands code, where a `*` is one.
+/// Returns the text of Markdown without its markup. Between backquotes is code, in which `*` is an ordinary character.
 fn without_marks(text: &str) -> String {
     let parts = text.split('`').zip([false, true].into_iter().cycle());
     let plain = parts.map(|(part, is_code)| match is_code {

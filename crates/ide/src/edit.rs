@@ -4,7 +4,7 @@ use syntax::span::Span;
 
 use crate::text::Text;
 
-/// A piece of the text and what takes its place.
+/// A piece of the text and its replacement.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Edit {
     /// The range that is replaced; empty to insert.
@@ -14,7 +14,7 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Something new at a place.
+    /// Creates an edit that inserts a text at an offset.
     pub fn insert(offset: u32, text: impl Into<String>) -> Self {
         Self {
             span: Span::new(offset, offset),
@@ -22,19 +22,19 @@ impl Edit {
         }
     }
 
-    /// New lines after the last one.
+    /// Creates an edit that appends lines after the last one.
     pub(crate) fn append(text: &dyn Text, lines: &str) -> Self {
         let end = text.len();
         let last = text.slice(Span::new(end.saturating_sub(1), end));
         let gap = match last.as_deref() {
             Some("" | "\n") => "",
-            // There is no last byte by itself where a character has several.
+            // The last byte cannot be read alone if it is part of a longer character.
             _ => "\n",
         };
         Self::insert(end, format!("{gap}{lines}"))
     }
 
-    /// Something else in a place.
+    /// Creates an edit that replaces a range.
     pub fn replace(span: Span, text: impl Into<String>) -> Self {
         Self {
             span,
@@ -43,7 +43,8 @@ impl Edit {
     }
 }
 
-/// Returns the text after edits that do not overlap, in any order; those at one place come in theirs.
+/// Returns the text after edits that do not overlap, in any order; edits at the same position are applied in the given
+/// order.
 pub fn apply(text: &str, edits: &[Edit]) -> String {
     let mut order: Vec<&Edit> = edits.iter().collect();
     order.sort_by_key(|edit| edit.span);

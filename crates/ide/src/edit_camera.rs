@@ -1,8 +1,8 @@
-//! Views written into the text as cameras: their numbers, and the reasons for which they are not written.
+//! Views written into the text as cameras: their numbers, and the reasons why they are not written.
 
 use std::fmt;
 
-/// The reason for which a camera is not written.
+/// The reason why a camera is not written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditCameraError {
     /// The language declares no cameras.
@@ -12,16 +12,16 @@ pub enum EditCameraError {
         /// The camera.
         name: String,
     },
-    /// The name stands for something else, or is none.
+    /// The name denotes something else, or is not a name.
     NotACamera {
         /// The name.
         name: String,
     },
     /// The direction is zero, or a number is not finite.
     NotAPlace,
-    /// The camera is not stated with a position and a place to look at, itself or by one variable.
+    /// The camera is not stated with a position and a target, directly or by one variable.
     NotStated,
-    /// A comment stands within the place that is written now, and would be lost.
+    /// A comment is inside the range to be replaced, and would be lost.
     Comment {
         /// The camera.
         name: String,
@@ -60,10 +60,10 @@ impl fmt::Display for EditCameraError {
 
 impl std::error::Error for EditCameraError {}
 
-/// The digits after the length of the direction that are written: less than a pixel at any size of a picture.
+/// The number of digits written beyond the magnitude of the direction: less than a pixel at any size of a picture.
 const DIGITS: i32 = 4;
 
-/// Returns the numbers of a vector, to a fraction of a length.
+/// Returns the numbers of a vector, rounded to a fraction of a length.
 pub(crate) fn short_numbers(vector: [f64; 3], length: f64) -> [String; 3] {
     let digits = (DIGITS - length.log10().floor() as i32).clamp(0, 20) as usize;
     vector.map(|x| {

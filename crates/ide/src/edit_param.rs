@@ -1,8 +1,8 @@
-//! The errors of writing the value of a param into the text.
+//! The errors of writing a param's value into the text.
 
 use std::fmt;
 
-/// The reason for which a value is not written.
+/// The reason why a value is not written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditParamError {
     /// No param of this name is declared without errors.
@@ -10,27 +10,27 @@ pub enum EditParamError {
         /// The name.
         name: String,
     },
-    /// The number of values is not that of the param's components.
+    /// The number of values differs from the number of the param's components.
     Components {
         /// The param.
         name: String,
         /// The number of its components.
         expected: usize,
-        /// The number of values that were given.
+        /// The number of given values.
         given: usize,
     },
-    /// A value lies outside its interval, or is not a number.
+    /// A value is outside its interval, or is not a number.
     OutOfRange {
         /// The param.
         name: String,
         /// The value.
         value: f64,
-        /// The least value allowed.
+        /// The minimum.
         min: f64,
-        /// The greatest value allowed.
+        /// The maximum.
         max: f64,
     },
-    /// A comment stands within the value that is written now, and would be lost.
+    /// A comment is inside the value to be replaced, and would be lost.
     Comment {
         /// The param.
         name: String,

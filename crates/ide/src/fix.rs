@@ -1,4 +1,4 @@
-//! Fixes of mistakes, as edits.
+//! Corrections of mistakes, as edits.
 
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
@@ -37,7 +37,7 @@ pub fn fixes(diagnostics: &[Diagnostic], range: Span) -> Vec<Fix> {
 }
 
 /// Returns the edits of all fixes that may be applied together, and the number of those fixes. A fix that only inserts leaves
-/// the text between as it is, so that fixes may lie inside each other; of others that overlap, the first is taken.
+/// the text between its insertions unchanged, so such fixes may be nested; of other overlapping fixes, the first is applied.
 pub fn fix_all(diagnostics: &[Diagnostic], text: &dyn Text) -> (Vec<Edit>, usize) {
     let fixes = diagnostics
         .iter()
@@ -64,7 +64,8 @@ pub fn fix_all(diagnostics: &[Diagnostic], text: &dyn Text) -> (Vec<Edit>, usize
     (edits, count)
 }
 
-/// Returns the insertions that make `new` of `old`, whose text starts at an offset; `None` if something has to go.
+/// Returns the insertions that turn `old`, whose text starts at an offset, into `new`; `None` if text has to be
+/// removed.
 fn insertions(old: &str, new: &str, start: u32) -> Option<Vec<Edit>> {
     let mut edits: Vec<Edit> = Vec::new();
     let mut rest = old.char_indices().peekable();

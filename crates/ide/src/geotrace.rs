@@ -8,7 +8,7 @@
 //!                                                                     └─▶ outline, hints, lens, color, preview_values
 //! ```
 //!
-//! Rename and format read their results again and refuse what would change a meaning.
+//! Rename and format read their results again and refuse changes of meaning.
 
 pub mod analysis;
 mod application;
@@ -78,7 +78,7 @@ pub struct Geotrace;
 #[derive(Debug)]
 pub struct GeotraceProgram {
     document: Document,
-    /// The diagnostics of the document, once they have been requested.
+    /// The diagnostics of the document, once requested.
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
 }
 
@@ -120,7 +120,7 @@ impl Language for Geotrace {
         }))
     }
 
-    // Keeps no structure for edits, which would take several times the memory.
+    // This stores no structures for edits, which would require several times the memory.
     fn compile(&self, text: &str) -> Result<Compiled, EditError> {
         let mut compilation = scene::geotrace::compile(text);
         Ok(Compiled {
@@ -130,7 +130,7 @@ impl Language for Geotrace {
         })
     }
 
-    // Reads the tokens only: nothing is checked before a feature needs it.
+    // This reads only the tokens: nothing is checked before a feature needs it.
     fn read(&self, text: &str) -> Arc<dyn Analysis> {
         Arc::new(GeotraceAnalysis::new(text))
     }
@@ -169,7 +169,7 @@ impl Program for GeotraceProgram {
         self.document.scene_with_last_good().clone()
     }
 
-    // The window asks for them after each edit: nothing but the places is computed.
+    // The window requests them after each edit: only the spans are computed.
     fn declarations(&self) -> Vec<DeclarationRange> {
         let text = self.document.text();
         let mut all = Vec::new();
@@ -220,7 +220,7 @@ impl Analysis for GeotraceAnalysis {
     }
 
     fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
-        // The offset lies after the `;` that ends the declaration.
+        // The offset is after the `;` that ends the declaration.
         let item = self.item_at(offset.saturating_sub(1))?;
         Some(format::format(self, Some(item.span)))
     }

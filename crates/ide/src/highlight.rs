@@ -1,4 +1,4 @@
-//! Colours for an editor that shows a text by itself, as the program pane of the window does.
+//! Colours for an editor without semantic tokens, such as the program pane of the window.
 
 pub use syntax::highlight::HighlightKind;
 use syntax::span::Span;

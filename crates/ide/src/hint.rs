@@ -1,6 +1,6 @@
-//! Hints that an editor shows between the letters of a text.
+//! Hints that an editor shows within a text.
 
-/// A text that an editor shows but does not write.
+/// A text that an editor shows but that is not part of the file.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Hint {
     /// The byte before which the hint appears.
@@ -9,6 +9,6 @@ pub struct Hint {
     pub label: String,
     /// An explanation in one sentence.
     pub tooltip: String,
-    /// True if the label keeps a distance from the text before it.
+    /// True if the label is separated from the text before it.
     pub apart: bool,
 }

@@ -1,13 +1,13 @@
 //! The interface between a language and its users: the language server, the preview window and the command line.
 //!
 //! ```text
-//! Language ──open──▶ Program      a text that is edited; what is wrong with it; its scene
+//! Language ──open──▶ Program      a text that is edited; its diagnostics; its scene
 //!     │                 │ snapshot
 //!     └─────read────▶ Analysis    an immutable state of a program; one method for each feature of an editor
 //! ```
 //!
-//! All places are byte offsets, all results plain data. A small language implements the methods without a default body
-//! and as many features as it likes: without a method of its own, a feature finds nothing.
+//! All positions are byte offsets, and all results are plain data. A small language implements the methods without a
+//! default body, and any of the features: the default of a feature returns nothing.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -39,8 +39,8 @@ use crate::text::{PlainText, Text};
 
 pub use syntax::document::EditError;
 
-/// The longest program that is read from a file, in bytes. A longer one is a mistake (`/dev/zero`), and would exceed the
-/// memory that a check may take.
+/// The maximum size of a program that is read from a file, in bytes. A larger one is a mistake (`/dev/zero`), and would
+/// exceed the memory available for a check.
 pub const LONGEST_PROGRAM: u64 = 64 << 20;
 
 /// A scene language.
@@ -56,19 +56,19 @@ pub trait Language: Debug + Send + Sync {
         None
     }
 
-    /// Returns what can be written in the language, in rows that fit on a page.
+    /// Returns the constructs of the language, in rows that fit on a page.
     fn overview(&self) -> Vec<OverviewRow> {
         Vec::new()
     }
 
-    /// Opens a text, which may have any number of mistakes.
+    /// Opens a text, which may have any number of errors.
     ///
     /// # Errors
     /// [`EditError::TooLarge`] if the text has 4 GiB or more.
     fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError>;
 
-    /// Compiles a text once, for a command that does not edit it. A language may do that with less memory than
-    /// [`Language::open`], which keeps what an edit needs.
+    /// Compiles a text once, for a command that does not edit it. A language may do this with less memory than
+    /// [`Language::open`], which keeps the structures for edits.
     ///
     /// # Errors
     /// Those of [`Language::open`].
@@ -95,13 +95,13 @@ pub trait Language: Debug + Send + Sync {
         }
     }
 
-    /// Returns a text in the canonical layout, for a command that does not edit it. A language may do that with less
-    /// memory than [`Analysis::format`], whose text is open.
+    /// Returns a text in the canonical layout, for a command that does not edit it. A language may do this with less
+    /// memory than [`Analysis::format`], which works on an open text.
     fn laid_out(&self, text: &str) -> String {
         edit::apply(text, &self.read(text).format(None))
     }
 
-    /// Returns the coloured parts of a text, in the order of the text and without overlap, for an editor without
+    /// Returns the coloured parts of a text, in the order of the text and without overlaps, for an editor without
     /// semantic tokens.
     fn highlight(&self, text: &str) -> Vec<Highlight> {
         let analysis = self.read(text);
@@ -113,7 +113,7 @@ pub trait Language: Debug + Send + Sync {
 /// A text that was compiled once.
 #[derive(Debug)]
 pub struct Compiled {
-    /// Everything that is wrong or surprising, sorted by place.
+    /// All errors, warnings and hints, sorted by position.
     pub diagnostics: Vec<Diagnostic>,
     /// The scene; `None` if one of the diagnostics is an error.
     pub scene: Option<Arc<Scene>>,
@@ -134,7 +134,7 @@ pub trait Scope: Debug {
     ) -> Result<Evaluation, Vec<Diagnostic>>;
 }
 
-/// The scope of a program that was opened.
+/// The scope of an opened program.
 #[derive(Debug)]
 struct ProgramScope(Box<dyn Program>);
 
@@ -148,31 +148,30 @@ impl Scope for ProgramScope {
     }
 }
 
-/// A program of some language: a text that is edited, and what it means.
+/// A program of some language: a text that is edited, and its meaning.
 pub trait Program: Debug + Send {
-    /// Returns the text as it is now.
+    /// Returns the present text.
     fn text(&self) -> &dyn Text;
 
     /// Replaces the bytes of a range.
     ///
     /// # Errors
-    /// [`EditError`] if the range is not one of the text, or if the text would be too large; the program is unchanged
-    /// then.
+    /// [`EditError`] if the text does not have the range, or would be too large; the program is then unchanged.
     fn edit(&mut self, range: Span, text: &str) -> Result<(), EditError>;
 
-    /// Returns everything that is wrong or surprising, sorted by place.
+    /// Returns all errors, warnings and hints, sorted by position.
     fn diagnostics(&self) -> Arc<[Diagnostic]>;
 
-    /// Returns what reading the text has found, if [`Program::diagnostics`] has to run the program for more; `None` if
-    /// that answers at once.
+    /// Returns the findings of reading the text, if [`Program::diagnostics`] has to run the program to find more;
+    /// `None` if it returns at once.
     fn findings(&self) -> Option<Arc<[Diagnostic]>> {
         None
     }
 
-    /// Returns the scene; of a program with errors, as much of it as can be shown.
+    /// Returns the scene; for a program with errors, as much of it as can be shown.
     fn scene(&self) -> ProgramScene;
 
-    /// Returns the places of the named declarations, in the order of the text.
+    /// Returns the spans of the named declarations, in the order of the text.
     fn declarations(&self) -> Vec<DeclarationRange> {
         let outline = self.snapshot().outline().into_iter();
         let ranges = outline.map(|entry| DeclarationRange {
@@ -182,8 +181,8 @@ pub trait Program: Debug + Send {
         ranges.collect()
     }
 
-    /// Returns the state of the program for features, which may run on other threads while the program is edited. It
-    /// is cheap: it shares what the program has computed.
+    /// Returns an immutable state of the program for features, which may run on other threads while the program is
+    /// edited. This is cheap: it shares the results of the program.
     fn snapshot(&self) -> Arc<dyn Analysis>;
 
     /// Returns the value of an expression in the scope at the end of the program.
@@ -206,16 +205,16 @@ pub trait Program: Debug + Send {
     }
 }
 
-/// An immutable state of a program, and the features that an editor offers on it.
+/// An immutable state of a program, and the editor features for it.
 #[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Analysis: Debug + Send + Sync {
     /// Returns the text.
     fn text(&self) -> &dyn Text;
 
-    /// Returns everything that is wrong or surprising, sorted by place.
+    /// Returns all errors, warnings and hints, sorted by position.
     fn diagnostics(&self) -> Arc<[Diagnostic]>;
 
-    /// Returns the coloured tokens that touch a range, in the order of the text and without overlap.
+    /// Returns the coloured tokens that touch a range, in the order of the text and without overlaps.
     fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
         Vec::new()
     }
@@ -230,22 +229,23 @@ pub trait Analysis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Returns the ranges around a place, from the smallest to the whole text, each of which holds the one before.
+    /// Returns the ranges around an offset, from the smallest to the whole text, each of which contains the previous
+    /// one.
     fn selection(&self, offset: u32) -> Vec<Span> {
         vec![Span::new(0, self.text().len())]
     }
 
-    /// Returns the description of the word at a place, and the range of the word.
+    /// Returns the description of the word at an offset, and the range of the word.
     fn hover(&self, offset: u32) -> Option<(Span, Description)> {
         None
     }
 
-    /// Returns the signature of the function around a place.
+    /// Returns the signature of the function around an offset.
     fn signature(&self, offset: u32) -> Option<Signature> {
         None
     }
 
-    /// Returns what can be written at a place, with places to fill in if the editor knows `snippets`.
+    /// Returns the completions at an offset, with placeholders if the editor supports `snippets`.
     fn completions(&self, offset: u32, snippets: bool) -> Completions {
         Completions::empty(offset)
     }
@@ -255,25 +255,25 @@ pub trait Analysis: Debug + Send + Sync {
         None
     }
 
-    /// Returns the range of the name at a place, and the range where the name is introduced.
+    /// Returns the range of the name at an offset, and the range that introduces the name.
     fn definition(&self, offset: u32) -> Option<(Span, Span)> {
         None
     }
 
-    /// Returns every occurrence of the name at a place, in the order of the text.
+    /// Returns every occurrence of the name at an offset, in the order of the text.
     fn occurrences(&self, offset: u32) -> Vec<Occurrence> {
         Vec::new()
     }
 
-    /// Returns the range and the text of the name at a place, if it can be renamed.
+    /// Returns the range and the text of the name at an offset, if it can be renamed.
     ///
     /// # Errors
-    /// [`RenameError`] with the reason why it cannot.
+    /// [`RenameError`] with the reason.
     fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
         Err(RenameError::NoName)
     }
 
-    /// Returns the edits that give the name at a place another name.
+    /// Returns the edits that rename the name at an offset.
     ///
     /// # Errors
     /// [`RenameError`] with the reason.
@@ -281,8 +281,8 @@ pub trait Analysis: Debug + Send + Sync {
         Err(RenameError::NoName)
     }
 
-    /// Returns the fixes of the diagnostics that touch a range, or if none does and the range is a place, of those on its
-    /// line.
+    /// Returns the fixes of the diagnostics that touch a range; if there are none and the range is empty, of the
+    /// diagnostics on its line.
     fn fixes(&self, range: Span) -> Vec<Fix> {
         let found = fix::fixes(&self.diagnostics(), range);
         if !found.is_empty() || range.start < range.end {
@@ -296,17 +296,17 @@ pub trait Analysis: Debug + Send + Sync {
         fix::fixes(&self.diagnostics(), line)
     }
 
-    /// Returns the edits of all fixes that may be applied without asking which one is meant, and the number of those fixes.
+    /// Returns the edits of all fixes that may be applied without asking the user to choose, and the number of those fixes.
     fn fix_all(&self) -> (Vec<Edit>, usize) {
         fix::fix_all(&self.diagnostics(), self.text())
     }
 
-    /// Returns the edits that bring the text, or the declarations that touch a range, into the canonical layout.
+    /// Returns the edits that convert the text, or the declarations that touch a range, to the canonical layout.
     fn format(&self, range: Option<Span>) -> Vec<Edit> {
         Vec::new()
     }
 
-    /// Returns the edits that lay out the declaration that ends before a place, or `None` if none ends there.
+    /// Returns the edits that format the declaration that ends before an offset, or `None` if none ends there.
     fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
         None
     }
@@ -316,13 +316,13 @@ pub trait Analysis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Returns hints with the values that the params in a range have in a preview. `values` are by name, one number for
-    /// each component.
+    /// Returns hints with the values of the params in a range in a preview. `values` are by name, one number per
+    /// component.
     fn preview_values(&self, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
         Vec::new()
     }
 
-    /// Returns the views that lines above declarations offer, in the order of the text.
+    /// Returns the views offered above declarations, in the order of the text.
     fn lenses(&self) -> Vec<Lens> {
         Vec::new()
     }
@@ -337,20 +337,20 @@ pub trait Analysis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Returns the texts that state a colour (red, green and blue, sRGB, 0…1) in place of the one in a range, the plainest
+    /// Returns the texts for a colour (red, green and blue, sRGB, 0…1) that can replace the one in a range, the simplest
     /// first.
     fn color_texts(&self, range: Span, rgb: [f64; 3]) -> Vec<String> {
         Vec::new()
     }
 
-    /// Returns the extension of the files into which the text can be converted, without a dot; `None` where there is no other
-    /// language for what it shows.
+    /// Returns the extension of the files into which the text can be converted, without a dot; `None` if it cannot be
+    /// converted.
     fn conversion(&self) -> Option<&'static str> {
         None
     }
 
-    /// Returns a text with the extension of [`Analysis::conversion`] that shows the same at these values of the params, one
-    /// number per uniform. `file` is the name that it will have.
+    /// Returns a text with the extension of [`Analysis::conversion`] that shows the same scene at these values of the
+    /// params, one number per uniform. `file` is the name of its file.
     ///
     /// # Errors
     /// [`ConvertError`].
@@ -358,8 +358,8 @@ pub trait Analysis: Debug + Send + Sync {
         Err(ConvertError::NotOffered)
     }
 
-    /// Returns the edit after which a param starts with the given values, one for each of its components. The params of a script
-    /// are the numbers of its settings.
+    /// Returns the edit that sets the initial values of a param, one for each of its components. The params of a script are the
+    /// numbers of its settings.
     ///
     /// # Errors
     /// [`EditParamError`] with the reason.
@@ -368,8 +368,8 @@ pub trait Analysis: Debug + Send + Sync {
         Err(EditParamError::NoParam { name })
     }
 
-    /// Returns the edit after which the camera of a name looks along a direction from a position, in the coordinates of the
-    /// text. A camera that is not declared is added. A script has one camera, whatever the name.
+    /// Returns the edit after which the camera `name` looks along a direction from a position, in the coordinates of the
+    /// text. An undeclared camera is added. A script has one camera, whatever the name.
     ///
     /// # Errors
     /// [`EditCameraError`] with the reason.
@@ -382,8 +382,7 @@ pub trait Analysis: Debug + Send + Sync {
         Err(EditCameraError::NoCameras)
     }
 
-    /// Returns the edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB,
-    /// 0…1.
+    /// Returns the edit that changes the colour of an object that states it as numbers: red, green and blue, sRGB, 0…1.
     ///
     /// # Errors
     /// [`EditColorError`] with the reason.
@@ -394,7 +393,8 @@ pub trait Analysis: Debug + Send + Sync {
     }
 }
 
-/// The methods of an [`Analysis`] that our languages have in common, each a function of a module of the language.
+/// The methods of [`Analysis`] that the standard languages share, each implemented by a function of a module of the
+/// language.
 macro_rules! features_of_modules {
     () => {
         fn semantic_tokens(&self, range: Span) -> Vec<$crate::semantic::SemanticToken> {
@@ -464,7 +464,7 @@ macro_rules! features_of_modules {
 
 pub(crate) use features_of_modules;
 
-/// The analysis of a text that its language does not even open empty.
+/// The analysis of a text whose language cannot even open an empty text.
 #[derive(Debug)]
 struct Unread(PlainText);
 

@@ -1,4 +1,4 @@
-//! The languages that the program knows, as a value: a test or another program may add its own.
+//! The languages that the program knows, as a value: tests and other programs can add their own.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,14 +23,14 @@ impl Languages {
         }
     }
 
-    /// Returns the languages with another one.
+    /// Returns the languages with an additional one.
     #[must_use]
     pub fn with(mut self, language: impl Language + 'static) -> Self {
         self.others.push(Arc::new(language));
         self
     }
 
-    /// One language for all files, whatever their extensions.
+    /// Returns a list of one language for all files, whatever their extensions.
     pub fn only(language: Arc<dyn Language>) -> Self {
         Self {
             standard: language,
@@ -43,17 +43,17 @@ impl Languages {
         std::iter::once(&self.standard).chain(&self.others)
     }
 
-    /// Returns the language of texts that do not say theirs, as those of standard input.
+    /// Returns the language of texts without an extension, such as standard input.
     pub fn default_language(&self) -> &Arc<dyn Language> {
         &self.standard
     }
 
-    /// Returns the language of a name, as editors use it.
+    /// Returns the language with a name used by editors.
     pub fn named(&self, name: &str) -> Option<&Arc<dyn Language>> {
         self.all().find(|language| language.name() == name)
     }
 
-    /// Returns the language of a file's extension, in small letters or capitals.
+    /// Returns the language of a file's extension, ignoring case.
     pub fn by_extension(&self, path: &Path) -> Option<&Arc<dyn Language>> {
         let extension = path.extension()?.to_str()?;
         self.all().find(|language| {
@@ -62,7 +62,7 @@ impl Languages {
         })
     }
 
-    /// Returns the language of a file: that of its extension, else the default.
+    /// Returns the language of a file by its extension, or else the default.
     pub fn for_path(&self, path: &Path) -> &Arc<dyn Language> {
         self.by_extension(path).unwrap_or(&self.standard)
     }

@@ -3,15 +3,14 @@
 //! ```text
 //! languages     the languages by file extension and name
 //! language      the interface of a language: Language, Program, Analysis
-//! geotrace, crt the languages after it
-//! text          a text by its lines
+//! geotrace, crt the languages
+//! text          access to a text by its lines
 //! limited       files that are read up to a limit
 //! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
 //!               what the features return
 //! ```
 //!
-//! The crate names no type of the language server protocol: lines, columns and names of the protocol are the server's
-//! business.
+//! The crate does not use the types of the language server protocol: the server converts lines, columns and names.
 
 pub mod color;
 pub mod completion;

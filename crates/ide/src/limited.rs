@@ -7,7 +7,7 @@ use std::path::Path;
 /// Reads a regular file of at most `limit` bytes: a device or a pipe might never end.
 ///
 /// # Errors
-/// The system's, and sentences for another kind of file and a longer one.
+/// The system's error, or an error if it is not a regular file or is longer.
 pub fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is not a regular file"));
@@ -18,7 +18,7 @@ pub fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 /// Reads an input of at most `limit` bytes to its end.
 ///
 /// # Errors
-/// The system's, and a sentence for a longer input.
+/// The system's error, or an error if the input is longer.
 pub fn read(input: impl Read, limit: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     input.take(limit + 1).read_to_end(&mut bytes)?;

@@ -2,7 +2,7 @@
 
 use syntax::span::Span;
 
-/// A place where a name occurs.
+/// An occurrence of a name.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Occurrence {
     /// The range of the name.

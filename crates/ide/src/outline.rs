@@ -1,4 +1,4 @@
-//! The structure of a text: what it declares and what folds.
+//! The structure of a text: its declarations and its foldable ranges.
 
 use syntax::span::Span;
 
@@ -11,7 +11,7 @@ pub struct OutlineEntry {
     pub kind: OutlineKind,
     /// The keyword of the declaration.
     pub keyword: &'static str,
-    /// The parameters as they are written: `(u, v)`; empty for a value.
+    /// The parameters as written: `(u, v)`; empty for a value.
     pub detail: String,
     /// The range of the whole declaration.
     pub span: Span,
@@ -19,7 +19,7 @@ pub struct OutlineEntry {
     pub name_span: Span,
 }
 
-/// The places of a named declaration.
+/// The spans of a named declaration.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct DeclarationRange {
     /// The range of the whole declaration.
@@ -33,7 +33,7 @@ pub struct DeclarationRange {
 pub enum OutlineKind {
     /// A value that the user can change: a param.
     Variable,
-    /// A value that stays.
+    /// A fixed value.
     Constant,
     /// A function.
     Function,
@@ -41,7 +41,7 @@ pub enum OutlineKind {
     Object,
 }
 
-/// A range that an editor can fold away.
+/// A foldable range.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Fold {
     /// The range from the first to the last character.

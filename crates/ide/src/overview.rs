@@ -1,4 +1,4 @@
-//! A language on one page: what can be written in it, each with an example.
+//! A language on one page: its constructs, each with an example.
 
 /// A row of the page.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

@@ -1,24 +1,24 @@
 //! The errors of renaming.
 
-/// The reason for which a name cannot be changed; [`std::fmt::Display`] gives the sentence.
+/// The reason why a name cannot be changed; its [`std::fmt::Display`] is a sentence.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum RenameError {
-    /// There is no name at the place.
+    /// There is no name at the offset.
     NoName,
     /// The name is builtin.
     Builtin(String),
     /// The new name is not valid: names start with a letter and consist of letters and digits.
     NotAName(String),
-    /// The new name opens declarations.
+    /// The new name is a keyword of declarations.
     Keyword(String),
-    /// The new name has a meaning already; `line` (from 1) is where, unless it is builtin.
+    /// The new name is already defined; `line` (from 1) is where, unless it is builtin.
     Taken {
         /// The name.
         name: String,
-        /// The place of its declaration.
+        /// The line of its declaration.
         line: Option<u32>,
     },
-    /// Some word would be read otherwise, whatever blanks are put in.
+    /// A word would be read differently, even with inserted blanks.
     ReadOtherwise {
         /// The word as written now.
         word: String,

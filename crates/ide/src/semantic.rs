@@ -20,7 +20,7 @@ pub enum TokenType {
 }
 
 impl TokenType {
-    /// All, in the order of the legend.
+    /// All types, in the order of the legend.
     pub const ALL: [Self; 9] = [
         Self::Keyword,
         Self::Function,
@@ -33,7 +33,7 @@ impl TokenType {
         Self::EnumMember,
     ];
 
-    /// Its name in the legend.
+    /// Returns its name in the legend.
     pub fn name(self) -> &'static str {
         match self {
             Self::Keyword => "keyword",
@@ -54,7 +54,7 @@ impl TokenType {
 pub struct Modifiers(pub u32);
 
 impl Modifiers {
-    /// The names, in the order of the legend: two standard ones, then the language's own.
+    /// The names, in the order of the legend: two standard ones, then the program's own.
     pub const NAMES: [&'static str; 7] = [
         "declaration",
         "defaultLibrary",

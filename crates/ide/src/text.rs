@@ -1,21 +1,21 @@
-//! Texts by their lines: what every program offers, whatever its language.
+//! Texts by lines: the interface of every program, whatever its language.
 //!
-//! Lines count from 1 and end at `\n`; offsets are bytes.
+//! Lines count from 1 and end at `\n`; offsets are in bytes.
 
 use std::fmt::Debug;
 
 use syntax::document::{EditError, Grammar, Snapshot};
 use syntax::span::Span;
 
-/// A text of less than 4 GiB. Each method costs far less than the text is long, but [`Text::string`].
+/// A text of less than 4 GiB. The cost of each method except [`Text::string`] is far below the length of the text.
 pub trait Text: Debug {
     /// Returns the length in bytes.
     fn len(&self) -> u32;
 
-    /// Returns the text of a range, or `None` if the range is not one of the text.
+    /// Returns the text of a range, or `None` if the text does not have the range.
     fn slice(&self, range: Span) -> Option<String>;
 
-    /// Returns the line of an offset, from 1; an offset beyond the end counts as the end.
+    /// Returns the line of an offset, from 1; an offset past the end counts as the end.
     fn line(&self, offset: u32) -> u32;
 
     /// Returns the offset at which a line starts, or `None` if there is no such line.
@@ -32,7 +32,7 @@ pub trait Text: Debug {
     }
 }
 
-/// A plain string with an index of its lines, for languages that keep no structure of their own.
+/// A plain string with an index of its lines, for languages without a document of their own.
 #[derive(Clone, Debug)]
 pub struct PlainText {
     text: String,
@@ -63,7 +63,7 @@ impl PlainText {
     /// Replaces the bytes of a range, in time proportional to the text.
     ///
     /// # Errors
-    /// [`EditError`] if the range is not one of the text, or if the text would be too large.
+    /// [`EditError`] if the text does not have the range, or would be too large.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<(), EditError> {
         let bytes = range.start as usize..range.end as usize;
         if bytes.start > bytes.end || bytes.end > self.text.len() {

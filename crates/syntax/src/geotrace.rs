@@ -9,13 +9,13 @@
 //!                               └──▶ Actions::act_error       diagnostics, as they are found
 //! ```
 //!
-//! The language's front-end knows no mathematics: the builtin names are handed in, and implementations of
+//! The front-end knows no mathematics: the builtin names are passed in, and implementations of
 //! [`Actions`](actions::Actions) give operators their meaning.
 //!
 //! - [`declarations`]: the one table of declarations; [`attributes`]: the one table of their attributes.
 //! - [`token`], [`lexer`]: tokens.
 //! - [`grammar`]: the productions as data; [`parser`] follows them and calls the hooks of [`actions`].
-//! - [`symbols`]: what names mean.
+//! - [`symbols`]: the meaning of names.
 //! - [`codes`]: the codes of the diagnostics.
 //! - [`highlight`]: colours, an implementation of the hooks.
 //! - [`document`]: a program that is edited.

@@ -21,7 +21,7 @@ pub enum HighlightKind {
     Operator,
     /// Brackets and separators.
     Punctuation,
-    /// A word without a meaning.
+    /// An undefined word.
     Undefined,
     /// Characters that are not a token.
     Error,

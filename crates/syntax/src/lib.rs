@@ -1,16 +1,16 @@
-//! The front-end: from text to what its declarations say, and again after each edit.
+//! The front-end: from text to syntax, and again after each edit.
 //!
 //! The crate root is a kernel that knows no grammar:
 //!
-//! - [`span`], [`text`], [`line_index`]: places in a text.
-//! - [`diagnostic`], [`codes`]: what is wrong with a text.
+//! - [`span`], [`text`], [`line_index`]: ranges and positions in a text.
+//! - [`diagnostic`], [`codes`]: the faults of a text.
 //! - [`symbol`], [`trie`], [`spelling`]: names.
 //! - [`highlight`]: the kinds of coloured pieces.
 //! - [`productions`]: grammars as data.
-//! - [`document`]: a text that is edited, read piece by piece.
-//! - [`attribute_range`]: the numbers that an attribute may have.
+//! - [`document`]: a text that is edited, and read piece by piece.
+//! - [`attribute_range`]: the numbers that an attribute can have.
 //!
-//! A language is a module beside it: [`geotrace`], [`crt`].
+//! Each language is a module beside the kernel: [`geotrace`], [`crt`].
 
 pub mod attribute_range;
 mod checkpoints;

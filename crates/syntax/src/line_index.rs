@@ -1,11 +1,11 @@
-//! From byte offsets to lines and columns, and back.
+//! Conversion between byte offsets and lines and columns.
 //!
-//! Built once for a text in linear time. A query costs a binary search over checkpoints and counts within one block of the
-//! text, wherever in a long line it lies.
+//! The index of a text is built once, in linear time. A query costs a binary search over checkpoints and a count within
+//! one block of the text, however long the line.
 
 use crate::checkpoints::Checkpoints;
 
-/// A place as people count: the first character of a text is at line 1, column 1.
+/// A line and a column, both counted from 1.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Position {
     /// The line, from 1.
@@ -46,8 +46,8 @@ impl<'t> LineIndex<'t> {
         }
     }
 
-    /// Returns the offset of the character at a place. A column past the line's end gives the line's end; `None`
-    /// where there is no such line, or for a 0.
+    /// Returns the offset of the character at a position. A column past the line's end is the line's end; `None` if
+    /// there is no such line, or for a 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let content = self.line(position.line)?;
         let (start, end) = (content.start as u32, content.end as u32);
@@ -58,7 +58,7 @@ impl<'t> LineIndex<'t> {
         self.checkpoints.character(self.text, wanted)
     }
 
-    /// Returns the bytes of a line (from 1) without its end, or `None` where there is no such line.
+    /// Returns the bytes of a line, from 1, without its end; `None` if there is no such line.
     pub fn line(&self, line: u32) -> Option<std::ops::Range<usize>> {
         let start = self.start(line)? as usize;
         let Some(end) = self.checkpoints.line_end(self.text, line - 1) else {

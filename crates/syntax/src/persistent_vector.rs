@@ -1,11 +1,11 @@
 //! A persistent vector: a clone costs a few reference counts, and a change copies only what other clones share.
 //!
-//! Elements lie in blocks of 64 and blocks in groups of 64; clones share both. The first change of a block that another
-//! clone holds copies that block and its group, 64 elements and 64 pointers. Reading an element follows two pointers more
-//! than in a [`Vec`].
+//! Elements are stored in blocks of 64, and blocks in groups of 64; clones share both. The first change of a block that
+//! another clone shares copies that block and its group: 64 elements and 64 pointers. Reading an element follows two more
+//! pointers than in a [`Vec`].
 //!
-//! `imbl::Vector` would serve as well. It is not used because it brings seven crates into one that has no dependencies, for
-//! operations that are not needed here (concatenation, insertion in the middle), which take most of its code.
+//! `imbl::Vector` would also work. It is not used because it would add seven crates to a crate without dependencies, for
+//! operations that are not needed here (concatenation, insertion in the middle), which make up most of its code.
 
 use std::ops::Index;
 use std::sync::Arc;
@@ -69,7 +69,7 @@ impl<T: Clone> PersistentVector<T> {
         }
     }
 
-    /// Replaces an element. An index beyond the end extends the vector, with `filling` before the element.
+    /// Replaces an element. An index past the end extends the vector, with `filling` before the element.
     pub(crate) fn set(&mut self, index: usize, element: T, filling: T) {
         while self.length <= index {
             self.push(filling.clone());

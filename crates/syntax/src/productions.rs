@@ -1,18 +1,18 @@
 //! Productions of a grammar as data.
 //!
 //! A language states its productions with `productions!`, in the LL(1) form that its parser follows. Tests compute their
-//! tables, and hold the parsers to them.
+//! LL(1) tables and compare the parsers with them.
 
 /// A step of a production over nonterminals `N` and terminals `T`.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Item<N, T> {
     /// A token.
     T(T),
-    /// A text that a nonterminal derives.
+    /// A nonterminal.
     N(N),
 }
 
-/// One alternative of a nonterminal; an empty one derives nothing.
+/// One alternative of a nonterminal; an empty one derives the empty text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Production<N: 'static, T: 'static> {
     /// The nonterminal.
@@ -21,8 +21,8 @@ pub struct Production<N: 'static, T: 'static> {
     pub right: &'static [Item<N, T>],
 }
 
-/// A list of [`Production`]s. `N(Expr)` is `Nonterminal::Expr`, `T(Plus)` is `Terminal::Plus`, and `K(Param)`, in a language
-/// with a kind of terminals for its keywords, `Terminal::Keyword(Keyword::Param)`, with the names of the place of the call.
+/// Creates a list of [`Production`]s. `N(Expr)` is `Nonterminal::Expr`, `T(Plus)` is `Terminal::Plus`, and `K(Param)`, in a
+/// language whose terminals include keywords, is `Terminal::Keyword(Keyword::Param)`. The names are resolved at the call.
 macro_rules! productions {
     ($($left:ident = $($item:ident($name:ident))*;)*) => {
         &[$($crate::productions::Production {

@@ -1,6 +1,6 @@
-//! Places in a text.
+//! Ranges of a text.
 
-/// A half-open range of bytes, `start..end`, of a UTF-8 text; both ends lie on character boundaries.
+/// A half-open range of bytes, `start..end`, of a UTF-8 text; both ends are character boundaries.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Span {
     /// The offset of the first byte.
@@ -10,7 +10,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Returns the range `start..end`.
+    /// Creates the range `start..end`.
     pub fn new(start: u32, end: u32) -> Self {
         debug_assert!(start <= end);
         Self { start, end }

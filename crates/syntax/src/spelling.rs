@@ -1,21 +1,21 @@
-//! Names that are spelt like a word: what a word that means nothing may have been meant to be.
+//! Similarly spelt names: suggestions for an undefined word.
 //!
 //! The distance between two words is the optimal string alignment distance. `strsim` computes it too, but only for pairs
-//! of words; `Search::among` walks a [`Trie`] and leaves out every branch that cannot hold a near name, without which a
+//! of words. `Search::among` walks a [`Trie`] and skips every branch that cannot contain a similar name; otherwise a
 //! misspelt word among 100,000 names would cost 100,000 comparisons.
 
 use crate::trie::Trie;
 
-/// A search for the name that is spelt most like a word, among the names that it is offered.
+/// A search for the name most similar in spelling to a word, among the names passed to it.
 pub(crate) struct Search<'w> {
     word: &'w str,
-    /// The word in small letters: case does not count as a difference.
+    /// The word in lower case: case does not count as a difference.
     folded: Vec<u8>,
     limit: u8,
     best: Option<((u8, bool), String)>,
 }
 
-/// The length of the longest word that is compared with names.
+/// The maximum length of a word that is compared with names.
 const MAX_WORD: usize = 32;
 
 /// The distances between one prefix of a name and every prefix of a word.
@@ -23,7 +23,7 @@ type Row = [u8; MAX_WORD + 1];
 
 impl<'w> Search<'w> {
     /// Calls `consider` with a search for names at distance 1, and if it finds none, at distance 2. Returns the nearest name.
-    /// A word of one letter is near to names that differ in case only; a word of more than 32 letters is near to none.
+    /// A word of one letter matches only names that differ in case; a word of more than 32 letters matches none.
     pub(crate) fn nearest(word: &'w str, mut consider: impl FnMut(&mut Self)) -> Option<String> {
         let furthest = match word.len() {
             1 => 0,
@@ -31,7 +31,7 @@ impl<'w> Search<'w> {
             6..=MAX_WORD => 2,
             _ => return None,
         };
-        // At distance 1 the walk leaves out most names, and most misspelt words are found there.
+        // At distance 1 the walk skips most names, and most misspelt words are found there.
         (furthest.min(1)..=furthest).find_map(|limit| {
             let mut search = Self {
                 word,
@@ -44,7 +44,7 @@ impl<'w> Search<'w> {
         })
     }
 
-    /// Returns the word in small letters.
+    /// Returns the word in lower case.
     fn folded_text(&self) -> String {
         self.word.to_ascii_lowercase()
     }
@@ -63,7 +63,7 @@ impl<'w> Search<'w> {
                 rows.push(next_row(&rows, &front, &self.folded));
                 let length = self.folded.len();
                 let least = |row: &Row| row[..=length].iter().min().copied().unwrap_or_default();
-                // A swap reaches back two rows, for one more.
+                // A swap refers to the row before the previous one, at a cost of one.
                 if let [.., before, last] = &rows[..]
                     && least(last) > self.limit
                     && least(before) >= self.limit
@@ -79,7 +79,7 @@ impl<'w> Search<'w> {
     }
 
     fn consider(&mut self, name: &str, distance: u8, visible: impl FnOnce() -> bool) {
-        // Between names equally near, the one that keeps the first letter, then the first.
+        // Among names equally near, prefer one with the same first letter, then the first.
         let rank = (distance, !name.starts_with(&self.word[..1]));
         if distance <= self.limit
             && name != self.word
@@ -91,8 +91,7 @@ impl<'w> Search<'w> {
     }
 }
 
-/// Returns the name that is spelt most like a word, of equally near ones the first. Returns `None` if no name is near enough to
-/// be meant.
+/// Returns the name most similar in spelling to a word; among equals, the first. Returns `None` if no name is similar enough.
 pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> Option<String> {
     if !word.is_ascii() || word.is_empty() {
         return None;
@@ -111,11 +110,12 @@ fn first_row() -> Row {
     std::array::from_fn(|length| length as u8)
 }
 
-/// Returns the distances between `front` and the prefixes of `word`, where `rows` holds those of each shorter prefix of
+/// Returns the distances between `front` and the prefixes of `word`; `rows` has those of each shorter prefix of
 /// `front`.
-///
-/// The distance is the least number of insertions, deletions, substitutions and swaps of neighbours that turn one into the
-/// other, with no letter edited twice (optimal string alignment; L. Boytsov, Indexing methods for approximate dictionary
+/// `front`.
+/// The distance is the minimum number of insertions, deletions, substitutions and swaps of neighbours that turn one into
+/// the other, with no letter edited twice (optimal string alignment; L. Boytsov, Indexing methods for approximate
+/// dictionary searching, ACM J. Exp. Algorithmics 16, 2011, section 2.2.1).
 /// searching, ACM J. Exp. Algorithmics 16, 2011, section 2.2.1).
 fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     let i = front.len();

@@ -1,14 +1,14 @@
-//! Texts of any language: from the bytes of a file to a text, or to the diagnostic that says why they are not one; and the
-//! limits of a text.
+//! Texts of any language: decodes the bytes of a file, or returns a diagnostic if they are not a text. Also the limits of
+//! a text.
 
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
-/// The maximum number of diagnostics for one text; the last one says that others are omitted.
+/// The maximum number of diagnostics for a text; the last one reports that others are omitted.
 pub const MAX_DIAGNOSTICS: usize = 100_000;
 
-/// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it
+/// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the span of the one that it replaces.
 /// takes.
 pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
     let message = format!("more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted");
@@ -29,9 +29,9 @@ pub(crate) fn line_length(bytes: &[u8]) -> usize {
 
 /// Returns the bytes as a text.
 ///
-/// # Errors
-/// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span is a place in the lossy
-/// text ([`String::from_utf8_lossy`]), which agrees with the bytes up to there, so that a
+/// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span refers to the lossy text
+/// ([`String::from_utf8_lossy`]), which agrees with the bytes up to there, so that a
+/// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
 /// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
 pub fn decode(bytes: &[u8]) -> Result<&str, Box<Diagnostic>> {
     std::str::from_utf8(bytes).map_err(|error| {

@@ -1,25 +1,25 @@
 //! A persistent trie: a map from names over `a-z A-Z 0-9` to values.
 //!
-//! It is *persistent*: a clone costs one reference count, and inserting into one clone copies only the path
-//! to the new name (nothing at all where no other clone holds it), so a snapshot can be kept at the boundary
-//! of every declaration. Chains of single children are folded into one labelled node, which keeps it small; a
-//! label lies in its node, so that a name costs one allocation or two. An empty trie costs none.
+//! It is *persistent*: a clone costs one reference count, and inserting into a clone copies only the path to the new
+//! name (nothing if no other clone shares it), so that a snapshot can be kept at the boundary of every declaration.
+//! Chains of single children are merged into one labelled node, which keeps the trie small. A label is stored in its
+//! node, so that a name costs one or two allocations. An empty trie costs none.
 //!
-//! It answers which name is the longest prefix of a word, which splits words into tokens. Crates with tries that find
-//! prefixes (`radix_trie`, `qp-trie`) do not share nodes between clones, and persistent maps (`imbl`, `rpds`) do not find
-//! prefixes.
+//! It finds the longest name that is a prefix of a word, by which words are split into tokens. Crates with tries that
+//! find prefixes (`radix_trie`, `qp-trie`) do not share nodes between clones, and persistent maps (`imbl`, `rpds`) do not
+//! find prefixes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// A map from names to values that answers which defined name is the longest prefix of a word.
+/// A map from names to values that finds the longest defined name that is a prefix of a word.
 #[derive(Clone, Debug)]
 pub struct Trie<V> {
     /// `None` if no name is defined.
     root: Option<Arc<TrieNode<V>>>,
 }
 
-/// A name that holds a character outside `a-z A-Z 0-9`, or none at all.
+/// A name that is empty or contains a character outside `a-z A-Z 0-9`.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct NotAName;
 
@@ -30,10 +30,10 @@ impl<V> Default for Trie<V> {
 }
 
 impl<V: Copy> Trie<V> {
-    /// Gives a name a value; returns the one that it had.
+    /// Sets the value of a name; returns its previous value.
     ///
     /// # Errors
-    /// [`NotAName`] where the name is empty or leaves the alphabet.
+    /// [`NotAName`] if the name is empty or contains a character outside the alphabet.
     pub fn insert(&mut self, name: &str, value: V) -> Result<Option<V>, NotAName> {
         if name.is_empty() || name.bytes().any(|byte| slot(byte).is_none()) {
             return Err(NotAName);
@@ -66,14 +66,14 @@ impl<V: Copy> Trie<V> {
             .map(|(_, value)| value)
     }
 
-    /// Returns the longest name that `word` begins with: its length in bytes and its value.
+    /// Returns the longest name that is a prefix of `word`: its length in bytes and its value.
     pub fn longest_prefix(&self, word: &str) -> Option<(usize, V)> {
         let mut longest = None;
         self.each_prefix(word, |length, value| longest = Some((length, value)));
         longest
     }
 
-    /// Calls `found` with the length and value of each name that `word` begins with, shortest first.
+    /// Calls `found` with the length and value of each name that is a prefix of `word`, shortest first.
     pub fn each_prefix(&self, word: &str, mut found: impl FnMut(usize, V)) {
         let word = word.as_bytes();
         let Some(root) = &self.root else { return };
@@ -100,7 +100,8 @@ impl<V: Copy> Trie<V> {
         self.each_from("", visit);
     }
 
-    /// Visits the names that begin with `prefix`, it among them, as [`each`](Self::each) does; others cost nothing.
+    /// Visits the names that begin with `prefix`, including itself, as [`each`](Self::each) does; other names cost
+    /// nothing.
     pub fn each_from(&self, prefix: &str, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
         let Some(root) = &self.root else { return };
         let mut node = &**root;
@@ -119,7 +120,7 @@ impl<V: Copy> Trie<V> {
             above = name.len();
             name.extend(label.iter().map(|byte| char::from(*byte)));
         }
-        // The nodes still to be visited, each with the length of the name above it. Labels are ASCII.
+        // The nodes that remain to be visited, each with the length of the name above it. Labels are ASCII.
         let mut stack = vec![(node, above)];
         while let Some((node, above)) = stack.pop() {
             name.truncate(above);
@@ -136,9 +137,9 @@ impl<V: Copy> Trie<V> {
 }
 
 impl<V: Copy> Trie<V> {
-    /// Visits the prefixes of names at which nodes stand, in alphabetical order. `enter` gets the prefix, the length of the
-    /// part that an earlier call has seen, and the value if the prefix is a name; if it returns false, the walk leaves out
-    /// everything that begins with the prefix.
+    /// Visits the prefixes of names that have a node, in alphabetical order. `enter` is called with the prefix, the length
+    /// of the part that an earlier call has seen, and the value if the prefix is a name. If it returns false, the walk
+    /// skips everything that begins with the prefix.
     pub(crate) fn each_below(&self, mut enter: impl FnMut(&str, usize, Option<V>) -> bool) {
         let mut name = String::new();
         let Some(root) = &self.root else { return };
@@ -156,7 +157,7 @@ impl<V: Copy> Trie<V> {
 
 #[derive(Clone, Debug)]
 struct TrieNode<V> {
-    /// The letters that lead here from the parent; empty at the root only.
+    /// The letters that lead here from the parent; empty only at the root.
     label: Label,
     value: Option<V>,
     /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
@@ -165,7 +166,7 @@ struct TrieNode<V> {
     children: Vec<Arc<TrieNode<V>>>,
 }
 
-/// A few letters, held where they are used; longer runs are chains of nodes.
+/// A few letters, stored inline; longer runs are chains of nodes.
 #[derive(Clone, Copy, Debug)]
 struct Label {
     length: u8,
@@ -175,7 +176,7 @@ struct Label {
 impl Label {
     const LONGEST: usize = 15;
 
-    /// Returns the first letters of a run, up to as many as a label holds.
+    /// Returns the first letters of a run, at most as many as a label can hold.
     fn front(run: &[u8]) -> Self {
         let length = run.len().min(Self::LONGEST);
         let mut letters = [0; Self::LONGEST];
@@ -202,7 +203,7 @@ impl<V> TrieNode<V> {
         }
     }
 
-    /// Returns the nodes that lead over a run of letters to a value, each the only child of the one before.
+    /// Creates the nodes that lead over a run of letters to a value, each the only child of the previous one.
     fn chain(run: &[u8], value: V) -> Arc<Self> {
         let mut value = Some(value);
         let mut below = None;
@@ -225,7 +226,7 @@ impl<V> TrieNode<V> {
         }
         match below {
             Some((_, node)) => node,
-            // A run has a letter, and each letter is one of the alphabet.
+            // A run is not empty, and its letters are in the alphabet.
             None => Arc::new(Self::root()),
         }
     }
@@ -234,12 +235,12 @@ impl<V> TrieNode<V> {
         self.present >> slot & 1 == 1
     }
 
-    /// Returns the position of the child of this slot, or the position at which to insert it.
+    /// Returns the index of the child for this slot, or the index at which to insert it.
     fn index(&self, slot: u32) -> usize {
         (self.present & ((1 << slot) - 1)).count_ones() as usize
     }
 
-    /// Cuts the label after `length` bytes; what the node held moves to a child below the cut.
+    /// Cuts the label after `length` bytes; the node's contents move to a child below the cut.
     fn split(&mut self, length: usize) {
         let label = self.label;
         let Some(slot) = label.bytes().get(length).copied().and_then(slot) else {
@@ -257,8 +258,8 @@ impl<V> TrieNode<V> {
     }
 }
 
-/// Nodes are dropped from a list: a chain of names, each a letter longer than the last, would exhaust the
-/// stack otherwise.
+/// Nodes are dropped from a list: otherwise a chain of names, each a letter longer than the last, would exhaust the
+/// stack.
 impl<V> Drop for TrieNode<V> {
     fn drop(&mut self) {
         if self.children.is_empty() {
@@ -273,14 +274,14 @@ impl<V> Drop for TrieNode<V> {
     }
 }
 
-/// Returns the position of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
+/// Returns the index of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
 #[inline]
 fn slot(byte: u8) -> Option<u32> {
     let slot = SLOTS[usize::from(byte)];
     (slot < 62).then_some(u32::from(slot))
 }
 
-/// [`slot`] of each byte; 62 for those outside of the alphabet.
+/// [`slot`] of each byte; 62 for bytes outside the alphabet.
 const SLOTS: [u8; 256] = {
     let mut slots = [62; 256];
     let mut letter = 0;
@@ -297,7 +298,7 @@ const SLOTS: [u8; 256] = {
     slots
 };
 
-/// Returns the number of letters that two runs have in common at their start. It is small, so they are compared one by
+/// Returns the length of the common prefix of two runs. It is small, so they are compared letter by letter.
 /// one.
 #[inline]
 fn shared_length(a: &[u8], b: &[u8]) -> usize {

@@ -18,7 +18,7 @@ pub(super) fn colors(analysis: &CrtAnalysis) -> Vec<StatedColor> {
     colors
 }
 
-/// Returns the texts that state a colour.
+/// Returns the texts that denote a colour.
 pub(super) fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     let [red, green, blue] = rgb.map(|part| (part * 1000.0).round() / 1000.0);
     vec![format!("rgb({red}, {green}, {blue})")]

@@ -12,11 +12,11 @@ use super::names::Origin;
 use crate::completion::{Completion, CompletionKind, Completions, behind_word};
 use crate::description::Description;
 
-/// A place where something is written.
+/// The context of a completion.
 enum CompletionPlace {
-    /// The name of an attribute of an object. These are stated already.
+    /// The name of an attribute of an object, which states these already.
     Attribute(ObjectName, Vec<String>),
-    /// The value of an attribute that is one of these strings; `true` between quotes.
+    /// The value of an attribute that is one of these strings; `true` if within quotes.
     Choice(&'static [&'static str], bool),
     /// A modifier, within `<…>`.
     Modifier,
@@ -38,7 +38,7 @@ fn keyword(word: &str) -> Completion {
     }
 }
 
-/// Returns the entries at a place.
+/// Returns the completions at an offset.
 pub(super) fn completions(analysis: &CrtAnalysis, offset: u32, snippets: bool) -> Completions {
     let start = analysis.snapshot.word_start(offset);
     let mut completions = Completions {
@@ -116,7 +116,7 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
             .is_none_or(|scope| scope.start <= offset && offset <= scope.end)
     });
     let visible: Vec<_> = visible.collect();
-    // An inner variable hides an outer one of its name.
+    // An inner variable hides an outer one of the same name.
     let mut starts: HashMap<&str, Option<u32>> = HashMap::new();
     for variable in &visible {
         let start = variable.scope.map(|scope| scope.start);
@@ -181,7 +181,7 @@ fn expressions(analysis: &CrtAnalysis, offset: u32, snippets: bool, list: &mut V
     }
 }
 
-/// Returns the description of an entry by its label.
+/// Returns the description of the completion with this label.
 pub(super) fn describe(analysis: &CrtAnalysis, offset: u32, label: &str) -> Option<Description> {
     let start = analysis.snapshot.word_start(offset);
     if let CompletionPlace::Attribute(object, _) = place(analysis, start) {
@@ -198,7 +198,7 @@ pub(super) fn describe(analysis: &CrtAnalysis, offset: u32, label: &str) -> Opti
     }
 }
 
-/// Finds the kind of place before an offset where no word has begun.
+/// Finds the context before an offset where no word has begun.
 fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
     let tokens = analysis.all_tokens();
     let before = tokens.partition_point(|token| token.span.end <= offset);
@@ -221,7 +221,7 @@ fn place(analysis: &CrtAnalysis, offset: u32) -> CompletionPlace {
     place_behind(analysis, &tokens[..before], offset)
 }
 
-/// Finds the kind of place after some tokens.
+/// Finds the context after some tokens.
 fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> CompletionPlace {
     let before: Vec<Token> = tokens
         .iter()
@@ -234,7 +234,7 @@ fn place_behind(analysis: &CrtAnalysis, tokens: &[Token], offset: u32) -> Comple
     if begins_modifier(analysis, &before, offset) {
         return CompletionPlace::Modifier;
     }
-    // The bracket that is open here.
+    // The open bracket at this point.
     let mut depth = 0;
     let open = before.iter().rposition(|token| {
         match token.kind {
@@ -327,7 +327,7 @@ fn begins_modifier(analysis: &CrtAnalysis, before: &[Token], offset: u32) -> boo
     }
 }
 
-/// Returns the attributes that are stated between the braces of the object whose first one ends at an offset.
+/// Returns the attributes that are stated between the braces that begin at an offset.
 fn stated_attributes(analysis: &CrtAnalysis, start: u32) -> Vec<String> {
     let tokens = analysis.all_tokens();
     let from = tokens.partition_point(|token| token.span.end <= start);

@@ -1,4 +1,4 @@
-//! Scripts as programs in Geotrace's language.
+//! Conversion of scripts into programs of the Geotrace language.
 
 use std::path::Path;
 
@@ -13,8 +13,8 @@ use crate::geotrace::format;
 use crate::geotrace::rename::is_free;
 use crate::language::Analysis;
 
-/// Returns the program that shows what a script shows at a value of `t`, in the canonical layout. Its first comment is the
-/// command that gives the script's picture; `file` is the name that it will have.
+/// Returns the program that shows the scene of a script at a value of `t`, in the canonical layout. Its first comment is
+/// the command that renders the script's picture; `file` is the name of the program's file.
 ///
 /// # Errors
 /// [`ConvertError`].

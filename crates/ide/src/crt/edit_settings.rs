@@ -1,7 +1,7 @@
-//! Values that a person has found by hand, written into the block `Settings`: the place of the camera, and numbers.
+//! Values found interactively, written into the block `Settings`: the position of the camera, and numbers.
 //!
-//! In: an analysis and numbers in the script's coordinates. Out: the edit after which the script states them. What else
-//! the block and its camera state stays as it is.
+//! In: an analysis and numbers in the script's coordinates. Out: the edit after which the script states them. The rest
+//! of the block and of its camera remains unchanged.
 
 use syntax::crt::objects::{ObjectName, ValueType};
 use syntax::crt::token::TokenKind;
@@ -18,10 +18,10 @@ use crate::language::Analysis;
 /// The name of the scene's camera.
 const CAMERA: &str = "camera";
 
-/// Returns the edit after which the camera stands at `position` and looks along `direction`.
+/// Returns the edit after which the camera is at `position` and looks along `direction`.
 ///
 /// # Errors
-/// If the numbers say no place, the camera is not stated in one place, or a comment would be lost.
+/// If the numbers are not a valid position, the camera is not stated in one location, or a comment would be lost.
 pub(super) fn edit_camera(
     analysis: &CrtAnalysis,
     direction: [f64; 3],
@@ -54,7 +54,7 @@ pub(super) fn edit_camera(
         let name = CAMERA.to_owned();
         return Err(EditCameraError::Comment { name });
     }
-    // The text between the two stays.
+    // The text between the two remains.
     let whole = Span::new(from.start.min(to.start), from.end.max(to.end));
     let within = |span: Span, text: String| {
         let span = Span::new(span.start - whole.start, span.end - whole.start);
@@ -111,7 +111,7 @@ pub(super) fn edit_number(
     }
 }
 
-/// Returns the place of a setting, and of its value.
+/// Returns the spans of a setting and of its value.
 fn setting(analysis: &CrtAnalysis, word: &str) -> Option<(Span, Span)> {
     attribute(analysis, settings(analysis)?, word)
 }
@@ -121,7 +121,7 @@ fn settings(analysis: &CrtAnalysis) -> Option<&ObjectPlace> {
     objects.find(|it| it.object == Some(ObjectName::Settings))
 }
 
-/// Returns the place of an attribute, the last of its name, and of its value.
+/// Returns the spans of an attribute, the last with its name, and of its value.
 fn attribute(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Span, Span)> {
     let (span, name) = named(analysis, object, word)?;
     let behind = analysis.tokens(Span::new(name.end, span.end));
@@ -132,7 +132,7 @@ fn attribute(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option
     Some((span, Span::new(value.start, span.end)))
 }
 
-/// Returns the place of an attribute, the last of its name, and of that name.
+/// Returns the spans of an attribute, the last with its name, and of that name.
 fn named(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Span, Span)> {
     let mut attributes = object.attributes.iter().rev();
     attributes
@@ -140,7 +140,7 @@ fn named(analysis: &CrtAnalysis, object: &ObjectPlace, word: &str) -> Option<(Sp
         .copied()
 }
 
-/// Returns the camera that a value states: itself, or what a variable is assigned once.
+/// Returns the camera that a value denotes: the value itself, or the value of a variable that is assigned once.
 fn stated_camera(analysis: &CrtAnalysis, value: Span) -> Option<&ObjectPlace> {
     let names = analysis.names();
     let camera_at = |start: u32| {
@@ -168,7 +168,8 @@ fn has_comment(analysis: &CrtAnalysis, span: Span) -> bool {
     tokens.any(|token| token.kind == TokenKind::Comment && token.span.start < span.end)
 }
 
-/// Returns the edit that adds a setting at the start of the block; a script without one gets it in front of its scene.
+/// Returns the edit that adds a setting at the start of the block; a script without the block gets one before its
+/// scene.
 fn added(analysis: &CrtAnalysis, stated: &str) -> Edit {
     if let Some(block) = settings(analysis) {
         let is_empty = block.attributes.is_empty();
@@ -185,7 +186,7 @@ fn added(analysis: &CrtAnalysis, stated: &str) -> Edit {
     }
 }
 
-/// Returns a number as a script writes it: without an exponent, and with a point where it is no Integer.
+/// Returns a number in the syntax of a script: without an exponent, and with a point unless it is an integer.
 fn literal(number: &str) -> String {
     let Ok(value) = number.parse::<f64>() else {
         return number.to_owned();

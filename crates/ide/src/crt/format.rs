@@ -1,7 +1,8 @@
-//! The canonical layout: one attribute a line, four spaces for each level. Lines of statements stay as they are: none are joined,
-//! none parted. A script that cannot be read is left as it is.
+//! The canonical layout: one attribute per line, four spaces per level. Lines of statements are neither joined nor split. A
+//! script that cannot be read is left unchanged.
 //!
-//! White space means nothing in a script but between two tokens that would become one; the tokens are compared afterwards.
+//! White space in a script has no meaning except between two tokens that would otherwise merge; the tokens are compared
+//! afterwards.
 
 use std::collections::HashSet;
 
@@ -16,13 +17,13 @@ use super::CrtAnalysis;
 use crate::edit::{Edit, apply};
 use crate::text::Text;
 
-/// The columns of a level.
+/// The number of columns of a level.
 const LEVEL: usize = 4;
 
-/// Returns the edits that lay out the text, or the part of it in a range.
+/// Returns the edits that format the text, or the part of it in a range.
 pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     let text = analysis.snapshot_text().string();
-    // What is wrong when it runs has a layout all the same.
+    // A script with run-time errors is formatted all the same.
     let read = Document::new(&text, &());
     let found = read.map_or_else(|_| Vec::new(), |document| document.findings());
     if found.iter().any(|it| it.severity == Severity::Error) {
@@ -41,7 +42,7 @@ pub(super) fn format(analysis: &CrtAnalysis, range: Option<Span>) -> Vec<Edit> {
     edits
 }
 
-/// Returns the tokens of a text with their words.
+/// Returns the tokens of a text with their text.
 fn words(text: &str) -> Vec<(TokenKind, &str)> {
     let mark = if text.starts_with('\u{FEFF}') { 3 } else { 0 };
     let mut lexer = Lexer::new(text, mark);
@@ -52,7 +53,7 @@ fn words(text: &str) -> Vec<(TokenKind, &str)> {
     tokens.collect()
 }
 
-/// A bracket that is open.
+/// An open bracket.
 struct OpenBracket {
     /// The indentation of the lines in it.
     inside: usize,
@@ -62,8 +63,8 @@ struct OpenBracket {
     is_brace: bool,
 }
 
-/// Lays out a text. The lines that begin at `continuing` are warned about: they stay in the column of their statement, so that
-/// the warning stays.
+/// Formats a text. The lines that begin at `continuing` have a warning: they remain in the column of their statement, so that
+/// the warning remains.
 fn lay_out(
     analysis: &CrtAnalysis,
     text: &str,
@@ -73,7 +74,8 @@ fn lay_out(
     let new_line = new_line(text);
     let names = analysis.names();
     let mut starts: HashSet<u32> = names.starts.iter().copied().collect();
-    // The attributes of objects with several, and the braces that close them, stand in lines of their own.
+    // The attributes of objects with several attributes, and the closing braces of these objects, are on lines of their
+    // own.
     let mut own_lines: HashSet<u32> = HashSet::new();
     for object in &names.objects {
         starts.extend(object.attributes.iter().map(|(span, _)| span.start));
@@ -169,7 +171,7 @@ fn lay_out(
     edits
 }
 
-/// Returns the text's line ending: that of its first line.
+/// Returns the text's line ending, which is that of its first line.
 fn new_line(text: &str) -> &'static str {
     let first = text.split_inclusive('\n').next();
     match first.is_some_and(|line| line.ends_with("\r\n")) {
@@ -185,7 +187,7 @@ fn is_closer(kind: TokenKind) -> bool {
     )
 }
 
-/// Returns true if the token before one ends an operand, so that a sign between them is no prefix.
+/// Returns true if the token before `token` ends an operand, so that a sign between them is not a prefix.
 fn previous_operand(tokens: &[Token], token: Token, modifier_ends: &HashSet<u32>) -> bool {
     let index = tokens.partition_point(|it| it.span.start < token.span.start);
     let before = tokens[..index].iter().rev();
@@ -209,7 +211,7 @@ fn ends_operand(token: Token, modifier_ends: &HashSet<u32>) -> bool {
         || modifier_ends.contains(&token.span.start)
 }
 
-/// Returns true if a blank stands between two tokens of a line.
+/// Returns true if there is a blank between two tokens of a line.
 fn is_spaced(last: Token, token: Token, is_prefix: bool, modifier_ends: &HashSet<u32>) -> bool {
     use TokenKind::{
         BraceClose, BraceOpen, BracketClose, BracketOpen, Comma, Minus, Modify, ParenClose,
@@ -219,7 +221,7 @@ fn is_spaced(last: Token, token: Token, is_prefix: bool, modifier_ends: &HashSet
         (BraceOpen, BraceClose) => false,
         (ParenOpen | BracketOpen | Modify, _) => false,
         (_, ParenClose | BracketClose | Comma) => false,
-        // Two of them begin a comment.
+        // Two of them would begin a comment.
         (Minus, Minus) => true,
         _ if is_prefix => false,
         (_, ParenOpen | BracketOpen) => !ends_operand(last, modifier_ends),

@@ -11,7 +11,7 @@ use crate::description::Description;
 
 const FRAME: &str = "The frame: 0 unless set by the slider `t` of the window, by `--set t=V` or by `--animate t=0:19`. The script is run again for each value.";
 
-/// Returns the description of the word at a place.
+/// Returns the description of the word at an offset.
 pub(super) fn hover(analysis: &CrtAnalysis, offset: u32) -> Option<(Span, Description)> {
     let token = analysis.word_at(offset)?;
     let word = analysis.slice(token.span);
@@ -106,14 +106,14 @@ fn value_type(value: ValueType) -> &'static str {
     }
 }
 
-/// Returns the description of a function that every script has.
+/// Returns the description of a builtin function.
 pub(super) fn function(word: &str) -> Option<Description> {
     let (name, arguments, purpose) = FUNCTIONS.iter().find(|(name, ..)| *name == word)?;
     let code = format!("{name}({})", arguments.join(", "));
     Some(describe(&code, format!("{}.", capital(purpose))))
 }
 
-/// Returns the description of a variable: what it was given, and where it stands.
+/// Returns the description of a variable: its first value, and its definition.
 pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Description {
     let names = analysis.names();
     let variable = names.variable(id);
@@ -137,8 +137,8 @@ pub(super) fn describe_variable(analysis: &CrtAnalysis, id: VariableId) -> Descr
     description
 }
 
-/// Returns the value that the run leaves a variable, how often it is assigned, and by which assignment it comes last. `None`
-/// for a script that is not run.
+/// Returns the final value of a variable in the run, the number of its assignments, and the last assignment. `None` for a
+/// script that is not run.
 fn last_value(analysis: &CrtAnalysis, id: VariableId) -> Option<String> {
     let assignments = analysis.assignments()?;
     let found = analysis.names().bindings(id).filter_map(|(name, whole)| {
@@ -192,7 +192,7 @@ fn describe_entity(entity: &EntityExtent) -> String {
         leaves => format!(" of {leaves} leaves"),
     };
     let what = &entity.what;
-    // A union is spoken with a consonant.
+    // "Union" begins with a consonant sound.
     let article = match &**what {
         "union" => "a",
         what => article(&capital(what)),
@@ -215,10 +215,10 @@ fn describe_entity(entity: &EntityExtent) -> String {
     format!("{article} {what}{leaves}; in the box {}", sides.join(", "))
 }
 
-/// Six significant digits, without zeros at the end.
+/// Returns a number to six significant digits, without trailing zeros.
 fn short(number: f64) -> String {
     let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
-    // No minus before a zero.
+    // No minus sign before a zero.
     (rounded + 0.0).to_string()
 }
 

@@ -3,8 +3,8 @@
 use super::CrtAnalysis;
 use crate::link::FileLink;
 
-/// Returns the files of images, in the order of the text. A leading `/` is dropped, as the paths are relative to the script; a
-/// path with `..` names nothing.
+/// Returns the image files, in the order of the text. A leading `/` is dropped, as the paths are relative to the script; paths
+/// with `..` are omitted.
 pub(super) fn links(analysis: &CrtAnalysis) -> Vec<FileLink> {
     let images = analysis.names().images.iter();
     let links = images.map(|(span, path)| FileLink {

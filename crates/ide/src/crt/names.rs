@@ -1,8 +1,8 @@
-//! The variables of a script by their scopes, and its objects, attributes, macros, colours and images with their places.
+//! The variables of a script by scope, and its objects, attributes, macros, colours and images with their spans.
 //!
-//! Scopes are the script, and each macro. Reading looks outwards, assigning binds in the innermost. A reading that may come
-//! before the binding of its own scope may see the outer variable of the name too: the two count as one, so that renaming them
-//! keeps what the script does.
+//! The scopes are the script and each macro. A use is looked up outwards; an assignment binds in the innermost scope. A use
+//! that may precede the binding in its own scope may refer to the outer variable of the same name: the two then count as one,
+//! so that renaming them preserves the script's behaviour.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::occurrence::Occurrence;
 /// A variable, by its number.
 pub type VariableId = usize;
 
-/// The value that a variable was given first, as far as the text shows it.
+/// The kind of value that was assigned to a variable first, as far as the text shows it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Origin {
     /// It is the parameter of a macro.
@@ -37,21 +37,21 @@ pub enum Origin {
 pub struct Variable {
     /// Its name.
     pub name: Arc<str>,
-    /// The value that it was given first.
+    /// The kind of its first value.
     pub origin: Origin,
-    /// The span of the assignment that gave it.
+    /// The span of its first assignment.
     pub assignment: Span,
     /// The span of the scope: of the macro with its parameters; `None` for the script.
     pub scope: Option<Span>,
-    /// When it was bound first, in the order of the text.
+    /// The index of its first binding, in the order of the text.
     order: usize,
-    /// The parameters of the macro that it is given first.
+    /// The parameters of the macro that is its first value.
     parameters: Option<Vec<Arc<str>>>,
-    /// Another variable that counts as the same; itself if there is none.
+    /// Another variable that counts as the same, or the variable itself.
     same: VariableId,
 }
 
-/// A place where a name stands.
+/// An occurrence of a name.
 #[derive(Clone, Debug)]
 struct NameUse {
     name: Arc<str>,
@@ -79,32 +79,32 @@ pub struct ObjectPlace {
     pub name: Span,
     /// The span of the braces.
     pub braces: Span,
-    /// The places of the attributes, each with that of its name.
+    /// The spans of the attributes, each with the span of its name.
     pub attributes: Vec<(Span, Span)>,
 }
 
-/// All that a script names.
+/// All names of a script.
 #[derive(Debug, Default)]
 pub struct ScriptNames {
     scopes: Vec<MacroScope>,
     variables: Vec<Variable>,
     uses: Vec<NameUse>,
-    /// The objects, the block `Settings` among them, in the order of the text.
+    /// The objects, including the block `Settings`, in the order of the text.
     pub objects: Vec<ObjectPlace>,
-    /// The places of bodies between braces.
+    /// The spans of bodies between braces.
     pub bodies: Vec<Span>,
     /// The starts of statements and blocks.
     pub starts: Vec<u32>,
-    /// The places of the `>` that close modifiers.
+    /// The positions of the `>` that close modifiers.
     pub modifier_ends: Vec<u32>,
     /// The calls of `rgb` with numbers.
     pub colors: Vec<(Span, [f64; 3])>,
-    /// The strings that name images, with the places between their quotes.
+    /// The strings that name images, with the spans between their quotes.
     pub images: Vec<(Span, Arc<str>)>,
 }
 
 impl ScriptNames {
-    /// Looks up the names of a script.
+    /// Resolves the names of a script.
     pub fn of(script: &Script) -> Self {
         let mut walk = Walk {
             names: Self::default(),
@@ -172,7 +172,7 @@ impl ScriptNames {
         variable
     }
 
-    /// Returns the variable of the name at a place, with the place of the name.
+    /// Returns the variable of the name at an offset, with the span of the name.
     pub fn variable_at(&self, offset: u32) -> Option<(Span, VariableId)> {
         let after = self.uses.partition_point(|it| it.span.end < offset);
         let near = self.uses.get(after..)?.iter().take(2);
@@ -186,25 +186,25 @@ impl ScriptNames {
         &self.variables[variable]
     }
 
-    /// Returns the parameters of the macro that a variable is given first; `None` if that is no macro.
+    /// Returns the parameters of the macro that is a variable's first value; `None` if that is not a macro.
     pub fn parameters(&self, variable: VariableId) -> Option<&[Arc<str>]> {
         self.variables[variable].parameters.as_deref()
     }
 
-    /// Returns the variables, those that count as the same once.
+    /// Returns the variables; variables that count as the same are returned once.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
         let all = self.variables.iter().enumerate();
         all.filter(|(k, it)| it.same == *k).map(|(_, it)| it)
     }
 
-    /// Returns the first place that binds a variable.
+    /// Returns the first span that binds a variable.
     pub fn first(&self, variable: VariableId) -> Option<Span> {
         let occurrences = self.occurrences(variable).into_iter();
         let mut binding = occurrences.filter(|it| it.introduces);
         Some(binding.next()?.span)
     }
 
-    /// Returns the places of a variable, in the order of the text.
+    /// Returns the occurrences of a variable, in the order of the text.
     pub fn occurrences(&self, variable: VariableId) -> Vec<Occurrence> {
         let uses = self.uses.iter();
         let uses = uses.filter(|it| it.variable.is_some_and(|it| self.same(it) == variable));
@@ -215,26 +215,26 @@ impl ScriptNames {
         places.collect()
     }
 
-    /// Returns the places where a variable is bound, in the order of the text: of the name, and of the assignment.
+    /// Returns the bindings of a variable, in the order of the text: the spans of the name and of the assignment.
     pub fn bindings(&self, variable: VariableId) -> impl Iterator<Item = (Span, Span)> {
         let uses = self.uses.iter();
         let uses = uses.filter(move |it| it.variable.is_some_and(|it| self.same(it) == variable));
         uses.filter_map(|it| Some((it.span, it.binds?)))
     }
 
-    /// Returns the first place where a name stands, whatever it means there.
+    /// Returns the first occurrence of a name, whatever its meaning.
     pub fn place_of(&self, name: &str) -> Option<Span> {
         let mut uses = self.uses.iter().filter(|it| &*it.name == name);
         uses.next().map(|it| it.span)
     }
 
-    /// Returns the object whose attribute has its name at a place.
+    /// Returns the object with an attribute whose name has this span.
     pub fn object_of(&self, name: Span) -> Option<&ObjectPlace> {
         let holds = |it: &&ObjectPlace| it.attributes.iter().any(|(_, place)| *place == name);
         self.objects.iter().find(holds)
     }
 
-    /// Returns the names of attributes, in the order of the text.
+    /// Returns the spans of attribute names, in the order of the text.
     pub fn attribute_names(&self) -> Vec<Span> {
         let objects = self.objects.iter();
         let names = objects.flat_map(|it| it.attributes.iter().map(|(_, name)| *name));
@@ -244,19 +244,19 @@ impl ScriptNames {
     }
 }
 
-/// The state of the walk along a tree.
+/// The state of a walk through a tree.
 struct Walk {
     names: ScriptNames,
     /// The offset of the piece.
     base: u32,
     scope: usize,
-    /// True within what a run may pass by.
+    /// True inside code that a run may skip.
     is_conditional: bool,
 }
 
 impl Walk {
     fn bind(&mut self, name: &Arc<str>, span: Span, origin: Origin, assignment: Span) {
-        // What may not be bound leaves later readings to the outer variable.
+        // A binding that may be skipped leaves later uses to the outer variable.
         let order = match self.is_conditional {
             true => usize::MAX,
             false => self.names.uses.len(),
@@ -280,7 +280,7 @@ impl Walk {
         self.name(name, span, Some(assignment.moved(self.base)));
     }
 
-    /// Walks what a run may pass by.
+    /// Walks code that a run may skip.
     fn conditionally(&mut self, walk: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.is_conditional, true);
         walk(self);
@@ -449,7 +449,8 @@ impl Walk {
     }
 }
 
-/// Returns the colour of a call of `rgb` with numbers. That of `rgba` has a fourth number, which a picker would drop.
+/// Returns the colour of a call of `rgb` with numbers. `rgba` is excluded: it has a fourth number, which a picker would
+/// drop.
 fn stated_color(called: &Expression, arguments: &[Expression]) -> Option<[f64; 3]> {
     let is_rgb = called.identifier().is_some_and(|name| &**name == "rgb");
     if !is_rgb || arguments.len() != 3 {

@@ -1,4 +1,4 @@
-//! The structure of a script: its blocks, macros and objects, and what folds.
+//! The structure of a script: its blocks, macros and objects, and its foldable ranges.
 
 use syntax::crt::tree::{BlockKind, ExpressionKind, StatementKind};
 use syntax::span::Span;
@@ -7,7 +7,7 @@ use super::CrtAnalysis;
 use crate::outline::{Fold, OutlineEntry, OutlineKind};
 use syntax::crt::objects::ObjectName;
 
-/// `Settings`, `Scene`, and the variables that are given macros and objects at top level.
+/// Returns `Settings`, `Scene`, and the variables to which macros and objects are assigned at top level.
 pub(super) fn outline(analysis: &CrtAnalysis) -> Vec<OutlineEntry> {
     let script = analysis.script();
     let entries = script.blocks().filter_map(|(start, block)| {
@@ -67,7 +67,7 @@ fn braces(analysis: &CrtAnalysis) -> Vec<Span> {
     spans
 }
 
-/// Returns the braces that span lines, in the order of the text.
+/// Returns the braces that span several lines, in the order of the text.
 pub(super) fn folds(analysis: &CrtAnalysis) -> Vec<Fold> {
     let text = analysis.snapshot_text();
     let spans = braces(analysis).into_iter();
@@ -79,7 +79,7 @@ pub(super) fn folds(analysis: &CrtAnalysis) -> Vec<Fold> {
     folds.collect()
 }
 
-/// Returns the ranges around a place: a token, what stands between braces, the braces, the block, the text.
+/// Returns the ranges around an offset: the token, the text between braces, the braces, the block, the whole text.
 pub(super) fn selection(analysis: &CrtAnalysis, offset: u32) -> Vec<Span> {
     let script = analysis.script();
     let around = Span::new(offset, offset);

@@ -8,7 +8,7 @@ use super::CrtAnalysis;
 use crate::edit::Edit;
 use crate::rename::RenameError;
 
-/// Returns the range and the text of the name at a place.
+/// Returns the range and the text of the name at an offset.
 pub(super) fn prepare(analysis: &CrtAnalysis, offset: u32) -> Result<(Span, String), RenameError> {
     if let Some((span, _)) = analysis.names().variable_at(offset) {
         return Ok((span, analysis.slice(span)));
@@ -21,8 +21,7 @@ pub(super) fn prepare(analysis: &CrtAnalysis, offset: u32) -> Result<(Span, Stri
     }
 }
 
-/// Returns the edits that give the variable at a place another name. A name that stands somewhere in the script is
-/// taken.
+/// Returns the edits that rename the variable at an offset. A name that occurs anywhere in the script is not available.
 pub(super) fn rename(
     analysis: &CrtAnalysis,
     offset: u32,

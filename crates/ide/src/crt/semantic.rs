@@ -57,7 +57,7 @@ fn identifier(analysis: &CrtAnalysis, span: Span) -> (TokenType, Modifiers) {
     (token_type, modifiers)
 }
 
-/// Returns the type of a token that says by itself what it is.
+/// Returns the type of a token that is determined by its kind alone.
 fn token_type(kind: HighlightKind) -> Option<TokenType> {
     match kind {
         HighlightKind::Comment => Some(TokenType::Comment),

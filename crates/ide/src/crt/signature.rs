@@ -7,7 +7,7 @@ use syntax::span::Span;
 use super::CrtAnalysis;
 use crate::signature::Signature;
 
-/// Returns the innermost call with a bracket around a place.
+/// Returns the innermost call with a bracket around an offset.
 pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature> {
     let tokens: Vec<Token> = analysis.tokens(Span::new(0, offset)).collect();
     if let Some(last) = tokens.iter().rfind(|it| it.span.start < offset)
@@ -21,7 +21,7 @@ pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature
     let (mut depth, mut commas) = (0, 0);
     while let Some(token) = before.next() {
         match token.kind {
-            // The arguments of a call hold no statements, but a macro or an object may.
+            // The arguments of a call contain no statements, except within a macro or an object.
             TokenKind::BraceOpen if depth == 0 => return None,
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => depth += 1,
             TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen if depth > 0 => {
@@ -37,7 +37,7 @@ pub(super) fn signature(analysis: &CrtAnalysis, offset: u32) -> Option<Signature
                 }
                 commas = 0;
             }
-            // A list: what stands around it.
+            // A list: continue with the bracket around it.
             TokenKind::BracketOpen => commas = 0,
             TokenKind::Comma if depth == 0 => commas += 1,
             _ => {}
@@ -50,7 +50,7 @@ fn of_name(analysis: &CrtAnalysis, name: Span, active: u32) -> Option<Signature>
     let text = analysis.slice(name);
     let names = analysis.names();
     let variable = names.variable_at(name.start + 1);
-    // A macro of the name wins over the function.
+    // A macro with this name takes precedence over the function.
     let own = variable.and_then(|(_, it)| names.parameters(it));
     let builtin = FUNCTIONS.iter().find(|(function, ..)| *function == text);
     let (words, what): (Vec<&str>, _) = match (own, builtin) {

@@ -1,13 +1,14 @@
-//! A text as the features see it: tokens with their meanings, and declarations, by their numbers.
+//! A text as seen by the features: tokens with their meanings, and declarations, by number.
 //!
 //! ```text
 //! text alone ──▶ syntax::document ─┐
 //! a document that is edited ───────┴─▶ its snapshot ──▶ GeotraceAnalysis ──▶ tokens, items, targets
 //! ```
 //!
-//! An analysis costs next to nothing to take, and each query costs only its own answer: a token or a declaration is
-//! found in logarithmic time, the uses of a name in time proportional to them. What takes the whole text is made on the
-//! first query: [`GeotraceAnalysis::text`], [`GeotraceAnalysis::compilation`].
+//! Creating an analysis costs almost nothing, and the cost of a query depends only on its answer: a token or a
+//! declaration is found in logarithmic time, the uses of a name in time proportional to their number. Results that
+//! require the whole text are computed on the first query: [`GeotraceAnalysis::text`],
+//! [`GeotraceAnalysis::compilation`].
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -25,14 +26,14 @@ use syntax::symbol::SymbolId;
 use super::item::Item;
 use super::targets::{ChunkTargets, Target};
 
-/// A text, read. Offsets are bytes of the text.
+/// The analysis of a text. Offsets are bytes of the text.
 #[derive(Debug)]
 pub struct GeotraceAnalysis {
     document: Snapshot,
     text: OnceLock<String>,
     found: OnceLock<Arc<[Diagnostic]>>,
     compilation: OnceLock<Compilation>,
-    /// True if symbols read a param or a grid, as far as it has been queried.
+    /// True for symbols that read a param or a grid, for the symbols queried so far.
     dependent: Mutex<HashMap<SymbolId, bool>>,
 }
 
@@ -51,12 +52,12 @@ impl GeotraceAnalysis {
     /// Reads a text.
     pub fn new(text: impl AsRef<str>) -> Self {
         let read = |text| Document::new(text, &scene::geotrace::vocabulary());
-        // A text of 4 GiB is not read: nothing is said of it.
+        // A text of 4 GiB is not read: there are no results for it.
         let document = read(text.as_ref()).or_else(|_| read(""));
         Self::of(document.expect("an empty text is read").snapshot(), None)
     }
 
-    /// Returns a document as it is now. `found` is what is wrong with it, if that is known.
+    /// Creates the analysis of a document's snapshot. `found` are its diagnostics, if known.
     pub fn of(document: Snapshot, found: Option<Arc<[Diagnostic]>>) -> Self {
         Self {
             document,
@@ -67,12 +68,12 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Returns the text and what it was read as.
+    /// Returns the snapshot of the document.
     pub fn document(&self) -> &Snapshot {
         &self.document
     }
 
-    /// Returns the whole text, put together on the first query.
+    /// Returns the whole text, which is assembled on the first query.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.document.text())
     }
@@ -82,17 +83,17 @@ impl GeotraceAnalysis {
         self.document.len()
     }
 
-    /// Returns true if there is no text.
+    /// Returns true if the text is empty.
     pub fn is_empty(&self) -> bool {
         self.document.is_empty()
     }
 
-    /// Returns the text of a range; empty if the range lies outside the text.
+    /// Returns the text of a range; empty if the range is outside the text.
     pub fn slice(&self, span: Span) -> String {
         self.document.slice(span).unwrap_or_default()
     }
 
-    /// Returns the number of tokens, comments included.
+    /// Returns the number of tokens, including comments.
     pub fn token_count(&self) -> usize {
         self.document.token_count() as usize
     }
@@ -105,7 +106,7 @@ impl GeotraceAnalysis {
         Some(lexeme(placed, placed.tokens().get(index)?))
     }
 
-    /// Tokens by their numbers, in the order of the text.
+    /// Returns tokens by number, in the order of the text.
     pub fn tokens(&self, range: Range<usize>) -> impl Iterator<Item = Lexeme<'_>> {
         let first = u32::try_from(range.start).ok();
         let first = first.and_then(|first| self.document.placed_chunk_of_token(first));
@@ -118,14 +119,14 @@ impl GeotraceAnalysis {
         all.skip(skipped).take(range.len())
     }
 
-    /// Tokens before one, from that backwards.
+    /// Returns the tokens before a token, in reverse order.
     pub fn tokens_before(&self, token: usize) -> impl Iterator<Item = Lexeme<'_>> {
         (0..token.min(self.token_count()))
             .rev()
             .filter_map(|k| self.token(k))
     }
 
-    /// Returns the tokens that touch a range, by their numbers.
+    /// Returns the numbers of the tokens that touch a range.
     pub fn tokens_in(&self, span: Span) -> Range<usize> {
         let first = self.document.tokens_ended(span.start) as usize;
         let last = self.document.tokens_begun(span.end) as usize;
@@ -145,7 +146,7 @@ impl GeotraceAnalysis {
         Some(Item::new(item, placed.start, read, events))
     }
 
-    /// Returns the declarations from one on, in the order of the text.
+    /// Returns the declarations from a number on, in the order of the text.
     pub fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
         let first = u32::try_from(item).ok();
         let first = first.and_then(|first| self.document.placed_chunk_of_declaration(first));
@@ -173,17 +174,17 @@ impl GeotraceAnalysis {
         from.take_while(move |item| item.span.start < span.end)
     }
 
-    /// Returns a builtin, or a symbol that the text declares; its places count from the start of its chunk.
+    /// Returns a builtin, or a symbol that the text declares; its spans are relative to the start of its chunk.
     pub fn symbol(&self, id: SymbolId) -> Option<&Symbol> {
         self.document.symbol(id)
     }
 
-    /// Returns the span of a symbol's declaration; `None` for a builtin.
+    /// Returns the span of the name in a symbol's declaration; `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         self.document.place(id)
     }
 
-    /// Returns the compilation of the text, which is made on the first call.
+    /// Returns the compilation of the text, which is computed on the first call.
     pub fn compilation(&self) -> &Compilation {
         self.compilation
             .get_or_init(|| scene::geotrace::compile(self.text()))
@@ -195,8 +196,8 @@ impl GeotraceAnalysis {
             .get_or_init(|| self.compilation().diagnostics.as_slice().into())
     }
 
-    /// Some declarations and all that they use, in time proportional to them: values are given whatever else is being
-    /// written.
+    /// Returns an excerpt of some declarations and everything that they use, in time proportional to these: values are
+    /// available regardless of errors elsewhere.
     pub fn excerpt(&self, items: impl IntoIterator<Item = usize>) -> Excerpt {
         let numbers = items
             .into_iter()
@@ -204,7 +205,7 @@ impl GeotraceAnalysis {
         Excerpt::new(&self.document, numbers)
     }
 
-    /// Returns the symbols that the tokens in a range stand for.
+    /// Returns the symbols that the tokens in a range denote.
     pub(crate) fn symbols_in(&self, span: Span) -> Vec<SymbolId> {
         let tokens = self.tokens(self.tokens_in(span));
         let symbols = tokens.filter_map(|token| match token.kind {
@@ -214,7 +215,8 @@ impl GeotraceAnalysis {
         symbols.collect()
     }
 
-    /// Returns the token at a place: the one that holds it, or else the word or number that ends there.
+    /// Returns the number of the token at an offset: the token that contains it, or else the word or number that ends
+    /// there.
     pub fn token_at(&self, offset: u32) -> Option<usize> {
         let next = self.document.tokens_ended(offset) as usize;
         let holds = self.token(next).filter(|it| it.span.start <= offset);
@@ -230,25 +232,25 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Returns the declaration that holds a place, or ends there.
+    /// Returns the declaration that contains an offset, or ends there.
     pub fn item_at(&self, offset: u32) -> Option<Item<'_>> {
         let begun = self.document.declarations_begun(offset) as usize;
         let item = self.item(begun.checked_sub(1)?)?;
         (offset <= item.span.end).then_some(item)
     }
 
-    /// Returns the last declaration before a place, where it has not ended with a `;`.
+    /// Returns the last declaration before an offset, if it has not ended with a `;`.
     pub(crate) fn unfinished_item_before(&self, offset: u32) -> Option<Item<'_>> {
-        // One that starts at the place does not stand before it.
+        // A declaration that starts at the offset is not before it.
         let begun = self.document.declarations_begun(offset.checked_sub(1)?) as usize;
         let item = self.item(begun.checked_sub(1)?)?;
         let end = item.span.end;
-        // A `;` is a chunk's end: far declarations are closed, and nothing long is looked at.
+        // A `;` is a chunk's end: distant declarations are closed, and no long text is inspected.
         let rest = self.slice(Span::new(end.saturating_sub(1), offset.max(end)));
         (!rest.contains(';')).then_some(item)
     }
 
-    /// Returns the number of the declaration of a symbol; none for a builtin.
+    /// Returns the number of the declaration of a symbol; `None` for a builtin.
     pub fn item_of(&self, symbol: SymbolId) -> Option<usize> {
         self.document.declaration_of(symbol).map(|it| it as usize)
     }
@@ -259,7 +261,7 @@ impl GeotraceAnalysis {
         self.item(self.item_of(symbol)?)
     }
 
-    /// Returns the meaning of a token, at its declaration too.
+    /// Returns the meaning of a token, including at its declaration.
     pub fn target(&self, token: usize) -> Option<Target> {
         let (placed, index) = self
             .document
@@ -277,7 +279,7 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Returns the name of what a token stands for.
+    /// Returns the name that a token denotes.
     pub fn name(&self, target: Target) -> &str {
         match target {
             Target::Symbol(id) => self.symbol(id).map_or("", |symbol| &symbol.name),
@@ -289,12 +291,12 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Returns every token that stands for `target`, where it is introduced first, by their numbers.
+    /// Returns the numbers of all tokens that denote `target`, with the one that introduces it first.
     pub fn occurrences(&self, target: Target) -> Vec<usize> {
         let name = self.name(target);
         let symbol = match target {
             Target::Symbol(id) => Some(id),
-            // After `f_` the parameters of `f` are named, wherever `f` is.
+            // After `f_` the parameters of `f` can be named, wherever `f` is used.
             Target::Parameter { item, .. } => self.item(item).and_then(|item| item.symbol),
         };
         let document = &self.document;
@@ -312,7 +314,7 @@ impl GeotraceAnalysis {
                 let found = found.and_then(|item| document.placed_chunk_of_declaration(item));
                 found.into_iter().map(|(placed, _)| placed).collect()
             }
-            // Who reads a builtin is not noted.
+            // The readers of builtins are not recorded.
             _ => document
                 .placed_chunks_from(document.placed_chunk_at(0))
                 .collect(),
@@ -320,7 +322,7 @@ impl GeotraceAnalysis {
         let mut found = Vec::new();
         for placed in placed_chunks {
             let targets = ChunkTargets::new(placed);
-            // The text is compared before the meaning is looked for.
+            // Compare the text before looking up the meaning.
             let is_named = |k: &usize| {
                 let span = placed.tokens().span(*k);
                 span.is_some_and(|span| span.text(placed.text) == name)
@@ -332,7 +334,7 @@ impl GeotraceAnalysis {
         found
     }
 
-    /// Returns true if a symbol reads a param or a grid, directly or not.
+    /// Returns true if a symbol reads a param or a grid, directly or indirectly.
     pub fn depends_on_settings(&self, symbol: SymbolId) -> bool {
         let mut known = self
             .dependent
@@ -366,7 +368,7 @@ impl GeotraceAnalysis {
     }
 }
 
-/// Returns a token of a piece, in its place in the text.
+/// Returns a token of a chunk, with its span in the text.
 pub(crate) fn lexeme(placed: PlacedChunk<'_>, token: Token) -> Lexeme<'_> {
     Lexeme {
         kind: token.kind,

@@ -1,8 +1,8 @@
-//! Values in a text: that of `s(1, 2)` where it stands, for a surface or a metric with the curvature there, for a solid with
-//! the gradient and the curvature; that of an attribute.
+//! Values in a text: the value of an application `s(1, 2)`, for a surface or a metric with the curvature there, for a solid
+//! with the gradient and the curvature; and the value of an attribute.
 //!
-//! In: the token of a function's name, or the range of an expression. Out: sentences; none where an argument is a parameter
-//! of the body around it, or where a declaration that it needs has an error.
+//! In: the token of a function's name, or the range of an expression. Out: sentences; none if an argument is a parameter of
+//! the surrounding body, or if a required declaration has an error.
 
 use std::collections::BTreeSet;
 
@@ -20,14 +20,14 @@ use super::hints::{short, shown};
 use super::outline::parameters_of;
 use super::start;
 
-/// The most tokens that an application has.
+/// The maximum number of tokens of an application.
 const LONGEST: usize = 200;
-/// The most declarations that are compiled for one value.
+/// The maximum number of declarations that are compiled for a value.
 const MOST_DECLARATIONS: usize = 500;
-/// The most leaves of a solid whose curvature is computed.
+/// The maximum number of leaves of a solid whose curvature is computed.
 const MOST_LEAVES: usize = 64;
 
-/// Describes the value of the application whose function is this token.
+/// Describes the value of the application of the function with this token.
 pub(crate) fn describe(analysis: &GeotraceAnalysis, token: usize) -> Vec<String> {
     Application::at(analysis, token)
         .and_then(|application| application.sentences(analysis))
@@ -38,7 +38,7 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, token: usize) -> Vec<String>
 struct Application {
     /// The application, from the function's name to the bracket's end.
     text: String,
-    /// The function alone, without derivatives.
+    /// The function's name, without derivatives.
     name: String,
     /// The bracket with the arguments.
     arguments: String,
@@ -151,8 +151,8 @@ impl Application {
         ))
     }
 
-    /// Returns the curvature of the surface on which a solid's function has the value that it has at the arguments: where it is
-    /// 0, of the solid's own.
+    /// Returns the curvature of the level surface of a solid's function through the arguments: where the function is 0, of the
+    /// solid itself.
     fn level_curvature(&self, needed: &Needed) -> Option<String> {
         let Value::Vector(arguments) = needed.value(&self.arguments)? else {
             return None;
@@ -187,7 +187,7 @@ pub(crate) fn value(analysis: &GeotraceAnalysis, span: Span) -> Option<String> {
 struct Needed {
     compilation: Compilation,
     params: ParamValues,
-    /// The end of a sentence with a value.
+    /// The end of a sentence with a value: the params' start.
     start: String,
 }
 
@@ -211,13 +211,13 @@ impl Needed {
     }
 }
 
-/// Returns true if a word follows an underscore: it names the parameter of a derivative.
+/// Returns true if a word follows an underscore, so that it names the parameter of a derivative.
 fn derives(analysis: &GeotraceAnalysis, start: u32) -> bool {
     let before = Span::new(start.saturating_sub(1), start);
     analysis.slice(before) == "_"
 }
 
-/// Returns the text of the declarations of some symbols, and of all that they use. None if there are too many.
+/// Returns the text of the declarations of some symbols, and of everything that they use; `None` if there are too many.
 fn declarations(analysis: &GeotraceAnalysis, symbols: &[SymbolId]) -> Option<String> {
     let mut open = symbols.to_vec();
     let mut items: BTreeSet<usize> = BTreeSet::new();

@@ -1,6 +1,6 @@
-//! Colours that are stated as numbers: after `color :`, and of a background.
+//! Colours stated as numbers: after `color :`, and of a background.
 //!
-//! A colour that names anything is no constant of its own, and one outside 0…1 (of a light) has no place in a picker.
+//! A colour that refers to a name is not a constant, and one outside 0…1 (of a light) is outside the range of a picker.
 
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
@@ -10,7 +10,7 @@ use super::analysis::{GeotraceAnalysis, Lexeme};
 use crate::color::{EditColorError, StatedColor};
 use crate::edit::Edit;
 
-/// The most tokens of a colour: three numbers, two commas, two brackets.
+/// The maximum number of tokens of a colour: three numbers, two commas, two brackets.
 const LONGEST: usize = 7;
 
 /// Returns the constant colours, in the order of the text.
@@ -42,7 +42,7 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
             .is_some_and(|next| matches!(next.kind, TokenKind::Comma | TokenKind::Semicolon));
         if ends && let Some(rgb) = color(&value) {
             let span = value.iter().map(|token| token.span).reduce(Span::to);
-            // Another colour in its place would take a comment with it.
+            // Replacing the colour would remove a comment.
             let has_comment = |span: &Span| {
                 let mut within = analysis.tokens(analysis.tokens_in(*span));
                 within.any(|token| token.kind == TokenKind::Comment)
@@ -54,8 +54,7 @@ pub fn colors(analysis: &GeotraceAnalysis) -> Vec<StatedColor> {
     found
 }
 
-/// Returns the edit after which an object that states its colour as numbers has another one: red, green and blue, sRGB,
-/// 0…1.
+/// Returns the edit that changes the colour of an object that states it as numbers: red, green and blue, sRGB, 0…1.
 ///
 /// # Errors
 /// [`EditColorError::NotStated`].
@@ -79,7 +78,7 @@ pub fn edit_color(
     Ok(Edit::replace(stated.span, text))
 }
 
-/// Returns the texts that state a colour: three numbers; where they are equal, one too.
+/// Returns the texts that denote a colour: three numbers, and also a single one if they are equal.
 pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     let [red, green, blue] = rgb.map(channel);
     let mut texts = vec![format!("({red}, {green}, {blue})")];
@@ -89,22 +88,22 @@ pub fn color_texts(rgb: [f64; 3]) -> Vec<String> {
     texts
 }
 
-/// Returns a number of a colour, to a thousandth.
+/// Returns a component of a colour, to a thousandth.
 fn channel(x: f64) -> String {
     let share = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
     let text = format!("{share:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// The tokens in front of a colour.
+/// The tokens before a colour.
 #[derive(Default)]
 struct Opening<'r> {
-    /// The last three tokens, the latest last.
+    /// The last three tokens, in the order of the text.
     last: [Option<Lexeme<'r>>; 3],
 }
 
 impl<'r> Opening<'r> {
-    /// Takes the next token; returns true if a colour is expected after it.
+    /// Adds the next token; returns true if a colour is expected after it.
     fn pass(&mut self, token: &Lexeme<'r>) -> bool {
         let [_, first, second] = self.last;
         self.last = [first, second, Some(*token)];
@@ -113,7 +112,7 @@ impl<'r> Opening<'r> {
         };
         match token.kind {
             TokenKind::Colon => {
-                // A parameter may be called so.
+                // A parameter may have this name.
                 first.kind == TokenKind::Comma
                     && second.text == "color"
                     && !matches!(second.kind, TokenKind::Variable(_))
@@ -138,7 +137,7 @@ fn closes(kind: TokenKind) -> bool {
     )
 }
 
-/// Returns the colour that some tokens state: `0.5`, `(1, 0.5, 0)`.
+/// Returns the colour denoted by some tokens: `0.5`, `(1, 0.5, 0)`.
 fn color(value: &[Lexeme<'_>]) -> Option<[f64; 3]> {
     let number = |token: &Lexeme<'_>| match token.kind {
         TokenKind::Number(x) => Some(x),

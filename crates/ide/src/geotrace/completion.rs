@@ -1,4 +1,4 @@
-//! Completion at a place of a program.
+//! Completion in a program.
 
 use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, TABLE};
@@ -15,10 +15,11 @@ use super::outline::{parameters, parameters_of};
 use crate::completion::{Completion, CompletionKind, Completions, behind_word};
 use crate::description::Description;
 
-/// The most names of declarations that the list holds: where more stand above, those that go on from what is written.
+/// The maximum number of declared names in the list: if more are declared above, only names that continue the written
+/// text are listed.
 const MOST_NAMES: usize = 256;
 
-/// Returns the completions at a place.
+/// Returns the completions at an offset.
 pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> Completions {
     let place = CompletionPlace::of(analysis, offset);
     let names = Names {
@@ -85,7 +86,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     }
 }
 
-/// Returns the completions that go on from what is written, then those that hold its letters in order, in either case.
+/// Returns the completions that continue the written text, then those that contain its letters in order, ignoring case.
 fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
     let written = written.to_lowercase();
     let (mut first, rest): (Vec<_>, Vec<_>) = list
@@ -102,7 +103,7 @@ fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
     first
 }
 
-/// Returns the details of a completion, resolved when it is selected in the list.
+/// Returns the description of a completion, requested when it is selected in the list.
 pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option<Description> {
     let keyword = DeclarationKeyword::from_text(label);
     let symbol = || {
@@ -126,8 +127,8 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
     }
 }
 
-/// Returns the items that may stand after a `,` of a declaration: its parameters, and the attributes that it may state; not
-/// those that it states elsewhere.
+/// Returns the items that may follow a `,` of a declaration: its parameters, and its possible attributes except those
+/// stated elsewhere.
 fn items(
     analysis: &GeotraceAnalysis,
     number: usize,
@@ -145,7 +146,7 @@ fn items(
         list.extend(names.map(|name| parameter(name, &item)));
     }
     let rows = attributes::of(item.keyword).filter(|row| is_free(row.text));
-    // A parameter takes the word.
+    // A parameter takes precedence.
     let rows = rows.filter(|row| item.variables().all(|name| name != row.text));
     let has_value = behind_word(analysis.document(), offset).starts_with(':');
     let alone = |it| if has_value { word_alone(it) } else { it };
@@ -153,7 +154,7 @@ fn items(
     list
 }
 
-/// Returns the words in front of a `:` of a declaration, without the one at an offset.
+/// Returns the words before a `:` in a declaration, without the one at an offset.
 fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<String> {
     let body = Span::new(item.name_span.end, item.span.end);
     let tokens: Vec<_> = analysis.tokens(analysis.tokens_in(body)).collect();
@@ -163,7 +164,7 @@ fn stated(analysis: &GeotraceAnalysis, item: &Item<'_>, offset: u32) -> Vec<Stri
     others.map(|pair| pair[0].text.to_owned()).collect()
 }
 
-/// Returns an entry that inserts its word and nothing else: what belongs after it is written already.
+/// Returns an entry that inserts only its word: the text required after it is already written.
 fn word_alone(entry: Completion) -> Completion {
     Completion {
         insert: entry.label.clone(),
@@ -172,7 +173,7 @@ fn word_alone(entry: Completion) -> Completion {
     }
 }
 
-/// Returns the words that an attribute takes.
+/// Returns the words that are values of an attribute.
 fn words(row: &AttributeRow) -> Vec<Completion> {
     let AttributeType::Choice(words) = row.value else {
         return Vec::new();
@@ -204,12 +205,12 @@ fn attribute(row: &AttributeRow, owner: &Item<'_>, snippets: bool) -> Completion
     }
 }
 
-/// Returns the value of an attribute to begin with, over the parameters of its declaration.
+/// Returns an initial value for an attribute, over the parameters of its declaration.
 fn example_value(row: &AttributeRow, owner: &Item<'_>) -> String {
     let names: Vec<&str> = owner.variables().collect();
     match (row.word, &names[..]) {
         (AttributeWord::Uv, [first, second, ..]) => format!("({first}, {second})"),
-        // A number goes on with the letter e before digits.
+        // The letter e before digits continues a number.
         (AttributeWord::Bump, [.., last]) if last.starts_with('e') => format!("0.01sin(40 {last})"),
         (AttributeWord::Bump, [.., last]) => format!("0.01sin(40{last})"),
         _ => {
@@ -233,7 +234,7 @@ fn map(map: MapWord) -> Completion {
     }
 }
 
-/// Returns true if a name may stand in a set: a solid, or a function of two or three numbers.
+/// Returns true if a name may occur in a set: a solid, or a function of two or three numbers.
 fn is_atom(symbol: &Symbol) -> bool {
     match symbol.keyword {
         Some(DeclarationKeyword::Solid) => true,
@@ -263,17 +264,18 @@ fn parameter(name: &str, owner: &Item<'_>) -> Completion {
 /// The names that can be written as operands.
 struct Names<'r> {
     visible: NamesInScope<'r>,
-    /// The text that has been written of a name.
+    /// The part of a name that has been written.
     written: String,
 }
 
 impl<'r> Names<'r> {
-    /// Returns true if all of them are listed.
+    /// Returns true if all names are listed.
     fn are_few(&self) -> bool {
         self.visible.above() <= MOST_NAMES
     }
 
-    /// Returns the builtins first. Of many, those nearest above, or those that go on from what is written.
+    /// Returns the builtins first, then the declared names; if there are many, the nearest above or those that continue
+    /// the written text.
     fn list(&self, analysis: &'r GeotraceAnalysis) -> Vec<&'r Symbol> {
         let mut list: Vec<&Symbol> = self.visible.builtins().map(|(_, symbol)| symbol).collect();
         if self.are_few() || self.written.is_empty() {

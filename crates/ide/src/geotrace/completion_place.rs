@@ -1,7 +1,7 @@
-//! The place of a completion: what is expected there, and the part of a word that is already written.
+//! The context of a completion: the expected kind of text, and the part of a word that is already written.
 //!
-//! After a `,` of a declaration, in a set and after an attribute's `:` a word is read whole; in an expression it is split
-//! into names, and its last part is being written.
+//! After a `,` of a declaration, in a set and after an attribute's `:` a word is read as a whole; in an expression it is
+//! split into names, of which the last is being written.
 
 use syntax::geotrace::attributes::{self, AttributeRow, AttributeType, AttributeWord};
 use syntax::geotrace::declarations::{Category, Syntax};
@@ -12,14 +12,14 @@ use super::analysis::{GeotraceAnalysis, Lexeme};
 use super::item::Item;
 use super::names_in_scope::NamesInScope;
 
-/// The kind of text that fits at a place.
+/// The kind of text expected at an offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Expected {
     Nothing,
     Declaration,
-    /// A parameter or an attribute of this item: after a `,` of it.
+    /// A parameter or an attribute of this item: after a `,` in it.
     Item(usize),
-    /// A word that this attribute takes.
+    /// A word that is a value of this attribute.
     Word(&'static AttributeRow),
     /// A parameter of the function that this item declares: after `f_`.
     ParameterOf(usize),
@@ -35,10 +35,10 @@ pub(super) enum Expected {
     Operand(Option<usize>),
 }
 
-/// A place of a text where something can be completed.
+/// A position where something can be completed.
 pub(super) struct CompletionPlace {
     pub(super) wanted: Expected,
-    /// The part of the word that is written already.
+    /// The part of the word that is already written.
     pub(super) range: Span,
 }
 
@@ -57,7 +57,7 @@ impl CompletionPlace {
         }
     }
 
-    /// Returns the place whose word starts at an offset.
+    /// Determines the context of the word that starts at an offset.
     fn from(analysis: &GeotraceAnalysis, start: u32, offset: u32) -> Self {
         let range = Span::new(start, offset);
         let next = analysis.document().tokens_begun(start) as usize;
@@ -72,7 +72,7 @@ impl CompletionPlace {
             .rev()
             .filter_map(|k| Some((k, analysis.token(k)?)));
         let mut before = before.filter(|(_, token)| token.kind != TokenKind::Comment);
-        // A declaration that starts here is not yet the one that is being written.
+        // A declaration that starts here is not yet the one being written.
         let item = analysis
             .item_at(start)
             .filter(|item| item.span.start < start);
@@ -85,7 +85,7 @@ impl CompletionPlace {
     }
 }
 
-/// Returns the kind of text that is expected after a token of an item.
+/// Returns the kind of text expected after a token of an item.
 fn behind(
     analysis: &GeotraceAnalysis,
     item: Option<&Item<'_>>,
@@ -128,8 +128,7 @@ fn behind(
     }
 }
 
-/// Returns the kind of text that is expected after the colon of an item: the surface of a geodesic, or the value of an
-/// attribute.
+/// Returns the kind of text expected after a colon of an item: the surface of a geodesic, or the value of an attribute.
 fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> Expected {
     let before = colon.checked_sub(1).and_then(|k| analysis.token(k));
     let Some(word) = before.filter(is_word) else {
@@ -138,7 +137,7 @@ fn behind_colon(analysis: &GeotraceAnalysis, item: &Item<'_>, colon: usize) -> E
             _ => Expected::Nothing,
         };
     };
-    // After a parameter comes its interval.
+    // A parameter is followed by its interval.
     let stated = AttributeWord::from_text(word.text);
     let stated = stated.filter(|_| item.variables().all(|name| name != word.text));
     match stated.and_then(|stated| stated.row(item.keyword)) {
@@ -161,21 +160,21 @@ fn takes_items(item: &Item<'_>) -> bool {
     item.keyword.has_domain() || attributes::of(item.keyword).next().is_some()
 }
 
-/// Returns true if a comma stands outside all brackets of an item.
+/// Returns true if a comma is outside all brackets of an item.
 fn ends_body(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let depth: i32 = analysis.tokens(first..comma).map(depth).sum();
     depth == 0
 }
 
-/// Returns true if no `=` or `:` of an item stands up to a token: only new names may follow.
+/// Returns true if an item has no `=` or `:` up to a token: only new names may follow.
 fn in_head(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let mut tokens = analysis.tokens(first..last + 1);
     tokens.all(|token| !matches!(token.kind, TokenKind::Equals | TokenKind::Colon))
 }
 
-/// Returns true if the interval of a parameter, a param or a grid is open after a token of an item.
+/// Returns true if an interval of a parameter, a param or a grid is open after a token of an item.
 fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let tokens = analysis.tokens(first..last + 1);
@@ -203,7 +202,7 @@ fn in_interval(analysis: &GeotraceAnalysis, item: &Item<'_>, last: usize) -> boo
     open > 0 && is_interval
 }
 
-/// Returns the brackets that a token opens.
+/// Returns the change in bracket depth at a token.
 fn depth(token: Lexeme<'_>) -> i32 {
     match token.kind {
         TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
@@ -212,7 +211,7 @@ fn depth(token: Lexeme<'_>) -> i32 {
     }
 }
 
-/// Returns the kind of text that is expected after a token within the set of a solid; `None` outside of sets.
+/// Returns the kind of text expected after a token within the set of a solid; `None` outside sets.
 pub(super) fn in_set(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,
@@ -227,7 +226,7 @@ pub(super) fn in_set(
     if tokens.next()?.kind != TokenKind::Equals {
         return None;
     }
-    // The brackets of sets that are open; within a place, those of expressions.
+    // The open brackets of sets; within a placement, those of expressions.
     let (mut sets, mut brackets) = (0, 0);
     let mut state = SetState::Atom;
     for token in tokens {
@@ -255,13 +254,13 @@ pub(super) fn in_set(
     Some(match state {
         SetState::Atom => Expected::Atom,
         SetState::Place => Expected::Place,
-        // Places read no coordinates.
+        // Placements do not read coordinates.
         SetState::Expression => Expected::Operand(None),
         SetState::Set => Expected::Nothing,
     })
 }
 
-/// A place in a set.
+/// A state within a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum SetState {
     /// An atom is expected.
@@ -274,11 +273,12 @@ enum SetState {
     Expression,
 }
 
-/// Returns the start of the part of a word, from `whole` on, that is being written before a place: the first seam of the
-/// word from which a name goes on as written, else the last one. Of `2pive` that is `ve` where `vel` is defined.
+/// Returns the start of the part of a word, from `whole` on, that is being written before an offset: the first boundary
+/// between names from which a name continues the written text, else the last boundary. For `2pive` the part is `ve` if
+/// `vel` is defined.
 fn part_start(analysis: &GeotraceAnalysis, whole: u32, offset: u32) -> u32 {
     let mut start = whole;
-    // Digits before the first letter are a number.
+    // Digits before the first letter form a number.
     let word = analysis.slice(Span::new(start, offset));
     let digits = word.bytes().take_while(u8::is_ascii_digit).count();
     let (word, from) = (&word[digits..], start + digits as u32);

@@ -24,7 +24,7 @@ use super::start;
 use super::targets::Target;
 use crate::description::Description;
 
-/// Returns a description in this language.
+/// Returns a description in the Geotrace language.
 pub(crate) fn description(
     code: impl Into<String>,
     text: impl IntoIterator<Item = String>,
@@ -36,7 +36,7 @@ pub(crate) fn description(
     }
 }
 
-/// Describes a declaration keyword, by its example and its purpose.
+/// Describes a declaration keyword by its example and its purpose.
 pub(crate) fn keyword(keyword: DeclarationKeyword) -> Description {
     let row = keyword.row();
     description(row.example, [row.purpose.to_owned()])
@@ -65,7 +65,7 @@ pub(crate) fn attribute(row: &AttributeRow) -> Description {
     )
 }
 
-/// Returns the values that an attribute may have, and the one that it has unless it is stated.
+/// Returns the values that an attribute can have, and its default.
 pub(crate) fn range_and_default(row: &AttributeRow) -> String {
     let range = |range: AttributeRange| range.text().unwrap_or("any number");
     let values = match row.value {
@@ -78,7 +78,7 @@ pub(crate) fn range_and_default(row: &AttributeRow) -> String {
     format!("{values}; default: {}", row.default)
 }
 
-/// Describes the attribute whose word, or word as a value, is a token; with its value where that is an expression.
+/// Describes the attribute whose word, or word as a value, is a token, including its value if that is an expression.
 pub(crate) fn stated_attribute(analysis: &GeotraceAnalysis, token: usize) -> Option<Description> {
     let place = analysis.token(token)?.span;
     let item = analysis.item_at(place.start)?;
@@ -123,7 +123,7 @@ fn signature(item: &Item<'_>) -> String {
 
 /// Returns the interval of a parameter, as written.
 fn interval_of(analysis: &GeotraceAnalysis, item: &Item<'_>, name: &str) -> Option<String> {
-    // Intervals carry tags; they come in any order.
+    // Intervals have tags and come in any order.
     let text = analysis.slice(item.span);
     let place =
         |span: Span| (span.start - item.span.start) as usize..(span.end - item.span.start) as usize;
@@ -186,7 +186,7 @@ fn written_intervals(analysis: &GeotraceAnalysis, item: &Item<'_>) -> String {
     intervals.collect::<Vec<_>>().join(" × ")
 }
 
-/// Returns the value of a constant: for one that params move, that at their start.
+/// Returns the value of a constant; if params change it, at their start.
 fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let excerpt = analysis.excerpt([item.index]);
     if let Some(value) = constant(&excerpt, item.name) {
@@ -244,7 +244,7 @@ fn stage(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
 /// Returns the comment right above a declaration, or after it on its line.
 fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let document = analysis.document();
-    // Of a line, from 1, what stands before an offset.
+    // Returns the part of a line, from 1, before an offset.
     let line = |number: u32, end: u32| {
         let start = document.line_start(number)?;
         let next = document.line_start(number + 1).unwrap_or(document.len());
@@ -277,7 +277,7 @@ fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String>
     (!comment.is_empty()).then_some(comment)
 }
 
-/// Returns a name that every program starts with.
+/// Returns the description of a builtin name.
 fn builtin(symbol: &Symbol) -> Option<Description> {
     let name = &*symbol.name;
     if symbol.kind == SymbolKind::Constant {

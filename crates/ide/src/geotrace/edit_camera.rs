@@ -1,7 +1,7 @@
-//! A view that a person has found by hand, written into the text as a camera.
+//! A view found interactively, written into the text as a camera.
 //!
-//! In: a direction and a position, as the 3D view has them. Out: the edit after which `camera eye = … @ …;` says
-//! them. Attributes stay as they are.
+//! In: a direction and a position, as in the 3D view. Out: the edit after which they are stated as `camera eye = … @
+//! …;`. Attributes remain unchanged.
 
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
@@ -13,11 +13,11 @@ use super::rename::is_free;
 use crate::edit::Edit;
 use crate::edit_camera::{EditCameraError, short_numbers};
 
-/// Returns the edit after which the camera `name` looks along `direction` from `position`. One that is not declared is added at
-/// the end.
+/// Returns the edit after which the camera `name` looks along `direction` from `position`. An undeclared camera is added at the
+/// end.
 ///
 /// # Errors
-/// If the name is that of something else, the numbers say no place, or a comment would be lost.
+/// If the name denotes something else, the numbers are not a valid view, or a comment would be lost.
 pub fn edit_camera(
     analysis: &GeotraceAnalysis,
     name: &str,
@@ -44,7 +44,7 @@ pub fn edit_camera(
     }
 }
 
-/// Returns the edit of a camera that is declared.
+/// Returns the edit of a declared camera.
 fn replace(
     analysis: &GeotraceAnalysis,
     item: &Item<'_>,

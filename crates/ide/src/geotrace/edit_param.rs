@@ -1,7 +1,7 @@
-//! Values that a person has found with a slider, written into the text.
+//! Values found with a slider, written into the text.
 //!
-//! In: a param's name and a number for each of its components. Out: the edit after which the param opens with
-//! them, as in `param r = 0.3 : [0, 1];`.
+//! In: a param's name and a number for each of its components. Out: the edit after which these are the initial values
+//! of the param, as in `param r = 0.3 : [0, 1];`.
 
 use scene::Range;
 use syntax::geotrace::declarations::Category;
@@ -13,12 +13,12 @@ use super::item::Item;
 use crate::edit::Edit;
 use crate::edit_param::EditParamError;
 
-/// Returns the edit after which a param opens with these values, one for each of its components. Each is written with
-/// as few digits as distinguish it from its neighbours on a slider of ten thousand places, and lies within its
-/// interval. Where the text says the same already, the edit changes nothing.
+/// Returns the edit that sets the initial values of a param, one for each of its components. Each is written with the
+/// minimum number of digits that distinguish it from its neighbours on a slider of ten thousand positions, and is
+/// within its interval. If the text already states these values, the edit changes nothing.
 ///
 /// # Errors
-/// If there is no such param, the values are not its own, or a comment would be lost.
+/// If there is no such param, the values do not fit it, or a comment would be lost.
 pub fn edit_param(
     analysis: &GeotraceAnalysis,
     param: &str,
@@ -65,11 +65,11 @@ pub fn edit_param(
     Ok(Edit::replace(span, text))
 }
 
-/// The number of distinct places of a slider: more than a screen has pixels. A value is written with no more digits
-/// than say which of them it is at.
+/// The number of distinct positions of a slider, more than a screen has pixels. A value is written with just enough
+/// digits to distinguish them.
 const STEPS: f64 = 10_000.0;
 
-/// Returns the value that a param opens with, where it is written.
+/// Returns the span of a param's initial value, if it is stated.
 pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
     if item.keyword.category() != Category::Slider {
         return None;
@@ -84,7 +84,7 @@ pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Spa
     value.map(|token| token.span).reduce(Span::to)
 }
 
-/// Returns the intervals of a param, where nothing is wrong with it.
+/// Returns the intervals of a param, if it has no errors.
 fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
     if item.keyword.category() != Category::Slider {
         return None;
@@ -95,7 +95,8 @@ fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
     Some(param.ranges.clone())
 }
 
-/// Returns the shortest decimal number within an interval that is nearer to a value of it than half a slider's step.
+/// Returns the shortest decimal number within an interval whose distance to a value in it is less than half a slider's
+/// step.
 fn shortest(range: Range, value: f64) -> String {
     let reach = 0.5 * (range.max - range.min) / STEPS;
     let fits = |text: &String| {
@@ -103,7 +104,7 @@ fn shortest(range: Range, value: f64) -> String {
             (range.min..=range.max).contains(&number) && (number - value).abs() <= reach
         })
     };
-    // At an end rounding may leave the interval: then it is rounded towards the middle.
+    // At an end, rounding may leave the interval: then round towards the middle.
     let inwards = (0.5 * range.min + 0.5 * range.max - value).signum();
     let rounded = |digits: usize| {
         let inside = value + 0.5 * inwards * 10_f64.powi(-(digits as i32));

@@ -1,10 +1,10 @@
-//! The canonical layout: how a text is written, never what it means.
+//! The canonical layout: it changes the appearance of a text, but never its meaning.
 //!
-//! Each declaration starts a line of its own; lines that go on are indented; blanks stand around `=`, `:`, `@`, the operators
-//! of sets and between summands, after `,` and never inside brackets. How words are joined (`2piu`), where lines break within
-//! a declaration and what comments say is the writer's. What cannot be read stays as it is, with the white space before it: it
-//! may be a comment or a sign of another notation. What comes out is read again: where a single token would be read
-//! otherwise, the text stays as it is.
+//! Each declaration starts on its own line; continuation lines are indented. There are blanks around `=`, `:`, `@`, the
+//! operators of sets and between summands, and after `,`, but never inside brackets. How words are joined (`2piu`), line
+//! breaks within a declaration and the text of comments are left to the author. Text that cannot be read remains unchanged,
+//! with the white space before it: it may be a comment or a sign of another notation. The result is read again: if a single
+//! token would be read differently, the text remains unchanged.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -17,11 +17,11 @@ use super::analysis::{GeotraceAnalysis, Lexeme};
 use super::meaning::Meanings;
 use crate::edit::{self, Edit};
 
-/// The indentation of lines that go on.
+/// The indentation of continuation lines.
 const INDENT: &str = "    ";
 
-/// Returns the edits that bring a text, or the declarations that touch a range of it, into the canonical layout. Empty
-/// where nothing is to be done.
+/// Returns the edits that convert a text, or the declarations that touch a range of it, to the canonical layout; empty
+/// if nothing changes.
 pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let edits = gaps(analysis, range);
     if edits.is_empty() {
@@ -34,8 +34,8 @@ pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     }
 }
 
-/// Returns a text in the canonical layout. One analysis is in memory at a time: that of a text of tokens alone takes
-/// hundreds of times the text.
+/// Returns a text in the canonical layout. Only one analysis is in memory at a time: the analysis of a text that
+/// consists only of tokens is hundreds of times larger than the text.
 pub fn laid_out(text: &str) -> String {
     let (before, result) = {
         let analysis = GeotraceAnalysis::new(text);
@@ -54,7 +54,7 @@ pub fn laid_out(text: &str) -> String {
 /// Returns the edits of the white space between tokens.
 fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     let wanted = range.map(|range| whole_items(analysis, range));
-    // What a range holds is laid out from the end of the token before it on: no declaration is open there.
+    // A range is formatted from the end of the token before it: no declaration is open there.
     let first = wanted.map_or(0, |wanted| {
         analysis.document().tokens_ended(wanted.start) as usize
     });
@@ -134,7 +134,7 @@ fn is_of_syntax(code: Code) -> bool {
     )
 }
 
-/// Returns the text's line ending: that of its first line, so that a text of another system stays one.
+/// Returns the text's line ending: that of its first line, so that the conventions of other systems are preserved.
 fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
     let document = analysis.document();
     let first = document.line_start(2);
@@ -145,9 +145,10 @@ fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
     }
 }
 
-/// Returns the range from the first token of the first declaration that touches the range to the end of the last.
+/// Returns the range from the first token of the first declaration that touches the range to the end of the last such
+/// declaration.
 fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
-    // The one before may end where the range starts.
+    // The previous declaration may end where the range starts.
     let first = analysis.document().declarations_begun(range.start) as usize;
     let items = analysis.items_from(first.saturating_sub(1));
     let items = items.map(|item| item.span);
@@ -158,11 +159,11 @@ fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
         .unwrap_or(Span::new(range.start, range.start))
 }
 
-/// The way a text is read: two texts with the same reading have the same tokens, written alike.
+/// The reading of a text: two texts with the same reading have the same tokens with the same text.
 #[derive(PartialEq)]
 struct TextReading {
     tokens: usize,
-    /// A hash of what each token means and how it is written, of which declarations are faulty, and of the errors.
+    /// A hash of the meaning and text of each token, of the faulty declarations, and of the errors.
     digest: u64,
 }
 
@@ -189,19 +190,19 @@ impl TextReading {
     }
 }
 
-/// The state of the way through the tokens.
+/// The state of the pass over the tokens.
 #[derive(Default)]
 struct Layout {
-    /// A declaration has begun and not ended.
+    /// True if a declaration has begun and not ended.
     inside: bool,
-    /// The last token was a sign before an operand rather than between two.
+    /// True if the previous token was a prefix sign rather than a binary operator.
     after_sign: bool,
-    /// True if the token before ends an operand.
+    /// True if the previous token ends an operand.
     after_operand: bool,
 }
 
 impl Layout {
-    /// Returns the white space before a token that is now after `gap`.
+    /// Returns the white space before a token, which is `written` at present.
     fn gap(&self, written: &str, before: Option<Lexeme<'_>>, token: Lexeme<'_>) -> String {
         let lines = written.matches('\n').count();
         let Some(before) = before else {
@@ -212,7 +213,7 @@ impl Layout {
             return self.new_line(lines, opens || !self.inside);
         }
         if token.kind == TokenKind::Comment {
-            // Columns of comments are the writer's.
+            // The columns of comments are left to the author.
             return if written.is_empty() {
                 " ".to_owned()
             } else {
@@ -233,7 +234,7 @@ impl Layout {
             && matches!(token.text, "=" | ">")
             && matches!(before.text, "-" | ":" | "=" | "<" | ">" | "!")
         {
-            // One sign of another language, such as `<=`.
+            // These form one sign of another language, such as `<=`.
             return String::new();
         }
         let spaced = self.is_spaced(before.kind, token.kind);
@@ -244,7 +245,7 @@ impl Layout {
         }
     }
 
-    /// Returns a new line, with a blank one before it where the writer left some.
+    /// Returns a new line, with a blank line before it if the author left one.
     fn new_line(&self, lines: usize, outside: bool) -> String {
         let mut gap = "\n".repeat(if outside { lines.clamp(1, 2) } else { 1 });
         if !outside {

@@ -1,4 +1,4 @@
-//! The geometry of a surface, for a reader: its first fundamental form, its curvature, where it is not regular.
+//! The geometry of a surface, in words: its first fundamental form, its curvature, its singular points.
 
 use geodesic::measure::{self, PlaceMeasures};
 use geodesic::metric::Metric;
@@ -12,19 +12,19 @@ use super::hints::short;
 use super::item::Item;
 use super::start;
 
-/// Points along each axis at which a surface is looked at, its sides included.
+/// The number of points along each axis at which a surface is evaluated, including its sides.
 const LATTICE: u32 = 25;
-/// |σu × σv| below this share of |σu||σv|, or of its largest value, has vanished.
+/// If |σu × σv| is below this fraction of |σu||σv|, or of its maximum, it is considered zero.
 const VANISHED: f64 = 1e-9;
 
-/// Sentences about the surface that an item declares; none for what is no surface.
+/// Returns sentences about the surface that an item declares; none if it is not a surface.
 pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
         let excerpt = analysis.excerpt([item.index]);
         let scene = excerpt.scene();
         let mut objects = (0..).map(ObjectId::new).zip(&scene.objects);
         let (id, object) = objects.find(|(_, object)| object.name == item.name)?;
-        // At the params' start and the first instance.
+        // At the params' start and for the first instance.
         let uniforms = ParamValues::initial(scene).first_instance(scene, object);
         let manifold = Manifold::new(scene, id, &uniforms).ok()?;
         let surface = manifold.surface();
@@ -67,7 +67,7 @@ pub(super) fn curvature(found: &PlaceMeasures) -> Option<f64> {
     Some(if k.abs() < 1e-12 * size { 0.0 } else { k })
 }
 
-/// Returns the places where EG − F² vanishes, as far as a lattice of points shows.
+/// Returns the points where EG − F² vanishes, as far as a lattice of points shows.
 fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let domain = surface.domain();
     let last = LATTICE - 1;

@@ -1,4 +1,4 @@
-//! Inlay hints, which an editor writes between the letters: how words are split, and the values of constants.
+//! Inlay hints, which an editor shows within the text: how words are split, and the values of constants.
 
 use scene::geotrace::Excerpt;
 use scene::{Outcome, ParamValues, Value};
@@ -18,7 +18,7 @@ pub fn hints(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     hints
 }
 
-/// `pi·v`: between the tokens that one word was split into.
+/// Returns hints such as `pi·v`, between the tokens into which a word was split.
 fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let tokens: Vec<_> = analysis.tokens(analysis.tokens_in(range)).collect();
     let is_word = |kind| {
@@ -59,7 +59,7 @@ fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
         .collect()
 }
 
-/// `= 6.2832` after a define that no param or grid changes.
+/// Returns hints such as `= 6.2832` after defines that no param or grid changes.
 fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let is_wanted = |item: &Item<'_>| {
         item.keyword == DeclarationKeyword::Define
@@ -85,7 +85,7 @@ fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
         .collect()
 }
 
-/// Returns true if a define is a number already: `define a = 2;`.
+/// Returns true if a define is a literal: `define a = 2;`.
 fn is_literal(analysis: &GeotraceAnalysis, span: Span) -> bool {
     let body = analysis
         .tokens(analysis.tokens_in(span))
@@ -95,7 +95,7 @@ fn is_literal(analysis: &GeotraceAnalysis, span: Span) -> bool {
     words.all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
 }
 
-/// Returns the value of a name that does not depend on grids, for people; params are at their start.
+/// Returns the value of a name that does not depend on grids, as text; params are at their start.
 pub(crate) fn constant(excerpt: &Excerpt, name: &str) -> Option<String> {
     let values = ParamValues::initial(excerpt.scene());
     match excerpt.value(name, &values)? {
@@ -104,7 +104,7 @@ pub(crate) fn constant(excerpt: &Excerpt, name: &str) -> Option<String> {
     }
 }
 
-/// Returns a value for people, to five digits.
+/// Returns a value as text, to five digits.
 pub(crate) fn shown(value: &Value) -> String {
     let number = |x: &Option<f64>| match x {
         Some(x) => short(*x),

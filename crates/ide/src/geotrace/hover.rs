@@ -1,4 +1,4 @@
-//! Hover: a description of the word under the cursor, and the value of what it is applied to.
+//! Hover: a description of the word under the cursor, and the value of its application.
 
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -8,7 +8,7 @@ use super::application;
 use super::describe;
 use crate::description::Description;
 
-/// Returns the description of the word at a place, and the word's range.
+/// Returns the description of the word at an offset, and the word's range.
 pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Description)> {
     let k = analysis.token_at(offset)?;
     let token = analysis.token(k)?;

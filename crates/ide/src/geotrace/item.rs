@@ -1,4 +1,4 @@
-//! A declaration as it stands in the text.
+//! A declaration in its text.
 
 use syntax::geotrace::actions::StatedAttribute;
 use syntax::geotrace::attributes::AttributeWord;
@@ -12,17 +12,17 @@ use syntax::symbol::SymbolId;
 pub struct Item<'r> {
     /// Its number among the declarations, from 0.
     pub index: usize,
-    /// The word that opens it.
+    /// The keyword.
     pub keyword: DeclarationKeyword,
     /// The span from the keyword to the `;`.
     pub span: Span,
-    /// Its name; empty where none was read.
+    /// Its name; empty if it was not read.
     pub name: &'r str,
     /// The span of its name.
     pub name_span: Span,
-    /// The symbol that it declares, unless its name was not read or not free.
+    /// The symbol that it declares; `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// True if an error lies in it.
+    /// True if it contains an error.
     pub faulty: bool,
     start: u32,
     parameters: Parameters<'r>,
@@ -30,7 +30,7 @@ pub struct Item<'r> {
 }
 
 impl<'r> Item<'r> {
-    /// Returns the declaration as it was read; its spans count from `start`.
+    /// Creates the item of a declaration; its spans are relative to `start`.
     pub(crate) fn new(
         index: usize,
         start: u32,
@@ -51,15 +51,15 @@ impl<'r> Item<'r> {
         }
     }
 
-    /// Its parameters, each with its place.
+    /// Returns its parameters with their spans.
     pub fn parameters(&self) -> impl ExactSizeIterator<Item = (&'r str, Span)> + use<'r> {
         let start = self.start;
         self.parameters
             .map(move |(name, span)| (name, span.moved(start)))
     }
 
-    /// Returns the names that its expressions may use beside those in scope: its parameters, or the coordinates of a solid that
-    /// lists none.
+    /// Returns the names that its expressions may use in addition to those in scope: its parameters, or the coordinates of a
+    /// solid that lists none.
     pub fn variables(&self) -> impl Iterator<Item = &'r str> + use<'r> {
         let implied: &[&str] = match self.is_set() {
             true => &COORDINATES,
@@ -69,12 +69,12 @@ impl<'r> Item<'r> {
         stated.chain(implied.iter().copied())
     }
 
-    /// Returns true if it is a solid that is given by a set of others.
+    /// Returns true if it is a solid given by a set of other solids.
     pub fn is_set(&self) -> bool {
         self.keyword == DeclarationKeyword::Solid && self.parameters.len() == 0
     }
 
-    /// Returns the attributes that it states, each with the ranges of its word and of its value.
+    /// Returns its attributes, each with the spans of its word and of its value.
     pub fn attributes(&self) -> impl Iterator<Item = (AttributeWord, Span, Span)> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {
@@ -90,12 +90,12 @@ impl<'r> Item<'r> {
         })
     }
 
-    /// Returns true if a parameter stands at a place.
+    /// Returns true if a span is that of a parameter in its list.
     pub(crate) fn has_parameter(&self, span: Span) -> bool {
         self.parameters().any(|(_, place)| place == span)
     }
 
-    /// Its intervals, from `[` to `]`.
+    /// Returns its intervals, from `[` to `]`.
     pub fn intervals(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {
@@ -104,7 +104,7 @@ impl<'r> Item<'r> {
         })
     }
 
-    /// Returns the operands and operations of its expressions, in no order.
+    /// Returns the operands and operations of its expressions, in no particular order.
     pub fn operands(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {

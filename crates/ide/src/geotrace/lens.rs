@@ -7,7 +7,7 @@ use super::solid;
 use crate::lens::Lens;
 
 /// Returns the views of surfaces, metrics, solids and cameras, in the order of the text. A metric has no view in space, and a
-/// solid that is a part of others is not drawn itself.
+/// solid that is a part of others is not drawn separately.
 pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
     let items = analysis.items().filter(|item| item.symbol.is_some());
     let offered = items.flat_map(|item| {

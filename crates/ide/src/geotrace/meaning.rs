@@ -1,4 +1,4 @@
-//! The meaning of tokens, for comparing two texts: identifiers of symbols belong to one text alone.
+//! The meaning of tokens, for comparing two texts: the identifiers of symbols are valid in one text only.
 
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
@@ -10,18 +10,18 @@ use syntax::symbol::SymbolId;
 
 use super::analysis::GeotraceAnalysis;
 
-/// The meaning of a token: equal in two texts that declare the same in the same order.
+/// The meaning of a token: equal in two texts that contain the same declarations in the same order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Meaning {
     /// Anything but a name.
     Plain(TokenKind),
-    /// A name that is builtin, as a value or a function.
+    /// A builtin name, as a value or a function.
     Builtin(TokenKind),
-    /// A name of the declaration of this number, as a value or a function.
+    /// A name of the declaration with this number, as a value or a function.
     Declared(usize, bool),
 }
 
-// Of what is not a name, the text tells the value: a token is hashed beside it.
+// The value of a token that is not a name follows from its text, which is hashed beside it.
 impl Hash for Meaning {
     fn hash<H: Hasher>(&self, state: &mut H) {
         discriminant(self).hash(state);
@@ -33,12 +33,12 @@ impl Hash for Meaning {
 }
 
 impl Meaning {
-    /// Returns the meaning of a token of a document, without going through all of it.
+    /// Returns the meaning of a token of a document, without a pass over all of it.
     pub(crate) fn of(document: &Snapshot, kind: TokenKind) -> Self {
         Self::by(kind, |id| document.declaration_of(id).map(|it| it as usize))
     }
 
-    /// Returns the meaning of a token by the number of each symbol's declaration.
+    /// Returns the meaning of a token, given the number of each symbol's declaration.
     fn by(kind: TokenKind, declaration: impl FnOnce(SymbolId) -> Option<usize>) -> Self {
         let (id, is_function) = match kind {
             TokenKind::Constant(id) => (id, false),
@@ -52,7 +52,7 @@ impl Meaning {
     }
 }
 
-/// The declarations of a text by their symbols.
+/// The declarations of a text by symbol.
 pub(crate) struct Meanings {
     declared: HashMap<SymbolId, usize>,
 }

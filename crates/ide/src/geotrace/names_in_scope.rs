@@ -1,7 +1,7 @@
-//! The names that may be used at a place: the builtins and what is declared above it.
+//! The names that may be used at an offset: the builtins and the names declared above it.
 //!
-//! The cost of a query, one at each key, depends on its answer, not on the length of the text: names are looked up in
-//! the document's trie, and only then their declarations.
+//! The cost of a query, which occurs at each keystroke, depends on its answer and not on the length of the text: names
+//! are looked up in the document's trie, and only then their declarations.
 
 use std::ops::{ControlFlow, Range};
 
@@ -10,7 +10,7 @@ use syntax::symbol::SymbolId;
 
 use super::analysis::GeotraceAnalysis;
 
-/// The names that may be used at a place.
+/// The names that may be used at an offset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NamesInScope<'r> {
     analysis: &'r GeotraceAnalysis,
@@ -40,12 +40,12 @@ impl<'r> NamesInScope<'r> {
         }
     }
 
-    /// Returns the number of declarations above the place.
+    /// Returns the number of declarations above the offset.
     pub(crate) fn above(self) -> usize {
         self.above
     }
 
-    /// Returns the builtins whose names mean them at the place.
+    /// Returns the builtins whose names are not redeclared at the offset.
     pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let all = (0..scene::geotrace::builtin_count()).map(SymbolId);
         let all = all.filter_map(move |id| Some((id, self.analysis.symbol(id)?)));
@@ -61,11 +61,11 @@ impl<'r> NamesInScope<'r> {
         let symbols = items.filter_map(|item| item.symbol);
         symbols
             .filter_map(move |id| Some((id, self.analysis.symbol(id)?)))
-            // A name that was not free is no name.
+            // A name that was not free is empty.
             .filter(|(_, symbol)| !symbol.name.is_empty())
     }
 
-    /// Returns the first `most` declared names that begin with `prefix`, in the order of the alphabet.
+    /// Returns the first `most` declared names that begin with `prefix`, in alphabetical order.
     pub(crate) fn beginning(self, prefix: &str, most: usize) -> Vec<SymbolId> {
         let mut found = Vec::new();
         self.analysis.document().each_named(prefix, |id, symbol| {
@@ -80,7 +80,7 @@ impl<'r> NamesInScope<'r> {
         found
     }
 
-    /// Returns true if a name, builtin or declared, begins so.
+    /// Returns true if a name, builtin or declared, begins with `prefix`.
     pub(crate) fn begins(self, prefix: &str) -> bool {
         let mut found = false;
         self.analysis.document().each_named(prefix, |id, _| {
@@ -93,7 +93,7 @@ impl<'r> NamesInScope<'r> {
         found
     }
 
-    /// Returns the symbol of a name; that of a word which is one only before a bracket too.
+    /// Returns the symbol of a name, including words that are names only before a bracket.
     pub(crate) fn named(self, name: &str) -> Option<SymbolId> {
         let mut builtins = self.builtins();
         self.declared(name)

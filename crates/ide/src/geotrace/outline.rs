@@ -1,4 +1,4 @@
-//! The shape of a text: what it declares, what folds, what grows around a cursor.
+//! The structure of a text: its declarations, its foldable ranges, and the selections around a cursor.
 
 use syntax::geotrace::declarations::{COORDINATES, Category, DeclarationKeyword};
 use syntax::geotrace::symbols::Symbol;
@@ -37,7 +37,7 @@ fn kind(category: Category) -> OutlineKind {
     }
 }
 
-/// Returns the parameters of a symbol; of a solid that lists none, the coordinates.
+/// Returns the parameters of a symbol; for a solid that lists none, the coordinates.
 pub(crate) fn parameters_of(symbol: &Symbol) -> impl Iterator<Item = &str> {
     let implied: &[&str] = match symbol.keyword {
         Some(DeclarationKeyword::Solid) if symbol.parameters.is_empty() => &COORDINATES,
@@ -47,7 +47,7 @@ pub(crate) fn parameters_of(symbol: &Symbol) -> impl Iterator<Item = &str> {
     stated.chain(implied.iter().copied())
 }
 
-/// `(u, v)`, or nothing.
+/// Returns `(u, v)`, or an empty text.
 pub(crate) fn parameters<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     if names.is_empty() {
@@ -57,7 +57,7 @@ pub(crate) fn parameters<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// Declarations and runs of comment lines that take more than one line.
+/// Returns the declarations and runs of comment lines that span more than one line.
 pub fn folds(analysis: &GeotraceAnalysis) -> Vec<Fold> {
     let text = analysis.text();
     let lines = |span: Span| span.text(text).contains('\n');
@@ -101,13 +101,13 @@ fn opens_line(text: &str, offset: u32) -> bool {
     line.trim().is_empty()
 }
 
-/// Returns true if two comments stand on lines that follow each other.
+/// Returns true if two comments are on consecutive lines.
 fn follows(text: &str, one: Span, other: Span) -> bool {
     let between = &text[one.end as usize..other.start as usize];
     between.matches('\n').count() == 1
 }
 
-/// Returns the ranges around a place, from the smallest to the whole text: token, operands, declaration.
+/// Returns the ranges around an offset, from the smallest to the whole text: token, operands, declaration.
 pub fn selection(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Span> {
     let holds = |span: &Span| span.start <= offset && offset <= span.end;
     let mut spans: Vec<Span> = Vec::new();
@@ -120,7 +120,7 @@ pub fn selection(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Span> {
     }
     spans.push(Span::new(0, analysis.len()));
     spans.sort_by_key(|span| span.end - span.start);
-    // Each holds the one before; what only overlaps it is left out.
+    // Each contains the previous one; ranges that only overlap it are omitted.
     let mut chain: Vec<Span> = Vec::new();
     for span in spans {
         let fits = chain

@@ -1,4 +1,4 @@
-//! Geotrace's language on one page: the declarations of its table, and what expressions are made of.
+//! The Geotrace language on one page: the declarations of its table, and the parts of expressions.
 
 use syntax::geotrace::declarations::TABLE;
 

@@ -1,4 +1,4 @@
-//! The values that params and defines have in a preview, shown after their declarations.
+//! The values of params and defines in a preview, shown after their declarations.
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,8 @@ use super::hints::{short, shown};
 use super::item::Item;
 use crate::hint::Hint;
 
-/// `= 0.25` after each param in a range that has a value, and after each define that depends on one; `values` are by name,
-/// one number per component.
+/// Returns hints such as `= 0.25` after each param in a range that has a value, and after each define that depends on one;
+/// `values` are by name, one number per component.
 pub fn preview_values(
     analysis: &GeotraceAnalysis,
     range: Span,
@@ -43,7 +43,7 @@ fn defines(
     let excerpt = analysis.excerpt(wanted.iter().map(|item| item.index));
     let mut params = ParamValues::initial(excerpt.scene());
     for (name, value) in values {
-        // What the defines do not read is no param of theirs.
+        // Params that the defines do not read are absent.
         let _ = params.set(excerpt.scene(), name, value);
     }
     let hints = wanted.into_iter().filter_map(|item| {

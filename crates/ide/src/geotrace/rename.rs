@@ -1,9 +1,9 @@
-//! Renaming: every use of a name gets another, and every other word keeps its reading.
+//! Renaming: every use of a name is renamed, and every other word is read as before.
 //!
-//! Words are split into the longest names that are defined, so a new name may be read where it was never meant. The
-//! edits are therefore made on a copy of the document and what is read again is compared with what it was, token by
-//! token; a word that would be read otherwise is written apart, and what blanks cannot mend is refused. What is not read
-//! again is what it was.
+//! Words are split into the longest defined names, so a new name may be read where it was not intended. The edits are
+//! therefore applied to a copy of the document, and the chunks that are read again are compared with the original, token
+//! by token. A word that would be read differently is split by blanks; if that does not help, the renaming is refused.
+//! Chunks that are not read again are unchanged.
 
 use std::collections::HashSet;
 
@@ -19,7 +19,7 @@ use super::targets::{ChunkTargets, Target};
 use crate::edit::Edit;
 use crate::rename::RenameError;
 
-/// Returns the name at a place and where it stands, if it can be renamed.
+/// Returns the name at an offset and its span, if it can be renamed.
 ///
 /// # Errors
 /// [`RenameError::NoName`], [`RenameError::Builtin`].
@@ -33,7 +33,7 @@ fn target(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, Target), Re
     let target = analysis.target(token).ok_or(RenameError::NoName)?;
     let is_builtin = match target {
         Target::Symbol(id) => analysis.item_of(id).is_none(),
-        // The coordinates of a set are nowhere introduced.
+        // The coordinates of a set are not introduced anywhere.
         Target::Parameter { item, .. } => analysis.item(item).is_none_or(|item| item.is_set()),
     };
     if is_builtin {
@@ -43,7 +43,8 @@ fn target(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, Target), Re
     Ok((token.span, target))
 }
 
-/// Returns the edits that give the name at a place another, and put blanks where words would else be read otherwise.
+/// Returns the edits that rename the name at an offset, and insert blanks where words would otherwise be read
+/// differently.
 ///
 /// # Errors
 /// [`RenameError`], with the reason.
@@ -59,7 +60,7 @@ pub fn rename(
     check_name(analysis, target, name)?;
     let renamed = analysis.occurrences(target);
     let mut blanks: Vec<u32> = Vec::new();
-    // Each round writes apart what the last one found; a word is cut at most as often as it has letters.
+    // Each round inserts blanks where the previous round found differences; a word is split at most once per letter.
     loop {
         let edits = edits(analysis, &renamed, &blanks, name);
         let again = Renamed::new(analysis, &edits);
@@ -89,17 +90,17 @@ pub(crate) fn is_name(word: &str) -> bool {
         && word.len() <= 255
 }
 
-/// Returns true if a word is a keyword wherever it stands.
+/// Returns true if a word is a keyword in any context.
 pub(crate) fn is_reserved(word: &str) -> bool {
     DeclarationKeyword::from_text(word).is_some_and(|keyword| !keyword.is_soft())
 }
 
-/// Returns true if a new declaration can have a name.
+/// Returns true if a name is available for a new declaration.
 pub(crate) fn is_free(analysis: &GeotraceAnalysis, name: &str) -> bool {
     is_name(name) && !is_reserved(name) && analysis.document().named(name).is_none()
 }
 
-/// Refuses a name that is none, or taken.
+/// Refuses an invalid or unavailable name.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
     if !is_name(name) {
         return Err(RenameError::NotAName(name.to_owned()));
@@ -118,7 +119,7 @@ fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result
     {
         return taken(analysis.place(id).map(|span| line(analysis, span.start)));
     }
-    // A parameter may not have the name of a symbol above it, nor of its neighbours.
+    // A parameter cannot have the name of a symbol above it, nor of another parameter of the list.
     let (first, count) = match target {
         Target::Symbol(id) => (analysis.item_of(id).unwrap_or_default(), usize::MAX),
         Target::Parameter { item, .. } => (item, 1),
@@ -140,12 +141,12 @@ fn edits(analysis: &GeotraceAnalysis, renamed: &[usize], blanks: &[u32], name: &
     let tokens = renamed.iter().filter_map(|&k| analysis.token(k));
     let spans = tokens.map(|token| token.span);
     edits.extend(spans.map(|span| Edit::replace(span, name)));
-    // A blank before a name comes before what replaces the name.
+    // A blank before a name comes before the replacement of the name.
     edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
     edits
 }
 
-/// Returns one edit that makes these, which are in the order of the text.
+/// Combines edits, which are in the order of the text, into one.
 fn joined(document: &Snapshot, edits: &[Edit]) -> (Span, String) {
     let spans = edits.iter().map(|edit| edit.span);
     let span = spans.reduce(Span::to).unwrap_or_default();
@@ -173,14 +174,14 @@ impl Renamed {
         let mut document = Document::from_snapshot(before.clone());
         let mut read = HashSet::new();
         let chunk_of = |edit: &Edit| Some(before.placed_chunk_at(edit.span.start)?.chunk);
-        // A chunk is read again once, however many edits it has. From the last to the first, so that the places of the
-        // others stay.
+        // A chunk is read again once, however many edits it has. Chunks are edited from last to first, so that the
+        // offsets of the others remain valid.
         let chunks = edits.chunk_by(|one, other| chunk_of(one) == chunk_of(other));
         for edits in chunks.rev() {
             let (span, text) = joined(before, edits);
             match document.edit(span, &text) {
                 Ok(change) => read.extend(change.read),
-                // The text would be too large: the name stays what it was, which is found below.
+                // The text would be too large: the name remains unchanged, which is detected below.
                 Err(_) => read.extend(before.placed_chunk_at(span.start).map(|it| it.chunk)),
             }
         }
@@ -189,7 +190,7 @@ impl Renamed {
         Self { document, read }
     }
 
-    /// Returns the first token that is read otherwise, as a position in the old reading.
+    /// Returns the index in the old reading of the first token that is read differently.
     fn first_difference(
         &self,
         old: &GeotraceAnalysis,
@@ -221,8 +222,8 @@ impl Renamed {
         })
     }
 
-    /// Refuses a renaming after which other errors are found: a name that was taken would be free where it is declared once more,
-    /// and would then mean something else there.
+    /// Refuses a renaming that changes the errors: for example, a name that was declared twice would become free, and its
+    /// second declaration would then have a meaning.
     fn keeps_errors(&self, old: &GeotraceAnalysis) -> Result<(), RenameError> {
         for &chunk in &self.read {
             let errors = old.document().errors(chunk);
@@ -249,7 +250,7 @@ impl Renamed {
     }
 }
 
-/// Returns true if a token is made of letters or digits.
+/// Returns true if a token consists of letters or digits.
 fn is_word(token: &Lexeme<'_>) -> bool {
     matches!(
         token.kind,
@@ -261,7 +262,7 @@ fn is_word(token: &Lexeme<'_>) -> bool {
     )
 }
 
-/// Returns the run of touching words and numbers around a token.
+/// Returns the run of adjacent words and numbers around a token.
 fn run(analysis: &GeotraceAnalysis, token: usize) -> std::ops::Range<usize> {
     let touch = |k: usize| {
         let (one, other) = (analysis.token(k), analysis.token(k + 1));
@@ -280,7 +281,7 @@ fn run(analysis: &GeotraceAnalysis, token: usize) -> std::ops::Range<usize> {
     first..last + 1
 }
 
-/// Returns the places where the word around a token can be written apart.
+/// Returns the offsets where the word around a token can be split.
 fn seams(analysis: &GeotraceAnalysis, token: usize) -> Vec<u32> {
     let mut run = run(analysis, token);
     run.next();

@@ -1,4 +1,4 @@
-//! Colours by meaning: the text's tokens in the standard types of editors.
+//! Colours by meaning: the tokens of a text in the standard types of editors.
 
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::document::PlacedChunk;
@@ -10,8 +10,8 @@ use super::analysis::{GeotraceAnalysis, lexeme};
 use super::targets::{ChunkTargets, Target};
 use crate::semantic::{Modifiers, SemanticToken, TokenType};
 
-/// Returns the coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words
-/// without a meaning and characters that are no token have no colour.
+/// Returns the coloured tokens that touch a range, in the order of the text and without overlaps. Punctuation,
+/// undefined words and characters that form no token have no colour.
 pub fn semantic_tokens(analysis: &GeotraceAnalysis, range: Span) -> Vec<SemanticToken> {
     let document = analysis.document();
     let wanted = analysis.tokens_in(range);

@@ -7,7 +7,7 @@ use super::analysis::GeotraceAnalysis;
 use super::outline::{parameters, parameters_of};
 use crate::signature::Signature;
 
-/// Returns the innermost function with a bracket around a place.
+/// Returns the innermost function with a bracket around an offset.
 pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> {
     let mut at = analysis.document().tokens_ended(offset) as usize;
     let behind = analysis.token(at);
@@ -30,7 +30,7 @@ pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> 
                 if let Some(signature) = of_function_before(analysis, k, commas) {
                     return Some(signature);
                 }
-                // A plain bracket: what stands around it.
+                // A plain bracket: continue with the bracket around it.
                 commas = 0;
             }
             TokenKind::Comma if depth == 0 => commas += 1,
@@ -40,7 +40,7 @@ pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> 
     None
 }
 
-/// Returns the function right before a bracket: `f(`, `f'(`, `f_u(`.
+/// Returns the signature of the function right before a bracket: `f(`, `f'(`, `f_u(`.
 fn of_function_before(
     analysis: &GeotraceAnalysis,
     bracket: usize,
@@ -72,7 +72,7 @@ fn of_function_before(
                 return Some(Signature {
                     label,
                     parameters: places,
-                    // The last of `max(a, b, …)` stands for all that follow.
+                    // The last parameter of `max(a, b, …)` represents all that follow.
                     active: match symbol.keyword {
                         Some(_) => active,
                         None => active.min(last),

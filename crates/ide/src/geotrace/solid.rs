@@ -1,4 +1,4 @@
-//! Solids, for a reader: what they are part of, their box, the kinds of surface that bound them.
+//! Solids, in words: the solids of which they are parts, their box, the kinds of surface that bound them.
 
 use std::fmt::Write as _;
 
@@ -15,12 +15,12 @@ use super::item::Item;
 use super::start;
 use super::targets::Target;
 
-/// The most work that a description may take, in operations on intervals: a share of what a picture may.
+/// The maximum work of a description, in operations on intervals: a fraction of the maximum for a picture.
 const MOST_WORK: u64 = MAX_SHAPE_WORK / 16;
-/// The most kinds of leaf that are told.
+/// The maximum number of kinds of leaf that are listed.
 const MOST_LEAVES: usize = 12;
 
-/// Sentences about the solid that an item declares, with every param at its start.
+/// Returns sentences about the solid that an item declares, with every param at its start.
 pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     let mut text = Vec::new();
     text.extend(whole(analysis, item));
@@ -55,10 +55,10 @@ pub(crate) fn describe(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<Stri
     text
 }
 
-/// Returns the solids whose sets name this one, which is not drawn itself then.
+/// Returns a sentence about the solids whose sets name this one, which is then not drawn separately.
 pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
     let mut names: Vec<&str> = Vec::new();
-    // The end of the last set that names it: a set may name it very often.
+    // The end of the last set that names it: a set may name it many times.
     let mut counted = 0;
     for token in analysis.occurrences(Target::Symbol(item.symbol?)) {
         let Some(before) = token.checked_sub(1) else {
@@ -86,14 +86,14 @@ pub(super) fn whole(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Stri
     }
 }
 
-/// Returns the box of a solid; `start` says for which params.
+/// Returns the box of a solid; `start` describes the values of the params.
 fn extent(rays: &RayScene, start: &str) -> String {
     let Some(bounds) = rays.bounds() else {
         return format!("endless{start}");
     };
     let lengths = (bounds.upper - bounds.lower).to_array().into_iter();
     let longest = lengths.filter(|x| x.is_finite()).fold(0.0, f64::max);
-    // A hundredth of the box, or less: no more of it is known.
+    // The box is rounded to at most a hundredth of its size, which is about its accuracy.
     let step = 10_f64.powf(longest.log10().floor() - 2.0);
     let sides = ["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| {
         let [low, high] = [bounds.lower[axis], bounds.upper[axis]];
@@ -134,7 +134,7 @@ fn leaves(rays: &RayScene) -> Option<String> {
             1 => String::new(),
             count => format!("{count} × "),
         };
-        // Text takes all that is written.
+        // Writing to a string cannot fail.
         let _ = write!(told, "{gap}{times}`{name}` ({class})");
     }
     if found.len() > MOST_LEAVES {
@@ -143,7 +143,7 @@ fn leaves(rays: &RayScene) -> Option<String> {
     (!found.is_empty()).then_some(told)
 }
 
-/// Returns the values of nodes that read no variable; `None` if one does, or is undefined.
+/// Returns the values of nodes that read no variable; `None` if one reads a variable or is undefined.
 pub(crate) fn values(scene: &Scene, nodes: [NodeId; 3], uniforms: &[f64]) -> Option<[f64; 3]> {
     let tape = Tape::new(&scene.graph, &nodes);
     let inputs = tape.inputs().iter().map(|input| match input {

@@ -1,20 +1,20 @@
-//! The values of params and grids for which a reader is told something: those that a program starts with.
+//! The values of params and grids for which descriptions hold: those at the start of a program.
 
 use scene::{Object, ParamValues, Scene};
 
 use super::hints::short;
 
-/// The most names that are listed.
+/// The maximum number of names that are listed.
 const MOST_NAMES: usize = 4;
 
-/// Returns the end of a sentence about all of a scene: ", for `a = 2`" where it has params.
+/// Returns the end of a sentence about a whole scene: ", for `a = 2`" if it has params.
 pub(crate) fn of_scene(scene: &Scene) -> String {
     let values = ParamValues::initial(scene);
     let params = scene.params.iter();
     told(params.map(|param| (&*param.name, values.param(param).to_vec())))
 }
 
-/// Returns the end of a sentence about the first instance of an object: ", for `a = 2`, `k = 0`" where it reads params or
+/// Returns the end of a sentence about the first instance of an object: ", for `a = 2`, `k = 0`" if it reads params or
 /// grids.
 pub(crate) fn of_object(scene: &Scene, object: &Object) -> String {
     let uniforms = ParamValues::initial(scene).first_instance(scene, object);

@@ -1,6 +1,6 @@
-//! The meaning of tokens: the name that each stands for.
+//! The meaning of tokens: the name that each denotes.
 //!
-//! The declarations of a chunk are gone through once for all of its tokens: one expression may have very many.
+//! One pass over the declarations of a chunk serves all of its tokens: an expression may have very many.
 
 use std::cell::Cell;
 
@@ -14,9 +14,9 @@ use super::item::Item;
 /// The meaning of a token.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Target {
-    /// A name that is declared or builtin.
+    /// A declared or builtin name.
     Symbol(SymbolId),
-    /// A parameter of the declaration of this number, by its position in the list.
+    /// A parameter of a declaration, by its index in the list.
     Parameter {
         /// The declaration.
         item: usize,
@@ -29,14 +29,14 @@ pub enum Target {
 #[derive(Debug)]
 pub(crate) struct ChunkTargets<'r> {
     placed: PlacedChunk<'r>,
-    /// Its declarations, in their order; places count from its start.
+    /// Its declarations, in order; spans are relative to its start.
     items: Vec<Item<'r>>,
-    /// The last token that stands after a derivative's `_`, and the function: a chain of them is gone through once.
+    /// The last token after a derivative's `_`, and the function: a chain of them is traversed once.
     derived: Cell<Option<(usize, SymbolId)>>,
 }
 
 impl<'r> ChunkTargets<'r> {
-    /// Goes through the declarations of a chunk.
+    /// Collects the declarations of a chunk.
     pub(crate) fn new(placed: PlacedChunk<'r>) -> Self {
         let numbers = placed.first_declaration as usize..;
         let items = numbers.zip(placed.declarations());
@@ -48,12 +48,12 @@ impl<'r> ChunkTargets<'r> {
         }
     }
 
-    /// Returns the meaning of a token by its number in the chunk, at its declaration too.
+    /// Returns the meaning of a token by its number in the chunk, including at its declaration.
     pub(crate) fn target(&self, analysis: &GeotraceAnalysis, index: usize) -> Option<Target> {
         let Token { kind, span } = self.placed.tokens().get(index)?;
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
-                // Where a name that is taken is declared again, the word is no use of it.
+                // If a name that is not free is declared again, the word is not a use of it.
                 let taken = self.item_at(span.start).is_some_and(|item| {
                     item.symbol.is_none() && item.name_span == span || item.has_parameter(span)
                 });
@@ -92,7 +92,7 @@ impl<'r> ChunkTargets<'r> {
         })
     }
 
-    /// Returns the declaration that holds a place of the chunk, or ends there.
+    /// Returns the declaration that contains an offset of the chunk, or ends there.
     fn item_at(&self, offset: u32) -> Option<&Item<'r>> {
         let begun = self.items.partition_point(|item| item.span.start <= offset);
         let item = self.items.get(begun.checked_sub(1)?)?;

@@ -43,7 +43,7 @@ struct NameEntry {
 /// A symbol and the chunk that defines it.
 #[derive(Clone, Debug)]
 pub(super) struct Defined<G: Grammar> {
-    /// The symbol; its places count from the start of its chunk.
+    /// The symbol; its spans are relative to the start of its chunk.
     pub(super) symbol: G::Symbol,
     /// The chunk that defines it; `None` for a builtin.
     pub(super) home: Option<ChunkId>,

@@ -1,4 +1,4 @@
-//! The semantic hooks: what a compiler, a highlighter, an outline or a formatter implements.
+//! The semantic hooks, which a compiler, a highlighter, an outline or a formatter implements.
 
 use crate::diagnostic::Diagnostic;
 use crate::geotrace::attributes::AttributeWord;
@@ -7,19 +7,20 @@ use crate::geotrace::token::Token;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// One step of an expression, in postfix order: each pops its operands from an imagined stack and pushes
-/// one result. `Function`, `Partial`, `Total` and `FunctionPower` build a function, `Apply` applies it.
+/// A step of an expression, in postfix order: it pops its operands from an imagined stack and pushes one result.
+/// `Function`, `Partial`, `Total` and `FunctionPower` build a function, `Apply` applies it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Operator {
     /// Pushes a number.
     Number(f64),
     /// Pushes the value of a declared or builtin constant.
     Constant(SymbolId),
-    /// Pushes a parameter of the body that is being read, by its position.
+    /// Pushes a parameter of the body that is being read, by its index.
     Variable(u32),
-    /// Pushes a function. That of a geodesic's surface or metric comes alone, before its direction and start.
+    /// Pushes a function. In a geodesic, the function of the surface or metric comes by itself, before its direction
+    /// and start.
     Function(SymbolId),
-    /// `f_u`: function → its derivative by its parameter at this position.
+    /// `f_u`: function → its derivative by its parameter with this index.
     Partial(u32),
     /// `f'`: function → its derivative.
     Total,
@@ -49,23 +50,23 @@ pub enum Operator {
     Reciprocal,
     /// `a_n`: the component, from 1.
     Component(u32),
-    /// A bracketed list of this many values; 1 for a bracketed single value or set, which it leaves as it is.
+    /// A bracketed list of this many values; 1 for a bracketed single value or set, which remains unchanged.
     Tuple(u32),
-    /// `@ a` of a light that has no direction: value → the same value, which is its place.
+    /// `@ a` of a light without a direction: value → the same value, which is its position.
     Position,
-    /// Function → the set of points that it stands for: a solid, or the points where it is not positive.
+    /// Function → the set of points that it denotes: a solid, or the points where it is not positive.
     Atom,
-    /// `a | b`: two sets → the points of either.
+    /// `a | b`: two sets → the points in either.
     Union,
-    /// `a & b`: two sets → the points of both.
+    /// `a & b`: two sets → the points in both.
     Intersection,
-    /// `a \ b`: two sets → the points of the first that are not of the second.
+    /// `a \ b`: two sets → the points in the first that are not in the second.
     Difference,
-    /// `a @ v`: set, vector → the set, moved.
+    /// `a @ v`: set, vector → the set, translated.
     Move,
     /// `a @ scale v`: set, number or vector → the set, scaled.
     Scale,
-    /// `a @ rotate v`: set, vector → the set, turned about the vector by its length.
+    /// `a @ rotate v`: set, vector → the set, rotated about the vector by its length.
     Rotate,
     /// `a @ f`: set, function → its image under the function.
     Image,
@@ -87,12 +88,12 @@ pub struct Interval {
     pub kind: IntervalKind,
     /// The span from `[` to `]`.
     pub span: Span,
-    /// For what has parameters: the position of the parameter that the tag names, where it names one,
-    /// and the tag's own place. A tag that is missing, or names no parameter, has been reported.
+    /// For declarations with parameters: the index of the parameter that the tag names, if it names one, and the span
+    /// of the tag. A tag that is missing, or names no parameter, has been reported.
     pub tag: Option<(Option<u32>, Span)>,
 }
 
-/// An attribute that a declaration states. If its value is an expression, that is the last value on the stack.
+/// An attribute that a declaration states. If its value is an expression, it is the last value on the stack.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub struct StatedAttribute {
     /// The word.
@@ -112,16 +113,15 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// A declaration that has been read to its end; its expressions, intervals and attributes came before. Those of a param are
-/// the value that it opens with, if one is written, and its intervals. Those of a light are its direction, if it has one, and
-/// its place, if it has one.
+/// A declaration that has been read to its end. Its expressions, intervals and attributes were reported before. A param has
+/// its initial value, if stated, and its intervals; a light its direction and its position, each if it has one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
     /// Its keyword.
     pub keyword: DeclarationKeyword,
     /// The span from the keyword to the `;`.
     pub span: Span,
-    /// The symbol that it declares. `None` if its name was not read or not free.
+    /// The symbol that it declares; `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
     /// The name as written; empty if it was not read.
     pub name: &'a str,
@@ -129,23 +129,23 @@ pub struct Declaration<'a> {
     pub name_span: Span,
     /// The parameters that it lists. A solid that lists none has the parameters x, y and z.
     pub parameters: &'a [Parameter],
-    /// An error lies in it, and has been reported: what the stack holds may be incomplete and is to be
-    /// dropped, and uses of the name are to be silent.
+    /// True if it contains an error, which has been reported: the stack may then be incomplete and must be dropped, and
+    /// uses of the name must not be reported.
     pub faulty: bool,
 }
 
 /// The hooks that the parser calls. All do nothing unless implemented.
 #[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Actions {
-    /// The parser moved past a token. Comes for every token, comments and tokens skipped by recovery too,
-    /// in the order of the text and without gaps but for white space; the end of input is not reported.
+    /// The parser moved past a token. Called for every token in the order of the text, including comments and tokens
+    /// skipped by recovery. Only white space and the end of input are not reported.
     fn act_advance(&mut self, token: Token) {}
 
     /// A declaration starts: its keyword has just been read.
     fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {}
 
-    /// One step of an expression. `span` covers the operator with its operands. No more come in a
-    /// declaration once an error has made them incomplete.
+    /// A step of an expression. `span` covers the operator with its operands. Once an error has made the steps of a
+    /// declaration incomplete, no more of them are reported.
     fn act_operator(&mut self, operator: Operator, span: Span) {}
 
     /// An interval has been read.

@@ -1,4 +1,4 @@
-//! The codes of the diagnostics of the parser, and what each means.
+//! The codes of the parser's diagnostics, with their explanations.
 
 use crate::codes::codes;
 use crate::diagnostic::Code;

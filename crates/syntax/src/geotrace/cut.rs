@@ -1,18 +1,19 @@
 //! The ends of declarations, found without parsing them.
 //!
-//! A `;` ends a declaration, unless an item such as `t : [0, 1]` follows: the parser says that the item belongs to it.
-//! Between brackets, where only a bracket that was left open puts it, it ends one if a declaration, a comment or nothing
-//! follows; else it was meant to separate components, and the parser says so. So the beginning of a declaration also decides
-//! where the one above ends ([`LOOKAHEAD`]).
+//! A `;` ends a declaration, unless an item such as `t : [0, 1]` follows; the parser then reports that the item belongs to
+//! the declaration. A `;` between brackets, which requires a bracket that was left open, ends the declaration if a
+//! declaration, a comment or nothing follows; otherwise it was meant to separate components, which the parser reports. So
+//! the beginning of a declaration also determines where the declaration above ends ([`LOOKAHEAD`]).
 
 use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 
-/// The number of bytes after the white space at a chunk's start that decide that the chunk above ends there: those of the
-/// longest keyword, and one that shows where it ends.
+/// The number of bytes after the white space at a chunk's start that determine whether the chunk above ends there: the
+/// length of the longest keyword, plus one byte that shows where it ends.
 pub(super) const LOOKAHEAD: usize = "background".len() + 1;
 
-/// The length, in bytes, in which a bracket with a `;` is searched for its end: long texts take linear time.
+/// The maximum distance, in bytes, in which the end of a bracket with a `;` is searched, so that long texts take linear
+/// time.
 const SEARCH_LENGTH: usize = 2000;
 
 /// The state of the search after a part of a text.
@@ -21,12 +22,12 @@ pub struct CutState {
     /// The offset of the first byte that has not been taken.
     at: usize,
     in_comment: bool,
-    /// The number of brackets that are open.
+    /// The number of open brackets.
     depth: u32,
 }
 
-/// Appends to `ends` the offsets after the declarations that end in a text, as far as the text decides them. `state` is that
-/// of the call with its beginning.
+/// Appends to `ends` the offsets after the declarations that end in a text, as far as the text determines them. `state` is
+/// the state after the previous call, with the beginning of this text.
 pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> CutState {
     for (at, byte) in text.bytes().enumerate().skip(state.at) {
         match byte {
@@ -56,14 +57,15 @@ pub(super) fn cut(text: &str, mut state: CutState, ends: &mut Vec<usize>) -> Cut
     state
 }
 
-/// Appends the end after a `;` that [`cut`] left open for want of text, where no more follows.
+/// Appends the end after a `;` that [`cut`] left open, at the end of the whole text.
 pub(super) fn cut_last(text: &str, state: CutState, ends: &mut Vec<usize>) {
     if state.depth == 0 && text.as_bytes().get(state.at) == Some(&b';') {
         ends.push(state.at + 1);
     }
 }
 
-/// Returns true if a `;` between brackets ends a declaration, by the text after it; `None` if that is too short to say.
+/// Returns true if a `;` between brackets ends a declaration, given the text after it; `None` if that is too short to
+/// decide.
 fn is_end_between_brackets(behind: &str) -> Option<bool> {
     let behind = behind.trim_start();
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
@@ -74,8 +76,8 @@ fn is_end_between_brackets(behind: &str) -> Option<bool> {
     Some(behind.starts_with('#') || DeclarationKeyword::from_text(word).is_some())
 }
 
-/// Returns true if a word and a `:` follow, as those of an interval, which no declaration begins with; `None` if the text is too
-/// short to say.
+/// Returns true if a word and a `:` follow, as before an interval, which begin no declaration; `None` if the text is too short
+/// to decide.
 pub(super) fn is_item(behind: &str) -> Option<bool> {
     let behind = behind.trim_start();
     let bytes = &behind.as_bytes()[..behind.len().min(LOOKAHEAD)];
@@ -92,8 +94,8 @@ pub(super) fn is_item(behind: &str) -> Option<bool> {
     }
 }
 
-/// Returns the span from a `;` between brackets to the last one before the innermost of them closes. Returns `None` if it
-/// does not close before the declaration ends.
+/// Returns the span from a `;` between brackets to the last one before the innermost of these brackets closes; `None` if
+/// it does not close before the declaration ends.
 pub(super) fn separators(text: &str, first: u32) -> Option<Span> {
     let start = first as usize;
     let mut last = start;

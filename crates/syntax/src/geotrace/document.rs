@@ -2,7 +2,7 @@
 //!
 //! `;` delimits declarations and `#` comments whatever any name means (`cut`), so a chunk is a declaration up to its `;`, with
 //! the white space and comments before it. The parser reads a chunk through a `NameScope` that the document's [`ScopeView`]
-//! implements; what the hooks are called with is recorded, packed.
+//! implements. The calls of the hooks are recorded in packed form.
 
 use std::sync::Arc;
 
@@ -38,17 +38,17 @@ pub struct Geotrace;
 pub type Document = document::Document<Geotrace>;
 /// A program at one version.
 pub type Snapshot = document::Snapshot<Geotrace>;
-/// A chunk of a program at its place.
+/// A chunk of a program with its position.
 pub type PlacedChunk<'d> = document::PlacedChunk<'d, Geotrace>;
 
-/// The analysis of a chunk: its tokens and the calls of the hooks, packed.
+/// The analysis of a chunk: its tokens and the calls of the hooks, in packed form.
 #[derive(Clone, Debug, Default)]
 pub struct ChunkAnalysis {
     tokens: Records,
     events: Records,
 }
 
-/// The part of a symbol that the declarations below notice.
+/// The part of a symbol that affects the declarations below.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Signature {
     keyword: Option<DeclarationKeyword>,
@@ -57,7 +57,7 @@ pub struct Signature {
     faulty: bool,
 }
 
-/// One call of a hook, as reading a chunk has recorded it.
+/// A recorded call of a hook.
 #[derive(Clone, Copy, Debug)]
 pub enum ParseEvent<'d> {
     /// A declaration starts.
@@ -74,10 +74,10 @@ pub enum ParseEvent<'d> {
     Finding,
 }
 
-/// A [`Declaration`] that a document keeps.
+/// A [`Declaration`] that a document stores.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadDeclaration<'d> {
-    /// The word that opens it.
+    /// The keyword.
     pub keyword: DeclarationKeyword,
     /// The span from the keyword to the `;`.
     pub span: Span,
@@ -87,14 +87,14 @@ pub struct ReadDeclaration<'d> {
     pub name: &'d str,
     /// The span of the name; empty if it was not read.
     pub name_span: Span,
-    /// The parameters, for what is applied.
+    /// The parameters, if it has any.
     pub parameters: Parameters<'d>,
-    /// An error lies in it.
+    /// True if it contains an error.
     pub faulty: bool,
 }
 
 impl<'d> ReadDeclaration<'d> {
-    /// Returns the declaration as the hooks take it, with its parameters.
+    /// Returns the declaration in the form of the hooks, with its parameters.
     pub fn as_declaration<'a>(&self, parameters: &'a [Parameter]) -> Declaration<'a>
     where
         'd: 'a,
@@ -260,10 +260,10 @@ impl NameScope for ScopeView<'_, Geotrace> {
             TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
             TokenKind::Undefined => length = 0,
             TokenKind::Declare(_) => return,
-            // A parameter that a longer name takes the letters of is reported where the parameter is declared.
+            // A parameter that loses letters to a longer name is reported at its declaration.
             _ => {}
         }
-        // No name is longer, and a word may be as long as the text.
+        // No name is longer, but a word may be as long as the text.
         let candidate = rest.len().min(MAX_NAME_LENGTH) as u32;
         self.record_prefix_lookup(Span::new(start, start + candidate), length);
     }
@@ -282,7 +282,7 @@ impl NameScope for ScopeView<'_, Geotrace> {
     }
 
     fn search(&self, _: &mut Search<'_>) {
-        // Diagnostics of a chunk name words that are spelt alike only when they are completed.
+        // The diagnostics of a chunk name similarly spelt words only when they are completed.
     }
 }
 
@@ -310,7 +310,7 @@ struct Recorder {
     tokens: Vec<Token>,
     events: EventRecorder,
     diagnostics: Vec<Diagnostic>,
-    /// The symbols that are declared, each with the offset from which on it is known.
+    /// The declared symbols, each with the offset from which it is known.
     known_from: Vec<(SymbolId, u32)>,
 }
 
@@ -349,7 +349,7 @@ impl Actions for Recorder {
 }
 
 impl<'d> PlacedChunk<'d> {
-    /// Its tokens, including comments, in order.
+    /// Returns its tokens, including comments, in order.
     pub fn tokens(&self) -> Tokens<'d> {
         self.analysis.tokens(self.text)
     }
@@ -368,12 +368,12 @@ impl<'d> PlacedChunk<'d> {
 }
 
 impl Snapshot {
-    /// Returns the calls of the hooks while a chunk was read. Places count from its start.
+    /// Returns the calls of the hooks for a chunk. Spans are relative to its start.
     pub fn events(&self, chunk: ChunkId) -> ParseEvents<'_> {
         self.analysis(chunk).events(self.chunk_text(chunk))
     }
 
-    /// Returns the tokens that a range touches, including comments, in order. Places are those of the text.
+    /// Returns the tokens that a range touches, including comments, in order. Their spans are relative to the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {
@@ -387,7 +387,7 @@ impl Snapshot {
         })
     }
 
-    /// Returns the declarations in order, each with its chunk. Places count from the chunk's start.
+    /// Returns the declarations in order, each with its chunk. Spans are relative to the chunk's start.
     pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, ReadDeclaration<'_>)> {
         self.chunks().flat_map(|chunk| {
             let declarations = self.events(chunk).declarations();
@@ -395,7 +395,7 @@ impl Snapshot {
         })
     }
 
-    /// Returns the number of the declaration of a symbol. Returns `None` for a builtin.
+    /// Returns the number of the declaration of a symbol; `None` for a builtin.
     pub fn declaration_of(&self, symbol: SymbolId) -> Option<u32> {
         let placed = self.placed_chunk(self.home(symbol)?);
         let mut declarations = placed.declarations();
@@ -403,7 +403,7 @@ impl Snapshot {
         Some(placed.first_declaration + place as u32)
     }
 
-    /// Returns the names at the end of the text as [`parse_program`](super::parse_program) gives them: with other handles,
+    /// Returns the names at the end of the text as [`parse_program`](super::parse_program) would: with other handles,
     /// which count up in the order of the text.
     pub fn parsed(&self) -> Parsed {
         let mut parsed = Parsed::default();

@@ -1,6 +1,6 @@
-//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion turned
-//! into tails, common prefixes factored. Tests compute FIRST and FOLLOW from this table, hold the parser to
-//! it on random texts, and hold it to the productions as the language's page states them.
+//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion is replaced by
+//! tails, and common prefixes are factored out. Tests compute FIRST and FOLLOW from this table, and compare the table
+//! with the parser on random texts, and with the productions in the language's documentation.
 
 use crate::geotrace::declarations::DeclarationKeyword as Keyword;
 use crate::geotrace::token::{TokenKind, with_symbols};
@@ -8,7 +8,7 @@ use crate::productions::{self, productions};
 
 macro_rules! terminals {
     ($($symbol:ident $byte:literal)*) => {
-        /// A token as the productions see it.
+        /// A token as a terminal of the productions.
         #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
         #[allow(missing_docs)]
         pub enum Terminal {
@@ -98,7 +98,7 @@ pub enum Nonterminal {
     Put,
     PutTail,
     Place,
-    /// The rest of a place that begins with a function: an image under it, or an expression.
+    /// The rest of a placement that begins with a function: an image under it, or an expression.
     Image,
     Atom,
     Expr,
@@ -127,7 +127,7 @@ pub enum Nonterminal {
 /// One alternative of a nonterminal.
 pub type Production = productions::Production<Nonterminal, Terminal>;
 
-/// The grammar; [`Nonterminal::Prog`] is its start.
+/// The grammar; its start symbol is [`Nonterminal::Prog`].
 pub const PRODUCTIONS: &[Production] = {
     productions! {
         Prog = N(Decl) N(Prog);

@@ -14,27 +14,26 @@ pub struct Highlight {
     pub span: Span,
     /// Its class.
     pub kind: HighlightKind,
-    /// True for a name at the place that introduces it.
+    /// True for a name where it is introduced.
     pub declares: bool,
 }
 
-/// Returns every token of a program, in the order of the text and without overlap.
+/// Returns every token of a program with its colour, in the order of the text and without overlaps.
 pub fn highlight(source: &str, vocabulary: &Vocabulary) -> Vec<Highlight> {
     let mut highlighter = Highlighter::default();
     parse_program(source, vocabulary, &mut highlighter);
     highlighter.highlights
 }
 
-/// Collects the colours as the parser goes.
+/// Collects the colours while the parser runs.
 #[derive(Clone, Debug, Default)]
 pub struct Highlighter {
-    /// The coloured pieces so far. A name that is being introduced gets its colour at the end of its
-    /// declaration.
+    /// The coloured pieces so far. A name that is being introduced gets its colour at the end of its declaration.
     pub highlights: Vec<Highlight>,
 }
 
 impl Highlighter {
-    /// Recolours the token at `span` as a name that is introduced there.
+    /// Recolours the token at `span` as a name introduced there.
     fn declare(&mut self, span: Span, kind: HighlightKind) {
         let found = self.highlights.binary_search_by_key(&span, |h| h.span);
         if let Ok(index) = found {

@@ -1,10 +1,10 @@
-//! From text to lexemes. The lexer knows no names: its caller says how a word is split into tokens.
+//! From text to lexemes. The lexer knows no names: its caller determines how a word is split into tokens.
 
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 use crate::text::line_length;
 
-/// A token, and what is wrong with it.
+/// A token and its fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lexeme {
     /// The token; of kind [`TokenKind::Error`] where there is a fault other than [`Fault::Underflow`].
@@ -33,7 +33,7 @@ pub struct Word<'s> {
     pub rest: &'s str,
     /// The offset of the rest.
     pub start: u32,
-    /// The offset of the word: further left if tokens have been split off.
+    /// The offset of the word: less than `start` if tokens have been split off.
     pub word_start: u32,
 }
 
@@ -49,13 +49,13 @@ impl Word<'_> {
 pub struct Lexer<'s> {
     source: &'s str,
     position: usize,
-    /// The word that is being split, or was last.
+    /// The start of the word that is being split, or was split last.
     word_start: usize,
     word_end: usize,
 }
 
 impl<'s> Lexer<'s> {
-    /// Returns a lexer at the start of a text of less than `u32::MAX` bytes. A byte order mark there is white space.
+    /// Creates a lexer at the start of a text of less than `u32::MAX` bytes. A byte order mark there is white space.
     pub fn new(source: &'s str) -> Self {
         let position = match source.strip_prefix('\u{FEFF}') {
             Some(rest) => source.len() - rest.len(),
@@ -69,7 +69,7 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// Returns a lexer at the start of a chunk inside a text, where a byte order mark is not white space.
+    /// Creates a lexer at the start of a chunk inside a text, where a byte order mark is not white space.
     pub(crate) fn inside(source: &'s str) -> Self {
         Self {
             position: 0,
@@ -77,17 +77,17 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// Returns the text that is read.
+    /// Returns the text.
     pub fn source(&self) -> &'s str {
         self.source
     }
 
-    /// Returns the word that the last token was taken from, if that was a word.
+    /// Returns the span of the word that contains the last token, if that was part of a word.
     pub fn word(&self) -> Span {
         Span::new(self.word_start as u32, self.word_end as u32)
     }
 
-    /// Goes back to where a token starts, to read it in another way.
+    /// Goes back to the start of a token, to read it in another mode.
     pub fn rewind(&mut self, start: u32) {
         debug_assert!(
             start as usize <= self.position && self.source.is_char_boundary(start as usize)
@@ -95,8 +95,8 @@ impl<'s> Lexer<'s> {
         self.position = start as usize;
     }
 
-    /// Returns the next lexeme. At a word, `split` says how many bytes of its rest make the token (at least 1 and at
-    /// most all) and of what kind it is.
+    /// Returns the next lexeme. At a word, `split` returns the number of bytes of its rest that form the token (at
+    /// least 1, at most all) and the token's kind.
     #[inline]
     pub fn next(&mut self, split: impl FnOnce(Word<'s>) -> (usize, TokenKind)) -> Lexeme {
         let bytes = self.source.as_bytes();
@@ -151,7 +151,7 @@ impl<'s> Lexer<'s> {
         Lexeme { token, fault }
     }
 
-    /// Returns the word at `start`, or what is left of it. Each word is measured once, however often it is split.
+    /// Returns the word at `start`, or the rest of it. Each word is measured once, however often it is split.
     fn word_at(&mut self, start: usize) -> Word<'s> {
         if start >= self.word_end {
             self.word_start = start;
@@ -167,8 +167,8 @@ impl<'s> Lexer<'s> {
     }
 }
 
-/// Returns the span of a name in double quotes, `"earth"` or `"earth.png"`, with both of them, where this is the span of the
-/// first one. It goes no farther than one word and its ending: an edit after them must not change what was read before.
+/// Returns the span of a name in double quotes, `"earth"` or `"earth.png"`, including the quotes; `first` is the span of the
+/// first quote. The span is limited to one word and its extension: an edit after them must not change what was read before.
 pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
     let inner = source[first.start as usize..].strip_prefix('"')?;
     let length_of_word = |text: &str| {
@@ -183,17 +183,17 @@ pub(crate) fn quoted_name(source: &str, first: Span) -> Option<Span> {
     (is_closed && length > 0).then(|| Span::new(first.start, first.end + length as u32 + 1))
 }
 
-/// Returns the value of a number that has been read as one: of a text that is just that.
+/// Returns the value of a text that has been read as a number.
 pub(crate) fn literal(text: &str) -> f64 {
     match number(text.as_bytes()) {
         (_, Ok(value)) => value,
-        // One that is nearer to 0 than all others was read as 0.
+        // A number nearer to 0 than any other was read as 0.
         (_, Err(_)) => 0.0,
     }
 }
 
-/// Returns the longest decimal literal that `bytes`, starting with a digit or a `.`, begins with: its length and
-/// its value, correctly rounded.
+/// Returns the longest decimal literal at the start of `bytes`, which begin with a digit or a `.`: its length and its
+/// value, correctly rounded.
 fn number(bytes: &[u8]) -> (usize, Result<f64, Fault>) {
     let digits = |from: usize| {
         let rest = bytes.get(from..).unwrap_or_default();

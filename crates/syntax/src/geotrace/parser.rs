@@ -1,21 +1,20 @@
-//! The parser of the geotrace language: LL(1) recursive descent, one function per nonterminal of
-//! [`grammar`](super::grammar), calling the hooks of [`Actions`] as it goes.
+//! The parser of the Geotrace language: LL(1) recursive descent, one function per nonterminal of
+//! [`grammar`](super::grammar), calling the hooks of [`Actions`].
 //!
-//! A text and a vocabulary flow in; calls of hooks flow out, and at the end the names that the text defines.
-//! Parsing never fails: what is wrong becomes a diagnostic, and the parser goes on at the next `;` or
-//! declaration keyword.
+//! In: a text and a vocabulary. Out: calls of hooks, and at the end the names that the text defines. Parsing never
+//! fails: an error becomes a diagnostic, and the parser continues at the next `;` or declaration keyword.
 //!
-//! - `declaration`: `DECL` and all that is not an expression.
+//! - `declaration`: `DECL` and everything in it except expressions.
 //! - `items`: the intervals and attributes after a declaration's commas.
 //! - `intervals`: the intervals of params, grids and domains.
 //! - `sets`: `SET` and all below it.
 //! - `expression`: `EXPR` and all below it.
-//! - `names`: the token that a word is, new names, undefined words.
-//! - `lints`: warnings about legal text that is not read as it looks.
-//! - `deferred`: the parts of diagnostics that depend on other places of the text.
-//! - `suggestions`: what an undefined word may be meant to be.
-//! - `foreign`: what is written here in the place of words and signs of other notations.
-//! - `messages`: the sentences of lexical and syntax errors.
+//! - `names`: the token that a word forms, new names, undefined words.
+//! - `lints`: warnings about legal text that is not read as it seems.
+//! - `deferred`: the parts of diagnostics that depend on other parts of the text.
+//! - `suggestions`: the words that an undefined word may be meant to be.
+//! - `foreign`: the equivalents of words and signs of other notations.
+//! - `messages`: the messages of lexical and syntax errors.
 
 mod declaration;
 pub(crate) mod deferred;
@@ -48,14 +47,13 @@ use deferred::{Deferred, References};
 use names::Mode;
 use suggestions::DeclaredNames;
 
-/// The maximum nesting depth of an expression: brackets, prefix operators, exponents and functions of functions
-/// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
+/// The maximum nesting depth of an expression, which counts brackets, prefix operators, exponents and functions of
+/// functions. In a debug build, 2 MiB of stack suffice for it.
 pub const MAX_DEPTH: u32 = 256;
 
 /// Reads a whole program, `PROG`.
 ///
-/// Names are defined from the end of their declaration on. Texts of 4 GiB and more are refused with one
-/// diagnostic.
+/// A name is defined from the end of its declaration on. Texts of 4 GiB or more are refused with one diagnostic.
 pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions: &mut A) -> Parsed {
     let parsed = vocabulary.start();
     let Some(source) = accept_length(source, actions) else {
@@ -67,8 +65,8 @@ pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions:
     parser.parsed
 }
 
-/// Reads a lone expression, `EXPR`, with the names at the end of a program; nothing may follow it. Returns
-/// whether it holds no error: then what its steps built is complete.
+/// Reads a lone expression, `EXPR`, with the names at the end of a program; nothing may follow it. Returns true if it
+/// has no errors: then its steps are complete.
 pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut A) -> bool {
     let Some(source) = accept_length(source, actions) else {
         return false;
@@ -81,7 +79,7 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
 }
 
 /// Reads a chunk of a program, which begins and ends where declarations do, with the names above it. Returns the scope and,
-/// by diagnostic index, the cross-references that the caller must still fill in.
+/// by diagnostic index, the cross-references that the caller has to complete.
 ///
 /// The caller also compares the chunk with the names below it ([`shadowed_split`](lints::shadowed_split)).
 pub(crate) fn parse_chunk<A: Actions, S: NameScope>(
@@ -107,18 +105,18 @@ fn accept_length<'s>(source: &'s str, actions: &mut impl Actions) -> Option<&'s 
     None
 }
 
-/// The parser gave up on the declaration; the reason has been reported.
+/// The parser has given up on the declaration; the reason has been reported.
 struct Stop;
 
-/// The place of a nonterminal, from its first token to its last.
+/// The span of a nonterminal, from its first token to its last.
 type Parse = Result<Span, Stop>;
 
-/// A part of the text that is no token, which one error reports.
+/// A part of the text that forms no token and that one error reports.
 #[derive(Clone, Copy)]
 struct BadRun {
     span: Span,
     first: char,
-    /// It is known as a whole, such as `|x|`: what touches it is no part of it.
+    /// True if it is recognised as a whole, such as `|x|`: adjacent characters are not part of it.
     is_whole: bool,
 }
 
@@ -128,14 +126,14 @@ struct Parser<'s, 'a, A, S> {
     /// The names defined so far.
     parsed: S,
     actions: &'a mut A,
-    /// The token to be accepted next; no more are looked at.
+    /// The next token to accept; there is no further lookahead.
     current: Token,
-    /// The token accepted last.
+    /// The last accepted token.
     previous: Token,
-    /// The text that was just passed (a bad character, a word that means nothing) has been reported: that the current
-    /// token does not fit is most likely its doing.
+    /// True if the text just skipped (a bad character, an undefined word) has been reported: it is most likely the
+    /// reason why the current token does not fit.
     flagged: bool,
-    /// Tokens accepted so far, so that loops can assert progress.
+    /// The number of accepted tokens, so that loops can assert progress.
     accepted: usize,
     diagnostics: usize,
     state: DeclarationState<'s>,
@@ -146,16 +144,16 @@ struct Parser<'s, 'a, A, S> {
     deferred: Vec<(usize, Deferred)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
-    /// The text is a lone expression, and what is declared is declared in another one.
+    /// True if the text is a lone expression, whose names are declared in another text.
     is_expression: bool,
 }
 
 /// The state of the declaration that is being read.
 #[derive(Default)]
 struct DeclarationState<'s> {
-    /// It holds an error.
+    /// True if it contains an error.
     faulty: bool,
-    /// Its steps are incomplete: no more are handed out.
+    /// True if its steps are incomplete: no more are reported.
     silent: bool,
     depth: u32,
     keyword: Option<DeclarationKeyword>,
@@ -164,28 +162,28 @@ struct DeclarationState<'s> {
     name_is_free: bool,
     parameters: Vec<Parameter>,
     parameter_trie: Trie<u32>,
-    /// The body or the value of an attribute is being read: parameters are variables.
+    /// True while the body or the value of an attribute is read, in which parameters are variables.
     in_body: bool,
-    /// A set is being read: its signs are tokens.
+    /// True while a set is read, in which its signs are tokens.
     in_set: bool,
-    /// The map of a set that was read last, and its operand.
+    /// The last map of a set, and the span of its operand.
     map: Option<(MapWord, Span)>,
-    /// It is a solid, whose parameters are x, y and z if it lists none.
+    /// True for a solid, whose parameters are x, y and z if it lists none.
     is_of_space: bool,
     /// The attributes that have been read, with their places.
     attributes: Vec<(AttributeWord, Span)>,
-    /// The expression over the parameters, once it has been read.
+    /// The attributes read so far, with their spans.
     body: Span,
     /// The undefined words that have been reported.
     undefined: Vec<&'s str>,
-    /// A syntax error has been reported: one is enough for a declaration.
+    /// True once a syntax error has been reported: a declaration gets at most one.
     rejected: bool,
-    /// A report covers the rest of the declaration: characters that cannot stand there are passed in silence.
+    /// True if a report covers the rest of the declaration: illegal characters in it are skipped without a report.
     quiet: bool,
 }
 
 impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
-    /// Returns a parser whose first token is read as the mode says.
+    /// Creates a parser whose first token is read in the given mode.
     fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A, mode: Mode) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
@@ -235,14 +233,14 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         }
     }
 
-    /// Accepts the current token and looks at the next, which is read as the mode says.
+    /// Accepts the current token and reads the next in the given mode.
     #[inline]
     fn advance(&mut self, mode: Mode) {
         self.accept();
         self.fetch(mode);
     }
 
-    /// Consumes the current token, without looking at the next yet.
+    /// Consumes the current token, without reading the next yet.
     fn accept(&mut self) {
         self.actions.act_advance(self.current);
         self.accepted += 1;
@@ -319,7 +317,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
             lexeme = self.lex(mode);
         }
         if let Some(fault) = lexeme.fault {
-            // A malformed number stays the current token: it is an operand.
+            // A malformed number remains the current token: it is an operand.
             self.report(messages::bad_number(self.source, lexeme.token.span, fault));
             self.flagged |= lexeme.token.kind == TokenKind::Error;
         }
@@ -348,7 +346,7 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         }
     }
 
-    /// Reports a diagnostic with a part that depends on other places: in a whole text it is completed now.
+    /// Reports a diagnostic with a part that depends on other parts of the text. In a whole text it is completed now.
     #[cold]
     fn report_deferred(&mut self, mut diagnostic: Diagnostic, deferred: Deferred) {
         let searches = self.searches;
@@ -374,12 +372,12 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         }
     }
 
-    /// Returns the limit of diagnostics is reached: there is no use in composing another.
+    /// Returns true if the limit of diagnostics is reached, so that composing another is useless.
     fn is_muted(&self) -> bool {
         self.diagnostics >= MAX_DIAGNOSTICS
     }
 
-    /// Returns the line, from 1, of a place.
+    /// Returns the line, from 1, of an offset.
     fn line_of(&self, offset: u32) -> u32 {
         let lines = self.lines.get_or_init(|| LineIndex::new(self.source));
         lines.position(offset).line

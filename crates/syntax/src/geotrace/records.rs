@@ -1,11 +1,11 @@
-//! The tokens and hook calls of a chunk, packed: eight bytes for a token, and for a step of an expression.
+//! The tokens and hook calls of a chunk in packed form: eight bytes for each token, and for each step of an expression.
 //!
-//! In: tokens and events as the hooks get them, with places that count from the chunk's start. Out: the same
-//! tokens and events, by their number or in their order. The values of numbers and the names are not kept, but read
-//! from the text again. A chunk of 64 KiB or more, or with a number that does not fit, takes sixteen bytes for each.
+//! In: tokens and events as passed to the hooks, with spans relative to the chunk's start. Out: the same tokens and
+//! events, by number or in order. The values of numbers and the names are not stored, but read from the text again. A
+//! chunk of 64 KiB or more, or with a number that does not fit, requires sixteen bytes for each.
 //!
 //! They are packed by hand because a program of 10,000 declarations has 230,000 tokens and 170,000 events. As enums with their
-//! spans they take 24 bytes each, 6.4 MB more in all: a fifth more than the whole server needs for that program.
+//! spans they would take 24 bytes each, 6.4 MB more in total: a fifth more than the whole server needs for that program.
 
 use crate::geotrace::actions::{Interval, IntervalKind, Operator, Parameter, StatedAttribute};
 use crate::geotrace::declarations::DeclarationKeyword;
@@ -28,7 +28,7 @@ pub(crate) enum Records {
     Wide(Box<[Entry]>),
 }
 
-/// A place, a tag for what is there, and a number whose meaning depends on the tag.
+/// A span, a tag that identifies its kind, and a number whose meaning depends on the tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
     span: Span,
@@ -68,7 +68,7 @@ impl Default for Records {
 }
 
 impl Records {
-    /// Packs entries whose places end at `length` or before it.
+    /// Packs entries whose spans end at or before `length`.
     fn new(entries: &[Entry], length: usize) -> Self {
         let fits = |entry: &Entry| entry.number >> 24 == 0;
         if length > usize::from(u16::MAX) || !entries.iter().all(fits) {
@@ -148,18 +148,18 @@ impl<'d> Tokens<'d> {
         })
     }
 
-    /// Returns the span of a token: cheaper than the whole token.
+    /// Returns the span of a token, which is cheaper than the whole token.
     pub fn span(&self, index: usize) -> Option<Span> {
         self.records.span(index)
     }
 
-    /// Returns all of them, in order.
+    /// Returns all tokens, in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = Token> + use<'d> {
         (0..self.len()).filter_map(move |index| self.get(index))
     }
 }
 
-/// Collects what is read of a chunk.
+/// Collects the events of reading a chunk.
 #[derive(Debug, Default)]
 pub(crate) struct EventRecorder(Vec<Entry>);
 
@@ -215,7 +215,7 @@ impl EventRecorder {
         }
     }
 
-    /// Packs what was read of a text.
+    /// Packs the events of a text.
     pub(crate) fn finish(self, text: &str) -> Records {
         Records::new(&self.0, text.len())
     }
@@ -231,7 +231,7 @@ impl<'d> ParseEvents<'d> {
         }
     }
 
-    /// Returns the declarations in order, each with what was read of it: its steps and intervals.
+    /// Returns the declarations in order, each with its events: its steps and intervals.
     pub fn declarations(
         self,
     ) -> impl Iterator<Item = (ReadDeclaration<'d>, ParseEvents<'d>)> + use<'d> {
@@ -346,7 +346,7 @@ impl<'d> Iterator for Parameters<'d> {
 impl ExactSizeIterator for Parameters<'_> {}
 
 impl Parameters<'_> {
-    /// Returns the parameters as the hooks take them, moved by a number of bytes.
+    /// Returns the parameters in the form of the hooks, moved by a number of bytes.
     pub fn moved(self, bytes: u32) -> Vec<Parameter> {
         self.map(|(name, span)| Parameter {
             name: name.to_owned(),
@@ -356,7 +356,7 @@ impl Parameters<'_> {
     }
 }
 
-// The tags of events; those of operators stand below `OPEN`.
+// The tags of events; those of operators are below `OPEN`.
 const OPEN: u8 = STEPS_END;
 const INTERVAL: u8 = 48;
 const TAGGED_INTERVAL: u8 = 50;
@@ -364,7 +364,7 @@ const FINDING: u8 = 52;
 const ATTRIBUTE: u8 = 53;
 const DECLARATION: u8 = 64;
 const FAULTY_DECLARATION: u8 = 80;
-// Those of the second and further entries of an event, below all that begin a declaration.
+// The tags of the second and further entries of an event, below all tags that begin a declaration.
 const NONE: u8 = 0;
 const SOME: u8 = 1;
 

@@ -1,4 +1,4 @@
-//! The meaning of names: the builtins that are handed in, and the symbols that the declarations of a text define.
+//! The meaning of names: the builtins that are passed in, and the symbols that the declarations of a text define.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::spelling::Search;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
-/// The length of the longest name, in bytes.
+/// The maximum length of a name, in bytes.
 pub const MAX_NAME_LENGTH: usize = 255;
 
 /// The hint at a condition of another language.
 pub const NO_CONDITIONS: &str =
     "there are no conditions: `abs`, `min` and `max` are the functions with a kink";
 
-/// The names defined at a place of a text.
+/// The names defined at a point of a text.
 pub type SymbolTrie = Trie<SymbolId>;
 
 /// The names that a language starts with.
@@ -27,25 +27,25 @@ pub struct Vocabulary {
     words: Arc<SpecialWords>,
 }
 
-/// The words of a vocabulary that are no names.
+/// The words of a vocabulary that are not names.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SpecialWords {
     /// The words of other notations.
     pub(crate) foreign: &'static [ForeignWord],
-    /// The builtin functions that are words of their own only before a bracket, and only where nothing else has their name.
+    /// The builtin functions that are words of their own only before a bracket, and only if nothing else has their name.
     pub(crate) weak: Vec<(Arc<str>, SymbolId)>,
 }
 
-/// A word of another notation, and what is written here in its place.
+/// A word of another notation, and its equivalent here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForeignWord {
     /// The word.
     pub word: &'static str,
-    /// True if it is meant only where a bracket follows, false if only where none does; `None` for both.
+    /// True if it applies only before a bracket, false if only without one; `None` for both.
     pub is_applied: Option<bool>,
     /// The hint.
     pub hint: &'static str,
-    /// The text that replaces the word, if there is one wherever it stands.
+    /// The text that replaces the word, if it is the same in every context.
     pub replacement: Option<&'static str>,
 }
 
@@ -69,16 +69,16 @@ pub struct Symbol {
     pub keyword: Option<DeclarationKeyword>,
     /// The span of the name in its declaration; `None` for a builtin.
     pub name_span: Option<Span>,
-    /// The parameters of what is declared with parameters; empty for everything else. A solid that lists none has the
+    /// The parameters of a declaration with parameters; empty for all others. A solid that lists none has the
     /// parameters [`COORDINATES`].
     pub parameters: Vec<Parameter>,
-    /// Its declaration holds an error, which has been reported: uses of it are to be silent.
+    /// True if its declaration contains an error, which has been reported: uses of it must not be reported.
     pub faulty: bool,
     /// The parameters by name, if there are more than [`FEW_PARAMETERS`].
     parameter_trie: Trie<u32>,
     /// The inverse of this builtin, if it is a builtin too.
     pub(crate) inverse: Option<Box<str>>,
-    /// The words of its vocabulary, of a builtin.
+    /// For a builtin: the special words of its vocabulary.
     pub(crate) words: Option<Arc<SpecialWords>>,
     /// True for a builtin that is a word of its own only before a bracket.
     pub(crate) is_weak: bool,
@@ -88,32 +88,32 @@ pub struct Symbol {
 #[derive(Clone, Debug, Default)]
 pub struct Symbols(Vec<Symbol>);
 
-/// The names that the parser sees at a place of a text, and those that it defines.
+/// The names that the parser sees at a point of a text, and the names that it defines.
 pub(crate) trait NameScope {
-    /// The parser reads a chunk and does not know the rest of the text: the parts of diagnostics that depend on it are
-    /// deferred.
+    /// True if the parser reads a chunk without knowing the rest of the text: the parts of diagnostics that depend on
+    /// it are deferred.
     const IS_CHUNK: bool;
 
-    /// Returns the longest name that `word` begins with: its length in bytes, and what it names.
+    /// Returns the longest name that is a prefix of `word`: its length in bytes, and its symbol.
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)>;
 
-    /// Returns the symbol of exactly this name.
+    /// Returns the symbol with exactly this name.
     fn get(&self, name: &str) -> Option<SymbolId>;
 
-    /// Returns a symbol that one of the other functions has returned.
+    /// Returns a symbol by a handle that another method has returned.
     fn symbol(&self, id: SymbolId) -> &Symbol;
 
     /// Adds a symbol whose name is free.
     fn define(&mut self, symbol: Symbol) -> SymbolId;
 
     /// Records that the rest of a word, from `start` on, was looked up and its first `length` bytes became a token. Any longer
-    /// name that the rest begins with would have been taken instead.
+    /// name that is a prefix of the rest would have been taken instead.
     fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
-    /// Returns the words that are no names; `None` if the builtins have none.
+    /// Returns the words that are not names; `None` if the builtins have none.
     fn words(&self) -> Option<&SpecialWords>;
 
-    /// Offers all names to a search.
+    /// Passes all names to a search.
     fn search(&self, search: &mut Search<'_>);
 
     /// Records that exactly this name was looked up.
@@ -130,9 +130,9 @@ pub struct Parsed {
 }
 
 impl Vocabulary {
-    /// Returns the builtin constants and functions. Their [`SymbolId`]s count up from 0 in this order, constants
-    /// first. A name that is empty, leaves `a-z A-Z 0-9` or comes twice keeps its identifier but is never
-    /// found in a text.
+    /// Creates a vocabulary of builtin constants and functions. Their [`SymbolId`]s count up from 0 in this order,
+    /// constants first. A name that is empty, contains characters outside `a-z A-Z 0-9` or occurs twice keeps its
+    /// identifier but is never found in a text.
     pub fn new(constants: &[&str], functions: &[&str]) -> Self {
         let constants = constants.iter().map(|name| (name, SymbolKind::Constant));
         let functions = functions.iter().map(|name| (name, SymbolKind::Function));
@@ -154,7 +154,7 @@ impl Vocabulary {
         }
     }
 
-    /// Replaces the words that are no names.
+    /// Replaces the words that are not names.
     fn set_words(&mut self, words: SpecialWords) {
         self.words = Arc::new(words);
         for builtin in &mut self.builtins {
@@ -162,8 +162,8 @@ impl Vocabulary {
         }
     }
 
-    /// Returns the vocabulary with words of other notations, which mean nothing here: their diagnostics say what is written
-    /// in their place.
+    /// Returns the vocabulary with words of other notations, which have no meaning here: their diagnostics show the
+    /// equivalent.
     #[must_use]
     pub fn with_foreign(mut self, words: &'static [ForeignWord]) -> Self {
         let weak = self.words.weak.clone();
@@ -175,7 +175,7 @@ impl Vocabulary {
     }
 
     /// Returns the vocabulary with these builtin functions as words of their own only before a bracket. A text may declare
-    /// their names, which then mean what is declared.
+    /// their names, which then have the declared meaning.
     #[must_use]
     pub fn with_weak(mut self, functions: &[&str]) -> Self {
         let mut words = SpecialWords::clone(&self.words);
@@ -205,7 +205,7 @@ impl Vocabulary {
         &self.builtins
     }
 
-    /// Returns the names that a text starts with.
+    /// Returns the names at the start of a text.
     pub(crate) fn start(&self) -> Parsed {
         let mut parsed = Parsed::default();
         for symbol in &self.builtins {
@@ -215,11 +215,12 @@ impl Vocabulary {
     }
 }
 
-/// The maximum number of parameters that are searched one by one: a trie takes more room and is not faster.
+/// The maximum number of parameters for linear search: for these a trie takes more memory and is not faster.
 const FEW_PARAMETERS: usize = 8;
 
 impl Symbol {
-    /// Returns a symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
+    /// Creates a symbol that a declaration introduces. `trie` contains its parameters by name; of equal names, the
+    /// first.
     pub(crate) fn declared(
         name: &str,
         keyword: DeclarationKeyword,
@@ -247,8 +248,7 @@ impl Symbol {
         }
     }
 
-    /// Returns the parameters that a text is made of, one after the other; `None` if it is not made of parameters
-    /// alone.
+    /// Returns the parameters that make up a text, one after the other; `None` if it contains anything else.
     pub(crate) fn split_parameters<'t>(&self, text: &'t str) -> Option<Vec<&'t str>> {
         let mut names = Vec::new();
         let mut rest = text;
@@ -261,8 +261,8 @@ impl Symbol {
         Some(names)
     }
 
-    /// Returns the longest parameter that a word begins with, of equal ones the first: its length in bytes and its
-    /// position.
+    /// Returns the longest parameter that is a prefix of a word; of equal ones, the first. Returns its length in bytes
+    /// and its index.
     pub(crate) fn longest_parameter(&self, word: &str) -> Option<(usize, u32)> {
         if self.parameters.is_empty() && self.keyword == Some(DeclarationKeyword::Solid) {
             let named = COORDINATES.iter().position(|name| word.starts_with(name));
@@ -322,7 +322,8 @@ impl NameScope for Parsed {
 }
 
 impl Parsed {
-    /// Adds a symbol under the next identifier, and its name to the trie unless that is taken or found before brackets only.
+    /// Adds a symbol under the next identifier, and its name to the trie unless the name is taken or found before brackets
+    /// only.
     pub(crate) fn define(&mut self, symbol: Symbol) -> SymbolId {
         let id = SymbolId(self.symbols.0.len() as u32);
         if !symbol.is_weak && self.trie.get(&symbol.name).is_none() {
@@ -335,7 +336,7 @@ impl Parsed {
 }
 
 impl SpecialWords {
-    /// Returns the builtin function that is a word of its own only before a bracket.
+    /// Returns the builtin function with this name that is a word of its own only before a bracket.
     pub(crate) fn weak(&self, word: &str) -> Option<SymbolId> {
         let mut all = self.weak.iter();
         all.find(|(name, _)| **name == *word).map(|(_, id)| *id)

@@ -5,8 +5,7 @@ use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// Hands a macro the one table of the symbols: the name of each token and the byte that it is written as, those that
-/// programs use most first.
+/// Passes the table of symbols to a macro: the name of each token and its byte, the most frequent symbols first.
 macro_rules! with_symbols {
     ($macro:ident) => {
         $macro! {
@@ -25,14 +24,14 @@ macro_rules! token_kinds {
         #[allow(missing_docs)]
         pub enum TokenKind {
             Comment,
-            /// The value as read: finite, or the token is [`TokenKind::Error`].
+            /// The value as read, which is finite: otherwise the token is [`TokenKind::Error`].
             Number(f64),
             Declare(DeclarationKeyword),
             Constant(SymbolId),
             Function(SymbolId),
-            /// A parameter of the body that is being read, by its position.
+            /// A parameter of the body that is being read, by its index.
             Variable(u32),
-            /// A word that is not defined.
+            /// An undefined word.
             Undefined,
             /// The word of an attribute, after a `,` of a declaration.
             Attribute(AttributeWord),
@@ -52,12 +51,12 @@ macro_rules! token_kinds {
             pub(crate) const PLAIN: &[Self] =
                 &[$(Self::$symbol,)* Self::Comment, Self::Undefined, Self::Word, Self::Error, Self::Eoi];
 
-            /// Returns whether it is a name that stands for a value.
+            /// Returns true for a name that stands for a value.
             pub(crate) fn is_value(self) -> bool {
                 matches!(self, Self::Variable(_) | Self::Constant(_))
             }
 
-            /// Returns the symbol that a byte is.
+            /// Returns the symbol with this byte.
             pub(crate) fn from_byte(byte: u8) -> Option<Self> {
                 Some(match byte {
                     $($byte => Self::$symbol,)*
@@ -70,10 +69,10 @@ macro_rules! token_kinds {
 
 with_symbols!(token_kinds);
 
-/// A map of space that has a word of its own.
+/// A map of space with a keyword.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum MapWord {
-    /// `scale`, by a number or by one along each axis.
+    /// `scale`, by a number or by one number along each axis.
     Scale,
     /// `rotate`, about a vector by its length in radians.
     Rotate,
@@ -91,7 +90,7 @@ impl MapWord {
         }
     }
 
-    /// Returns the map that is written so.
+    /// Returns the map with this word.
     pub fn from_text(text: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|map| map.text() == text)
     }

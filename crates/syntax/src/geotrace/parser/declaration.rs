@@ -1,4 +1,4 @@
-//! Declarations: `DECL` and all below it that is not an expression.
+//! Declarations: `DECL` and everything below it except expressions.
 
 use super::intervals::IntervalOwner;
 use super::messages::quote;
@@ -18,14 +18,14 @@ use crate::symbol::SymbolId;
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
-    /// A declaration whose word is the current token. It depends only on the names defined above it, and
+    /// A declaration whose keyword is the current token. Reading it depends only on the names defined above it, and
     /// leaves the parser at the token after it.
     pub(super) fn declaration(&mut self, keyword: DeclarationKeyword) {
         self.state = DeclarationState::default();
         self.declaration_with_keyword(keyword);
     }
 
-    /// The current token is the keyword, or a misspelt word that is taken for it.
+    /// A declaration whose keyword is the current token, or a misspelt word that is read as the keyword.
     fn declaration_with_keyword(&mut self, keyword: DeclarationKeyword) {
         let start = self.current.span;
         self.accept();
@@ -59,7 +59,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             );
         }
         if is_word && (guess.is_some() || is_free) {
-            // Whatever was split off the word, the whole of it is looked at. What stands before it stays reported.
+            // Inspect the whole word, even if tokens were split off it. Earlier reports still count.
             let flagged = self.flagged;
             self.lexer.rewind(word.start);
             self.fetch(Mode::Name);
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.recover();
                 if self.current.kind == TokenKind::Semicolon {
                     self.accept();
-                    // What stands after is read as at the start of a text.
+                    // What follows is read as at the start of a text.
                     self.state = DeclarationState::default();
                     self.fetch(Mode::Start);
                 }
@@ -91,14 +91,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// Returns true if a name and an opening bracket follow at a place.
+    /// Returns true if a name and an opening bracket follow at an offset.
     fn is_head(&self, offset: u32) -> bool {
         let rest = self.source[offset as usize..].trim_start();
         let name = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
         name.len() < rest.len() && name.trim_start().starts_with('(')
     }
 
-    /// The rest of a declaration, from its name (the current token) to after its `;`.
+    /// The rest of a declaration, from its name (the current token) through its `;`.
     fn declaration_from_name(&mut self, keyword: DeclarationKeyword, start: Span) {
         if self.decl(keyword).is_err() {
             self.state.faulty = true;
@@ -107,7 +107,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.state.in_body = false;
         let ends = self.current.kind == TokenKind::Semicolon;
         let last = if ends { self.current } else { self.previous };
-        // The name is defined before the parser looks at the token after the `;`.
+        // The name is defined before the parser reads the token after the `;`.
         let symbol = self.define(keyword);
         if ends {
             self.accept();
@@ -131,7 +131,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// Defines the name that was read, where it is free.
+    /// Defines the name that was read, if it is free.
     fn define(&mut self, keyword: DeclarationKeyword) -> Option<SymbolId> {
         if !self.state.name_is_free {
             return None;
@@ -146,7 +146,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         )))
     }
 
-    /// `DECL` after its word, up to its `;`.
+    /// `DECL` after its keyword, up to its `;`.
     fn decl(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         self.state.keyword = Some(keyword);
         match keyword.row().syntax {
@@ -233,7 +233,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `OPENING ":"` of a param: the value that it opens with, if it has one.
+    /// `OPENING ":"` of a param: its initial value, if it has one.
     fn opening(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
             if self.current.kind == TokenKind::BracketOpen
@@ -278,7 +278,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject(diagnostic))
     }
 
-    /// Returns the token that stands after the name.
+    /// Returns the token that is required after the name.
     fn after_name(
         &mut self,
         keyword: DeclarationKeyword,
@@ -355,7 +355,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject(diagnostic))
     }
 
-    /// Returns true if the bracket that opens here holds nothing but words, as a list of parameters does.
+    /// Returns true if the bracket that opens here contains only words, as a list of parameters does.
     fn is_list_of_words(&self) -> bool {
         let behind = &self.source[self.current.span.end as usize..];
         let inside = behind.split([')', ';']).next().unwrap_or_default();
@@ -379,7 +379,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// `":" func "="` of a geodesic: the surface, metric or solid that it lies on, as a whole word.
+    /// `":" func "="` of a geodesic: the surface, metric or solid on which it is, as a whole word.
     fn surface(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Colon {
             let diagnostic = self
@@ -406,7 +406,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Rejects the second of two places of a geodesic, if it stands after the current comma and not in one bracket with the
+    /// Rejects the second of two points of a geodesic, if it follows the current comma without sharing a bracket with the
     /// first: `(a, b), (c, d)`.
     fn reject_loose_place(&mut self, first: Span) -> Result<(), Stop> {
         let comma = self.current.span.end;
@@ -432,7 +432,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.set()?;
         self.state.in_set = false;
         for (name, position) in COORDINATES.into_iter().zip(0..) {
-            // They are names, and the trie takes all names.
+            // They are names, and the trie accepts all names.
             let _ = self.state.parameter_trie.insert(name, position);
         }
         Ok(())
@@ -485,7 +485,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Rejects a sign of another language in the place of `=`.
+    /// Rejects a sign of another language in place of `=`.
     #[cold]
     fn reject_arrow(&mut self, sign: &str) -> Stop {
         let start = self.current.span.start;

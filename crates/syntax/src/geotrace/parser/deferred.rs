@@ -1,8 +1,8 @@
-//! Deferred cross-references: the parts of a diagnostic that depend on other places of the text, such as lines, names that
-//! are declared above or below, and names that are spelt alike.
+//! Deferred cross-references: the parts of a diagnostic that depend on other parts of the text, such as lines, names that
+//! are declared above or below, and similarly spelt names.
 //!
-//! A declaration's own diagnostics flow in, some with a [`Deferred`] part. The completed diagnostic flows out. Completing is a
-//! step of its own because the answers change while the declaration does not: a line inserted at the top of a text moves every
+//! In: a declaration's own diagnostics, some with a [`Deferred`] part. Out: the completed diagnostics. Completing is a
+//! separate step because the answers change while the declaration does not: a line inserted at the top of a text moves every
 //! line below.
 
 use super::messages::quote;
@@ -12,20 +12,20 @@ use crate::span::Span;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
-/// The number of undefined words, from the top of a text, for which names that are spelt alike are searched. Ten thousand
+/// The number of undefined words, from the top of a text, for which similarly spelt names are searched. Ten thousand
 /// misspelt words among ten thousand names would take seconds.
 pub(crate) const MAX_SEARCHES: usize = 1_000;
 
-/// The part of a diagnostic that is still to be completed.
+/// The part of a diagnostic that remains to be completed.
 #[derive(Clone, Debug)]
 pub enum Deferred {
-    /// The place of the declaration whose name cannot be declared again.
+    /// The declaration whose name cannot be declared again.
     Taken(SymbolId),
-    /// The place of the declaration of a function.
+    /// The declaration of a function.
     Declared(SymbolId),
     /// The line of the token after which a `;` is missing.
     Semicolon {
-        /// The token as a sentence names it.
+        /// The token as it is named in a sentence.
         after: String,
         /// The offset at which it starts.
         offset: u32,
@@ -34,7 +34,7 @@ pub enum Deferred {
     Undefined(Undefined),
 }
 
-/// A word that is not defined: it may be declared below, or spelt wrong.
+/// An undefined word: it may be declared below, or misspelt.
 #[derive(Clone, Debug)]
 pub struct Undefined {
     /// The whole word.
@@ -45,37 +45,36 @@ pub struct Undefined {
     pub(crate) offset: u32,
     /// The hint that follows from the declaration alone.
     pub(crate) hint: Option<String>,
-    /// The text that replaces the last bytes of the word, so many.
+    /// The replacement for the last bytes of the word, with their number.
     pub(crate) replacement: Option<(u32, &'static str)>,
     /// The parameters that may have been meant.
     pub(crate) parameters: Option<Trie<u32>>,
 }
 
-/// The answers of the text around a declaration.
+/// Queries about the text around a declaration.
 pub(crate) trait References {
     /// Returns the line, from 1, of an offset of the declaration.
     fn line(&self, offset: u32) -> u32;
 
-    /// Returns a symbol that the text declares, the place of its name, and the line of that place. Returns `None` for a
-    /// builtin.
+    /// Returns a symbol that the text declares, the span of its name, and the line of that span; `None` for a builtin.
     fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)>;
 
-    /// Returns the last place where the text has the name after a declaration keyword, and its line, if that place is after
-    /// this offset of the declaration.
+    /// Returns the last position where the text has the name after a declaration keyword, and its line, if that position is
+    /// after this offset of the declaration.
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)>;
 
-    /// Returns the name that is spelt most like the word, among the parameters and the names defined above this offset
-    /// of the declaration.
+    /// Returns the name most similar in spelling to the word, among the parameters and the names defined above this
+    /// offset of the declaration.
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String>;
 }
 
 impl Deferred {
-    /// Returns true if completing it may search for names that are spelt alike.
+    /// Returns true if completing it may search for similarly spelt names.
     pub(crate) fn searches(&self) -> bool {
         matches!(self, Self::Undefined(_))
     }
 
-    /// Completes a diagnostic. `searches` diagnostics before it have searched for names.
+    /// Completes a diagnostic. `searches` is the number of diagnostics before it that searched for names.
     pub(crate) fn complete(
         &self,
         diagnostic: &mut Diagnostic,
@@ -130,7 +129,7 @@ impl Undefined {
             let end = diagnostic.span.end;
             let place = Span::new(end - length, end);
             let fix = match text {
-                // The parts may count to 255: a person has to look at them.
+                // The components may count to 255, which only the user can decide.
                 "" if self.whole.starts_with("rgb") => Fix {
                     preferred: false,
                     ..Fix::remove(place, &self.whole)
@@ -141,7 +140,7 @@ impl Undefined {
             diagnostic.fixes.push(fix);
         }
         if self.hint.is_none() && searches < MAX_SEARCHES {
-            // The rest of a word ends where the whole word does, and the diagnostic's place is that of the rest.
+            // The rest of a word ends where the whole word does, and the diagnostic's span covers the rest.
             let end = diagnostic.span.end;
             let split = self.word.len() < self.whole.len();
             let words = [Some(&self.whole), split.then_some(&self.word)];

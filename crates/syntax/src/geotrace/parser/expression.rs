@@ -1,5 +1,5 @@
-//! Expressions: `EXPR` and all below it. Each function reads its nonterminal from the current token on,
-//! hands its steps to the hooks in postfix order and returns where it stands.
+//! Expressions: `EXPR` and everything below it. Each function reads its nonterminal from the current token on, passes
+//! its steps to the hooks in postfix order and returns its span.
 
 use super::lints::{Argument, Touching};
 use super::names::{Mode, in_braces};
@@ -24,7 +24,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.add_tail(first)
     }
 
-    /// Returns the rest of `EXPR` after its first `APP`.
+    /// The rest of `EXPR` after its first `APP`.
     pub(super) fn add_from(&mut self, app: Span) -> Parse {
         let factor = self.mult_tail(app)?;
         let first = self.jux_tail(factor)?;
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.mult_tail(first)
     }
 
-    /// Returns the rest of `MULT` and of `MULT2` after the first operand.
+    /// The rest of `MULT` and of `MULT2` after the first operand.
     fn mult_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
@@ -115,7 +115,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// `UNARY = "+" UNARY | "-" UNARY | "*" UNARY | "/" UNARY | APP`
     ///
-    /// Every way to nest leads through here, so this is where depth is counted.
+    /// All nesting goes through this function, so it counts the depth.
     pub(super) fn unary(&mut self) -> Parse {
         if self.state.depth > MAX_DEPTH {
             return Err(self.too_deep());
@@ -159,7 +159,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.prefix_operator().is_some() || self.starts_app()
     }
 
-    /// Returns the rest of `APP` after its `FUNC2`.
+    /// The rest of `APP` after its `FUNC2`.
     pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
         let function = self.func(id, function)?;
         if !self.starts_operand() {
@@ -181,7 +181,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// Returns the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.
+    /// The rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.
     fn func(&mut self, id: SymbolId, function: Span) -> Parse {
         if self.current.kind != TokenKind::Caret {
             return Ok(function);
@@ -287,7 +287,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// Returns a `TUPLE` between brackets.
+    /// `TUPLE` between brackets.
     fn bracket(&mut self, close: TokenKind, closing: char) -> Parse {
         let opening = self.current.span;
         self.advance(Mode::Expression);
@@ -301,7 +301,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// `TUPLE = ADD "," TUPLE | ADD`; returns how many components there are.
+    /// `TUPLE = ADD "," TUPLE | ADD`; returns the number of components.
     fn tuple(&mut self) -> Result<u32, Stop> {
         let mut count = 1;
         self.add()?;
@@ -333,7 +333,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         )
     }
 
-    /// Returns the current number as the number of a component: digits alone, and not 0.
+    /// Returns the current number as the number of a component: only digits, and not 0.
     fn component_index(&mut self) -> Option<u32> {
         let digits = self.current.span.text(self.source);
         let is_integer = digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -344,7 +344,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         })
     }
 
-    /// Returns the current number counts further than components can; returns one that they can have.
+    /// Reports that the current number exceeds the number of components; returns one that is in range.
     #[cold]
     fn component_beyond_number(&mut self) -> u32 {
         let message = format!("no value has this many components: {}", self.found());
@@ -383,7 +383,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     #[cold]
     fn missing_argument(&mut self, function: Span) -> Stop {
-        // As in `K(s)`, where nothing is called `K`: that has been said, and `s` would be right after a word that takes it.
+        // As in `K(s)`, where `K` is undefined: that has been reported, and `s` would be correct after a word that takes
+        // it.
         self.flagged |= self.state.silent
             && self.current.kind == TokenKind::ParenClose
             && self.is_argument_of_word(function.start);
@@ -395,7 +396,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// Returns whether `(` and, before it, the end of a word stand before a place.
+    /// Returns whether a `(`, and before it the end of a word, precede an offset.
     fn is_argument_of_word(&self, place: u32) -> bool {
         let before = self.source[..place as usize].trim_end();
         before.strip_suffix('(').is_some_and(|before| {

@@ -1,7 +1,7 @@
-//! Declarations, comments and intervals of other notations, and what is written here in their place.
+//! Declarations, comments and intervals of other notations, and their equivalents in this one.
 //!
-//! In: the text from a place on, that means nothing there. Out: what is meant. Names of other notations come with the
-//! vocabulary.
+//! In: the text from an offset on, which has no meaning there. Out: the intended meaning. Names of other notations are
+//! part of the vocabulary.
 
 use crate::geotrace::attributes::AttributeWord;
 use crate::geotrace::declarations::DeclarationKeyword;
@@ -9,15 +9,15 @@ use crate::geotrace::declarations::DeclarationKeyword;
 /// An interval in another notation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ForeignInterval<'s> {
-    /// The whole of it.
+    /// The whole of its text.
     pub(super) text: &'s str,
     /// The parameter, if it is named.
     pub(super) parameter: Option<&'s str>,
     pub(super) ends: [&'s str; 2],
 }
 
-/// Returns the keyword for a word that opens a declaration in other languages. `is_applied` says that a name and a bracket
-/// follow.
+/// Returns the keyword for a word that opens a declaration in other languages. `is_applied` is true if a name and a
+/// bracket follow.
 pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword> {
     match word {
         "func" | "fn" | "fun" => Some(DeclarationKeyword::Function),
@@ -33,7 +33,7 @@ pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword
     }
 }
 
-/// Returns the hint for a word that sets how things look in other languages.
+/// Returns the hint for a word that sets the appearance of objects in other languages.
 pub(super) fn style(word: &str) -> Option<&'static str> {
     Some(match word {
         "color" | "colour" => {
@@ -58,8 +58,8 @@ pub(super) fn comment(text: &str) -> Option<&'static str> {
     signs.into_iter().find(|sign| text.starts_with(sign))
 }
 
-/// Returns the comment `/* … */` with which a text begins, as written here. `None` if it does not end before a `;`, where
-/// the text is cut.
+/// Returns the comment `/* … */` at the start of a text: its length, and its equivalent here. Returns `None` if it does
+/// not end before a `;`, where the text is cut.
 pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
     let inside = text.strip_prefix("/*")?;
     let end = inside
@@ -76,7 +76,7 @@ pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
     Some((length, lines.join("\n") + end))
 }
 
-/// Returns the interval with which a text begins, if it is written as `a <= t <= b`, `a..b`, or `t in`, `t =` or `t :`
+/// Returns the interval at the start of a text, if it is written as `a <= t <= b`, `a..b`, or `t in`, `t =` or `t :`
 /// before `a..b` or `[a, b]`.
 pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     let text = first_item(text);
@@ -98,7 +98,7 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
         });
     let (a, b) = match rest.split_once("..") {
         Some((a, b)) => (a, b.trim_start_matches('.')),
-        // Brackets alone are an interval as it should be.
+        // Brackets alone are a correct interval.
         None if parameter.is_some() => rest
             .strip_prefix(['[', '('])?
             .strip_suffix([']', ')'])?
@@ -114,7 +114,7 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// Returns the interval with which a text begins, if its ends stand between two brackets of any kind.
+/// Returns the interval at the start of a text, if its ends are between two brackets of any kind.
 pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
     let text = first_item(text);
     let (a, b) = text
@@ -130,9 +130,9 @@ pub(super) fn bracketed_interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
-/// Returns the vector with which a text begins, if it is written as `<1, 2, 3>`.
+/// Returns the vector at the start of a text, if it is written as `<1, 2, 3>`.
 pub(super) fn angle_vector(text: &str) -> Option<&str> {
-    /// The longest vector that is looked at.
+    /// The maximum length of a vector, in bytes, that is inspected.
     const LONGEST: usize = 200;
     let inside = text.strip_prefix('<')?;
     let mut depth = 0;
@@ -153,7 +153,7 @@ pub(super) fn angle_vector(text: &str) -> Option<&str> {
     None
 }
 
-/// Returns the colour `#ff8000` or `#f80` with which a text begins: its length, and how it is written here.
+/// Returns the colour `#ff8000` or `#f80` at the start of a text: its length, and its equivalent here.
 pub(super) fn color(text: &str) -> Option<(usize, String)> {
     let behind = text.strip_prefix('#')?;
     let end = behind.find(|c: char| !c.is_ascii_alphanumeric());
@@ -173,7 +173,7 @@ pub(super) fn color(text: &str) -> Option<(usize, String)> {
     Some((1 + digits.len(), format!("({})", parts?.join(", "))))
 }
 
-/// Returns the text between the bars of `|x|` with which a text begins, if it has one line and no comma.
+/// Returns the text between the bars of `|x|` at the start of a text, if it has one line and no comma.
 pub(super) fn between_bars(text: &str) -> Option<&str> {
     let inside = text.strip_prefix('|')?;
     let end = inside.find(['|', ',', ';', '\n', '#'])?;
@@ -183,7 +183,7 @@ pub(super) fn between_bars(text: &str) -> Option<&str> {
     (behind.starts_with('|') && is_whole && !inside.trim().is_empty()).then_some(inside)
 }
 
-/// Returns the vector for an angle before an axis of coordinates, `pi/2 (0, 0, 1)`, or after it.
+/// Returns the vector for an angle before or after a coordinate axis: `pi/2 (0, 0, 1)`.
 pub(super) fn rotation(text: &str) -> Option<String> {
     let opening = text.find('(')?;
     let closing = opening + text[opening..].find(')')?;
@@ -209,7 +209,7 @@ pub(super) fn rotation(text: &str) -> Option<String> {
     is_axis.then(|| format!("({})", parts.join(", ")))
 }
 
-/// Returns the attribute for a word that sets the same in other languages.
+/// Returns the attribute for a word that sets the same property in other languages.
 pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
     Some(match word {
         "colour" | "pigment" => AttributeWord::Color,
@@ -221,16 +221,16 @@ pub(super) fn attribute(word: &str) -> Option<AttributeWord> {
 }
 
 impl ForeignInterval<'_> {
-    /// Returns the number of whole numbers from one end to the other, where both are such numbers.
+    /// Returns the number of integers from one end to the other, if both ends are integers.
     pub(super) fn count(&self) -> Option<i64> {
-        /// More values are hardly meant.
+        /// Larger counts are unlikely to be intended.
         const MOST: i64 = 1000;
         let [a, b] = self.ends.map(|end| end.parse::<i64>().ok());
         let count = b?.checked_sub(a?)?.checked_add(1)?;
         (2..=MOST).contains(&count).then_some(count)
     }
 
-    /// Returns the ends with the letters of other notations as they are written here, the smaller number first.
+    /// Returns the ends in this notation, the smaller number first.
     pub(super) fn ends_written(&self) -> [String; 2] {
         let [a, b] = self.ends.map(|end| {
             let end = end.replace('τ', "(2pi)").replace(['\u{2212}', '–'], "-");
@@ -248,7 +248,7 @@ impl ForeignInterval<'_> {
         }
     }
 
-    /// Returns the interval as written here.
+    /// Returns the interval in this notation.
     pub(super) fn written(&self) -> String {
         let [a, b] = self.ends_written();
         match self.parameter {
@@ -258,17 +258,16 @@ impl ForeignInterval<'_> {
     }
 }
 
-/// Returns the text that is written in the place of a character, with spaces where it would run into what stands around
-/// it.
+/// Returns the replacement of a character, with spaces where it would merge with the adjacent text.
 pub(super) fn apart(before: &str, text: &str, after: &str) -> String {
     let is_letter_or_digit = |c: char| c.is_ascii_alphanumeric();
     let begins_word = text.starts_with(|c: char| c.is_ascii_alphabetic());
     let run = before.trim_end_matches(is_letter_or_digit).len();
     let is_behind_word = before[run..].contains(|c: char| c.is_ascii_alphabetic());
     let joins = match text.ends_with(|c: char| c.is_ascii_digit()) {
-        // A number goes on with `.` and `e` too.
+        // A number also continues with `.` and `e`.
         true => after.starts_with(|c: char| c.is_ascii_digit() || ".e".contains(c)),
-        // The signs become words.
+        // These signs become words.
         false => begins_word && after.starts_with(|c| is_letter_or_digit(c) || "π√".contains(c)),
     };
     let left = if begins_word && is_behind_word {
@@ -287,7 +286,7 @@ fn is_word(text: &str) -> bool {
 
 /// Returns the text up to the first comma outside brackets, or to the end of the line or of the declaration.
 pub(super) fn first_item(text: &str) -> &str {
-    /// The longest item that is looked at.
+    /// The maximum length of an item, in bytes, that is inspected.
     const LONGEST: usize = 200;
     let mut depth = 0;
     for (at, sign) in text.char_indices() {

@@ -1,4 +1,4 @@
-//! Intervals: `INTS`, `GRIDS`, `INT`, `GRID` and those of domains.
+//! Intervals: `INTS`, `GRIDS`, `INT`, `GRID` and the intervals of domains.
 
 use super::foreign::ForeignInterval;
 use super::messages::quote;
@@ -11,10 +11,10 @@ use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 
-/// An interval's tag: the position of the parameter that it names, if it names one, and its place.
+/// An interval's tag: the index of the parameter that it names, if it names one, and the tag's span.
 type Tag = Option<(Option<u32>, Span)>;
 
-/// The owner of an interval: whether it may or must have a count.
+/// The owner of an interval, which determines whether it may or must have a count.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum IntervalOwner {
     Param,
@@ -33,7 +33,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(())
     }
 
-    /// Rejects an interval that has one end, or two that are written `a..b`.
+    /// Rejects an interval with one end, or whose ends are written `a..b`.
     #[cold]
     fn missing_end(&mut self, opening: Span, owner: IntervalOwner) -> Stop {
         let inside = Span::new(opening.end, self.current.span.start);
@@ -54,7 +54,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         stop
     }
 
-    /// Rejects an interval in another notation in the place of a grid's.
+    /// Rejects an interval in another notation in place of a grid's.
     #[cold]
     fn foreign_grid(&mut self, place: Span, interval: ForeignInterval<'_>) -> Stop {
         let found = quote(place.text(self.source));
@@ -80,12 +80,12 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         stop
     }
 
-    /// Returns the interval in another notation that begins with the current token, which is none of this one.
+    /// Returns the interval in another notation that begins with the current token, unless it is valid in this one.
     fn interval_here(&self) -> Option<(Span, ForeignInterval<'s>)> {
         self.interval_at(self.current.span.start)
     }
 
-    /// Returns the interval in another notation that begins at a place.
+    /// Returns the interval in another notation that begins at an offset.
     pub(super) fn interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let text = &self.source[start as usize..];
         let found = match text.starts_with(['(', '{']) {
@@ -99,14 +99,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         names_parameter.then_some((place, found))
     }
 
-    /// Returns the two ends between brackets at a place.
+    /// Returns the two ends between brackets at an offset.
     pub(super) fn bracketed_interval_at(&self, start: u32) -> Option<(Span, ForeignInterval<'s>)> {
         let found = foreign::bracketed_interval(&self.source[start as usize..])?;
         let place = Span::new(start, start + found.text.len() as u32);
         Some((place, found))
     }
 
-    /// Rejects what stands here in the place of an item, if it is an interval in another notation.
+    /// Rejects an interval in another notation in place of an item.
     pub(super) fn reject_foreign_interval(&mut self) -> Result<(), Stop> {
         match self.interval_here() {
             Some((place, found)) => Err(self.foreign_interval(place, &found.written())),
@@ -114,8 +114,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either
-    /// of a curve or a surface.
+    /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either of a curve
+    /// or a surface.
     pub(super) fn interval(&mut self, owner: IntervalOwner, tag: Tag) -> Result<(), Stop> {
         let opening = self.current.span;
         if self.current.kind != TokenKind::BracketOpen {

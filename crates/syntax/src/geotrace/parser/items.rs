@@ -1,4 +1,4 @@
-//! The items after the commas of a declaration: `ATTRS`, `ITEMS` and all below them but intervals.
+//! The items after the commas of a declaration: `ATTRS`, `ITEMS` and everything below them except intervals.
 
 use super::intervals::IntervalOwner;
 use super::messages::quote;
@@ -16,7 +16,7 @@ use crate::span::Span;
 use crate::spelling::nearest;
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
-    /// `"," ITEMS` of what has a domain.
+    /// `"," ITEMS` of a declaration with a domain.
     pub(super) fn domain_items(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Comma {
             let ends = matches!(
@@ -57,7 +57,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.items()
     }
 
-    /// Returns the solid that a surface with three parameters and one number as its value is meant to be.
+    /// Returns the solid that is probably meant by a surface with three parameters and a number as its value.
     fn implicit_form(&self) -> Option<String> {
         let is_surface = self.state.keyword == Some(DeclarationKeyword::Surface);
         let value = self.state.body.text(self.source);
@@ -69,7 +69,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         (is_surface && !is_tuple).then(|| format!("solid {name}({a}, {b}, {c}) = …"))
     }
 
-    /// Returns true at a `,` before an item, and at a `;` that was meant to be one, which it reports.
+    /// Returns true at a `,` before an item, and at a `;` that was meant to be a `,`, which it reports.
     fn is_before_item(&mut self) -> bool {
         match self.current.kind {
             TokenKind::Comma => true,
@@ -109,7 +109,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `ATTRS = "," ITEMS |`
     pub(super) fn attrs(&mut self) -> Result<(), Stop> {
         if self.current.kind == TokenKind::Comma && !self.begins_item(self.current.span.end) {
-            // What follows is no item: the comma is too much.
+            // No item follows: the comma is superfluous.
             return Ok(());
         }
         self.items()
@@ -136,13 +136,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Returns true if what stands at a place looks like an item: a word with a `:`, an attribute, or an interval.
+    /// Returns true if the text at an offset looks like an item: a word with a `:`, an attribute, or an interval.
     fn begins_item(&self, offset: u32) -> bool {
         let rest = self.source[offset as usize..].trim_start();
         let end = rest.find(|c: char| !c.is_ascii_alphanumeric());
         let (word, rest) = rest.split_at(end.unwrap_or(rest.len()));
         if word.is_empty() {
-            // A comment may stand between; an interval without its parameter is reported as such.
+            // A comment may come between; an interval without its parameter is reported as such.
             let has_parameters = !self.state.parameters.is_empty();
             return rest.starts_with('#') || (rest.starts_with('[') && has_parameters);
         }
@@ -150,7 +150,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         is_word && (rest.trim_start().starts_with(':') || AttributeWord::from_text(word).is_some())
     }
 
-    /// Rejects an item with no comma before it.
+    /// Rejects an item without a comma before it.
     #[cold]
     fn missing_comma(&mut self, word: Span) -> Stop {
         let end = self.source[..word.start as usize].trim_end().len() as u32;
@@ -235,8 +235,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.interval(IntervalOwner::Domain, tag)
     }
 
-    /// Rejects what stands after the value of a curve, a surface or a metric, if it is no item: the value's components are
-    /// meant to be in brackets.
+    /// Rejects the text after the value of a curve, a surface or a metric, if it is not an item: the value's components
+    /// are probably meant to be in brackets.
     fn reject_loose_components(&mut self, start: u32) -> Result<(), Stop> {
         let body = self.state.body;
         let has_components = matches!(
@@ -279,7 +279,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Err(self.reject_unbracketed(components, message))
     }
 
-    /// Rejects a list that lacks the brackets around it.
+    /// Rejects a list without brackets around it.
     pub(super) fn reject_unbracketed(&mut self, list: Span, message: &str) -> Stop {
         let written = format!("({})", list.text(self.source));
         let diagnostic = Diagnostic::error(codes::UNEXPECTED_TOKEN, list, message)
@@ -288,7 +288,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// Returns true if a `:` and an interval follow at a place, or what may become one: no value of an attribute.
+    /// Returns true if a `:` and an interval, or the beginning of one, follow at an offset: not the value of an
+    /// attribute.
     fn has_interval(&self, offset: u32) -> bool {
         let rest = self.source[offset as usize..].trim_start();
         let Some(value) = rest.strip_prefix(':') else {
@@ -300,7 +301,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         value.trim_start().starts_with('[')
     }
 
-    /// Returns the value of an attribute whose word is the current token, which may not be one of this declaration.
+    /// Reads the value of an attribute whose word is the current token; the declaration may not allow the attribute.
     fn attribute(&mut self, word: AttributeWord) -> Result<(), Stop> {
         let span = self.current.span;
         let keyword = self.state.keyword.unwrap_or(DeclarationKeyword::Define);
@@ -364,7 +365,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Returns the expression after a `:`, over the parameters of the declaration.
+    /// Reads the expression after a `:`, over the parameters of the declaration.
     fn value(&mut self) -> Result<Span, Stop> {
         self.state.in_body = true;
         self.advance(Mode::Expression);
@@ -373,7 +374,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(value)
     }
 
-    /// Reports the current token if it is none of the words that an attribute may have.
+    /// Reports the current token if it is not one of the words that an attribute allows.
     fn check_choice(&mut self, row: &AttributeRow) {
         let AttributeType::Choice(words) = row.value else {
             return;
@@ -392,7 +393,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.report(diagnostic.with_hint(hint));
     }
 
-    /// Reports a word that is neither a parameter nor an attribute, and passes it with what looks like its value.
+    /// Reports and skips a word that is neither a parameter nor an attribute, with its apparent value.
     #[cold]
     fn unknown_attribute(&mut self) -> Result<(), Stop> {
         let keyword = self.state.keyword.unwrap_or(DeclarationKeyword::Define);
@@ -431,7 +432,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(())
     }
 
-    /// Returns true if a word stands at a place, and after it the end of an item.
+    /// Returns true if a word is at an offset, and the end of an item follows it.
     fn is_lone_word(&self, offset: u32) -> bool {
         let rest = self.source[offset as usize..].trim_start();
         let behind = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
@@ -440,12 +441,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 }
 
-/// Returns a declaration's word with its article: `a solid`.
+/// Returns a declaration's keyword with its article: `a solid`.
 fn with_article(keyword: DeclarationKeyword) -> String {
     format!("a `{}`", keyword.text())
 }
 
-/// Returns the attributes of a declaration, as a hint.
+/// Returns a hint that lists the attributes of a declaration.
 fn attributes_of(keyword: DeclarationKeyword) -> String {
     let words: Vec<&str> = attributes::of(keyword).map(|row| row.text).collect();
     format!("its attributes are `{}`", words.join("`, `"))

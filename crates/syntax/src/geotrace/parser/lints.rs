@@ -1,4 +1,4 @@
-//! Ambiguity lints: warnings about text that is legal but is not read as it looks.
+//! Ambiguity lints: warnings about text that is legal but is not read as it seems.
 
 use std::collections::HashSet;
 
@@ -18,18 +18,18 @@ use crate::symbol::SymbolId;
 /// The state of the lints between declarations.
 #[derive(Default)]
 pub(super) struct LintState {
-    /// The last bracket that opens right after a function. The operand that begins with it takes it.
+    /// The last bracket that opens right after a function. The operand that begins with it removes it from here.
     pub(super) touching: Option<Touching>,
     /// The last application whose operand ended with a number or a name.
     pub(super) argument: Option<Argument>,
     /// The end of the last word that looks like a derivative by several parameters.
     derivative_end: u32,
-    /// The end of the last numbers that look like one.
+    /// The end of the last numbers that look like one number.
     numbers_end: u32,
     splits: Vec<Split>,
 }
 
-/// `sin(`: the function and where its bracket opens.
+/// `sin(`: the function and the position of its bracket.
 #[derive(Clone, Copy)]
 pub(super) struct Touching {
     pub(super) function: Span,
@@ -57,10 +57,10 @@ struct Split {
     word_end: u32,
 }
 
-/// The number of splits, from the top, that are compared with later names.
+/// The maximum number of splits, from the top, that are compared with later names.
 const MAX_SPLITS: usize = 1_000_000;
 
-/// The longest exponent that is looked at as a possible `-1`.
+/// The maximum length of an exponent that is inspected as a possible `-1`.
 const MAX_INVERSE_LENGTH: usize = 16;
 
 impl LintState {
@@ -78,13 +78,14 @@ impl LintState {
 }
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
-    /// Reports a warning. `written` are texts that say one of the two readings without doubt, for fixes.
+    /// Reports a warning. `written` are unambiguous texts for the possible readings, for fixes.
     fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         let fixes = written.iter().map(|text| Fix::write(span, text));
         self.warn_with(span, message, hint, fixes.collect());
     }
 
-    /// Reports a warning about a text that may be meant in one way and is read in another; both can be written.
+    /// Reports a warning about a text that may be meant in one way but is read in another; both can be written
+    /// unambiguously.
     fn warn_of_reading(&mut self, place: Span, written: &str, meant: &str, read: &str) {
         let message = format!("{} is read as {}", quote(written), quote(read));
         let hint = format!(
@@ -95,7 +96,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(place, message, hint, &[meant, read]);
     }
 
-    /// Reports a warning whose first fix writes what it looks like: it may be applied together with others.
+    /// Reports a warning whose first fix writes the apparent meaning: it may be applied together with others.
     fn warn_of_argument(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         let fixes = written.iter().map(|text| Fix::write(span, text));
         let mut fixes: Vec<Fix> = fixes.collect();
@@ -113,7 +114,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
     }
 
-    /// `sin 2x`, `sin 2 x`, `sin nt`: returns the operand where the current token is a factor after it, and may be meant to be a
+    /// `sin 2x`, `sin 2 x`, `sin nt`: returns the operand if the current token is a factor after it that may be meant to be
     /// part of it.
     #[inline]
     pub(super) fn short_argument(&self) -> Option<ShortArgument> {
@@ -138,21 +139,22 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             (true, between) => is_value && between.bytes().all(|byte| byte == b' '),
             (false, between) => is_value && between.is_empty(),
         };
-        // `f_xyz` has been warned of as a whole.
+        // The whole of `f_xyz` has been warned about.
         let is_known = operand.end <= self.lints.derivative_end;
         (looks_joined && !is_known && signs.chars().all(is_literal))
             .then_some(ShortArgument { argument, rest })
     }
 
-    /// Returns true if the current token begins a factor of which nobody can tell whether it is meant to be a part of an operand:
-    /// `sin 2x cos y`, `sin 2x (1, 0, 0)`.
+    /// Returns true if the current token begins a factor that may or may not be meant to be part of an operand: `sin 2x cos y`,
+    /// `sin 2x (1, 0, 0)`.
     pub(super) fn is_apart(&self) -> bool {
         !self.is_value()
             && !matches!(self.current.kind, TokenKind::Number(_))
             && self.previous.span.end != self.current.span.start
     }
 
-    /// Warns of an operand whose product ends with the previous token. `is_whole` says that the term ends there too.
+    /// Warns about an operand whose product ends with the previous token. `is_whole` is true if the term ends there
+    /// too.
     #[cold]
     pub(super) fn warn_short_argument(&mut self, short: ShortArgument, is_whole: bool) {
         let ShortArgument {
@@ -184,7 +186,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_of_reading(span, &written, &meant, &read);
     }
 
-    /// Returns true if a name is that of a builtin that is a word of its own only before a bracket.
+    /// Returns true for the name of a builtin that is a word of its own only before a bracket.
     fn is_weak(&self, name: &str) -> bool {
         let words = self.parsed.words();
         self.parsed.get(name).is_none() && words.is_some_and(|words| words.weak(name).is_some())
@@ -274,7 +276,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(place, message, hint, &[&meant, &read]);
     }
 
-    /// `a//b`: looks like a quotient of whole numbers, or a comment. The current token is the second slash, and touches the first.
+    /// `a//b`: looks like a quotient of integers, or a comment. The current token is the second slash, and touches the first.
     #[cold]
     pub(super) fn warn_slashes(&mut self, slash: Span) {
         let message = "`a//b` is read as `a/(/b)`, a times b".to_owned();
@@ -397,8 +399,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn(fraction, message, hint, &[&meant]);
     }
 
-    /// `e^-2t`: looks as if the factor after the number were in the exponent. The current token is that factor. Of other bases
-    /// such a power is usual: `x^2y`.
+    /// `e^-2t`: looks as if the factor after the number were in the exponent. The current token is that factor. With other
+    /// bases such a power is usual: `x^2y`.
     #[inline]
     pub(super) fn warn_short_exponent(&mut self, base: Span, exponent: Span) {
         let is_number = matches!(self.previous.kind, TokenKind::Number(_));
@@ -427,7 +429,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.warn_of_reading(place, written, &meant, &read);
     }
 
-    /// `sin 1/`: returns the application of a function to the number 1 that a slash stands after.
+    /// `sin 1/`: returns the application of a function to the number 1 that is followed by a slash.
     pub(super) fn argument_of_one(&self, slash: Span) -> Option<Argument> {
         let argument = self.lints.argument?;
         let touches = argument.operand.end == slash.start && slash.text(self.source) == "/";
@@ -467,7 +469,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             quote(&format!("{name}^-1 x")),
             quote(name)
         );
-        // The operand is yet to be read.
+        // The operand has not been read yet.
         self.warn(function.to(exponent), message, hint, &[]);
     }
 
@@ -478,7 +480,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         base: Span,
         exponent: Span,
     ) {
-        // A component that was taken before has been warned of.
+        // A component that was read before has been warned about.
         if let Some(Touching { function, bracket }) = touching
             && bracket == base.start
             && base.text(self.source).ends_with([')', ']', '}'])
@@ -536,7 +538,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 }
 
 impl<A: Actions> Parser<'_, '_, A, Parsed> {
-    /// Reports each name that is declared below a word whose letters begin with it and were split after fewer letters.
+    /// Reports each name that is declared below a word that begins with the name's letters but was split after fewer
+    /// letters.
     ///
     /// Called once, at the end of the text, when all names are known: one walk through the trie for each split.
     pub(super) fn warn_shadowed_splits(&mut self) {
@@ -570,12 +573,12 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
     }
 }
 
-/// Returns true if a text is one bracket that holds no other.
+/// Returns true if a text is a single bracket without others inside.
 fn is_bracket(text: &str) -> bool {
     text.starts_with(['(', '[', '{']) && text.find([')', ']', '}']) == Some(text.len() - 1)
 }
 
-/// Returns true if a text in one line holds no `*` and no `/` outside brackets.
+/// Returns true if a text has one line and contains no `*` or `/` outside brackets.
 fn is_plain_product(text: &str) -> bool {
     let mut depth = 0_u32;
     text.chars().all(|sign| {
@@ -590,7 +593,7 @@ fn is_plain_product(text: &str) -> bool {
     })
 }
 
-/// Returns the warning at a name whose letters are read as several tokens above.
+/// Returns the warning for a name whose letters are read as several tokens above.
 pub(crate) fn shadowed_split(split: ShadowedSplit<'_>) -> Diagnostic {
     let ShadowedSplit {
         name,

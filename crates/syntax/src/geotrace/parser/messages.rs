@@ -1,4 +1,4 @@
-//! The sentences of lexical and syntax errors, in the user's words.
+//! The messages of lexical and syntax errors, in the user's words.
 
 use super::deferred::Deferred;
 use super::names::Mode;
@@ -17,7 +17,7 @@ use crate::span::Span;
 /// The number of characters of the text that a sentence quotes at most.
 const QUOTE_LENGTH: usize = 40;
 
-/// Returns a piece of the text between backquotes, cut where it is long.
+/// Returns a piece of the text in backquotes, truncated if it is long.
 pub(super) fn quote(text: &str) -> String {
     let mut cut: String = text.chars().take(QUOTE_LENGTH).collect();
     cut = cut.replace(['\n', '\r', '\t'], " ");
@@ -27,7 +27,7 @@ pub(super) fn quote(text: &str) -> String {
     format!("`{cut}`")
 }
 
-/// One token or place as a sentence names it.
+/// Returns a token or its text as it is named in a sentence.
 pub(super) fn describe(source: &str, token: Token) -> String {
     match token.kind {
         TokenKind::Eoi => "the end of the text".to_owned(),
@@ -35,7 +35,7 @@ pub(super) fn describe(source: &str, token: Token) -> String {
     }
 }
 
-/// Returns an error of a run of characters that begin no token.
+/// Returns the error of a run of characters that begin no token.
 fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
     let text = span.text(source);
     let single = text.len() == first.len_utf8();
@@ -89,7 +89,7 @@ const DECIMAL: &str = "the sign in a number is `.`; a tuple is written in bracke
 /// The hint at a comment of another language.
 const COMMENT: &str = "a comment begins with `#`";
 
-/// Returns an error, or a warning, of a number.
+/// Returns the error or warning of a number.
 pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
     let number = quote(span.text(source));
     match fault {
@@ -127,7 +127,7 @@ fn visible(text: &str) -> String {
     text.map(show).collect()
 }
 
-/// Returns the text with the meaning of a character, wherever that stands.
+/// Returns the text with the same meaning as a character in any context.
 fn equivalent(character: char) -> Option<&'static str> {
     Some(match character {
         '\u{2212}' => "-",
@@ -190,7 +190,7 @@ pub(super) fn foreign_interval(source: &str, place: Span, written: &str) -> Diag
         .with_fix(Fix::change(place, written, true).with_all())
 }
 
-/// Returns true if a text begins with digits and no list goes on after them.
+/// Returns true if a text begins with digits that no list continues.
 fn is_last_digits(text: &str) -> bool {
     let behind = text.trim_start_matches(|c: char| c.is_ascii_digit());
     behind.len() < text.len() && !behind.trim_start().starts_with(',')
@@ -230,7 +230,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 let behind = self.source[span.end as usize..].trim_start();
                 let is_factor = |c: char| c.is_ascii_alphanumeric() || "(|^_²³.".contains(c);
                 if behind.starts_with(is_factor) {
-                    // Else it might be a part of the argument.
+                    // Otherwise it might become part of the argument.
                     written = format!("({written})");
                 }
                 let fix = Fix::change(span, &written, self.state.is_of_space);
@@ -264,7 +264,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             }
             '<' | '>' | '≤' | '≥' => return self.report_comparison(diagnostic),
             '?' => return self.report_condition(diagnostic),
-            // Where a set has ended with an error, its signs are right.
+            // If a set has ended with an error, its signs are correct.
             '|' | '&' | '\\'
                 if self.state.rejected
                     && self.state.keyword == Some(DeclarationKeyword::Solid)
@@ -290,14 +290,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.report(diagnostic);
     }
 
-    /// Returns true if a bad character after another one is reported with it.
+    /// Returns true if a bad character is reported together with the one before it.
     pub(super) fn joins(&self, first: char, next: char, mode: Mode) -> bool {
         let is_sign = |character| equivalent(character).is_some();
         self.is_in_name(mode)
             || !is_sign(first) && !is_sign(next) && substitute(first) == substitute(next)
     }
 
-    /// Returns true if a name is read, or has just been: a bad character is none of an expression.
+    /// Returns true if a name is being read, or has just been: a bad character is not part of an expression.
     fn is_in_name(&self, mode: Mode) -> bool {
         let is_behind = |name: Span| name.end > 0 && name == self.previous.span;
         let parameter = self.state.parameters.last();
@@ -306,7 +306,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             || parameter.is_some_and(|parameter| is_behind(parameter.span))
     }
 
-    /// Returns the interval in another notation in the place of an item, if it begins with this character.
+    /// Returns the interval in another notation in place of an item, if it begins with this character.
     pub(super) fn foreign_item(
         &self,
         first: Span,
@@ -316,7 +316,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         found.1.parameter.is_some().then_some(found)
     }
 
-    /// Returns the error of a component that is chosen by a letter, `.x`.
+    /// Returns the error of a component chosen by a letter, `.x`.
     fn bad_component(&self, span: Span) -> Diagnostic {
         let number = match span.text(self.source) {
             ".x" => 1,
@@ -385,7 +385,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.previous.kind == TokenKind::Minus && self.previous.span.end == sign.start
     }
 
-    /// Reports an arrow, which is the one report of its declaration.
+    /// Reports an arrow as the only report of its declaration.
     fn report_arrow(&mut self, sign: Span) {
         self.state.quiet = true;
         if self.state.rejected {
@@ -408,7 +408,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.state.rejected = true;
     }
 
-    /// Returns how a solid that is given by a function is written, as a hint, if the set that is read looks like one.
+    /// Returns, as a hint, the form of a solid that is given by a function, if the set that is read looks like one.
     pub(super) fn field_form(&self) -> Option<(String, Fix)> {
         let name = self.state.name_span;
         let behind = self.source[name.end as usize..]
@@ -427,7 +427,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         is_field.then_some((hint, fix))
     }
 
-    /// Returns the error of the token after a map's operand, with how that is written.
+    /// Returns the error of the token after a map's operand, with the correct form of the operand.
     fn with_map(&self, diagnostic: Diagnostic, map: MapWord, operand: Span) -> Diagnostic {
         let behind = &self.source[operand.start as usize..];
         let item = foreign::first_item(behind);
@@ -455,7 +455,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// Reports a comparison, and says what is written in its place here.
+    /// Reports a comparison, with its equivalent here.
     fn report_comparison(&mut self, mut diagnostic: Diagnostic) {
         let in_items = |keyword: DeclarationKeyword| {
             keyword.has_domain() && !self.state.in_body
@@ -475,14 +475,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// Reports a sign of a condition, which is the one report of its declaration.
+    /// Reports a sign of a condition as the only report of its declaration.
     fn report_condition(&mut self, diagnostic: Diagnostic) {
         self.report(diagnostic.with_hint(NO_CONDITIONS));
         self.state.quiet = true;
         self.state.rejected = true;
     }
 
-    /// Returns the error of a comparison in the expression of a solid, which it marks, with what is written there.
+    /// Returns the error of a comparison in the expression of a solid, with its equivalent. Its span is that of the
+    /// comparison.
     fn with_bound(&self, diagnostic: Diagnostic) -> Diagnostic {
         let start = diagnostic.span.start;
         let rest = &self.source[start as usize..];
@@ -516,8 +517,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
     }
 
-    /// Reports that the current token was not accepted, unless what stands before it has been reported, or
-    /// it is itself reported already.
+    /// Reports that the current token was not accepted, unless the text before it or the token itself has already been
+    /// reported.
     pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {
         self.reject_deferred(diagnostic, None)
     }
@@ -530,7 +531,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     ) -> Stop {
         self.state.faulty = true;
         self.state.silent = true;
-        // A missing `;` is reported even if what precedes it has been.
+        // A missing `;` is reported even if the text before it has been.
         let is_own = diagnostic.code == codes::MISSING_SEMICOLON;
         if !self.state.rejected && (is_own || !self.flagged) {
             match deferred {
@@ -542,7 +543,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Stop
     }
 
-    /// Returns an error at the current token.
+    /// Creates an error at the current token.
     pub(super) fn here(&self, code: Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic::error(code, self.current.span, message)
     }
@@ -551,7 +552,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         describe(self.source, self.current)
     }
 
-    /// Something else was expected than the current token.
+    /// Reports that something other than the current token is expected.
     pub(super) fn expected(&mut self, what: &str) -> Stop {
         let diagnostic = self.expected_diagnostic(what);
         self.reject(diagnostic)
@@ -568,19 +569,19 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let line = rest.lines().next().unwrap_or_default();
         let diagnostic = diagnostic.with_hint(COMMENT);
         match line.contains(';') {
-            // The rest of the declaration stands after it.
+            // The rest of the declaration follows it.
             true => diagnostic,
             false => diagnostic.with_fix(Fix::change(Span::new(start, start + 2), "#", true)),
         }
     }
 
-    /// Returns the current token begins no expression.
+    /// Reports that the current token begins no expression.
     pub(super) fn expected_expression(&mut self) -> Stop {
         if let Some(diagnostic) = self.hexadecimal_color() {
             return self.reject(diagnostic);
         }
         let found = self.found();
-        // Comments are passed without being a token to stand after.
+        // Comments are skipped and do not count as the previous token.
         let message = if self.previous.kind == TokenKind::Eoi {
             format!("expected an expression, found {found}")
         } else {
@@ -591,7 +592,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// Returns the error of a colour `#ff0000` before the current token, which was passed as a comment.
+    /// Returns the error of a colour `#ff0000` before the current token, which was read as a comment.
     fn hexadecimal_color(&self) -> Option<Diagnostic> {
         let is_value = matches!(self.previous.kind, TokenKind::Colon | TokenKind::Equals);
         let start = self.previous.span.end;
@@ -605,7 +606,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Some(Diagnostic::error(codes::UNEXPECTED_TOKEN, place, message).with_fix(fix))
     }
 
-    /// Returns a bracket that was opened at `opening` is not closed by the current token.
+    /// Reports that the bracket opened at `opening` is not closed by the current token.
     pub(super) fn unclosed(&mut self, opening: Span, close: char, separator: &str) -> Stop {
         let open = opening.text(self.source);
         let found = self.found();
@@ -643,7 +644,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// Returns true at a `,` between brackets, and at a `;` that was meant to be one, which it reports.
+    /// Returns true at a `,` between brackets, and at a `;` that was meant to be a `,`, which it reports.
     pub(super) fn is_separator(&mut self) -> bool {
         match self.current.kind {
             TokenKind::Comma => true,
@@ -684,8 +685,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         true
     }
 
-    /// Reports that no declaration begins with the current token, and what may have been meant: a misspelt
-    /// word, or a word left out before the name.
+    /// Reports that no declaration begins with the current token, and the probable intention: a misspelt word, or a
+    /// word omitted before the name.
     pub(super) fn reject_opening(
         &mut self,
         name: &str,
@@ -728,7 +729,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.reject(diagnostic);
     }
 
-    /// Rejects a comment of another language in the place of a declaration.
+    /// Rejects a comment of another language in place of a declaration.
     fn reject_comment(&mut self, rest: &str, sign: &str) {
         let start = self.current.span.start;
         let place = |length: usize| Span::new(start, start + length as u32);
@@ -763,7 +764,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         AttributeWord::from_text(word).is_some() && rest.trim_start().starts_with(':')
     }
 
-    /// Rejects the current token in the place of the `;` that ends a declaration.
+    /// Rejects the current token in place of the `;` that ends a declaration.
     pub(super) fn expected_end(&mut self, keyword: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
         let found = self.found();
@@ -772,7 +773,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 let message = format!("missing `;` after this declaration, found {found}");
                 let mut diagnostic = self.here(codes::MISSING_SEMICOLON, message);
                 if self.current.kind == TokenKind::Eoi {
-                    // The text may end lines below: the declaration's end is where to look.
+                    // The text may end many lines below: report the declaration's end.
                     diagnostic.span = self.previous.span;
                 }
                 let diagnostic = diagnostic

@@ -1,4 +1,4 @@
-//! Words: the token that a word is at this place, new names, and the reports of undefined words.
+//! Words: the token that a word forms in its context, new names, and the reports of undefined words.
 
 use super::deferred::{Deferred, Undefined};
 use super::messages::quote;
@@ -15,20 +15,20 @@ use crate::geotrace::token::{MapWord, Token, TokenKind};
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// The way in which the next word becomes a token.
+/// The way in which the next word is split into a token.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Mode {
     /// The longest defined prefix is one token.
     Expression,
-    /// The whole word is one token, whatever it may be made of.
+    /// The whole word is one token, even if defined names begin it.
     Name,
-    /// A declaration may begin here: words that are keywords nowhere else are keywords.
+    /// A declaration may begin here: words that are keywords only here are keywords.
     Start,
-    /// The whole word is one token: one of the parameters, an attribute, or nothing.
+    /// The whole word is one token: one of the parameters, an attribute, or undefined.
     Item,
     /// The whole word is one token, the value of an attribute.
     Word,
-    /// The word of a map, else as [`Mode::Expression`].
+    /// The word of a map, otherwise as [`Mode::Expression`].
     Place,
     /// The longest prefix that is a parameter of this function is one token.
     ParameterOf(SymbolId),
@@ -62,7 +62,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     return (length, TokenKind::Declare(keyword));
                 }
                 if !matches!(mode, Mode::Expression | Mode::Place) {
-                    // Without the name that begins it, it would be a keyword.
+                    // Without the name at its beginning, it would be a keyword.
                     parsed.record_name_lookup(&word.rest[..length], word.start, kind);
                 }
             }
@@ -77,7 +77,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             match mode {
                 Mode::Expression | Mode::Start | Mode::Place => {
                     if let Some(id) = weak_function(parsed, state, source, word) {
-                        // A name that is declared takes its place.
+                        // A declared name takes precedence.
                         parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
                         return (word.rest.len(), TokenKind::Function(id));
                     }
@@ -87,7 +87,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     }
                     parsed.record_prefix_lookup(word.rest, word.start, length, kind);
                     if state.is_of_space && matches!(kind, TokenKind::Variable(_)) {
-                        // A declared name of the same letters would take its place.
+                        // A declared name of the same letters would take precedence.
                         let name = &word.rest[..length];
                         parsed.record_name_lookup(name, word.start, TokenKind::Undefined);
                     }
@@ -135,7 +135,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.current.kind.is_value()
     }
 
-    /// Reads the name that a declaration introduces. One that is not free is reported and passed.
+    /// Reads the name that a declaration introduces. A name that is not free is reported and skipped.
     pub(super) fn new_name(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         let free = self.free_name(&format!("a name after `{}`", keyword.text()))?;
         self.state.name = self.current.span.text(self.source);
@@ -145,10 +145,10 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(())
     }
 
-    /// The name of a parameter, as a sentence says what is expected.
+    /// The name of a parameter as an expected item in a sentence.
     const PARAMETER: &'static str = "the name of a parameter";
 
-    /// Reads a name in a parameter list. One that is not free is reported; it keeps its place in the list.
+    /// Reads a name in a parameter list. A name that is not free is reported; it keeps its index in the list.
     pub(super) fn new_parameter(&mut self) -> Result<(), Stop> {
         let mut free = self.free_name(Self::PARAMETER)?;
         let span = self.current.span;
@@ -173,13 +173,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 self.report(diagnostic);
             }
             None => {
-                // After `f_` a parameter that is not free is understood, in the body it is not.
+                // After `f_` a parameter that is not free is recognised, but not in the body.
                 let _ = self.state.parameter_trie.insert(name, position);
             }
         }
         if !free {
             self.state.faulty = true;
-            // In the body it is read as what it names already: what comes of that is its doing.
+            // In the body it is read with its earlier meaning: errors there are consequences.
             self.state.rejected = true;
         }
         let name = name.to_owned();
@@ -188,7 +188,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(())
     }
 
-    /// Returns true if the current token, read by [`Mode::Name`], is a free name. Reports one that is taken.
+    /// Returns true if the current token, read by [`Mode::Name`], is a free name. Otherwise reports it.
     fn free_name(&mut self, what: &str) -> Result<bool, Stop> {
         let name = self.current.span.text(self.source);
         let diagnostic = match self.current.kind {
@@ -224,8 +224,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(false)
     }
 
-    /// Returns the error of a name that is taken. For a name that the text declares, [`Deferred::Taken`] adds its
-    /// place.
+    /// Returns the error of a name that is not free. For a name that the text declares, [`Deferred::Taken`] adds the
+    /// location of its declaration.
     fn name_taken(&self, id: SymbolId) -> Diagnostic {
         let symbol = self.parsed.symbol(id);
         let kind = match symbol.kind {
@@ -249,8 +249,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         rest.find(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
     }
 
-    /// Reports an undefined word in the place of an operand and takes it for one, so that the text after it is still read.
-    /// Returns its place.
+    /// Reports an undefined word in place of an operand and reads it as one, so that the following text is still read.
+    /// Returns its span.
     #[cold]
     pub(super) fn undefined_operand(&mut self) -> Span {
         let span = self.current.span;
@@ -258,7 +258,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.state.faulty = true;
         self.state.silent = true;
         self.advance(Mode::Expression);
-        // Had it been a function, it might have been derived.
+        // If it had been a function, it might have been differentiated.
         loop {
             match self.current.kind {
                 TokenKind::Prime => self.advance(Mode::Expression),
@@ -281,7 +281,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         span.to(self.previous.span)
     }
 
-    /// Reports an undefined word in the place of the name of a surface or a solid, and passes it.
+    /// Reports and skips an undefined word in place of the name of a surface or a solid.
     #[cold]
     pub(super) fn undefined_function(&mut self) {
         self.report_undefined();
@@ -291,7 +291,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.flagged = true;
     }
 
-    /// Returns the word of another notation, if it is one. `is_applied` says that a bracket follows.
+    /// Returns the entry of a word of another notation. `is_applied` is true if a bracket follows.
     pub(super) fn foreign_word(&self, word: &str, is_applied: bool) -> Option<ForeignWord> {
         let mut all = self.parsed.words()?.foreign.iter();
         let fits = |it: &&ForeignWord| {
@@ -343,7 +343,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
     }
 
-    /// Returns true for `dx` in the value of a metric that has the parameter x.
+    /// Returns true for `dx` in the value of a metric with the parameter x.
     fn is_differential(&self, word: &str) -> bool {
         let is_metric = self.state.keyword == Some(DeclarationKeyword::Metric);
         let parameters = &self.state.parameter_trie;
@@ -353,7 +353,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         rest.is_some_and(|rest| parameters.longest_prefix(rest).is_some())
     }
 
-    /// Returns the value of a metric, as a hint.
+    /// Returns a hint with the form of a metric's value.
     fn metric_form(&self) -> String {
         let names: Vec<&str> = self.state.parameters.iter().map(|it| &*it.name).collect();
         let [x, y] = names[..].first_chunk().copied().unwrap_or(["u", "v"]);
@@ -436,8 +436,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         None
     }
 
-    /// Returns the parameters between braces that open at the current token, as in `f_{xy}`: the place of the braces, and what
-    /// is written here in their place.
+    /// Returns the parameters between braces that open at the current token, as in `f_{xy}`: the span of the braces, and their
+    /// equivalent here.
     fn parameters_in_braces(&self, function: &Symbol) -> Option<(Span, String)> {
         let start = self.current.span.start;
         let (inside, length) = in_braces(&self.source[start as usize..])?;
@@ -447,7 +447,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         (!names.is_empty()).then(|| (place, names.join("_")))
     }
 
-    /// Reports the current token, which follows `f_` and is not a parameter of `f`. Passes it if it is a word.
+    /// Reports the current token, which follows `f_` and is not a parameter of `f`, and skips it if it is a word.
     #[cold]
     pub(super) fn no_such_parameter(&mut self, function: SymbolId) -> Result<(), Stop> {
         let symbol = self.parsed.symbol(function);
@@ -491,7 +491,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     }
 }
 
-/// Returns the words and numbers between braces with which a text begins, and the length with the braces.
+/// Returns the words and numbers between braces at the start of a text, and the length with the braces.
 pub(super) fn in_braces(text: &str) -> Option<(&str, u32)> {
     let inside = text.strip_prefix('{')?;
     let end = inside.find(|c: char| !c.is_ascii_alphanumeric() && !" ,".contains(c))?;
@@ -499,7 +499,7 @@ pub(super) fn in_braces(text: &str) -> Option<(&str, u32)> {
     is_closed.then(|| (inside[..end].trim(), end as u32 + 2))
 }
 
-/// Returns the parameters of a function, as the end of a sentence.
+/// Returns a list of a function's parameters for the end of a sentence.
 pub(super) fn list(parameters: &[Parameter]) -> String {
     const SHOWN: usize = 8;
     let names: Vec<String> = parameters
@@ -515,8 +515,8 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
     }
 }
 
-/// Returns the keyword that a word is where a declaration may begin, of those that are ordinary words elsewhere; there it
-/// counts only where another word follows.
+/// Returns the keyword that a word is where a declaration may begin, among the keywords that are ordinary words
+/// elsewhere. It is a keyword only if another word follows.
 #[inline]
 fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationKeyword> {
     let keyword = DeclarationKeyword::from_text(word.rest)?;
@@ -535,7 +535,7 @@ fn soft_keyword(source: &str, mode: Mode, word: Word<'_>) -> Option<DeclarationK
     counts.then_some(keyword)
 }
 
-/// Returns the keyword that a word is wherever it stands.
+/// Returns the keyword that a word is in any context.
 fn hard_keyword(word: Word<'_>) -> Option<DeclarationKeyword> {
     let keyword = DeclarationKeyword::from_text(word.rest)?;
     (word.is_whole() && !keyword.is_soft()).then_some(keyword)
@@ -562,8 +562,7 @@ fn expression_word(
     }
 }
 
-/// Returns the builtin function that the rest of a word is, if it is one of those that are words of their own before a bracket
-/// only.
+/// Returns the builtin function that the rest of a word names, among those that are words of their own only before a bracket.
 #[inline]
 fn weak_function(
     parsed: &impl NameScope,

@@ -1,5 +1,5 @@
-//! Sets of points: `SET` and all below it. Each function reads its nonterminal from the current token on, hands its steps to
-//! the hooks in postfix order and returns where it stands.
+//! Sets of points: `SET` and everything below it. Each function reads its nonterminal from the current token on, passes its
+//! steps to the hooks in postfix order and returns its span.
 
 use super::names::Mode;
 use super::{MAX_DEPTH, Parse, Parser};
@@ -47,7 +47,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// `PLACE = EXPR | FUNC2 | map UNARY`: where it stands, and what it does to the set before it.
+    /// `PLACE = EXPR | FUNC2 | map UNARY`: returns its effect on the set before it, and its span.
     fn place(&mut self) -> Result<(Operator, crate::span::Span), super::Stop> {
         match self.current.kind {
             TokenKind::Map(map) => {
@@ -108,7 +108,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// Rejects the current token in the place of a solid.
+    /// Rejects the current token in place of a solid.
     #[cold]
     fn expected_set(&mut self) -> super::Stop {
         let mut diagnostic = self.expected_diagnostic("a solid or a function");

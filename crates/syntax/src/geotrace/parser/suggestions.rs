@@ -1,15 +1,15 @@
-//! Suggestions for a word that means nothing: a name that is declared further down, or a misspelt declaration keyword.
+//! Suggestions for an undefined word: a name that is declared further down, or a misspelt declaration keyword.
 
 use std::collections::HashMap;
 
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::spelling::nearest;
 
-/// Every name that follows a declaration keyword somewhere in a text, with its last place.
+/// All names that follow a declaration keyword in a text, with their last positions.
 pub(super) struct DeclaredNames<'s>(HashMap<&'s str, u32>);
 
 impl<'s> DeclaredNames<'s> {
-    /// Returns the last place of a name after a declaration keyword.
+    /// Returns the last position of a name after a declaration keyword.
     pub(super) fn place(&self, name: &str) -> Option<u32> {
         self.0.get(name).copied()
     }
@@ -23,7 +23,7 @@ impl<'s> DeclaredNames<'s> {
     }
 }
 
-/// Calls `found` with every name that follows a declaration keyword, and its place.
+/// Calls `found` with every name that follows a declaration keyword, and its position.
 pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, u32)) {
     let (mut after_declaring, mut at_start) = (false, true);
     let bytes = source.as_bytes();

@@ -21,13 +21,13 @@ pub(super) fn keyword(index: u8) -> DeclarationKeyword {
     keyword.unwrap_or(DeclarationKeyword::Define)
 }
 
-/// Returns the attribute of a number.
+/// Returns the attribute with this number.
 pub(super) fn attribute(number: u32) -> AttributeWord {
     let word = AttributeWord::ALL.get(number as usize).copied();
     word.unwrap_or(AttributeWord::Color)
 }
 
-// A kind without a value has its place in `TokenKind::PLAIN` as its tag.
+// The tag of a kind without a value is its index in `TokenKind::PLAIN`.
 const NUMBER: u8 = TokenKind::PLAIN.len() as u8;
 const DECLARE: u8 = NUMBER + 1;
 const CONSTANT: u8 = NUMBER + 2;
@@ -53,7 +53,7 @@ pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
     }
 }
 
-/// Returns the token of a tag, a number and the text where it stands.
+/// Returns the token of a tag, a number and the token's text.
 pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
     match tag {
         NUMBER => TokenKind::Number(literal(text)),
@@ -70,7 +70,7 @@ pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
     }
 }
 
-/// The operators that are nothing but themselves; a tag is a position.
+/// The operators without a value; the tag is the index.
 pub(super) const STEPS: [Operator; 22] = [
     Operator::Apply,
     Operator::Add,
@@ -103,13 +103,13 @@ const PUSH_FUNCTION: u8 = STEPS.len() as u8 + 3;
 const PARTIAL: u8 = STEPS.len() as u8 + 4;
 const COMPONENT: u8 = STEPS.len() as u8 + 5;
 const TUPLE: u8 = STEPS.len() as u8 + 6;
-/// Above the tags of all steps.
+/// A bound above the tags of all steps.
 pub(super) const STEPS_END: u8 = 32;
 
-/// Returns the tag and the number of a step, which is below [`STEPS_END`].
+/// Returns the tag, which is below [`STEPS_END`], and the number of a step.
 pub(super) fn of_operator(operator: Operator) -> (u8, u32) {
     match operator {
-        // It is pushed where it stands.
+        // Its value is read from the text.
         Operator::Number(_) => (PUSH_NUMBER, 0),
         Operator::Constant(id) => (PUSH_CONSTANT, id.0),
         Operator::Variable(position) => (PUSH_VARIABLE, position),
@@ -124,7 +124,7 @@ pub(super) fn of_operator(operator: Operator) -> (u8, u32) {
     }
 }
 
-/// Returns the step of a tag, a number and the text where it stands.
+/// Returns the step of a tag, a number and the step's text.
 pub(super) fn operator(tag: u8, number: u32, text: &str) -> Operator {
     match tag {
         PUSH_NUMBER => Operator::Number(literal(text)),
