@@ -1,4 +1,4 @@
-//! The CRT scene language: a script is run, and what it leaves is a scene.
+//! The CRT scene language: a script is run, and its results are converted to a scene.
 //!
 //! ```text
 //! syntax::crt::tree::Script ──run.rs──▶ values (value.rs, operate.rs, call.rs, object.rs) ──▶ entities (entity.rs)
@@ -6,8 +6,8 @@
 //!                                          Scene + diagnostics + values of variables ◀──build.rs
 //! ```
 //!
-//! A script has left-handed coordinates, x right, y up, z into the screen; the scene has y and z changed, and
-//! [`Scene::stated`] changes them back. The scene has the param `t`; for another value of it the script is run anew
+//! A script has left-handed coordinates: x right, y up, z into the screen. In the scene, y and z are exchanged;
+//! [`Scene::stated`] exchanges them back. The scene has the param `t`; for another value of it the script is run again
 //! ([`Scene::at`]).
 
 mod assignment;
@@ -38,31 +38,31 @@ use crate::rerun::Rerun;
 use crate::scene::Scene;
 use run::Interpreter;
 
-/// The most rounds of loops, calls of macros and objects of one run.
+/// The maximum total number of loop iterations, macro calls and objects in a run.
 pub const MAX_WORK: u32 = 1_000_000;
-/// The most expressions, statements and elements of compared lists of one run: they take some seconds.
+/// The maximum total number of expressions, statements and elements of compared lists in a run: they take some seconds.
 pub const MAX_STEPS: u64 = 64_000_000;
-/// The bytes of a new string that count as a round.
+/// The number of bytes of a new string that count as one iteration.
 pub const BYTES_OF_A_ROUND: usize = 256;
-/// Calls of macros within calls.
+/// The maximum depth of nested macro calls.
 pub const MAX_CALLS: u32 = 200;
-/// The most characters of a string, elements of a list, and leaves of all entities.
+/// The maximum number of characters of a string, of elements of a list, and of leaves of all entities.
 pub const MAX_SIZE: u64 = 1_000_000;
 
-/// Of a run that nobody gives up.
+/// For runs that are never cancelled.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// The stack of a run: expressions within expressions, and calls within calls, are limited to less.
+/// The stack size of a run, in bytes: the limits on nested expressions and calls require less.
 const STACK: usize = 64 << 20;
 
-/// A script that has been run.
+/// The result of running a script.
 #[derive(Debug, Default)]
 pub struct ScriptRun {
     /// The scene.
     pub scene: Scene,
-    /// Everything that is wrong or surprising, sorted by place.
+    /// All errors, warnings and hints, sorted by position.
     pub diagnostics: Vec<Diagnostic>,
-    /// The places where names are assigned, parameters among them, that the run has come to; in the order of the text.
+    /// The assignments of names, including parameters, that the run has reached, in the order of the text.
     pub assignments: Vec<Assignment>,
 }
 
@@ -71,9 +71,9 @@ pub struct ScriptRun {
 pub struct Evaluated {
     /// Its type.
     pub kind: &'static str,
-    /// The value as a script writes it.
+    /// The value in the syntax of a script.
     pub text: String,
-    /// Its numbers: of a number one, of a vector or a colour three.
+    /// Its numbers: one for a number, three for a vector or a colour.
     pub numbers: Vec<f64>,
 }
 
@@ -93,7 +93,7 @@ impl ScriptLines {
         }
     }
 
-    /// `line:column` of an offset, both from 1.
+    /// Returns the `line:column` of an offset, both from 1.
     fn place(&self, offset: u32) -> String {
         let offset = (offset as usize).min(self.text.len());
         let line = self.starts.partition_point(|start| *start <= offset);
@@ -103,12 +103,12 @@ impl ScriptLines {
     }
 }
 
-/// Runs a script at t = 0. `text` is that of the script.
+/// Runs a script at t = 0. `text` is the script's text.
 pub fn run(script: &Script, text: &str) -> ScriptRun {
     run_unless(script, text, &NEVER).unwrap_or_default()
 }
 
-/// Runs a script at t = 0 unless `given_up` is, or becomes, true; `None` then.
+/// Runs a script at t = 0; `None` if `given_up` is or becomes true.
 pub fn run_unless(script: &Script, text: &str, given_up: &AtomicBool) -> Option<ScriptRun> {
     let lines = Arc::new(ScriptLines::new(text));
     let mut run = run_at(script, &lines, 0.0, given_up)?;
@@ -139,8 +139,9 @@ pub fn evaluate(
     .unwrap_or_else(|| Err(vec![not_run()]))
 }
 
-/// Makes a program in Geotrace's language of a script at a value of `t`; `None` if it has more than
-/// [`MAX_CONVERTED_LEAVES`] leaves. What has an error is left out. `is_free` tells the names that a program may declare.
+/// Converts a script at a value of `t` into a program of the Geotrace language; `None` if it has more than
+/// [`MAX_CONVERTED_LEAVES`] leaves. Parts with errors are omitted. `is_free` returns true for names that a program may
+/// declare.
 pub fn convert(script: &Script, text: &str, t: f64, is_free: NameTest<'_>) -> Option<Converted> {
     let lines = ScriptLines::new(text);
     on_stack(|| {
@@ -151,7 +152,7 @@ pub fn convert(script: &Script, text: &str, t: f64, is_free: NameTest<'_>) -> Op
     })?
 }
 
-/// Runs a script at a value of `t`; `None` if the run is given up.
+/// Runs a script at a value of `t`; `None` if the run is cancelled.
 fn run_at(
     script: &Script,
     lines: &ScriptLines,
@@ -165,7 +166,7 @@ fn run_at(
     })
 }
 
-/// Returns the outcome of a run, or a diagnostic of a run that has panicked or could not be started.
+/// Returns the result of a run, or a diagnostic if it panics or cannot be started.
 fn run_on_stack(run: impl FnOnce() -> Option<ScriptRun> + Send) -> Option<ScriptRun> {
     on_stack(run).unwrap_or_else(|| {
         Some(ScriptRun {
@@ -175,14 +176,14 @@ fn run_on_stack(run: impl FnOnce() -> Option<ScriptRun> + Send) -> Option<Script
     })
 }
 
-/// Returns the diagnostic of a script whose run has panicked or could not be started.
+/// Returns the diagnostic of a script whose run panics or cannot be started.
 fn not_run() -> Diagnostic {
     let message = "internal error: the script could not be run";
     Diagnostic::error(codes::INTERNAL_ERROR, Span::new(0, 0), message)
 }
 
-/// Runs something on a thread with a stack of its own; `None` if it panics or the machine has no thread for it. A program in a
-/// browser has no threads: its only stack is made as large where it is linked.
+/// Runs a closure on a thread with its own stack; `None` if it panics or the thread cannot be created. A program in a browser
+/// has no threads: its only stack is made large enough by the linker.
 fn on_stack<R: Send>(work: impl FnOnce() -> R + Send) -> Option<R> {
     if cfg!(target_family = "wasm") {
         return Some(work());

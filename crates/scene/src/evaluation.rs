@@ -10,22 +10,22 @@ use syntax::diagnostic::Diagnostic;
 use crate::param_values::ParamValues;
 use crate::scene::{GridId, Scene};
 
-/// A number or a vector as it is at the current values of the params.
+/// A number or a vector at the present values of the params.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A number; none where it is undefined (not finite).
+    /// A number; `None` if it is undefined (not finite).
     Number(Option<f64>),
-    /// A vector of dimension 2 or more; none for each component that is undefined.
+    /// A vector of dimension 2 or more; `None` for each component that is undefined.
     Vector(Vec<Option<f64>>),
-    /// A value of another type, as its language writes it.
+    /// A value of another type, in the syntax of its language.
     Text(String),
 }
 
 /// The value for one combination of the grids' values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
-    /// The grids that the expression depends on and that are not fixed, in the order of the text, each with
-    /// its name and its value: one number per axis.
+    /// The grids that the expression depends on and that are not fixed, in the order of the text, each with its name
+    /// and its value: one number per axis.
     pub grids: Vec<(String, Vec<f64>)>,
     /// The expression's value there.
     pub value: Value,
@@ -34,23 +34,23 @@ pub struct Instance {
 /// The value of an expression, or its values over grids.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// One value: it depends on no grid that is not fixed.
+    /// One value: the expression depends on no grid that is not fixed.
     Single(Value),
     /// A value for each combination of the grids' values, the last axis fastest.
     Instances(Vec<Instance>),
 }
 
-/// An outcome, with the warnings about the expression.
+/// An outcome with the warnings about the expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// The value, or the values.
     pub outcome: Outcome,
-    /// Warnings and hints; spans are those of the expression's text.
+    /// Warnings and hints; their spans refer to the expression's text.
     pub warnings: Vec<Diagnostic>,
 }
 
 /// Evaluates an expression for each combination of the values of the grids that are not fixed. `fill` writes the numbers of
-/// geodesics among the uniforms.
+/// geodesics into the uniforms.
 pub(crate) fn evaluate(
     scene: &Scene,
     graph: &Graph,

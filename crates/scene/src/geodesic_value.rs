@@ -1,10 +1,10 @@
-//! Values of geodesics, which no formula gives: they are integrated.
+//! Values of geodesics, which have no formula and are integrated.
 //!
-//! In: what a program says of a geodesic, as nodes of a graph, and the numbers of the params. Out: a few numbers for each
-//! value, which expressions read as inputs like any other, or the reason why there are none.
+//! In: a program's definition of a geodesic, as nodes of a graph, and the numbers of the params. Out: a few numbers for
+//! each value, which expressions read as ordinary inputs, or the reason why there are none.
 //!
-//! What has been integrated is kept, by the numbers that it depends on: a slider that moves one of two geodesics leaves the
-//! other as it is.
+//! The results of integration are cached by the numbers on which they depend: a slider that moves one of two geodesics does
+//! not affect the other.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -21,7 +21,7 @@ use geodesic::trace::{Options, Status, trace};
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::range::Range;
 
-/// A surface or a metric, as far as geodesics on it depend on it.
+/// The part of a surface or a metric on which its geodesics depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldNodes {
     /// The position, or E, F and G, over `Variable(0)` and `Variable(1)`.
@@ -32,7 +32,7 @@ pub struct ManifoldNodes {
     pub domain: [Range; 2],
 }
 
-/// The ground of a geodesic, as far as the geodesic depends on it.
+/// The ground of a geodesic: the surface, metric or solid on which it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ground {
     /// A surface or a metric.
@@ -41,31 +41,31 @@ pub enum Ground {
     Solid(NodeId),
 }
 
-/// The part of a geodesic that is a value.
+/// The kind of a geodesic's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueKind {
-    /// The shortest geodesic between two places: where it starts, its velocity there, and its length, which is that of the
-    /// velocity. Five numbers.
+    /// The shortest geodesic between two points: its start, its velocity there, and its length, which equals the length of
+    /// the velocity. Five numbers.
     Connection {
-        /// (u, v) of the first place.
+        /// (u, v) of the first point.
         from: [NodeId; 2],
-        /// (u, v) of the second place.
+        /// (u, v) of the second point.
         to: [NodeId; 2],
     },
     /// A point of a geodesic and its velocity there: (u, v) and (u', v'). Four numbers.
     Point {
-        /// (u, v) where the geodesic starts.
+        /// (u, v) at the geodesic's start.
         start: [NodeId; 2],
         /// Its direction there.
         direction: [NodeId; 2],
-        /// The length of one unit of its parameter; 1 if there is no node.
+        /// The length of one unit of its parameter; 1 if `None`.
         unit: Option<NodeId>,
         /// The parameter.
         at: NodeId,
     },
     /// A point of a geodesic on a solid's surface and its velocity there: (x, y, z) and (x', y', z'). Six numbers.
     SpacePoint {
-        /// (x, y, z) near which the geodesic starts.
+        /// (x, y, z) near the geodesic's start.
         start: [NodeId; 3],
         /// Its direction there.
         direction: [NodeId; 3],
@@ -74,7 +74,7 @@ pub enum ValueKind {
     },
 }
 
-/// The most numbers of a value.
+/// The maximum number of numbers of a value.
 pub(crate) const MOST_NUMBERS: usize = 6;
 
 /// A value of a geodesic.
@@ -82,11 +82,11 @@ pub(crate) const MOST_NUMBERS: usize = 6;
 pub struct GeodesicValue {
     /// The geodesic's name.
     pub geodesic: Arc<str>,
-    /// The surface, metric or solid that it lies on.
+    /// The surface, metric or solid on which it runs.
     pub ground: Ground,
     /// The value.
     pub kind: ValueKind,
-    /// The number of the input that is its first number; the others follow. A uniform, or along a curve a variable.
+    /// The index of the input for its first number; the others follow. A uniform, or along a curve a variable.
     pub first: u32,
 }
 
@@ -99,20 +99,20 @@ pub enum GeodesicFault {
     Start(InitialConditionsError),
     /// It cannot start on a solid's surface.
     SpaceStart(SpaceTraceError),
-    /// A place between which it should run is none of the surface.
+    /// One of its two endpoints is not on the surface.
     Place(MeasureError),
-    /// No geodesic between the two places was found.
+    /// No geodesic between the two points was found.
     NoConnection {
-        /// (u, v) of the first place.
+        /// (u, v) of the first point.
         from: [f64; 2],
-        /// (u, v) of the second place.
+        /// (u, v) of the second point.
         to: [f64; 2],
     },
     /// It ends before the parameter.
     Ends {
         /// The parameter at which it ends.
         end: f64,
-        /// The parameter that was given.
+        /// The given parameter.
         at: f64,
         /// The reason why it ends.
         status: Status,
@@ -121,7 +121,7 @@ pub enum GeodesicFault {
     EndsInSpace {
         /// The parameter at which it ends.
         end: f64,
-        /// The parameter that was given.
+        /// The given parameter.
         at: f64,
         /// The reason why it ends.
         status: Status,
@@ -130,7 +130,7 @@ pub enum GeodesicFault {
     TooLarge,
 }
 
-/// The values that were integrated, and the surfaces. Clones share them. They belong to one graph.
+/// A cache of integrated values and their surfaces. Clones share it. It belongs to one graph.
 #[derive(Clone, Debug, Default)]
 pub struct GeodesicCache(Arc<Mutex<KeptValues>>);
 
@@ -141,7 +141,7 @@ struct KeptValues {
     integrated: u64,
 }
 
-/// The ground that geodesics are integrated on.
+/// The ground for integration.
 #[derive(Clone)]
 enum KeptGround {
     Chart(Arc<dyn Surface + Send>, [Range; 2]),
@@ -152,12 +152,12 @@ enum KeptGround {
 #[derive(Clone, Eq, Hash, PartialEq)]
 struct ManifoldKey {
     is_metric: bool,
-    /// Three of a surface or a metric, one of a solid.
+    /// Three for a surface or a metric, one for a solid.
     components: Vec<NodeId>,
     numbers: Vec<u64>,
 }
 
-/// A value with the numbers that it is computed from.
+/// A value with the numbers from which it is computed.
 #[derive(Eq, Hash, PartialEq)]
 struct ValueKey {
     manifold: ManifoldKey,
@@ -168,7 +168,7 @@ struct ValueKey {
 /// The numbers of a value.
 type Solution = Result<[f64; MOST_NUMBERS], GeodesicFault>;
 
-/// The most surfaces that are kept, and the most values.
+/// The maximum number of cached surfaces, and of cached values.
 const MOST_SURFACES: usize = 1 << 8;
 const MOST_VALUES: usize = 1 << 16;
 
@@ -178,15 +178,15 @@ impl GeodesicValue {
         self.kind.width()
     }
 
-    /// Returns the nodes that it is computed from. Those of what it lies on, which come first, read the variables of
-    /// that.
+    /// Returns the nodes from which it is computed. The nodes of its ground come first and read the variables of the
+    /// ground.
     pub fn nodes(&self) -> Vec<NodeId> {
         let mut all = self.ground.nodes().to_vec();
         all.extend(self.kind.nodes());
         all
     }
 
-    /// Returns the nodes of [`GeodesicValue::nodes`], to be replaced.
+    /// Returns the nodes of [`GeodesicValue::nodes`] for replacement.
     pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
         let ground = match &mut self.ground {
             Ground::Chart(manifold) => manifold.components.as_mut_slice(),
@@ -216,7 +216,7 @@ impl GeodesicValue {
         all
     }
 
-    /// Computes its numbers, as many as [`GeodesicValue::width`] says.
+    /// Computes its [`GeodesicValue::width`] numbers.
     ///
     /// # Errors
     /// [`GeodesicFault`].
@@ -256,7 +256,7 @@ impl GeodesicValue {
         solution
     }
 
-    /// Computes its numbers and writes them where its readers look for them: NaN if there are none.
+    /// Computes its numbers and writes them to its inputs: NaN if there are none.
     pub(crate) fn fill(
         &self,
         graph: &Graph,
@@ -326,7 +326,7 @@ impl ValueKind {
     }
 }
 
-/// Returns the start, the velocity and the length of the shortest geodesic between two places.
+/// Returns the start, the velocity and the length of the shortest geodesic between two points.
 fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
     if measure::is_one_place(surface, from, to) {
         return Ok([from[0], from[1], 0.0, 0.0, 0.0, 0.0]);
@@ -372,7 +372,7 @@ fn follow(
     Ok([u, v, scale * a, scale * b, 0.0, 0.0])
 }
 
-/// Returns a point of a geodesic on a solid's surface and its velocity there, from the start, the direction and the
+/// Returns a point of a geodesic on a solid's surface and its velocity there, given the start, the direction and the
 /// parameter.
 fn follow_in_space(surface: &ImplicitSurface, inputs: &[f64]) -> Solution {
     let [x, y, z, a, b, c, at] = *inputs else {
@@ -397,11 +397,11 @@ fn follow_in_space(surface: &ImplicitSurface, inputs: &[f64]) -> Solution {
     Ok([x, y, z, a, b, c])
 }
 
-/// The tolerance of a point: that of measures, as points are measured between.
+/// The tolerance of a point: the same as for measures, because distances between such points are measured.
 const TOLERANCE: f64 = 1e-12;
 
 impl Ground {
-    /// Its nodes.
+    /// Returns its nodes.
     pub fn nodes(&self) -> &[NodeId] {
         match self {
             Self::Chart(manifold) => &manifold.components,
@@ -409,7 +409,7 @@ impl Ground {
         }
     }
 
-    /// Returns the key by which its surface is kept.
+    /// Returns the key of its surface in the cache.
     fn key(&self, graph: &Graph, uniforms: &[f64]) -> ManifoldKey {
         let domain = match self {
             Self::Chart(manifold) => manifold.domain.as_slice(),
@@ -428,7 +428,7 @@ impl Ground {
         }
     }
 
-    /// Returns the surface; `None` if its derivatives are too large.
+    /// Returns the cached surface; `None` if its derivatives are too large.
     fn kept(
         &self,
         graph: &Graph,
@@ -474,7 +474,7 @@ impl ManifoldNodes {
 }
 
 impl GeodesicCache {
-    /// Returns the number of values that were integrated, not found again.
+    /// Returns the number of values that were integrated rather than found in the cache.
     pub fn integrated(&self) -> u64 {
         self.lock().integrated
     }

@@ -1,18 +1,18 @@
-//! Geotrace's language: from declarations to a [`Scene`](crate::Scene), and every mistake on the way.
+//! The Geotrace language: from declarations to a [`Scene`](crate::Scene), with all errors.
 //!
 //! ```text
 //! text ──syntax──▶ hooks ──▶ declarations.rs    the state between two declarations
-//!                              declare.rs, params.rs, intrinsic.rs, space_geodesics.rs, solids.rs, stage.rs   what each kind of declaration means
+//!                              declare.rs, params.rs, intrinsic.rs, space_geodesics.rs, solids.rs, stage.rs   the meaning of each kind of declaration
 //!                              interval.rs, attributes.rs   the numbers between `[` and `]`, and the values of attributes
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
-//!                              sets.rs, affine.rs   sets of points as values, and where they are placed
+//!                              sets.rs, affine.rs   sets of points as values, and their maps
 //!                              geodesics.rs, geodesic_equation.rs   points of geodesics as values over that graph
 //!                              code.rs, operation.rs, symbol.rs, builtin.rs, foreign.rs, dependencies.rs, error.rs
 //!
 //! compile.rs    a text, from scratch            ─┐
 //! document.rs   a text that is edited           ─┴─▶ Compilation: a scene and diagnostics
-//! assembler.rs  declarations that have been read, put together without reading them again
-//! excerpt.rs    some declarations of a text, with what they use
+//! assembler.rs  combines declarations that have been read, without reading them again
+//! excerpt.rs    some declarations of a text, with their dependencies
 //! evaluate.rs   a lone expression in a program's scope
 //! ```
 

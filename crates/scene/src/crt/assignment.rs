@@ -1,30 +1,31 @@
-//! The values that the run of a script gives to names.
+//! The values that a script's run assigns to names.
 
 use syntax::span::Span;
 
 use super::extent::{EntityExtent, extent};
 use super::value::{LONGEST, ScriptValue};
 
-/// A place where a name is assigned, or a parameter is given a value, as the run has left it.
+/// An assignment to a name, or the binding of a parameter, at the end of the run.
 #[derive(Clone, Debug)]
 pub struct Assignment {
     /// The span of the name.
     pub span: Span,
-    /// The number of times that the run has come there.
+    /// The number of times that the run has executed it.
     pub count: u32,
-    /// The number of the last of them, counted over all places: of two places, the greater one was assigned later.
+    /// The index of its last execution, counted over all assignments: of two assignments, the one with the greater
+    /// index was executed later.
     pub last: u32,
-    /// The value of the last time, and at top level that of the end; `None` where it had an error.
+    /// The value of the last execution, at top level the final value; `None` if it had an error.
     pub(super) value: Option<ScriptValue>,
 }
 
 impl Assignment {
-    /// Returns the type of the value; `None` where that had an error.
+    /// Returns the type of the value; `None` if it had an error.
     pub fn kind(&self) -> Option<&'static str> {
         self.value.as_ref().map(ScriptValue::kind)
     }
 
-    /// Returns the value as a script writes it, as far as it is short; empty where it had an error.
+    /// Returns the value in the syntax of a script, truncated if it is long; empty if it had an error.
     pub fn text(&self) -> String {
         let value = self.value.as_ref();
         let mut text = value.map_or_else(String::new, ScriptValue::text);
@@ -35,7 +36,7 @@ impl Assignment {
         text
     }
 
-    /// Returns the entity that is the value.
+    /// Returns the value if it is an entity.
     pub fn entity(&self) -> Option<EntityExtent> {
         match &self.value {
             Some(ScriptValue::Entity(entity)) => Some(extent(entity)),

@@ -1,7 +1,7 @@
-//! The scene that a run leaves.
+//! The scene that a run produces.
 //!
-//! In: settings and emitted entities, in the script's coordinates. Out: a scene with y and z changed. Shapes of one
-//! kind share a field, and have their sizes and places in their maps.
+//! In: settings and emitted entities, in the script's coordinates. Out: a scene with y and z exchanged. Shapes of one
+//! kind share a field; their sizes and positions are in their maps.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -21,11 +21,11 @@ use crate::solid::{
 };
 use crate::stated_picture::StatedPicture;
 
-/// The greatest value of `t`.
+/// The maximum of `t`.
 const LAST: f64 = 100.0;
 
-/// Returns the scene of a run. Each entity is dropped once its object is made, so that a million of both are never in
-/// memory at once.
+/// Returns the scene of a run. Each entity is dropped once its object is created, so that a million of both are never
+/// in memory together.
 pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene {
     let mut builder = SceneBuilder::default();
     let mut objects = Vec::with_capacity(drawn.len());
@@ -67,13 +67,13 @@ pub(super) fn scene(settings: &ScriptSettings, drawn: Vec<Arc<Entity>>) -> Scene
 #[derive(Default)]
 struct SceneBuilder {
     graph: Graph,
-    /// The attributes of materials, by the bits of their numbers: a loop makes the same one again and again.
+    /// The attributes of materials, by the bits of their numbers: loops create equal materials many times.
     materials: HashMap<[Option<u64>; 9], Arc<Vec<Attribute>>>,
-    /// The fields of shapes that have no numbers, by their kind, and those of rings by their tube.
+    /// The fields of shapes without numbers, by their kind, and those of rings by the radius of their tube.
     fields: HashMap<(u8, u64), NodeId>,
 }
 
-/// Work that is left, the next last.
+/// The remaining work; the next step is last.
 enum BuildStep<'a> {
     Entity(&'a Entity, Map),
     Join(SetOperation),
@@ -339,7 +339,7 @@ impl SceneBuilder {
         }
     }
 
-    /// Numbers of the script as nodes, in the scene's order.
+    /// Returns numbers of the script as nodes, in the order of the scene's axes.
     fn place(&mut self, [x, y, z]: [f64; 3]) -> [NodeId; 3] {
         [x, z, y].map(|number| self.graph.constant(number))
     }
@@ -355,7 +355,7 @@ impl SceneBuilder {
     }
 }
 
-/// Returns the word for a shape of the lens.
+/// Returns the word for the shape of a lens.
 pub(super) fn bokeh(shape: &str) -> &str {
     match shape {
         "uniform" => "box",
@@ -380,8 +380,8 @@ fn step(operation: SetOperation) -> SolidStep {
     }
 }
 
-/// Returns the turn of the picture's up towards its right, from where the scene's cameras have it, of a camera that looks along
-/// a direction of the script: there up is across (sin roll, cos roll, 0).
+/// Returns the roll of a camera that looks along a direction of the script: the angle of the picture's up towards its right,
+/// relative to the scene's cameras. The script's up is perpendicular to (sin roll, cos roll, 0).
 pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     let Some(ahead) = vector::unit(direction) else {
         return 0.0;
@@ -400,7 +400,7 @@ pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     };
     let right = vector::scaled(left, -1.0);
     let up = vector::cross(ahead, right);
-    // The scene's own: y is up, straight up and down it is z.
+    // The scene's up: y, or z if the camera looks straight up or down.
     let usual = if is_upright {
         [0.0, 0.0, 1.0]
     } else {

@@ -12,7 +12,7 @@ use super::value::ScriptValue;
 use super::{MAX_CALLS, codes};
 
 impl Interpreter<'_> {
-    /// Returns a call of a name: of a macro if it is one, else of a function.
+    /// Calls a name: a macro if it denotes one, otherwise a function.
     pub(super) fn call_name(
         &mut self,
         name: &Arc<str>,
@@ -69,7 +69,7 @@ impl Interpreter<'_> {
         Err(self.fault(codes::ARGUMENT_COUNT, span, message))
     }
 
-    /// Returns a call of a value.
+    /// Calls a value.
     pub(super) fn call_value(
         &mut self,
         value: &ScriptValue,
@@ -150,7 +150,7 @@ impl Interpreter<'_> {
         })
     }
 
-    /// Returns the entity of an operand: itself, or the union of a list.
+    /// Returns the entity of an operand: the operand itself, or the union of a list.
     fn operand(&mut self, value: &ScriptValue, span: Span) -> Result<Option<Arc<Entity>>, Stopped> {
         if let ScriptValue::Entity(entity) = value {
             return Ok(Some(entity.clone()));
@@ -182,7 +182,7 @@ impl Interpreter<'_> {
         Ok(Arc::new(Entity::of(node, self.id())))
     }
 
-    /// `+`, `-` and `^` of entities; `None` for other values.
+    /// Applies `+`, `-` and `^` to entities; `None` for other values.
     pub(super) fn joined_entities(
         &mut self,
         operator: BinaryOperator,
@@ -208,7 +208,7 @@ impl Interpreter<'_> {
         Ok(Some(ScriptValue::Entity(joined)))
     }
 
-    /// Returns an entity, or the union of a list of them, after modifiers.
+    /// Applies modifiers to an entity, or to the union of a list of entities.
     pub(super) fn modified(
         &mut self,
         value: &ScriptValue,

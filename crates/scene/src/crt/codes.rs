@@ -1,4 +1,4 @@
-//! The codes of the diagnostics of a run, and what each means.
+//! The codes of a run's diagnostics, with their explanations.
 
 use syntax::diagnostic::Code;
 
@@ -11,7 +11,7 @@ macro_rules! codes {
     };
 }
 
-/// The code of a fault of this program. No script has it of itself, so it is not among [`CODES`].
+/// The code of an internal error. No script can cause it intentionally, so it is not in [`CODES`].
 pub const INTERNAL_ERROR: Code = Code("internal-error");
 
 codes! {

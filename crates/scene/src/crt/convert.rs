@@ -1,8 +1,8 @@
-//! A program in Geotrace's language that shows what a script leaves.
+//! Conversion of a script's results into a program of the Geotrace language.
 //!
-//! In: settings and emitted entities, in the script's coordinates. Out: declarations with y and z changed, and what the
-//! picture needs besides them. Shapes of one kind share a function; a lone plane becomes a parametric surface, since look
-//! `crt` shows those from one side, unless it is transparent.
+//! In: settings and emitted entities, in the script's coordinates. Out: declarations with y and z exchanged, and the
+//! options that the picture requires besides them. Shapes of one kind share a function. A lone plane becomes a parametric
+//! surface, because the look `crt` shows such surfaces from one side, unless it is transparent.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
@@ -13,27 +13,27 @@ use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vect
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings};
 use crate::solid::AffineNodes;
 
-/// The most leaves of a program.
+/// The maximum number of leaves of a program.
 pub const MAX_CONVERTED_LEAVES: u64 = 10_000;
-/// Brackets within brackets, before a set is given a name.
+/// The maximum depth of nested brackets before a set is given a name.
 const MAX_BRACKETS: u32 = 16;
-/// The length of a line in characters from which on a set goes on in the next one.
+/// The length of a line, in characters, after which a set continues on the next line.
 const LINE: usize = 80;
-/// A plane reaches so many times as far as the places of the script.
+/// A plane extends this factor times the extent of the script's positions.
 const PLANE_REACH: f64 = 1e5;
 
 /// Returns true for a name that a program may declare.
 pub type NameTest<'n> = &'n (dyn Fn(&str) -> bool + Sync);
 
-/// The parameters of functions, which no name may hide.
+/// The parameters of functions, which names must not hide.
 const PARAMETERS: [&str; 5] = ["x", "y", "z", "u", "v"];
 
-/// A program that was made of a script.
+/// A program converted from a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converted {
     /// The declarations.
     pub declarations: String,
-    /// The options of `geotrace render` by which the program gives the picture of the script, without the files.
+    /// The options of `geotrace render` with which the program gives the script's picture, without the files.
     pub options: Vec<String>,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn program(
         writer.light(light);
     }
     if settings.lights.is_empty() {
-        // A program without lights has those of the 3D view.
+        // A program without lights would have the lights of the 3D view.
         let name = writer.free("dark");
         writer.declare(&format!("light {name} = (0, 0, -1), power : 0"));
     }
@@ -86,51 +86,51 @@ pub(super) fn program(
 /// A part of a set as text.
 struct SetText {
     text: String,
-    /// The binding of its parts.
+    /// The binding strength of its outermost operations.
     binding: SetBinding,
-    /// The brackets within it.
+    /// The depth of brackets in it.
     brackets: u32,
-    /// The look of all its leaves; `None` if they state their own.
+    /// The look of all its leaves; `None` if the leaves state their own.
     material: Option<Arc<Material>>,
-    /// The name that it is given if it needs one.
+    /// The name that it is given if it requires one.
     name: String,
 }
 
-/// The operations that stand outside of all brackets of a set, the loosest of them.
+/// The operations outside all brackets of a set; the one that binds most loosely.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum SetBinding {
-    /// Nothing but unions.
+    /// Only unions.
     Union,
-    /// Differences, and unions perhaps.
+    /// Differences, and possibly unions.
     Difference,
     Intersection,
     /// One leaf.
     Leaf,
 }
 
-/// Work that is left, the next last.
+/// The remaining work; the next step is last.
 enum WriteStep<'a> {
     Entity(&'a Entity, Map),
     Join(SetOperation),
 }
 
-/// A half-space of Geotrace's coordinates: the places p where normal·p ≤ offset.
+/// A half-space in Geotrace's coordinates: the points p with normal·p ≤ offset.
 struct HalfSpace {
     normal: [f64; 3],
     offset: f64,
 }
 
 struct Writer<'w> {
-    /// Returns true for what the language leaves free as a name.
+    /// Returns true for names that the language leaves available.
     is_free: NameTest<'w>,
     /// The functions of shapes.
     functions: String,
     declarations: String,
-    /// The names that are taken.
+    /// The names in use.
     names: HashSet<String>,
-    /// The names of the functions, by what they give.
+    /// The names of the functions, by their bodies.
     known: HashMap<String, String>,
-    /// The length that planes reach.
+    /// The extent of planes.
     reach: f64,
 }
 
@@ -156,7 +156,7 @@ impl<'w> Writer<'w> {
         }
     }
 
-    /// Returns a name that is free, like another one.
+    /// Returns an available name similar to `like`.
     fn free(&mut self, like: &str) -> String {
         let mut name = like.to_owned();
         let mut count = 1;
@@ -173,13 +173,13 @@ impl<'w> Writer<'w> {
         self.declarations.push_str(";\n");
     }
 
-    /// A comment on the next declaration.
+    /// Adds a comment on the next declaration.
     fn remark(&mut self, sentence: &str) {
         let _ = writeln!(self.declarations, "# {sentence}.");
     }
 
     fn object(&mut self, entity: &Entity) {
-        // A plane through which light is refracted is the face of a half-space, though one that is seen from after too.
+        // A plane that refracts light is the face of a half-space, although such a face is also visible from behind.
         if let Some(Node::Object(object)) = entity.node()
             && object.is_plane
             && object.material.transparency == 0.0
@@ -239,7 +239,7 @@ impl<'w> Writer<'w> {
         self.named(whole);
     }
 
-    /// Declares a set; returns its name.
+    /// Declares a set and returns its name.
     fn named(&mut self, set: SetText) -> String {
         let name = self.free(&set.name);
         let mut declaration = format!("solid {name} = {}", set.text);
@@ -268,7 +268,7 @@ impl<'w> Writer<'w> {
     }
 
     fn joined(&mut self, operation: SetOperation, mut a: SetText, mut b: SetText) -> SetText {
-        // A material that holds for all leaves is stated once, on the outermost set.
+        // A material of all leaves is stated once, on the outermost set.
         if a.material != b.material {
             [a, b] = [a, b].map(|set| match set.material {
                 Some(_) => self.atom(set),
@@ -302,7 +302,7 @@ impl<'w> Writer<'w> {
         };
         [a, b] = [(a, closed[0]), (b, closed[1])].map(|(mut set, closed)| {
             if closed && set.brackets >= MAX_BRACKETS {
-                // A part has no look of its own where the set around it states one.
+                // A part needs no look of its own if the surrounding set states one.
                 let material = set.material.take();
                 let mut atom = self.atom(set);
                 atom.material = material;
@@ -328,7 +328,7 @@ impl<'w> Writer<'w> {
         }
     }
 
-    /// Returns a shape; `None` where its map takes volumes to 0: nothing is drawn of a set with one.
+    /// Returns a shape; `None` if its map is singular: a set with such a shape is not drawn.
     fn leaf(
         &mut self,
         object: &ObjectNode,
@@ -357,7 +357,7 @@ impl<'w> Writer<'w> {
         })
     }
 
-    /// Returns the name of the function of x, y, z that gives this.
+    /// Returns the name of the function of x, y, z with this body.
     fn function(&mut self, like: &str, body: String) -> String {
         if let Some(name) = self.known.get(&body) {
             return name.clone();
@@ -418,7 +418,7 @@ impl<'w> Writer<'w> {
         self.function(like, field)
     }
 
-    /// A plane that is alone: a surface whose σu×σv leads out of its half-space.
+    /// Declares a lone plane as a surface whose σu×σv points out of its half-space.
     fn plane(&mut self, entity: &Entity, object: &ObjectNode) {
         let placed = |own: &Map| swapped(&entity.map.after(own));
         let map = placed(&object.first.1);
@@ -426,7 +426,8 @@ impl<'w> Writer<'w> {
             return;
         };
         let [p, q] = vector::across(half.normal);
-        // The one after the direction of a half-plane is left out; where the surface begins, both planes are.
+        // The half-space behind the direction of a half-plane is omitted; the surface begins at the intersection of
+        // both planes.
         let second = object
             .second
             .and_then(|(_, _, own)| half_space(&placed(&own)));
@@ -517,7 +518,7 @@ impl<'w> Writer<'w> {
         self.declare(&text);
     }
 
-    /// Declares the background; returns the value of `--texture` for an image that no word names.
+    /// Declares the background; returns the value of `--texture` for an image that is not a word.
     fn background(&mut self, background: &Background) -> Option<String> {
         let name = self.free("sky");
         let white = [1.0; 3];
@@ -556,16 +557,16 @@ impl<'w> Writer<'w> {
     }
 }
 
-/// Returns the greatest part of a material's colour, or 1 if that is more.
+/// Returns the maximum component of a material's colour, at least 1.
 fn brightest(material: &Material) -> f64 {
     let parts = material.color.iter();
     parts.fold(1.0f64, |most, part| most.max(*part))
 }
 
-/// Returns the attributes of a material, of a solid or else of a surface.
+/// Returns the attributes of a material, for a solid or else for a surface.
 ///
-/// A colour past 1, which no attribute may have, is divided by its greatest part, and the light that it reflects is multiplied
-/// by that; the light that passes through glass is not.
+/// A colour above 1, which attributes do not allow, is divided by its maximum component, and the light that it reflects is
+/// multiplied by it; the light transmitted through glass is not.
 fn look(material: &Material, is_solid: bool) -> String {
     let most = brightest(material);
     let color = material.color.map(|part| (part / most).max(0.0));
@@ -594,34 +595,34 @@ fn look(material: &Material, is_solid: bool) -> String {
     text
 }
 
-/// Returns the variable that was emitted; `None` for what has none.
+/// Returns the name of the emitted variable; `None` if there is none.
 fn label(entity: &Entity) -> Option<&str> {
     let (label, _) = entity.label.as_ref()?;
     is_word(label).then_some(label)
 }
 
-/// Returns true for what may be a name, and the name of an image.
+/// Returns true for a text that can be a name, and so the name of an image.
 fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic())
         && text.chars().all(|c| c.is_ascii_alphanumeric())
 }
 
-/// Geotrace's coordinates of a place of the script.
+/// Returns the Geotrace coordinates of a point of the script.
 fn geotrace([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, z, y]
 }
 
-/// Returns the map that leads to Geotrace's coordinates.
+/// Returns the map in Geotrace's coordinates.
 fn swapped(map: &Map) -> Map {
     let Map([x, y, z]) = *map;
     Map([x, z, y])
 }
 
-/// Returns the half-space into which a map takes z ≤ 0; `None` if it has no inverse.
+/// Returns the half-space into which a map takes z ≤ 0; `None` if the map has no inverse.
 fn half_space(map: &Map) -> Option<HalfSpace> {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z] = [0, 1, 2].map(column);
-    // The normal is across what x and y become, on the side of z.
+    // The normal is perpendicular to the images of x and y, on the side of z.
     let normal = vector::unit(vector::cross(x, y))?;
     let height = vector::dot(normal, z);
     let normal = vector::scaled(normal, height.signum());
@@ -629,7 +630,7 @@ fn half_space(map: &Map) -> Option<HalfSpace> {
     (height != 0.0 && offset.is_finite()).then_some(HalfSpace { normal, offset })
 }
 
-/// Returns a map that takes a shape to the same set, without a turn about the shape's own axis where it has one.
+/// Returns a map with the same image of a shape, without a rotation about the shape's own axis, if it has one.
 fn upright(shape: UnitShape, map: &Map) -> Map {
     let column = |k: usize| map.0.map(|row| row[k]);
     let [x, y, z, at] = [0, 1, 2, 3].map(column);
@@ -652,7 +653,7 @@ fn upright(shape: UnitShape, map: &Map) -> Map {
         {
             Map::columns([[a, 0.0, 0.0], [0.0, a, 0.0], z], at)
         }
-        // Its middle and its sides stay.
+        // Its centre and its faces remain.
         UnitShape::Cube => {
             let columns = [x, y, z];
             let along = |k: usize| {
@@ -672,7 +673,7 @@ fn upright(shape: UnitShape, map: &Map) -> Map {
     }
 }
 
-/// Returns a number as a program writes it: with as many digits as it needs.
+/// Returns a number in the syntax of a program, with as many digits as it needs.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -681,7 +682,7 @@ fn number(value: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// `+ 1` or `- 1`.
+/// Returns `+ 1` or `- 1`.
 fn signed(value: f64) -> String {
     let sign = if value < 0.0 { '-' } else { '+' };
     format!("{sign} {}", number(value.abs()))
@@ -691,7 +692,7 @@ fn tuple(values: [f64; 3]) -> String {
     format!("({})", values.map(number).join(", "))
 }
 
-/// Degrees as radians.
+/// Returns degrees as radians.
 fn radians(degrees: f64) -> String {
     format!("{}pi/180", number(degrees))
 }

@@ -1,7 +1,7 @@
-//! Entities: shapes under affine maps, joined by set operations.
+//! Entities: shapes under affine maps, combined by set operations.
 //!
-//! Maps are in the coordinates of the script. Sets may be nested as often as a loop goes round, so that nothing here
-//! recurses over them.
+//! Maps are in the script's coordinates. A loop can nest sets once per iteration, so nothing here is recursive over
+//! them.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,7 +9,7 @@ use syntax::span::Span;
 
 use super::value::Material;
 
-/// An affine map: rows of a 3 × 3 matrix, each with its translation last.
+/// An affine map: the rows of a 3 × 3 matrix, each followed by its translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Map(pub(super) [[f64; 4]; 3]);
 
@@ -32,23 +32,23 @@ pub(super) enum UnitShape {
     HalfSpace,
     /// Of radius 1 about z, from z = 0 to 1.
     Cylinder,
-    /// Of radius 1 at z = 0 with its tip at z = 1.
+    /// Of radius 1 at z = 0, with its apex at z = 1.
     Cone,
     /// Of radius 1 about z, with a tube of this radius.
     Torus(f64),
 }
 
-/// A set of points with what it was made of.
+/// A set of points with its construction.
 #[derive(Debug)]
 pub(super) struct Entity {
-    /// Two entities are equal if their numbers are.
+    /// The identity: entities are equal if their ids are.
     pub(super) id: u64,
-    /// The variable that was emitted, or the place of the statement, with the place.
+    /// The emitted variable, or the position of the statement, with its span.
     pub(super) label: Option<(Arc<str>, Span)>,
     pub(super) map: Map,
-    /// `None` only while it is dropped.
+    /// `None` only during drop.
     node: Option<Arc<Node>>,
-    /// Their number.
+    /// The number of leaves.
     pub(super) leaves: u64,
 }
 
@@ -58,20 +58,20 @@ pub(super) enum Node {
     Set(SetOperation, Arc<Entity>, Arc<Entity>),
 }
 
-/// An object as a script makes it.
+/// An object created by a script.
 #[derive(Debug)]
 pub(super) struct ObjectNode {
-    /// The first part, and what is joined with it.
+    /// The first part; `second` is combined with it.
     pub(super) first: (UnitShape, Map),
     pub(super) second: Option<(SetOperation, UnitShape, Map)>,
     /// `Sphere 4:7`.
     pub(super) made: String,
-    /// The variable that it was given first.
+    /// The variable to which it was assigned first.
     pub(super) name: OnceLock<Arc<str>>,
-    /// The span of the name of the object.
+    /// The span of the object's name.
     pub(super) span: Span,
     pub(super) material: Arc<Material>,
-    /// On its own, the first part is seen from outside, and the second one is not.
+    /// True if, when used alone, the first part is visible from outside only, and the second one is invisible.
     pub(super) is_plane: bool,
 }
 
@@ -94,7 +94,7 @@ impl Entity {
         self.node.as_deref()
     }
 
-    /// Returns the same points under a map, with another number.
+    /// Returns the same points under a map, with another id.
     pub(super) fn placed(&self, map: &Map, id: u64) -> Self {
         Self {
             id,
@@ -105,7 +105,7 @@ impl Entity {
         }
     }
 
-    /// Returns the same with a label.
+    /// Returns the same entity with a label.
     pub(super) fn labelled(&self, label: (Arc<str>, Span)) -> Self {
         Self {
             id: self.id,
@@ -116,7 +116,7 @@ impl Entity {
         }
     }
 
-    /// Says the name of the variable that it is given, if it is one object.
+    /// Sets the name of the variable to which it is assigned, if it is a single object.
     pub(super) fn name(&self, name: &Arc<str>) {
         if let Some(Node::Object(object)) = self.node() {
             object.name.get_or_init(|| name.clone());
@@ -144,7 +144,7 @@ impl Map {
         [0.0, 0.0, 1.0, 0.0],
     ]);
 
-    /// Returns the map that takes the axes to columns, and 0 to a place.
+    /// Returns the map that takes the axes to these columns, and 0 to `at`.
     pub(super) fn columns([x, y, z]: [[f64; 3]; 3], at: [f64; 3]) -> Self {
         Self([0, 1, 2].map(|k| [x[k], y[k], z[k], at[k]]))
     }
@@ -160,7 +160,7 @@ impl Map {
         }))
     }
 
-    /// By degrees about x, then y, then z.
+    /// Returns the rotation by degrees about x, then y, then z.
     pub(super) fn rotate(degrees: [f64; 3]) -> Self {
         let [[sx, cx], [sy, cy], [sz, cz]] = degrees.map(sin_cos);
         let about_x = Self([
@@ -181,7 +181,7 @@ impl Map {
         about_z.after(&about_y.after(&about_x))
     }
 
-    /// This map after another one.
+    /// Returns this map composed after `first`.
     pub(super) fn after(&self, first: &Self) -> Self {
         Self(self.0.map(|[a, b, c, d]| {
             let mut row: [f64; 4] =
@@ -192,7 +192,7 @@ impl Map {
     }
 }
 
-/// Sine and cosine of degrees, exact for quarters of a turn.
+/// Returns the sine and cosine of an angle in degrees, exact for quarter turns.
 fn sin_cos(degrees: f64) -> [f64; 2] {
     let quarters = degrees / 90.0;
     if quarters.fract() == 0.0 {
@@ -207,7 +207,7 @@ fn sin_cos(degrees: f64) -> [f64; 2] {
     [sin, cos]
 }
 
-/// Vectors as three numbers.
+/// Operations on vectors of three numbers.
 pub(super) mod vector {
     pub(in crate::crt) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
         [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -233,13 +233,13 @@ pub(super) mod vector {
         a.map(|x| x * by)
     }
 
-    /// `None` for one without a direction.
+    /// Returns the unit vector; `None` if it has no direction.
     pub(in crate::crt) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
         let length = length(a);
         (length > 0.0 && length.is_finite()).then(|| scaled(a, 1.0 / length))
     }
 
-    /// Two unit vectors across a unit vector.
+    /// Returns two unit vectors perpendicular to a unit vector and to each other.
     pub(in crate::crt) fn across(z: [f64; 3]) -> [[f64; 3]; 2] {
         let least = (0..3).min_by(|&i, &j| z[i].abs().total_cmp(&z[j].abs()));
         let mut axis = [0.0; 3];

@@ -1,24 +1,25 @@
-//! Boxes around entities, in the coordinates of the script.
+//! Bounding boxes of entities, in the script's coordinates.
 //!
-//! The box of a shape is exact; that of a difference is its first operand's, that of an intersection the common part of two.
+//! The box of a shape is exact; the box of a difference is that of its first operand, and the box of an intersection is the
+//! intersection of the operands' boxes.
 
 use super::entity::{Entity, Map, Node, SetOperation, UnitShape};
 
-/// An entity in a few words.
+/// A summary of an entity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EntityExtent {
-    /// The object, "Sphere", or the operation that joins it: "union", "difference", "intersection".
+    /// The object, "Sphere", or the outermost operation: "union", "difference", "intersection".
     pub what: String,
     /// The number of leaves.
     pub leaves: u64,
-    /// The least and the greatest coordinate along each axis, which may be infinite; `None` if no point is within.
+    /// The minimum and the maximum along each axis, which may be infinite; `None` if the box is empty.
     pub bounds: Option<[[f64; 2]; 3]>,
 }
 
-/// The least and the greatest coordinate along each axis.
+/// The minimum and the maximum along each axis.
 type Bounds = [[f64; 2]; 3];
 
-/// Returns the words and the box of an entity.
+/// Returns the summary of an entity.
 pub(super) fn extent(entity: &Entity) -> EntityExtent {
     let what = match entity.node() {
         Some(Node::Object(object)) => object.made.split(' ').next().unwrap_or("Entity"),
@@ -41,7 +42,7 @@ enum ExtentStep<'e> {
     Join(SetOperation),
 }
 
-/// Sets are nested as deeply as a loop goes round: a stack instead of recursion.
+/// Returns the box of an entity. Loops can nest sets deeply: this uses a stack instead of recursion.
 fn bounds(entity: &Entity) -> Bounds {
     let mut steps = vec![ExtentStep::Visit(entity, Map::IDENTITY)];
     let mut done: Vec<Bounds> = Vec::new();
@@ -86,7 +87,7 @@ fn joined(operation: SetOperation, a: Bounds, b: Bounds) -> Bounds {
     })
 }
 
-/// Returns the box of a shape under a map, by the support of the shape along each axis.
+/// Returns the box of a shape under a map, from the shape's support along each axis.
 fn of_shape(shape: UnitShape, map: &Map) -> Bounds {
     map.0.map(|[a, b, c, place]| {
         let (across, along) = (a.hypot(b), a.hypot(b).hypot(c));

@@ -1,5 +1,5 @@
-//! Objects: attributes are evaluated and held to the table; an entity, a material, a light, a camera, a background or the
-//! settings come out.
+//! Objects: evaluates attributes and checks them against the table. The results are entities, materials, lights, cameras,
+//! backgrounds and settings.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -15,7 +15,8 @@ use super::entity::{Entity, Map, Node, ObjectNode, SetOperation, UnitShape, vect
 use super::run::{Interpreter, Stopped};
 use super::value::{Background, Material, ScriptCamera, ScriptLight, ScriptSettings, ScriptValue};
 
-/// The values of an object's attributes, with their places. What is required is there, and all have the types of the table.
+/// The values of an object's attributes, with their spans. All required ones are present, and all have the types of the
+/// table.
 struct Stated(HashMap<&'static str, (ScriptValue, Span)>);
 
 impl Stated {
@@ -51,7 +52,7 @@ impl Stated {
 }
 
 impl Interpreter<'_> {
-    /// Returns the value of an object.
+    /// Evaluates an object.
     pub(super) fn object(&mut self, object: &Object, span: Span) -> Result<ScriptValue, Stopped> {
         let Some(name) = ObjectName::from_text(&object.name.text) else {
             for attribute in &object.attributes {
@@ -80,7 +81,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Returns the block `Settings`.
+    /// Evaluates the block `Settings`.
     pub(super) fn settings(
         &mut self,
         attributes: &[Attribute],
@@ -129,7 +130,7 @@ impl Interpreter<'_> {
         })
     }
 
-    /// Evaluates all attributes in the order of the text; the last one of a name counts.
+    /// Evaluates all attributes in the order of the text; the last one with a name counts.
     fn attributes(
         &mut self,
         name: ObjectName,
@@ -159,7 +160,7 @@ impl Interpreter<'_> {
         Ok(Stated(stated))
     }
 
-    /// Holds a value to its row of the table.
+    /// Checks a value against its row of the table.
     fn checked(
         &mut self,
         row: &ObjectAttribute,
@@ -299,7 +300,7 @@ impl Interpreter<'_> {
         })))
     }
 
-    /// Refuses a direction of no length.
+    /// Refuses a zero direction.
     fn direction(
         &mut self,
         direction: [f64; 3],
@@ -338,7 +339,7 @@ impl Interpreter<'_> {
                 let normal = self.direction(at("normal"), "normal", stated, span)?;
                 if name == ObjectName::HalfPlane {
                     let way = self.direction(at("direction"), "direction", stated, span)?;
-                    // Along the normal it leaves nothing of the plane out.
+                    // A direction along the normal cuts off nothing of the plane.
                     if vector::length(vector::cross(normal, way)) > 1e-12 {
                         let behind = frame(vector::scaled(way, -1.0), [1.0; 3], at("position"));
                         second = Some((SetOperation::Intersection, UnitShape::HalfSpace, behind));
@@ -365,7 +366,7 @@ impl Interpreter<'_> {
                 let tube = stated.number_or("tube", 1.0) / radius;
                 let map = frame(normal, [radius; 3], at("center"));
                 if tube > 1.0 {
-                    // Where the tube goes beyond the axis, the equation leaves a hollow.
+                    // If the tube extends beyond the axis, the equation leaves a hollow.
                     let within = radius * (tube * tube - 1.0).sqrt();
                     let ball = round(within, at("center"));
                     second = Some((SetOperation::Union, UnitShape::Ball, ball));
@@ -396,7 +397,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The most samples of a pixel.
+/// The maximum number of samples per pixel.
 const MAX_SAMPLES: u64 = 1 << 16;
 
 fn round(radius: f64, center: [f64; 3]) -> Map {

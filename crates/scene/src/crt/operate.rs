@@ -1,6 +1,6 @@
 //! Operators on values.
 //!
-//! In: one value or two. Out: a value, or the code and the sentence of what is wrong.
+//! In: one or two values. Out: a value, or the code and the message of an error.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use syntax::diagnostic::Code;
 use super::value::ScriptValue;
 use super::{MAX_SIZE, codes};
 
-/// A mistake in an operation.
+/// An error in an operation.
 pub(super) type Fault = (Code, String);
 
 /// Applies an operator to one operand.
@@ -45,7 +45,7 @@ pub(super) fn prefix(operator: PrefixOperator, value: &ScriptValue) -> Result<Sc
     })
 }
 
-/// Applies an operator other than `==` and `!=` to two operands; entities are not among them.
+/// Applies an operator other than `==` and `!=` to two operands that are not entities.
 pub(super) fn binary(operator: B, a: &ScriptValue, b: &ScriptValue) -> Result<ScriptValue, Fault> {
     let mismatch = || {
         let message = format!(
@@ -128,7 +128,7 @@ fn text(text: String) -> Result<ScriptValue, Fault> {
     Ok(ScriptValue::Text(Arc::from(text)))
 }
 
-/// `None` if the operator takes no numbers.
+/// Applies an operator to integers; `None` if it does not take numbers.
 fn integers(operator: B, a: i32, b: i32) -> Option<Result<ScriptValue, Fault>> {
     let by_zero = || {
         let message = format!("`{}` divides a whole number by 0", operator.text());

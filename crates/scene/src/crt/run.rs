@@ -1,8 +1,8 @@
-//! The run of a script: statements, scopes, and expressions.
+//! Runs a script: statements, scopes, and expressions.
 //!
-//! In: the tree of a script. Out: the entities that its scene emits, its settings, and its diagnostics. An error ends
-//! the statement at top level, or in the block `Scene`, in which it is met; what that assigns has no value, and uses of it
-//! are not reported.
+//! In: the tree of a script. Out: the entities that its scene emits, its settings, and its diagnostics. An error ends the
+//! enclosing statement at top level or in the block `Scene`. Names that this statement assigns have no value, and uses of
+//! them are not reported.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -28,21 +28,21 @@ use super::{
 };
 use crate::limits::MAX_LEAVES;
 
-/// Expressions and statements within others, over all calls. In a browser a stack of one megabyte is all that there is; it
-/// holds half as many again.
+/// The maximum nesting depth of expressions and statements, over all calls. In a browser the whole stack has one megabyte,
+/// which suffices for one and a half times this depth.
 const MAX_NESTING: u32 = if cfg!(target_family = "wasm") {
     1_000
 } else {
     10_000
 };
-/// Lists within lists.
+/// The maximum depth of nested lists.
 const MAX_LIST_DEPTH: u32 = 256;
-/// Variables that one variable points through.
+/// The maximum number of variables in a chain of pointers.
 const MAX_POINTERS: usize = 1_000;
-/// Further diagnostics are left out.
+/// The maximum number of diagnostics; further ones are omitted.
 const MAX_DIAGNOSTICS: usize = 1000;
 
-/// An error has been reported; the statement is left.
+/// An error has been reported, and the statement is abandoned.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stopped;
 
@@ -50,21 +50,21 @@ pub(super) struct Stopped;
 #[derive(Clone, Debug)]
 enum Binding {
     Value(ScriptValue),
-    /// The value of another variable, as it is later, and the place where that one is written.
+    /// A pointer to the value of another variable, as it will be, with the span of that variable's name.
     Pointer(Arc<str>, Span),
     /// An error has been reported.
     Faulty,
 }
 
-/// The names that a macro call, or the script, has.
+/// The names of a macro call, or of the script.
 #[derive(Debug, Default)]
 struct ScopeNames {
-    /// The scope around the place where the macro is written.
+    /// The scope in which the macro is written.
     parent: Option<usize>,
     names: HashMap<Arc<str>, Binding>,
 }
 
-/// The values that a name was given at a place.
+/// The values assigned to a name at one location.
 #[derive(Debug)]
 struct Assigned {
     count: u32,
@@ -83,7 +83,7 @@ struct Emitted {
 /// Runs a script.
 pub(super) struct Interpreter<'s> {
     pub(super) lines: &'s ScriptLines,
-    /// The offset from which the places of the tree count.
+    /// The offset to which the spans of the tree are relative.
     pub(super) base: u32,
     pub(super) random: JavaRandom,
     pub(super) call_depth: u32,
@@ -92,19 +92,19 @@ pub(super) struct Interpreter<'s> {
     work: u32,
     steps: u64,
     nesting: u32,
-    /// The work limit has been met.
+    /// True once the work limit has been reached.
     is_over: bool,
     next_id: u64,
     diagnostics: Vec<Diagnostic>,
-    /// The entities that the block and the macros that are being run have emitted, the innermost last.
+    /// The entities emitted by the block and the macros in progress, the innermost last.
     emitted: Vec<Emitted>,
-    /// Variables to which others point, with the places where that is written.
+    /// Variables to which others point, with the spans of these pointers.
     pointed: HashMap<(usize, Arc<str>), BTreeSet<Span>>,
-    /// The values that names were given, by the places of the names.
+    /// The assigned values, by the spans of the names.
     assigned: HashMap<Span, Assigned>,
-    /// The number of values that names were given.
+    /// The number of assignments.
     assignments: u32,
-    /// True once nobody wants the run any more.
+    /// True once the run has been cancelled.
     given_up: &'s AtomicBool,
     settings: ScriptSettings,
     drawn: Vec<Arc<Entity>>,
@@ -139,7 +139,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Runs a script. Of a second block, and after the scene, all is run: the parser has reported it.
+    /// Runs a script. A second block and statements after the scene are run too: the parser has reported them.
     pub(super) fn script(&mut self, script: &Script) {
         let (mut has_settings, mut has_scene) = (false, false);
         for (base, block) in script.blocks() {
@@ -168,7 +168,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Returns the scene, the diagnostics and the values of a script that has been run; `None` if it was given up.
+    /// Returns the scene, the diagnostics and the assignments of a run; `None` if it was cancelled.
     pub(super) fn finish(mut self) -> Option<ScriptRun> {
         if self.given_up.load(Ordering::Relaxed) {
             return None;
@@ -201,7 +201,7 @@ impl<'s> Interpreter<'s> {
         (self.settings, self.drawn)
     }
 
-    /// Returns the value of an expression after the script; its places count from its own start.
+    /// Returns the value of an expression after the script; its spans are relative to its own start.
     pub(super) fn value_at_end(
         mut self,
         expression: &Expression,
@@ -224,12 +224,12 @@ impl<'s> Interpreter<'s> {
         Stopped
     }
 
-    /// Reports a diagnostic whose places count from the base, once for each place.
+    /// Reports a diagnostic whose spans are relative to the base, once for each span.
     pub(super) fn report(&mut self, diagnostic: Diagnostic) {
         self.report_placed(diagnostic.moved(self.base));
     }
 
-    /// Reports a diagnostic whose places count from the start of the text.
+    /// Reports a diagnostic whose spans are relative to the start of the text.
     fn report_placed(&mut self, diagnostic: Diagnostic) {
         let is_same = |it: &Diagnostic| it.code == diagnostic.code && it.span == diagnostic.span;
         if self.diagnostics.len() < MAX_DIAGNOSTICS && !self.diagnostics.iter().any(is_same) {
@@ -237,23 +237,23 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Returns the number of a new entity.
+    /// Returns the id of a new entity.
     pub(super) fn id(&mut self) -> u64 {
         self.next_id += 1;
         self.next_id
     }
 
-    /// Counts a round of a loop, or a call.
+    /// Counts a loop iteration, or a call.
     pub(super) fn count(&mut self, span: Span, what: &str) -> Result<(), Stopped> {
         self.spend(1, span, what)
     }
 
-    /// Counts an object that is made: a million take a gigabyte. The loop or the call around it is what is stopped.
+    /// Counts a new object: a million take a gigabyte. At the limit, the surrounding loop or call is stopped.
     pub(super) fn count_object(&mut self) {
         self.work = self.work.saturating_add(1);
     }
 
-    /// Counts an expression, a statement or an element that is compared. The loop or the call around it is what is stopped.
+    /// Counts an expression, a statement or a compared element. At the limit, the surrounding loop or call is stopped.
     fn step(&mut self) -> Result<(), Stopped> {
         self.steps += 1;
         if self.given_up.load(Ordering::Relaxed) {
@@ -269,7 +269,7 @@ impl<'s> Interpreter<'s> {
         self.spend(rounds as u32, span, "this string")
     }
 
-    /// Counts what takes the work of `rounds` rounds or calls.
+    /// Counts an operation with the work of `rounds` iterations or calls.
     fn spend(&mut self, rounds: u32, span: Span, what: &str) -> Result<(), Stopped> {
         self.work = self.work.saturating_add(rounds);
         if self.given_up.load(Ordering::Relaxed) {
@@ -298,7 +298,7 @@ impl<'s> Interpreter<'s> {
         if self.is_over || self.statement(statement, emits).is_ok() {
             return;
         }
-        // What the statement would have assigned has no value.
+        // The names that the statement would have assigned have no value.
         let names = &mut self.scopes[self.scope].names;
         statement.each_assigned(&mut |name| {
             names.entry(name.clone()).or_insert(Binding::Faulty);
@@ -358,7 +358,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Returns an expression as a statement.
+    /// Runs an expression as a statement.
     fn expression(&mut self, expression: &Expression, emits: bool) -> Result<(), Stopped> {
         if let E::Assignment(sides) = &expression.ungrouped().kind {
             return self.assign(sides);
@@ -414,7 +414,7 @@ impl<'s> Interpreter<'s> {
         Ok(())
     }
 
-    /// Holds leaves to their limit.
+    /// Checks a number of leaves against its limit.
     pub(super) fn leaves(&mut self, count: u64, span: Span) -> Result<(), Stopped> {
         if count <= MAX_LEAVES {
             return Ok(());
@@ -457,7 +457,7 @@ impl<'s> Interpreter<'s> {
         let (mut scope, mut next) = (self.scope, other.clone());
         let mut passed = 0;
         loop {
-            // The name that is being bound hides those of scopes around.
+            // The name that is being bound hides the same name of outer scopes.
             let is_itself = next == *name && (scope == self.scope);
             let fault = if is_itself {
                 let message = format!("`{name}` would point to itself");
@@ -503,7 +503,7 @@ impl<'s> Interpreter<'s> {
         }
         let place = span.moved(self.base);
         let value = match &binding {
-            // The variables of a call end with it.
+            // The variables of a call cease to exist at its end.
             Binding::Pointer(other, _) if self.scope != 0 => {
                 self.known(other).map_or(Binding::Faulty, Binding::Value)
             }
@@ -513,7 +513,7 @@ impl<'s> Interpreter<'s> {
         self.scopes[self.scope].names.insert(name, binding);
     }
 
-    /// Records the value that a name is given at a place.
+    /// Records the value assigned to a name.
     fn assigned(&mut self, place: Span, binding: Binding) {
         self.assignments = self.assignments.saturating_add(1);
         let last = self.assignments;
@@ -529,7 +529,7 @@ impl<'s> Interpreter<'s> {
         );
     }
 
-    /// Finds a name from a scope outwards, with the scope that has it.
+    /// Finds a name from a scope outwards, with its scope.
     fn find(&self, name: &str, mut scope: usize) -> Option<(usize, Binding)> {
         loop {
             let names = &self.scopes[scope];
@@ -548,11 +548,11 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Returns the meaning of a name, through the variables to which it points; if there is none, the pointer that leads
-    /// nowhere, and nothing if that is the name itself.
+    /// Returns the meaning of a name, following pointers between variables. If there is none, returns the dangling
+    /// pointer, or `None` if the name itself is undefined.
     fn resolved(&self, name: &str) -> Result<Binding, Option<(Arc<str>, Span)>> {
         let (mut scope, mut binding) = self.find(name, self.scope).ok_or(None)?;
-        // Circles are refused; a name that is bound later in a scope within might still close one.
+        // Cycles are refused, but a name bound later in an inner scope might still close one.
         for _ in 0..=MAX_POINTERS {
             match binding {
                 Binding::Pointer(other, place) => {
@@ -565,7 +565,7 @@ impl<'s> Interpreter<'s> {
         Err(None)
     }
 
-    /// Returns the names that can be meant where the run is, in no order.
+    /// Returns the names that are visible at the present point of the run, in no particular order.
     fn visible_names(&self) -> Vec<&str> {
         let parent = |scope: &usize| self.scopes[*scope].parent;
         let scopes = std::iter::successors(Some(self.scope), parent);
@@ -585,7 +585,7 @@ impl<'s> Interpreter<'s> {
             return Err(Stopped);
         }
         let mut all = self.visible_names();
-        // Of names that are equally near it is the first.
+        // Among names equally near, the first is chosen.
         all.sort_unstable();
         let near = nearest(&missing, all.into_iter());
         let message = format!("no variable `{missing}` has been assigned");
@@ -601,12 +601,12 @@ impl<'s> Interpreter<'s> {
         Err(Stopped)
     }
 
-    /// Returns the value of an expression.
+    /// Evaluates an expression.
     pub(super) fn value(&mut self, expression: &Expression) -> Result<ScriptValue, Stopped> {
         self.nested(expression.span, |run| run.value_of(expression))
     }
 
-    /// Does something a level deeper, unless that is too deep.
+    /// Calls `work` one level deeper, unless that is too deep.
     fn nested<T>(
         &mut self,
         span: Span,
@@ -655,7 +655,7 @@ impl<'s> Interpreter<'s> {
                 let [condition, yes, no] = &**parts;
                 let truth = self.value(condition)?;
                 let truth = self.boolean(&truth, condition.span)?;
-                // All operands are evaluated.
+                // Both operands are always evaluated.
                 let (yes, no) = (self.value(yes)?, self.value(no)?);
                 if truth { yes } else { no }
             }
@@ -669,7 +669,7 @@ impl<'s> Interpreter<'s> {
         })
     }
 
-    /// Returns a list, within its limits.
+    /// Creates a list, within its limits.
     fn list(&mut self, items: Vec<ScriptValue>, span: Span) -> Result<ScriptValue, Stopped> {
         let depth = items.iter().map(|item| match item {
             ScriptValue::List(list) => list.depth,
@@ -722,7 +722,7 @@ impl<'s> Interpreter<'s> {
                     return Ok(false);
                 }
                 for (a, b) in a.items.iter().zip(&b.items) {
-                    // Lists may share their elements: there are more ways to an element than elements.
+                    // Lists can share elements, so there can be more paths to elements than elements.
                     self.step()?;
                     self.spend(0, span, "this comparison")?;
                     if !self.are_equal(a, b, span)? {
@@ -795,7 +795,7 @@ impl<'s> Interpreter<'s> {
         }
     }
 
-    /// Runs the body of a macro with its arguments, and returns what it emits.
+    /// Runs the body of a macro with its arguments, and returns the entities that it emits.
     pub(super) fn run_macro(
         &mut self,
         called: &MacroValue,

@@ -1,4 +1,4 @@
-//! Values, and the objects that are no entities.
+//! Values, and the objects that are not entities.
 
 use std::sync::Arc;
 
@@ -28,9 +28,9 @@ pub(super) enum ScriptValue {
 #[derive(Debug)]
 pub(super) struct List {
     pub(super) items: Vec<ScriptValue>,
-    /// Lists within lists.
+    /// The depth of nested lists.
     pub(super) depth: u32,
-    /// The value of a call: what the macro emitted.
+    /// True for the value of a call: the entities that the macro emitted.
     pub(super) is_emitted: bool,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct List {
 pub(super) struct MacroValue {
     pub(super) definition: Arc<Macro>,
     pub(super) scope: usize,
-    /// The offset from which its places count.
+    /// The offset to which its spans are relative.
     pub(super) base: u32,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct ScriptLight {
     pub(super) color: [f64; 3],
     pub(super) ambient: f64,
     pub(super) falloff: f64,
-    /// Degrees.
+    /// In degrees.
     pub(super) angle: Option<f64>,
     pub(super) radius: Option<f64>,
     pub(super) softness: f64,
@@ -74,21 +74,21 @@ pub(super) struct ScriptLight {
 pub(super) struct ScriptCamera {
     pub(super) position: [f64; 3],
     pub(super) pointing: [f64; 3],
-    /// Degrees.
+    /// In degrees.
     pub(super) fov: f64,
     pub(super) aperture: f64,
     pub(super) focaldistance: f64,
     pub(super) apertureshape: Arc<str>,
-    /// Degrees.
+    /// In degrees.
     pub(super) roll: f64,
     pub(super) projection: Arc<str>,
 }
 
-/// The light that comes from where nothing is hit.
+/// The light from directions in which nothing is hit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Background {
     pub(super) image: Option<Arc<str>>,
-    /// Radians.
+    /// In radians.
     pub(super) angle: f64,
     pub(super) horizon: Option<[f64; 3]>,
     pub(super) sky: Option<[f64; 3]>,
@@ -150,7 +150,7 @@ impl Default for ScriptSettings {
     }
 }
 
-/// The longest text of a value that is written out, in characters; of a list, about.
+/// The maximum length of the text of a value, in characters; approximate for lists.
 pub(super) const LONGEST: usize = 200;
 
 impl ScriptValue {
@@ -182,7 +182,7 @@ impl ScriptValue {
         }
     }
 
-    /// Returns the numbers of a number, a vector or a colour.
+    /// Returns the components of a number, a vector or a colour.
     pub(super) fn numbers(&self) -> Vec<f64> {
         match self {
             Self::Vector(parts) | Self::Color(parts) => parts.to_vec(),
@@ -190,7 +190,7 @@ impl ScriptValue {
         }
     }
 
-    /// Returns the entities of a list of nothing else.
+    /// Returns the entities of a list that contains nothing else.
     pub(super) fn entities(&self) -> Option<Vec<Arc<Entity>>> {
         let Self::List(list) = self else {
             return None;
@@ -222,7 +222,7 @@ impl ScriptValue {
         }
     }
 
-    /// Returns the text of a number, a string or a Boolean, as `+` joins it.
+    /// Returns the text of a number, a string or a Boolean, as concatenated by `+`.
     pub(super) fn simple_text(&self) -> Option<String> {
         Some(match self {
             Self::Integer(number) => number.to_string(),
@@ -233,7 +233,7 @@ impl ScriptValue {
         })
     }
 
-    /// Returns the value as a script writes it; a long list is cut.
+    /// Returns the value in the syntax of a script; a long list is truncated.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
@@ -284,7 +284,7 @@ impl ScriptValue {
     }
 }
 
-/// Returns a Float as Java writes it.
+/// Returns a Float in the format of Java.
 pub(super) fn float_text(number: f64) -> String {
     if number.is_nan() {
         return "NaN".to_owned();

@@ -1,26 +1,26 @@
 //! Affine maps over the nodes of a graph.
 //!
-//! In: what a set is placed by, as nodes. Out: maps as rows of nodes, composed, inverted, and whether one is singular.
+//! In: the placement of a set, as nodes. Out: maps as rows of nodes, composed, inverted, and tested for singularity.
 
 use expr::ops::{Binary, Unary};
 use expr::{Graph, Input, NodeId, TooLarge};
 
 use crate::solid::AffineNodes;
 
-/// A map is singular where its determinant is at most this share of the product of its columns' lengths.
+/// A map is singular if its determinant is at most this fraction of the product of its columns' lengths.
 pub(crate) const LEAST_DETERMINANT: f64 = 1e-12;
 
-/// Half an angle below which a rotation is that of its vector to within rounding, in 32 bits too.
+/// The half angle below which a rotation equals that of its vector within rounding, including in 32 bits.
 const LEAST_HALF_ANGLE: f64 = 1e-18;
 
 impl AffineNodes {
-    /// Returns the map that leaves all where it is.
+    /// Returns the identity map.
     pub(crate) fn identity(graph: &mut Graph) -> Self {
         let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
         Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| if row == column { one } else { zero })))
     }
 
-    /// x ↦ x + v.
+    /// Returns the map x ↦ x + v.
     pub(crate) fn translation(graph: &mut Graph, by: [NodeId; 3]) -> Self {
         let mut map = Self::identity(graph);
         for (row, by) in map.0.iter_mut().zip(by) {
@@ -29,7 +29,7 @@ impl AffineNodes {
         map
     }
 
-    /// x ↦ (s₁x₁, s₂x₂, s₃x₃).
+    /// Returns the map x ↦ (s₁x₁, s₂x₂, s₃x₃).
     pub(crate) fn scaling(graph: &mut Graph, by: [NodeId; 3]) -> Self {
         let mut map = Self::identity(graph);
         for (k, by) in by.into_iter().enumerate() {
@@ -89,7 +89,7 @@ impl AffineNodes {
         map
     }
 
-    /// Returns the map that does `first` and then this.
+    /// Returns the composition of this map after `first`.
     pub(crate) fn after(&self, graph: &mut Graph, first: &Self) -> Self {
         let mut map = *first;
         for row in 0..3 {
@@ -111,7 +111,7 @@ impl AffineNodes {
         product_sum(graph, first)
     }
 
-    /// (−1)ʲ⁺ᵏ times the minor without row j and column k.
+    /// Returns (−1)ʲ⁺ᵏ times the minor without row j and column k.
     fn cofactor(&self, graph: &mut Graph, row: usize, column: usize) -> NodeId {
         let (r, s) = ((row + 1) % 3, (row + 2) % 3);
         let (c, d) = ((column + 1) % 3, (column + 2) % 3);
@@ -120,7 +120,7 @@ impl AffineNodes {
         graph.sub(a, b)
     }
 
-    /// Returns the place that the map takes to (`Variable(0)`, `Variable(1)`, `Variable(2)`).
+    /// Returns the point that the map takes to (`Variable(0)`, `Variable(1)`, `Variable(2)`).
     pub(crate) fn preimage(&self, graph: &mut Graph) -> [NodeId; 3] {
         let place = [0, 1, 2].map(|k| {
             let x = graph.input(Input::Variable(k));
@@ -134,8 +134,8 @@ impl AffineNodes {
         })
     }
 
-    /// Returns the affine map that three nodes over `Variable(0)` to `Variable(2)` are; `None` if a derivative of theirs reads
-    /// a variable.
+    /// Returns three nodes over `Variable(0)` to `Variable(2)` as an affine map; `None` if one of their derivatives reads a
+    /// variable.
     pub(crate) fn of_image(
         graph: &mut Graph,
         image: [NodeId; 3],
@@ -159,8 +159,8 @@ impl AffineNodes {
         Ok(Some(map))
     }
 
-    /// Returns true if a map with these entries, row by row, is singular whatever the lengths of its columns: it may else be
-    /// that their product is beyond the range of numbers.
+    /// Returns true if a map with these entries, row by row, is singular regardless of the product of its columns' lengths,
+    /// which may be out of range.
     pub(crate) fn is_flat(numbers: &[f64]) -> bool {
         let mut scaled = numbers.to_vec();
         for column in 0..3 {
@@ -175,7 +175,7 @@ impl AffineNodes {
         Self::is_singular(&scaled)
     }
 
-    /// Returns true if the numbers of a map's entries, row by row, are those of a map that is singular or undefined.
+    /// Returns true if a map with these entries, row by row, is singular or undefined.
     pub(crate) fn is_singular(numbers: &[f64]) -> bool {
         let [a, b, c, _, d, e, f, _, g, h, i, _] = numbers else {
             return true;

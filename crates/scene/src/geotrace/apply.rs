@@ -1,11 +1,11 @@
-//! Functions where they are applied: arguments, derivatives, and bodies that are lowered once.
+//! Application of functions: arguments, derivatives, and bodies that are lowered once.
 //!
 //! In: a function (with the `'`, `_u` and `^n` that follow its name) and its operand. Out: the value, or a request to
 //! lower the function's body first.
 //!
-//! A function has no type of its own. Its body is lowered for the dimensions of the arguments at hand, over
-//! formal inputs `Variable(0..)` that count the components of all its parameters; it is kept, derivatives are
-//! taken of it, and each application substitutes its arguments into it.
+//! A function has no type of its own. Its body is lowered for the dimensions of the given arguments, over formal inputs
+//! `Variable(0..)` that count the components of all its parameters. The result is stored, derivatives are taken of it,
+//! and each application substitutes its arguments into it.
 
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ use crate::geotrace::sets::DeclaredSolid;
 use crate::geotrace::symbol::Meaning;
 
 impl Lowerer {
-    /// `f x`. The function and its operand have been taken from the stack; they are put back where the body
-    /// has to be lowered first.
+    /// Applies a function: `f x`. The function and its operand have been popped from the stack; they are pushed back if
+    /// the body has to be lowered first.
     pub(crate) fn apply(
         &mut self,
         function: StackItem,
@@ -102,7 +102,7 @@ impl Lowerer {
         self.raise(value, &function, span)
     }
 
-    /// `f^n x` is `(f x)^n`.
+    /// Computes `f^n x`, which is `(f x)^n`.
     fn raise(
         &mut self,
         mut value: Value,
@@ -119,7 +119,7 @@ impl Lowerer {
         Ok(Effect::Push(StackItem::Value(value)))
     }
 
-    /// One value per parameter; none where the operand has failed.
+    /// Returns one value per parameter; `None` if the operand has failed.
     fn arguments(
         &mut self,
         symbol: SymbolId,
@@ -130,7 +130,7 @@ impl Lowerer {
         let expected = parameters.len();
         let given = match operand {
             StackItem::Function(_) | StackItem::Set(_) | StackItem::Poison => return Ok(None),
-            // One parameter takes the whole operand.
+            // A single parameter takes the whole operand.
             operand if expected == 1 => {
                 return Ok(self.value(operand.clone())?.map(|value| vec![value]));
             }
@@ -167,7 +167,7 @@ impl Lowerer {
         ))
     }
 
-    /// Returns the formal parameters of these dimensions, over which a body is lowered.
+    /// Returns formal parameters of these dimensions, over which a body is lowered.
     fn formal_parameters(&mut self, dimensions: &[usize]) -> Vec<Value> {
         let mut next = 0;
         let mut input = |graph: &mut Graph| {
@@ -183,7 +183,7 @@ impl Lowerer {
             .collect()
     }
 
-    /// Returns the body of a builtin or of a geodesic, which have none in the text.
+    /// Returns the body of a builtin or of a geodesic, which have no body in the text.
     fn own_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
         let parameters = self.formal_parameters(&key.dimensions);
         if let Meaning::Solid(solid) = self.symbols.meaning(key.symbol) {
@@ -241,7 +241,7 @@ impl Lowerer {
         })
     }
 
-    /// Returns the derivative of the body `id`, which is one of `key`'s or of its derivatives.
+    /// Returns the derivative of the body `id`, which is the body of `key` or one of its derivatives.
     fn derive(
         &mut self,
         id: BodyId,
@@ -284,7 +284,7 @@ impl Lowerer {
         })
     }
 
-    /// Returns a body's value for some arguments; none where the graph is full.
+    /// Returns a body's value for given arguments; `None` if the graph is full.
     fn substitute(&mut self, id: BodyId, arguments: &[Value]) -> Option<Value> {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return None;

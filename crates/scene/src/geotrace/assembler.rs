@@ -1,8 +1,8 @@
-//! Assembles declarations that have been read already, without lexing or parsing, in time proportional to them.
+//! Assembles declarations that have already been read, without lexing or parsing, in time proportional to them.
 //!
-//! In: declarations as the incremental document has read them, from top to bottom; they may be of different versions of a
-//! text. Out: the state of the compiler as the parser would have left it, and whether each of them has a meaning there.
-//! Symbols are found by name, since each version of a text numbers them anew.
+//! In: declarations as read by the incremental document, from top to bottom; they may be from different versions of a
+//! text. Out: the state of the compiler as after parsing them, and whether each of them has a meaning there. Symbols are
+//! found by name, because each version of a text numbers them independently.
 
 use rustc_hash::FxHashMap;
 use syntax::diagnostic::Severity;
@@ -16,10 +16,10 @@ use crate::geotrace::code::with_symbol;
 use crate::geotrace::declarations::{Declarations, Understood};
 use crate::geotrace::symbol::Meaning;
 
-/// A symbol that nothing defines.
+/// A symbol without a definition.
 pub(crate) const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
 
-/// The compiler, driven by what was read.
+/// The compiler, driven by recorded declarations.
 #[derive(Debug)]
 pub(crate) struct Assembler<'s> {
     pub(crate) declarations: Declarations,
@@ -29,14 +29,14 @@ pub(crate) struct Assembler<'s> {
     next: u32,
 }
 
-/// A name that has a meaning.
+/// A name with a meaning.
 #[derive(Clone, Copy, Debug)]
 struct Named {
     symbol: SymbolId,
     is_stale: bool,
 }
 
-/// A declaration of a version of a text.
+/// A declaration from a version of a text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reading<'s> {
     pub(crate) snapshot: &'s Snapshot,
@@ -45,12 +45,12 @@ pub(crate) struct Reading<'s> {
     pub(crate) events: ParseEvents<'s>,
 }
 
-/// The place that an assembled declaration's name gets.
+/// The span of an assembled declaration's name.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum NamePlace {
-    /// Its place in its chunk, which starts here.
+    /// Its span in its chunk, which starts at this offset.
     Chunk(u32),
-    /// This place, whose text it replaces.
+    /// This span, whose text it replaces.
     Instead(Span),
 }
 
@@ -64,7 +64,7 @@ pub(crate) struct Assembled {
 }
 
 impl<'s> Reading<'s> {
-    /// Returns the names of the symbols in its expressions; those of builtins too.
+    /// Returns the names of the symbols in its expressions, including builtins.
     pub(crate) fn symbols(self) -> impl Iterator<Item = SymbolId> + use<'s> {
         self.events.filter_map(|event| match event {
             ParseEvent::Operator(Operator::Constant(symbol) | Operator::Function(symbol), _) => {
@@ -76,7 +76,7 @@ impl<'s> Reading<'s> {
 }
 
 impl<'s> Assembler<'s> {
-    /// Nothing but the builtins.
+    /// Creates an assembler with only the builtins.
     pub(crate) fn new() -> Self {
         Self {
             declarations: Declarations::new(),
@@ -86,17 +86,17 @@ impl<'s> Assembler<'s> {
         }
     }
 
-    /// Returns the symbol of a name that has a meaning and is no builtin's.
+    /// Returns the symbol of a name that has a meaning and is not builtin.
     pub(crate) fn symbol(&self, name: &str) -> Option<SymbolId> {
         Some(self.names.get(name)?.symbol)
     }
 
-    /// Adds a declaration below those that have been added. Returns `None` and adds nothing if it has no meaning there: it
-    /// has an error, its name is taken, or it uses a name that has no meaning.
+    /// Adds a declaration below the ones already added. Returns `None` and adds nothing if it has no meaning there: it has
+    /// an error, its name is taken, or it uses a name without a meaning.
     pub(crate) fn add(&mut self, reading: Reading<'s>, place: NamePlace) -> Option<Assembled> {
         let read = reading.declaration;
         let mut is_stale = matches!(place, NamePlace::Instead(_));
-        // What stands in for another has the place of that.
+        // A replacement has the span of the text that it replaces.
         let placed = |span: Span| match place {
             NamePlace::Chunk(start) => span.moved(start),
             NamePlace::Instead(place) => place,
@@ -139,7 +139,7 @@ impl<'s> Assembler<'s> {
             ..read.as_declaration(&parameters)
         };
         let understood = self.declarations.understand(&declaration);
-        // A symbol is used once: what has been found of its bodies is kept under it.
+        // A symbol is used only once, because the results for its bodies are stored under it.
         self.next += 1;
         if !is_understood(&understood) || self.is_full() {
             return None;
@@ -150,7 +150,7 @@ impl<'s> Assembler<'s> {
         Some(Assembled { is_drawn, is_stale })
     }
 
-    /// Returns the present meaning of a declared symbol, if it is of the kind it was read as: a constant, or applied.
+    /// Returns the present meaning of a declared symbol, if it is still of the same kind: a constant, or applied.
     fn resolve(&self, snapshot: &Snapshot, operator: Operator, symbol: SymbolId) -> Option<Named> {
         let named = *self.names.get(&*snapshot.symbol(symbol)?.name)?;
         let meaning = self.declarations.lowerer.symbols.meaning(named.symbol);
@@ -158,13 +158,13 @@ impl<'s> Assembler<'s> {
         (is_constant == matches!(operator, Operator::Constant(_))).then_some(named)
     }
 
-    /// Returns true if the graph has no room for more expressions; what has been found since is not reliable.
+    /// Returns true if the graph has no room for more expressions; results since then are unreliable.
     pub(crate) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed()
     }
 }
 
-/// Returns an interval at another place.
+/// Returns an interval with its spans moved.
 pub(crate) fn moved(
     interval: actions::Interval,
     placed: impl Fn(Span) -> Span,
@@ -176,7 +176,7 @@ pub(crate) fn moved(
     }
 }
 
-/// Returns an attribute at another place.
+/// Returns an attribute with its spans moved.
 pub(crate) fn moved_attribute(
     attribute: StatedAttribute,
     placed: impl Fn(Span) -> Span,

@@ -1,7 +1,7 @@
-//! Expressions as they were read: steps in postfix order.
+//! Expressions as read: steps in postfix order.
 //!
-//! In: the parser's operators, one after the other. Out: the stretches of steps that give a declaration's last values.
-//! Postfix order is kept as it comes, since it can be run on a stack and needs no recursion, however deep an expression is.
+//! In: the parser's operators, in sequence. Out: the ranges of steps for a declaration's last values. The steps remain in
+//! postfix order, which can be run on a stack without recursion, however deep an expression is.
 
 use std::ops::Range;
 
@@ -11,14 +11,14 @@ use syntax::symbol::SymbolId;
 
 use crate::geotrace::operation::operation;
 
-/// One operator, and the place of it with its operands.
+/// One operator, and the span of it with its operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CodeStep {
     pub(crate) operator: Operator,
     pub(crate) span: Span,
 }
 
-/// A stretch of a [`Code`]: the steps of one expression.
+/// A range of a [`Code`]: the steps of one expression.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct Expression {
     start: u32,
@@ -31,8 +31,8 @@ impl Expression {
     }
 }
 
-/// The steps of all expressions that may still be run: those of functions, curves and surfaces, and those of
-/// the declaration that is being read.
+/// The steps of all expressions that may still be run: those of functions, curves and surfaces, and those of the
+/// declaration that is being read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
     steps: Vec<CodeStep>,
@@ -41,7 +41,7 @@ pub(crate) struct Code {
 }
 
 impl Code {
-    /// Notes the next operator.
+    /// Appends an operator.
     pub(crate) fn push(&mut self, operator: Operator, span: Span) {
         self.steps.push(CodeStep { operator, span });
     }
@@ -52,7 +52,7 @@ impl Code {
 
     /// Returns the span of an expression in the text.
     pub(crate) fn span(&self, expression: Expression) -> Span {
-        // The last operator's place covers all its operands.
+        // The last operator's span covers all its operands.
         self.steps[expression.steps()]
             .last()
             .map(|step| step.span)
@@ -102,8 +102,8 @@ impl Code {
         self.steps.truncate(self.open);
     }
 
-    /// Returns the distance in bytes between two expressions of the same steps, the second as a whole further down;
-    /// `None` if they differ.
+    /// Returns the distance in bytes between two expressions with the same steps, the second moved as a whole; `None`
+    /// if they differ.
     pub(crate) fn shift(&self, a: Expression, b: Expression) -> Option<i64> {
         let (a, b) = (&self.steps[a.steps()], &self.steps[b.steps()]);
         let apart = |a: Span, b: Span| i64::from(b.start) - i64::from(a.start);
@@ -115,12 +115,12 @@ impl Code {
         (a.len() == b.len() && a.iter().zip(b).all(same)).then_some(shift)
     }
 
-    /// Returns the operator that gives an expression its value.
+    /// Returns the operator that computes an expression's value.
     pub(crate) fn last_operator(&self, expression: Expression) -> Option<Operator> {
         Some(self.steps[expression.steps()].last()?.operator)
     }
 
-    /// Returns the functions in an expression, each with its place.
+    /// Returns the functions in an expression, each with its span.
     pub(crate) fn functions(
         &self,
         expression: Expression,
@@ -132,7 +132,7 @@ impl Code {
         })
     }
 
-    /// Returns the places in an expression where `'` follows a function, each with the function.
+    /// Returns the spans in an expression where `'` follows a function, each with the function.
     pub(crate) fn totals(
         &self,
         expression: Expression,
@@ -142,7 +142,7 @@ impl Code {
             .iter()
             .filter_map(move |step| {
                 match step.operator {
-                    // Derivatives follow their function at once.
+                    // Derivatives directly follow their function.
                     Operator::Function(symbol) => function = Some(symbol),
                     Operator::Total => return function.map(|symbol| (symbol, step.span)),
                     _ => {}

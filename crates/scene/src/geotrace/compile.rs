@@ -1,4 +1,4 @@
-//! From a text to a [`Compilation`]: the scene, or what is wrong with it.
+//! From a text to a [`Compilation`]: the scene, or the errors.
 
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::parse_program;
@@ -15,7 +15,7 @@ use crate::scene::Scene;
 /// The result of compiling a text.
 #[derive(Clone, Debug, Default)]
 pub struct Compilation {
-    /// The diagnostics, sorted by place. Spans are those of the text.
+    /// The diagnostics, sorted by position. Spans refer to the text.
     pub diagnostics: Vec<Diagnostic>,
     /// The scene, if no diagnostic is an error.
     pub scene: Option<Scene>,
@@ -23,7 +23,7 @@ pub struct Compilation {
     scope: Option<Scope>,
 }
 
-/// Compiles a program: reads every declaration, reports every mistake, and builds the scene if there is no mistake.
+/// Compiles a program: reads every declaration, reports every error, and builds the scene if there are none.
 ///
 /// ```
 /// let compilation = scene::geotrace::compile("param r : [1, 2];  curve c(t) = r(cost, sint, 0), t : [0, 2pi];");
@@ -55,15 +55,14 @@ impl Compilation {
         }
     }
 
-    /// Returns true if a diagnostic is an error; there is no scene then.
+    /// Returns true if a diagnostic is an error; then there is no scene.
     pub fn has_errors(&self) -> bool {
         has_errors(&self.diagnostics)
     }
 
-    /// Returns the value of an expression, read with the names that stand at the program's end.
+    /// Returns the value of an expression, read with the names at the program's end.
     ///
-    /// `params` are those of the program's scene. It does not matter whether [`Compilation::scene`] has been
-    /// taken out.
+    /// `params` are those of the program's scene. [`Compilation::scene`] may have been taken out.
     ///
     /// ```
     /// use scene::{Outcome, ParamValues, Value};
@@ -75,8 +74,8 @@ impl Compilation {
     /// ```
     ///
     /// # Errors
-    /// The diagnostics of the expression, sorted by place; all spans are those of `text`. An expression has no
-    /// value in a program with errors.
+    /// The diagnostics of the expression, sorted by position; all spans refer to `text`. An expression has no value in
+    /// a program with errors.
     pub fn evaluate(
         &self,
         text: &str,

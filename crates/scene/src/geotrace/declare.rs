@@ -1,5 +1,5 @@
-//! Declarations: from a declaration that has been read to a symbol's meaning and, for what is drawn, an
-//! object of the scene.
+//! Declarations: from a declaration that has been read to a symbol's meaning and, if it is drawn, an object of the
+//! scene.
 
 use syntax::diagnostic::{Diagnostic, Related};
 use syntax::geotrace::actions::{Declaration, Parameter};
@@ -43,10 +43,10 @@ impl Declarations {
         }
     }
 
-    /// Returns a function's body is kept as it was read, for its type is that of its applications.
+    /// Stores a function's body as read, because its type depends on its applications.
     fn function(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
         let [body] = self.expressions(&[])?;
-        // An error that does not depend on the arguments is reported at its place in the body.
+        // An error that does not depend on the arguments is reported at its span in the body.
         let symbols = &self.lowerer.symbols;
         let totals = self.lowerer.code.totals(body);
         let totals =
@@ -91,7 +91,7 @@ impl Declarations {
             let shape = Shape::Vector { direction, origin };
             self.object(declaration, shape, all, attributes)
         });
-        // The name means the direction, which is valid even if the origin is not.
+        // The name denotes the direction, which is valid even if the origin is not.
         towards?;
         let meaning = constant(lowered.value?, lowered.dependencies);
         Some(Understood::from(meaning).drawn(drawn))
@@ -150,8 +150,8 @@ impl Declarations {
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
-    /// Returns the sampled intervals of a curve or a surface in the order of its parameters, `None` for one with an error;
-    /// `None` for all if the number of parameters or a tag is wrong.
+    /// Returns the sampled intervals of a curve or a surface in the order of its parameters, `None` for each one with an
+    /// error. Returns `None` for all if the number of parameters or a tag is wrong.
     pub(crate) fn domain<const N: usize>(
         &mut self,
         declaration: &Declaration<'_>,
@@ -177,7 +177,7 @@ impl Declarations {
             let Some((position, tag)) = interval.read.tag else {
                 continue;
             };
-            // An unknown tag has been reported; it is not known which parameter was meant.
+            // An unknown tag has been reported, but not which parameter was meant.
             let place = position.and_then(|position| by_parameter.get_mut(position as usize));
             let Some(place) = place else {
                 sound = false;

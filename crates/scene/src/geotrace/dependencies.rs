@@ -1,11 +1,11 @@
 //! Dependency sets: the params and grids that an expression reads, directly or through a name or a function.
 //!
 //! In: a param or grid at its declaration, and the dependencies of an expression's parts. Out: the dependencies of the
-//! whole. They are those of the text: `0k` depends on `k`, though its value is the same for every `k`, so that the number
-//! of instances does not depend on how well an expression is simplified. Only a derivative depends on what is left once
-//! it has been taken: that of `x + k` is 1 and depends on nothing.
+//! whole. They follow the text: `0k` depends on `k`, though its value is the same for every `k`, so that the number of
+//! instances does not depend on the quality of simplification. Only the dependencies of a derivative follow its
+//! simplified expression: the derivative of `x + k` is 1 and depends on nothing.
 //!
-//! Equal sets are one, so ten thousand declarations that read the same few params cost a few sets.
+//! Equal sets are stored once, so ten thousand declarations that read the same few params cost a few sets.
 
 use std::sync::Arc;
 
@@ -17,20 +17,20 @@ use syntax::symbol::SymbolId;
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(crate) struct Dependencies(u32);
 
-/// The position of a param or grid among all of them, in the order of the text.
+/// The index of a param or grid among all of them, in the order of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct SourceIndex(pub(crate) u32);
 
-/// All sets that occur.
+/// All sets in use.
 #[derive(Clone, Debug)]
 pub(crate) struct DependencySets {
-    /// The symbol of each source, where its name was free.
+    /// The symbol of each source, if its name was free.
     sources: Vec<Option<SymbolId>>,
-    /// Their places in the order of the text, where that is another than the order in which they came.
+    /// Their ranks in the order of the text, if it differs from the order in which they were added.
     places: Option<Vec<u32>>,
-    /// The set that holds just the source of each uniform.
+    /// For each uniform, the set that contains only its source.
     uniforms: Vec<Dependencies>,
-    /// Bit k of a set stands for source k; the last word is not 0.
+    /// Bit k of a set represents source k; the last word is not 0.
     sets: Vec<Arc<[u64]>>,
     ids: FxHashMap<Arc<[u64]>, Dependencies>,
     unions: FxHashMap<(Dependencies, Dependencies), Dependencies>,
@@ -51,7 +51,8 @@ impl Default for DependencySets {
 }
 
 impl DependencySets {
-    /// Returns a new param or grid of so many components, which are the next uniforms: the set that holds just it.
+    /// Adds a param or grid with `components` components, which are the next uniforms. Returns the set that contains
+    /// only it.
     pub(crate) fn declare(&mut self, symbol: Option<SymbolId>, components: usize) -> Dependencies {
         let source = self.sources.len();
         self.sources.push(symbol);
@@ -63,7 +64,7 @@ impl DependencySets {
         dependencies
     }
 
-    /// So many more uniforms, whose values are computed from others and have these dependencies; returns the first.
+    /// Adds `count` uniforms, whose values are computed from others and have these dependencies; returns the first.
     pub(crate) fn add_uniforms(&mut self, dependencies: Dependencies, count: u32) -> u32 {
         let first = self.uniform_count();
         let uniforms = std::iter::repeat_n(dependencies, count as usize);
@@ -116,7 +117,7 @@ impl DependencySets {
         union
     }
 
-    /// Returns the members of a set for which `is_kept` holds.
+    /// Returns the subset of a set for which `is_kept` holds.
     pub(crate) fn retained(
         &mut self,
         dependencies: Dependencies,
@@ -148,17 +149,17 @@ impl DependencySets {
         in_order.into_iter().flatten().chain(moved)
     }
 
-    /// Sets the place in the text of the source that was declared last.
+    /// Sets the rank in the text of the source that was declared last.
     pub(crate) fn place_next(&mut self, place: u32) {
         self.places.get_or_insert_default().push(place);
     }
 
-    /// Sets the place in the text of each source.
+    /// Sets the rank in the text of each source.
     pub(crate) fn place(&mut self, places: Vec<u32>) {
         self.places = Some(places);
     }
 
-    /// Returns the params and grids of a set, in the order in which they came.
+    /// Returns the params and grids of a set, in the order in which they were added.
     fn members(&self, dependencies: Dependencies) -> impl Iterator<Item = SourceIndex> + '_ {
         let words = self.sets[dependencies.0 as usize].iter().zip(0..);
         words.flat_map(|(&word, index): (&u64, u32)| {

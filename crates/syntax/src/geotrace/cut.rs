@@ -19,7 +19,7 @@ const SEARCH_LENGTH: usize = 2000;
 /// The state of the search after a part of a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CutState {
-    /// The offset of the first byte that has not been taken.
+    /// The offset of the first unread byte.
     at: usize,
     in_comment: bool,
     /// The number of open brackets.
