@@ -1,22 +1,22 @@
-//! The numbers of what a scene holds.
+//! The indexes of the elements of a scene.
 
-/// A position in [`Scene::params`](crate::Scene::params).
+/// An index into [`Scene::params`](crate::Scene::params).
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ParamId(pub u32);
-/// A position in [`Scene::grids`](crate::Scene::grids).
+/// An index into [`Scene::grids`](crate::Scene::grids).
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct GridId(pub u32);
-/// A position in [`Scene::objects`](crate::Scene::objects).
+/// An index into [`Scene::objects`](crate::Scene::objects).
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ObjectId(u32);
 
 impl ObjectId {
-    /// Returns the number of the object at a position.
+    /// Creates the id of the object at an index.
     pub const fn new(index: usize) -> Self {
         Self(index as u32)
     }
 
-    /// Returns the position.
+    /// Returns the index.
     pub const fn index(self) -> usize {
         self.0 as usize
     }

@@ -1,45 +1,44 @@
-//! The place and the direction with which a geodesic starts, or the reason for which it cannot start and is not drawn.
+//! The start and the direction of a geodesic, or the reason why it cannot start and is not drawn.
 
 use std::fmt;
 
 use crate::range::Range;
 
-/// The place and the direction with which one instance of a geodesic starts.
+/// The start and the direction of one instance of a geodesic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialConditions {
-    /// The parameters (u, v) where it starts, inside the domain of its surface or, but for rounding, on the
-    /// domain's sides.
+    /// The parameters (u, v) of the start, inside the domain of its surface or, within rounding, on the domain's sides.
     pub start: [f64; 2],
     /// The direction a σu + b σv as (a, b), finite and not zero; its length does not matter.
     pub direction: [f64; 2],
-    /// The length of one unit of the parameter: 1 for a geodesic from a place in a direction, for one between two places the
-    /// distance between them.
+    /// The length of one unit of the parameter: 1 for a geodesic from a point in a direction, the distance for one between
+    /// two points.
     pub unit: f64,
 }
 
-/// The reason for which an instance of a geodesic cannot start. Its text is the end of a sentence: "its direction is zero".
+/// The reason why an instance of a geodesic cannot start. Its text is the end of a sentence: "its direction is zero".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InitialConditionsError {
-    /// No geodesic between its two places has been found.
+    /// No geodesic between its two endpoints has been found.
     NoConnection,
-    /// The two places between which it should run are one.
+    /// Its two endpoints are the same.
     OnePlace,
-    /// A component of the direction is no finite number.
+    /// A component of the direction is not a finite number.
     UndefinedDirection,
     /// The direction is (0, 0).
     ZeroDirection,
-    /// A parameter of the start is no finite number.
+    /// A parameter of the start is not a finite number.
     UndefinedStart,
-    /// The start, or the place to which it should run, lies outside the surface's domain.
+    /// The start, or the other endpoint, is outside the surface's domain.
     Outside {
-        /// The place.
+        /// The point.
         place: [f64; 2],
         /// The domain.
         domain: [Range; 2],
     },
 }
 
-/// The distance beyond a side at which a start may lie, as a share of the domain's width.
+/// The maximum distance of a start beyond a side, as a fraction of the domain's width.
 const SLACK: f64 = 1e-12;
 
 impl fmt::Display for InitialConditionsError {
@@ -68,7 +67,7 @@ impl InitialConditions {
     /// Returns the initial conditions of a geodesic on a surface with this domain.
     ///
     /// # Errors
-    /// It cannot start.
+    /// If it cannot start.
     pub(crate) fn new(
         start: [f64; 2],
         direction: [f64; 2],
@@ -85,7 +84,7 @@ impl InitialConditions {
             return Err(InitialConditionsError::UndefinedStart);
         }
         let inside = |(range, x): (&Range, &f64)| {
-            // A point on a side may have been rounded beyond it.
+            // A point on a side may have been rounded to beyond it.
             let slack = SLACK * (range.max - range.min);
             (range.min - slack..=range.max + slack).contains(x)
         };

@@ -1,7 +1,7 @@
 //! The initial conditions of declared geodesics.
 //!
-//! In: an object that is a geodesic and the uniforms of one of its instances. Out: its initial conditions, or the reason for
-//! which it cannot start.
+//! In: an object that is a geodesic and the uniforms of one of its instances. Out: its initial conditions, or the reason why
+//! it cannot start.
 
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
@@ -52,7 +52,7 @@ impl InitialConditionsEvaluator {
     /// Returns the start of the instance with these uniforms, one number each.
     ///
     /// # Errors
-    /// It cannot start.
+    /// If it cannot start.
     pub fn evaluate(
         &mut self,
         uniforms: &[f64],

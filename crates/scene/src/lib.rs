@@ -5,12 +5,12 @@
 //!                                                        │
 //!      names and numbers ──▶ param_values.rs ────────────┼──▶ uniforms of each instance
 //!      an expression     ──▶ evaluation.rs ──────────────┼──▶ its value
-//!      a geodesic        ──▶ initial_conditions_evaluator.rs ┼──▶ where it starts, and its direction
+//!      a geodesic        ──▶ initial_conditions_evaluator.rs ┼──▶ its start and its direction
 //!                            geodesic_value.rs ──────────┴──▶ its points and velocities, which expressions read
 //! ```
 //!
 //! A scene is data: expressions in one graph, and handles into it. It knows no language, no view and no GPU. A language
-//! is a module that gives a [`Scene`]; the modules beside it know none of them.
+//! is a module that produces a [`Scene`]; the modules beside it do not depend on any language.
 
 pub mod crt;
 mod evaluation;

@@ -1,11 +1,11 @@
-//! Searches a declared metric for a point where it is not positive definite: E > 0 and E G − F² > 0 hold inside the
-//! domain of a metric.
+//! Searches a declared metric for a point where it is not positive definite: E > 0 and E G − F² > 0 must hold inside
+//! the domain of a metric.
 //!
 //! In: E, F and G as expressions, the domain, and the uniforms of one instance. Out: a point inside the domain where one
 //! of them fails, if the search finds one.
 //!
-//! The search looks at a lattice, and from its least values walks downhill, so that a line where the metric
-//! only just vanishes is found as well. The domain's sides are left out: a metric may collapse there, as
+//! The search evaluates the metric on a lattice, and walks downhill from the lattice's minimum values, so that it also
+//! finds a line where the metric only just vanishes. The domain's sides are excluded: a metric may collapse there, as
 //! `sin^2 u` does at the poles of a sphere.
 
 use expr::tape::{Registers, Tape};
@@ -24,36 +24,36 @@ pub(crate) struct Witness {
 /// The condition that E, F and G violate at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Defect {
-    /// One of them is no finite number.
+    /// One of them is not a finite number.
     Undefined,
-    /// E is this, and not positive.
+    /// E has this value, which is not positive.
     First(f64),
-    /// E is positive, but E G − F² is this.
+    /// E is positive, but E G − F² has this value.
     Determinant(f64),
 }
 
-/// The largest number of operations that are spent on the lattice of one metric.
+/// The maximum number of operations on the lattice of one metric.
 const LATTICE_OPERATIONS: usize = 2_000_000;
 
-/// The largest number of lattice lines along one parameter. Even, so that the middle of the domain is on one.
+/// The maximum number of lattice lines along one parameter. Even, so that the middle of the domain is on one.
 const LINES: usize = 32;
 
-/// The walks keep this share of the domain's width away from its sides.
+/// The distance of the walks from the domain's sides, as a fraction of its width.
 const MARGIN: f64 = 1e-3;
 
-/// A value this small beside the metric's typical one is taken for zero: around a zero line a walk stops
-/// about 1e-8 from it, and the value is quadratic there.
+/// Values below this fraction of the metric's typical value are considered zero: near a zero line a walk stops at a
+/// distance of about 1e-8, and the value is quadratic there.
 const ZERO: f64 = 1e-13;
 
-/// The number of the lattice's least values from which a walk starts.
+/// The number of minimum values of the lattice from which a walk starts.
 const WALKS: usize = 3;
 
-/// The bounds of the number of steps of a walk, which has fewer where the tape is long. Some hundred are enough; where a metric
-/// is steep and its values are noise, a walk of short steps would go on for ever.
+/// The bounds of the number of steps of a walk, which has fewer if the tape is long. Some hundred suffice; where a metric is
+/// steep and its values are noise, a walk with short steps would never end.
 const STEPS: [usize; 2] = [200, 2_000];
 
-/// Searches one instance of a metric. `instances` says how many will be searched in all, for the work is
-/// shared among them.
+/// Searches one instance of a metric. `instances` is the number of instances that will be searched, which share the
+/// work.
 pub(crate) fn witness(
     graph: &Graph,
     components: &[NodeId; 3],
@@ -86,7 +86,7 @@ pub(crate) fn witness(
             let found = point.defect();
             found.is_some_and(|found| std::mem::discriminant(&found) == kind)
         };
-        // The one deepest inside: it is most surely not a matter of the sides.
+        // The point deepest inside: the sides are the least likely to be its cause.
         let deepest = points.iter().filter(same).max_by(|a, b| {
             let depth = |point: &Point| point.share.map(|x| x.min(1.0 - x)).into_iter();
             let least = |point: &Point| depth(point).fold(f64::INFINITY, f64::min);
@@ -99,14 +99,14 @@ pub(crate) fn witness(
         .find_map(|&merit| search.descend(&points, merit, 1.0 / lines as f64))
 }
 
-/// The quantities that have to stay above zero: E, G, and E G − F² relative to E G.
+/// The quantities that must be positive: E, G, and E G − F² relative to E G.
 const MERITS: [fn(&Point) -> f64; 3] = [
     |point| point.form[0],
     |point| point.form[2],
     |point| 1.0 - point.form[1] / point.form[0] * (point.form[1] / point.form[2]),
 ];
 
-/// E, F and G at a point of the domain, whose coordinates are shares of the domain's width.
+/// E, F and G at a point of the domain, whose coordinates are fractions of the domain's width.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     share: [f64; 2],
@@ -146,12 +146,12 @@ struct Search<'a> {
     registers: Registers,
     domain: &'a [Sampling; 2],
     uniforms: &'a [f64],
-    /// The most steps of a walk.
+    /// The maximum number of steps of a walk.
     steps: usize,
 }
 
 impl Search<'_> {
-    /// Returns the parameters of a place.
+    /// Returns the parameters of a point.
     fn parameters(&self, share: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|axis| {
             let range = self.domain[axis].range;
@@ -174,7 +174,7 @@ impl Search<'_> {
         Point { share, form }
     }
 
-    /// Walks downhill from the lattice's least values of a merit.
+    /// Walks downhill from the lattice's minimum values of a merit.
     fn descend(
         &mut self,
         points: &[Point],
@@ -205,7 +205,8 @@ impl Search<'_> {
         None
     }
 
-    /// Compass search: steps along the axes while they lead down, halved where none does, up to so many.
+    /// Compass search: steps along the axes while the merit decreases, halved when no step decreases it, up to the
+    /// maximum number of steps.
     fn walk(&mut self, start: Point, merit: fn(&Point) -> f64, cell: f64) -> Point {
         let mut best = start;
         let mut step = cell;

@@ -1,4 +1,4 @@
-//! Values for a scene's params and grids, and the instances they give.
+//! Values for a scene's params and grids, and the resulting instances.
 //!
 //! In: names and numbers from a command line, a slider or an animation. Out: one number per uniform, in the order of
 //! `expr::Input::Uniform`, for each instance of an object.
@@ -15,32 +15,32 @@ use crate::solid::BoundGrid;
 /// A value for each param, and for those grids that have been fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParamValues {
-    /// One number per uniform; those of a grid that is not fixed are overwritten for each instance.
+    /// One number per uniform; the numbers of a grid that is not fixed are overwritten for each instance.
     uniforms: Vec<f64>,
     /// The grids whose value has been fixed.
     fixed: Vec<GridId>,
 }
 
-/// The reason for which a value was refused.
+/// The reason why a value is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SetError {
     /// No param or grid has this name.
     Unknown {
         /// The name as given.
         name: String,
-        /// A param or grid whose name is nearly this.
+        /// A param or grid with a similar name.
         suggestion: Option<String>,
     },
-    /// The number of values is not the number of components.
+    /// The number of values differs from the number of components.
     Components {
         /// The param or grid.
         name: String,
         /// The number of its components.
         expected: usize,
-        /// The number of values that were given.
+        /// The number of given values.
         given: usize,
     },
-    /// A value lies outside its interval (or is not a number).
+    /// A value is outside its interval (or is not a number).
     OutOfRange {
         /// The param or grid.
         name: String,
@@ -50,9 +50,9 @@ pub enum SetError {
         components: usize,
         /// The value as given.
         value: f64,
-        /// The least value allowed.
+        /// The minimum.
         min: f64,
-        /// The greatest value allowed.
+        /// The maximum.
         max: f64,
     },
 }
@@ -108,13 +108,13 @@ impl fmt::Display for SetError {
 impl std::error::Error for SetError {}
 
 impl Scene {
-    /// Returns the scene for these values of its params: the given one, unless the values may change more than numbers. Where
-    /// the text has an error for them, the given one.
+    /// Returns the scene for these values of its params: a new scene if the values may change more than numbers, otherwise
+    /// the given one. If the text has an error for them, returns the given one.
     pub fn at(self: &Arc<Self>, params: &ParamValues) -> Arc<Self> {
         self.made_anew(params).unwrap_or_else(|| self.clone())
     }
 
-    /// Returns the same where it is another one than the given one.
+    /// Returns the same scene, or `None` if it is the given one.
     pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
         self.rerun.as_ref()?.at(params.uniforms(), attach)
@@ -122,7 +122,7 @@ impl Scene {
 }
 
 impl ParamValues {
-    /// Returns each param at its initial value, no grid fixed.
+    /// Returns the initial value of each param, with no grid fixed.
     pub fn initial(scene: &Scene) -> Self {
         let mut uniforms = vec![0.0; scene.uniform_count as usize];
         for param in &scene.params {
@@ -143,11 +143,11 @@ impl ParamValues {
         }
     }
 
-    /// Gives a param a value, or fixes a grid to one: any values within their intervals, both ends included.
+    /// Sets the value of a param, or fixes a grid to a value within its intervals, whose ends are included.
     ///
     /// # Errors
-    /// The name is unknown, the number of values is not the number of components, or a value lies outside its interval;
-    /// the values are then unchanged.
+    /// If the name is unknown, the number of values differs from the number of components, or a value is outside its
+    /// interval; the values are then unchanged.
     pub fn set(&mut self, scene: &Scene, name: &str, values: &[f64]) -> Result<(), SetError> {
         if let Some(param) = scene.params.iter().find(|param| param.name == name) {
             check(name, &param.ranges, values)?;
@@ -172,7 +172,7 @@ impl ParamValues {
         Ok(())
     }
 
-    /// One number per uniform, for an expression that depends on no grid and no geodesic.
+    /// Returns one number per uniform, for an expression that depends on no grid and no geodesic.
     pub fn uniforms(&self) -> &[f64] {
         &self.uniforms
     }
@@ -183,7 +183,7 @@ impl ParamValues {
         &self.uniforms[first..first + param.ranges.len()]
     }
 
-    /// Returns the value to which a grid has been fixed, one number per axis.
+    /// Returns the value to which a grid is fixed, one number per axis.
     pub fn fixed_grid(&self, scene: &Scene, id: GridId) -> Option<&[f64]> {
         let grid: &Grid = scene.grids.get(id.0 as usize)?;
         let first = grid.first_uniform as usize;
@@ -192,14 +192,14 @@ impl ParamValues {
             .then(|| &self.uniforms[first..first + grid.axes.len()])
     }
 
-    /// Returns the number of instances of the object that are drawn: the product of the numbers of values of its grids
-    /// that are not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
+    /// Returns the number of drawn instances of the object: the product of the numbers of values of its grids that are
+    /// not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
     pub fn instance_count(&self, scene: &Scene, object: &Object) -> u64 {
         self.combinations(scene, &object.grids)
     }
 
-    /// The uniforms of each instance of an object in turn, the last grid's last axis fastest: calls `visit`
-    /// with one number per uniform.
+    /// Calls `visit` with the uniforms of each instance of an object in turn, one number per uniform. The last grid's
+    /// last axis varies fastest.
     pub fn for_each_instance(&self, scene: &Scene, object: &Object, mut visit: impl FnMut(&[f64])) {
         let mut uniforms = self.uniforms.clone();
         for index in 0..self.instance_count(scene, object) {
@@ -209,15 +209,15 @@ impl ParamValues {
         }
     }
 
-    /// Returns the number of combinations of the values of those of the grids that are not fixed; saturates.
+    /// Returns the number of combinations of the values of those grids that are not fixed; saturates.
     pub fn combination_count(&self, scene: &Scene, grids: &[BoundGrid]) -> u64 {
         let ids: Vec<GridId> = grids.iter().map(|bound| bound.grid).collect();
         self.combinations(scene, &ids)
     }
 
-    /// Returns the given uniforms with the `index`-th combination of the values of those of the grids that are not fixed,
-    /// counted from 0 and below [`ParamValues::combination_count`], in the uniforms that stand for them, and with the values of
-    /// geodesics that the object reads there.
+    /// Returns the given uniforms with the `index`-th combination of the values of those grids that are not fixed, counted from
+    /// 0 and below [`ParamValues::combination_count`], written to the uniforms of the grids. The values of geodesics that the
+    /// object reads are computed for it.
     pub fn with_combination(
         &self,
         scene: &Scene,
@@ -249,8 +249,8 @@ impl ParamValues {
         self.instance(scene, object, 0)
     }
 
-    /// Returns the uniforms of the instance that [`ParamValues::for_each_instance`] visits `index`-th, counted from 0
-    /// and below [`ParamValues::instance_count`]. Instances can so be shared out over threads.
+    /// Returns the uniforms of the `index`-th instance that [`ParamValues::for_each_instance`] visits, counted from 0
+    /// and below [`ParamValues::instance_count`]. This allows instances to be distributed over threads.
     pub fn instance(&self, scene: &Scene, object: &Object, index: u64) -> Vec<f64> {
         let mut uniforms = self.uniforms.clone();
         self.combination(scene, &object.grids, index, &mut uniforms);
@@ -266,7 +266,7 @@ impl ParamValues {
             })
     }
 
-    /// Writes the values of the grids' `index`-th combination, the last axis fastest, over `uniforms`.
+    /// Writes the values of the grids' `index`-th combination, the last axis fastest, to `uniforms`.
     pub(crate) fn combination(
         &self,
         scene: &Scene,
@@ -274,7 +274,7 @@ impl ParamValues {
         index: u64,
         uniforms: &mut [f64],
     ) {
-        // Mixed radix, and the last axis is the last digit: read the digits from the back.
+        // In mixed radix the last axis is the last digit: compute the digits from the last to the first.
         let axes: Vec<_> = self.open_axes(scene, grids).collect();
         let mut rest = index;
         for (place, axis) in axes.into_iter().rev() {
@@ -284,7 +284,7 @@ impl ParamValues {
         }
     }
 
-    /// Returns the axes of those of the grids that are not fixed, each with its uniform.
+    /// Returns the axes of those grids that are not fixed, each with its uniform.
     fn open_axes<'a>(
         &'a self,
         scene: &'a Scene,
@@ -303,7 +303,7 @@ impl ParamValues {
     }
 }
 
-/// Holds values to their intervals.
+/// Checks values against their intervals.
 fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
     if ranges.len() != values.len() {
         return Err(SetError::Components {
@@ -326,7 +326,7 @@ fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
     })
 }
 
-/// Returns the param or grid whose name is nearest to a word, if it is near enough to be what was meant.
+/// Returns the param or grid whose name is nearest to a word, if it is near enough.
 fn suggestion(scene: &Scene, word: &str) -> Option<String> {
     let params = scene.params.iter().map(|param| param.name.as_str());
     let grids = scene.grids.iter().map(|grid| grid.name.as_str());

@@ -8,7 +8,7 @@ pub struct Range {
     pub max: f64,
 }
 
-/// Equally spaced values over a closed interval, both ends included.
+/// Equally spaced values over a closed interval, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// The interval.
@@ -18,12 +18,12 @@ pub struct Sampling {
 }
 
 impl Range {
-    /// Returns true if a value lies in the interval, its ends included. NaN lies in none.
+    /// Returns true if a value is in the interval, whose ends are included. NaN is in no interval.
     pub fn contains(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value)
     }
 
-    /// Returns the first of some values that does not lie in the interval of its number.
+    /// Returns the index of the first value that is outside its interval.
     pub fn first_outside(ranges: &[Self], values: &[f64]) -> Option<usize> {
         let mut pairs = ranges.iter().zip(values);
         pairs.position(|(range, value)| !range.contains(*value))
@@ -31,8 +31,8 @@ impl Range {
 }
 
 impl Sampling {
-    /// Returns the `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
-    /// exactly.
+    /// Returns the `index`-th value, counted from 0 and below `count`; the first is exactly `min` and the last is
+    /// exactly `max`.
     pub fn value(&self, index: u32) -> f64 {
         let last = self.count - 1;
         if index == last {
@@ -40,7 +40,7 @@ impl Sampling {
         }
         let Range { min, max } = self.range;
         let (index, last) = (f64::from(index), f64::from(last));
-        // Multiplied before divided: the integers of [0, 100, 101] come out as integers.
+        // Multiply before dividing: then the integers of [0, 100, 101] are exact.
         let offset = (max - min) * index / last;
         if offset.is_finite() {
             return (min + offset).min(max);

@@ -1,19 +1,19 @@
-//! Scenes that are made anew for other values of their params.
+//! Scenes that are recomputed for other values of their params.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Makes the scene for some values of its params, one number per uniform; `None` where the text has an error there.
+/// Computes the scene for some values of its params, one number per uniform; `None` if the text has an error for them.
 type Make<S> = dyn Fn(&[f64]) -> Option<S> + Send + Sync;
 
-/// Values with the scene that they make.
+/// Values with their scene.
 type Made<S> = (Vec<f64>, Option<Arc<S>>);
 
-/// Makes a scene anew where its params change more than numbers. All scenes that it makes share it, and the last one is
-/// kept.
+/// Recomputes a scene if its params change more than numbers. It is shared by all scenes that it creates, and stores
+/// the last one.
 pub struct Rerun<S> {
     maker: Arc<Maker<S>>,
-    /// The values that its scene is for.
+    /// The values of its scene.
     values: Vec<f64>,
 }
 
@@ -24,7 +24,7 @@ struct Maker<S> {
 }
 
 impl<S> Rerun<S> {
-    /// Of a scene that was made for these values, which `make` receives too.
+    /// Creates the rerun of a scene for these values, which `make` receives too.
     pub(crate) fn new(
         values: Vec<f64>,
         make: impl Fn(&[f64]) -> Option<S> + Send + Sync + 'static,
@@ -39,8 +39,8 @@ impl<S> Rerun<S> {
         }
     }
 
-    /// Returns the scene for other values; `None` for those of its own scene, and where the text has an error. `attach` gives a
-    /// new scene its own.
+    /// Returns the scene for other values; `None` for the values of its own scene, and if the text has an error. `attach` gives
+    /// a new scene its own rerun.
     pub(crate) fn at(&self, uniforms: &[f64], attach: impl FnOnce(&mut S, Self)) -> Option<Arc<S>> {
         if uniforms == self.values {
             return None;

@@ -22,7 +22,7 @@ pub struct Scene {
     pub params: Vec<Param>,
     /// The grids, in the order of the text.
     pub grids: Vec<Grid>,
-    /// The objects that are drawn, in the order of the text.
+    /// The drawn objects, in the order of the text.
     pub objects: Vec<Object>,
     /// The solids that are not drawn because a set names them, in the order of the text.
     pub parts: Vec<Object>,
@@ -31,19 +31,19 @@ pub struct Scene {
     /// The number of uniforms (components of params and grids, and numbers of geodesics):
     /// `expr::Input::Uniform(0..n)`.
     pub uniform_count: u32,
-    /// The values of geodesics that expressions read, in the order of their uniforms. One may read those before it.
+    /// The values of geodesics that expressions read, in the order of their uniforms. A value may read those before it.
     pub geodesic_values: Vec<GeodesicValue>,
     /// The values that have been computed.
     pub geodesic_cache: GeodesicCache,
-    /// The picture that the text itself describes; `None` where it does not. Such a scene has no lights but its own.
+    /// The picture that the text itself describes, if any. Such a scene has only its own lights.
     pub picture: Option<StatedPicture>,
-    /// The scene for other values of the params, where params may change more than numbers.
+    /// The scene for other values of the params, if params may change more than numbers.
     pub rerun: Option<Rerun<Scene>>,
 }
 
 impl Scene {
-    /// Coordinates, or the components of a vector, as the text has them from those of the scene, and the other way round:
-    /// y and z change places where the text is left-handed.
+    /// Converts coordinates, or the components of a vector, from the scene to the text or back: y and z are exchanged if
+    /// the text is left-handed.
     pub fn stated<T: Copy>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
         match self.picture {
             Some(_) => [x, z, y],
@@ -51,28 +51,28 @@ impl Scene {
         }
     }
 
-    /// Returns the axes of the text, from 0 to 2, that the scene's axes are.
+    /// Returns for each axis of the scene the corresponding axis of the text, from 0 to 2.
     pub fn stated_axes(&self) -> [usize; 3] {
         self.stated([0, 1, 2])
     }
 
-    /// Returns the objects, each with its number.
+    /// Returns the objects with their ids.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
         (0..).map(ObjectId::new).zip(&self.objects)
     }
 
-    /// Returns true if the object of a number is a solid.
+    /// Returns true if the object with this id is a solid.
     pub fn is_solid(&self, id: ObjectId) -> bool {
         let object = self.get(id);
         object.is_some_and(|object| object.shape.solid().is_some())
     }
 
-    /// Returns the object of a number.
+    /// Returns the object with this id.
     pub fn get(&self, id: ObjectId) -> Option<&Object> {
         self.objects.get(id.index())
     }
 
-    /// Returns true if the 3D view shows an object: all but metrics, and geodesics on a metric, lie in space.
+    /// Returns true if the 3D view shows an object: all except metrics, and geodesics on a metric, are in space.
     pub fn is_in_space(&self, object: &Object) -> bool {
         match object.shape.geodesic() {
             Some((surface, _)) => self.get(surface).is_none_or(|on| !on.shape.is_metric()),
@@ -80,7 +80,7 @@ impl Scene {
         }
     }
 
-    /// Returns the geodesics that lie on a surface, a metric or a solid.
+    /// Returns the geodesics on a surface, a metric or a solid.
     pub fn geodesics_on(&self, surface: ObjectId) -> impl Iterator<Item = (ObjectId, &Object)> {
         let name = self.get(surface).map(|on| &*on.name);
         let lies_on = move |object: &Object| match object.shape.space_geodesic() {
@@ -93,7 +93,7 @@ impl Scene {
         self.numbered().filter(move |(_, object)| lies_on(object))
     }
 
-    /// Computes the values of geodesics that an object reads, and writes them among its uniforms.
+    /// Computes the values of geodesics that an object reads, and writes them into its uniforms.
     pub(crate) fn fill(&self, object: &Object, uniforms: &mut [f64]) {
         for &index in &object.geodesic_values {
             if let Some(value) = self.geodesic_values.get(index as usize) {
@@ -102,8 +102,7 @@ impl Scene {
         }
     }
 
-    /// Returns the geodesics that have no value for an instance of an object, each with the reason, where the object reads
-    /// it.
+    /// Returns the geodesics that an object reads and that have no value for an instance of it, each with the reason.
     pub fn geodesic_faults(&self, object: &Object, uniforms: &[f64]) -> Vec<(&str, GeodesicFault)> {
         let mut uniforms = uniforms.to_vec();
         let read = object.geodesic_values.iter();
@@ -111,15 +110,15 @@ impl Scene {
         let mut faults: Vec<(&str, GeodesicFault)> = Vec::new();
         for value in read {
             let fault = value.fill(&self.graph, &mut uniforms, &self.geodesic_cache);
-            // A value that another needs has been named.
+            // The value that it requires has been reported.
             let fault = fault.filter(|fault| *fault != GeodesicFault::UndefinedInput);
             faults.extend(fault.map(|fault| (&*value.geodesic, fault)));
         }
         faults
     }
 
-    /// Returns the variables of a curve at a parameter: the parameter, then the numbers of the geodesics that it follows there.
-    /// NaN where they have none.
+    /// Returns the variables of a curve at a parameter: the parameter, then the numbers of the geodesics that it follows, which
+    /// are NaN if undefined.
     pub fn curve_variables(&self, shape: &Shape, uniforms: &[f64], parameter: f64) -> Vec<f64> {
         let mut variables = vec![parameter];
         for value in shape.followed() {
@@ -130,7 +129,7 @@ impl Scene {
         variables
     }
 
-    /// Returns the images that attributes name, as words or as paths, each once, in alphabetical order.
+    /// Returns the images that attributes name, as words or as paths, without duplicates, in alphabetical order.
     pub fn image_words(&self) -> BTreeSet<&str> {
         let objects = self.objects.iter().chain(&self.stage);
         let stated = objects.flat_map(|object| {
@@ -148,13 +147,13 @@ impl Scene {
         stage.find(|object| matches!(object.shape, Shape::Background(_)))
     }
 
-    /// Returns the object of a name.
+    /// Returns the object with a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
         self.numbered().find(|(_, object)| object.name == name)
     }
 }
 
-/// A slider, or one per component.
+/// A slider, or one for each component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Param {
     /// Its name.
@@ -163,10 +162,9 @@ pub struct Param {
     pub name_span: Span,
     /// One interval per component.
     pub ranges: Vec<Range>,
-    /// The value that it opens with, one number per component, within its interval: the declared one, else the
-    /// minimum.
+    /// The initial value, one number per component, within its interval: the declared one, or else the minimum.
     pub initial: Vec<f64>,
-    /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
+    /// The uniform `expr::Input::Uniform(first_uniform)` of its first component; the others follow.
     pub first_uniform: u32,
 }
 
@@ -179,11 +177,11 @@ pub struct Grid {
     pub name_span: Span,
     /// One axis per component; the grid's values are the product of its axes.
     pub axes: Vec<Sampling>,
-    /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
+    /// The uniform `expr::Input::Uniform(first_uniform)` of its first component; the others follow.
     pub first_uniform: u32,
 }
 
-/// An object that is drawn.
+/// A drawn object.
 #[derive(Clone, Debug)]
 pub struct Object {
     /// Its name.
@@ -192,13 +190,15 @@ pub struct Object {
     pub name_span: Span,
     /// Its kind, with its expressions.
     pub shape: Shape,
-    /// The params it reads, directly or not, in order; its value need not change with each.
+    /// The params that it reads, directly or indirectly, in order; its value need not change with each.
     pub params: Vec<ParamId>,
-    /// The grids it reads, directly or not, in order; it is drawn once for each combination of their values.
+    /// The grids that it reads, directly or indirectly, in order; it is drawn once for each combination of their
+    /// values.
     pub grids: Vec<GridId>,
-    /// The values of geodesics it reads, directly or not: positions in [`Scene::geodesic_values`], ascending.
+    /// The values of geodesics that it reads, directly or indirectly: indexes into [`Scene::geodesic_values`],
+    /// ascending.
     pub geodesic_values: Vec<u32>,
-    /// The attributes that it states, in the order of the text. A solid's faces have those of its leaves.
+    /// The attributes that it states, in the order of the text. A solid's faces have the attributes of its leaves.
     pub attributes: Vec<Attribute>,
 }
 
@@ -225,8 +225,8 @@ pub enum Shape {
         position: [NodeId; 3],
         domain: Sampling,
         parameter: String,
-        /// The values of geodesics at its parameter, whose numbers are the variables after that. One may read those before
-        /// it.
+        /// The values of geodesics at its parameter, whose numbers are the variables after the parameter. A value may read
+        /// those before it.
         followed: Vec<GeodesicValue>,
     },
     Surface {
@@ -234,20 +234,20 @@ pub enum Shape {
         domain: [Sampling; 2],
         parameters: [String; 2],
     },
-    /// A surface without a shape in space, given by its first fundamental form: it has a geodesic view, and
-    /// the 3D view leaves it out. The domain's counts mean nothing.
+    /// A surface without a shape in space, given by its first fundamental form: it has a geodesic view, and is omitted
+    /// from the 3D view. The domain's counts have no meaning.
     Metric {
-        /// E, F and G, over `Variable(0)` and `Variable(1)` as a surface's position is.
+        /// E, F and G, over `Variable(0)` and `Variable(1)` like a surface's position.
         components: [NodeId; 3],
         domain: [Sampling; 2],
         parameters: [String; 2],
     },
-    /// The curve γ(t) of constant speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
-    /// its start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
+    /// The curve γ(t) of constant speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t is before its
+    /// start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
     Geodesic {
         /// Its ground, its start and its direction.
         path: GeodesicPath,
-        /// The t that are drawn, and the number of samples.
+        /// The drawn interval of t, and the number of samples.
         domain: Sampling,
         parameter: String,
     },
@@ -261,19 +261,19 @@ pub enum Shape {
     Background(Background),
 }
 
-/// The start of a geodesic on what it lies on.
+/// The start of a geodesic on its ground.
 #[derive(Clone, Debug)]
 pub enum GeodesicPath {
     /// On a surface or a metric.
     Chart {
-        /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
-        /// instance of the one determines the instance of the other.
+        /// Its surface or metric, declared above it. The geodesic reads everything that the surface reads, so an
+        /// instance of the geodesic determines the instance of the surface.
         surface: ObjectId,
         /// (a, b); its length does not matter.
         direction: [NodeId; 2],
         /// (u, v), in the surface's parameters.
         start: [NodeId; 2],
-        /// Its speed, the length of one unit of t: the distance, for a geodesic between two places; 1 if there is no node.
+        /// Its speed, the length of one unit of t: the distance, for a geodesic between two points; 1 if `None`.
         unit: Option<NodeId>,
     },
     /// On the surface of a solid.
@@ -284,7 +284,7 @@ pub enum GeodesicPath {
         field: NodeId,
         /// (a, b, c); it is projected onto the tangent plane.
         direction: [NodeId; 3],
-        /// (x, y, z), which is brought onto the surface.
+        /// (x, y, z), which is projected onto the surface.
         start: [NodeId; 3],
     },
 }
@@ -323,8 +323,8 @@ impl GeodesicPath {
 }
 
 impl Shape {
-    /// Returns the word that declares it: `point`, `vector`, `curve`, `surface`, `metric`, `geodesic`, `solid`, `light`,
-    /// `camera` or `background`.
+    /// Returns the keyword that declares it: `point`, `vector`, `curve`, `surface`, `metric`, `geodesic`, `solid`,
+    /// `light`, `camera` or `background`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",
@@ -350,7 +350,7 @@ impl Shape {
         matches!(self, Self::Surface { .. })
     }
 
-    /// Returns true if it is a metric, which has no place in space.
+    /// Returns true if it is a metric, which has no shape in space.
     pub fn is_metric(&self) -> bool {
         matches!(self, Self::Metric { .. })
     }
@@ -377,12 +377,12 @@ impl Shape {
         }
     }
 
-    /// Returns the names of its parameters as a place is written: "(u, v)".
+    /// Returns the names of its parameters in the form of a point: "(u, v)".
     pub fn chart_label(&self) -> String {
         format!("({})", self.parameters().join(", "))
     }
 
-    /// Returns the names of its parameters, as many as [`Shape::domain`] has intervals.
+    /// Returns the names of its parameters, one for each interval of [`Shape::domain`].
     pub fn parameters(&self) -> &[String] {
         match self {
             Self::Point { .. }
@@ -426,7 +426,7 @@ impl Shape {
         }
     }
 
-    /// Returns the surface or metric on which a geodesic lies, and the arc lengths that are drawn; `None` for one on a
+    /// Returns the surface or metric on which a geodesic runs, and the drawn arc lengths; `None` for a geodesic on a
     /// solid.
     pub fn geodesic(&self) -> Option<(ObjectId, &Sampling)> {
         match self {
@@ -439,7 +439,7 @@ impl Shape {
         }
     }
 
-    /// Returns the arc lengths of a geodesic that are drawn, wherever it lies.
+    /// Returns the drawn arc lengths of a geodesic on any ground.
     pub fn arc_lengths(&self) -> Option<&Sampling> {
         match self {
             Self::Geodesic { domain, .. } => Some(domain),
@@ -447,7 +447,7 @@ impl Shape {
         }
     }
 
-    /// Returns the way of a geodesic on a solid, and the arc lengths that are drawn.
+    /// Returns the path of a geodesic on a solid, and the drawn arc lengths.
     pub fn space_geodesic(&self) -> Option<(SpacePath<'_>, &Sampling)> {
         match self {
             Self::Geodesic {
@@ -503,7 +503,7 @@ impl Shape {
         }
     }
 
-    /// Returns true for a geodesic and for a curve along one: no expression gives their points, they are integrated.
+    /// Returns true for a geodesic and for a curve along one: their points have no expression and are integrated.
     pub fn is_followed(&self) -> bool {
         self.is_geodesic() || !self.followed().is_empty()
     }
@@ -544,9 +544,9 @@ impl Shape {
         self.sample_counts().into_iter().map(u64::from).product()
     }
 
-    /// Its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the
-    /// origin's; for a geodesic the direction's two, then the start's, then its speed's if it has one; on a solid the field,
-    /// then the direction's three and the start's.
+    /// Returns its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the origin's;
+    /// for a geodesic the direction's two, then the start's, then its speed's if it has one; on a solid the field, then the
+    /// direction's three and the start's.
     pub fn roots(&self) -> Vec<NodeId> {
         match self {
             Self::Point { position }
@@ -567,7 +567,7 @@ impl Shape {
         }
     }
 
-    /// Returns the nodes of [`Shape::roots`] and of [`Shape::followed`], to be replaced.
+    /// Returns the nodes of [`Shape::roots`] and of [`Shape::followed`] for replacement.
     pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
         match self {
             Self::Point { position } | Self::Surface { position, .. } => {

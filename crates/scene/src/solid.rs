@@ -8,34 +8,35 @@ use syntax::span::Span;
 use crate::ids::GridId;
 use crate::range::Range;
 
-/// A set of points: leaves, joined by set operations.
+/// A set of points: leaves, combined by set operations.
 #[derive(Clone, Debug, Default)]
 pub struct Solid {
     /// The leaves, in the order of the text.
     pub leaves: Vec<SolidLeaf>,
     /// The set, in postfix order.
     pub steps: Vec<SolidStep>,
-    /// The one leaf whose faces are seen, and cast shadows, and only from outside; without one all are, from both sides.
+    /// The only leaf whose faces are visible and cast shadows, from outside only; if `None`, all faces do, from both
+    /// sides.
     pub front: Option<u32>,
 }
 
-/// A step of a set in postfix order: operands, then what joins the last two.
+/// A step of a set in postfix order: operands, then the operation on the last two.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SolidStep {
-    /// A leaf, by its position in [`Solid::leaves`].
+    /// A leaf, by its index into [`Solid::leaves`].
     Leaf(u32),
-    /// The points of either.
+    /// The points in either.
     Union,
-    /// The points of both.
+    /// The points in both.
     Intersection,
-    /// The points of the first that are not of the second.
+    /// The points in the first that are not in the second.
     Difference,
     /// The union of the last operand over all values of these grids: the instances of a solid that a set names.
     Instances(Vec<BoundGrid>),
 }
 
-/// A grid over whose values a set is a union, and the uniforms that stand for it in the leaves of the set: its own, or others
-/// where a set reads the same grid inside and outside of the union.
+/// A grid over whose values a set is a union, and the uniforms that represent it in the leaves of the set: the grid's own, or
+/// others if a set reads the same grid inside and outside the union.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct BoundGrid {
     /// The grid.
@@ -44,22 +45,22 @@ pub struct BoundGrid {
     pub first_uniform: u32,
 }
 
-/// The field of a leaf that is nothing but its cuts.
+/// The field of a leaf that consists only of its cuts.
 pub(crate) const EVERYWHERE: f64 = -1.0;
 
 /// The points where a function of three numbers is not positive, within cuts, under an affine map.
 #[derive(Clone, Debug)]
 pub struct SolidLeaf {
-    /// The function, or the solid in field form, that it is.
+    /// The name of its function, or of its solid in field form.
     pub name: String,
-    /// The span of its name in the set; for a solid in field form the place where that is declared.
+    /// The span of its name in the set; for a solid in field form, in its declaration.
     pub name_span: Span,
     /// The function over `Variable(0)`, `Variable(1)`, `Variable(2)`: the leaf's own x, y, z.
     pub field: NodeId,
     /// The intervals that cut it, in its own x, y, z. A set that states intervals has a leaf for them, whose field is -1
     /// everywhere.
     pub cuts: [Option<Cut>; 3],
-    /// From its own coordinates to the scene's.
+    /// The map from its own coordinates to the scene's.
     pub map: AffineNodes,
     /// The attributes of its faces: those of the outermost set that states one, else its own. Leaves of one material share
     /// them.
@@ -75,7 +76,7 @@ pub struct Cut {
     pub cells: Option<u32>,
 }
 
-/// An affine map: rows of a 3 × 3 matrix, each with its translation last. Its nodes read no `Variable`.
+/// An affine map: the rows of a 3 × 3 matrix, each followed by its translation. Its nodes read no `Variable`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AffineNodes(pub [[NodeId; 4]; 3]);
 
@@ -88,8 +89,8 @@ pub struct Attribute {
     pub span: Span,
     /// Its value.
     pub value: AttributeValue,
-    /// From the coordinates in which the value is stated to the scene's, for an attribute of a solid's face; `None` where
-    /// they are the same, or the value's variables are a surface's parameters.
+    /// For an attribute of a solid's face: the map from the coordinates in which the value is stated to the scene's.
+    /// `None` if they are the same, or the value's variables are a surface's parameters.
     pub map: Option<AffineNodes>,
 }
 
@@ -102,12 +103,12 @@ pub enum AttributeValue {
     Word(String),
 }
 
-/// A light. With neither part it would not shine; attributes are those of its object.
+/// A light. Without both parts it would not shine; its attributes are those of its object.
 #[derive(Clone, Copy, Debug)]
 pub struct Light {
-    /// Its place; `None` for a parallel light.
+    /// Its position; `None` for a parallel light.
     pub position: Option<[NodeId; 3]>,
-    /// The direction in which it shines; `None` for one that shines to all sides.
+    /// The direction in which it shines; `None` for a light that shines in all directions.
     pub direction: Option<[NodeId; 3]>,
 }
 
@@ -116,11 +117,11 @@ pub struct Light {
 pub struct Camera {
     /// The direction of the picture's centre. Its length is the default distance of the sharp plane.
     pub direction: [NodeId; 3],
-    /// Its place.
+    /// Its position.
     pub position: [NodeId; 3],
 }
 
-/// The light that comes from where no object is.
+/// The light from directions without an object.
 #[derive(Clone, Copy, Debug)]
 pub struct Background {
     /// Its colour, sRGB, over `Variable(0)`, `Variable(1)`, `Variable(2)`: the unit direction.
@@ -128,7 +129,7 @@ pub struct Background {
 }
 
 impl Solid {
-    /// Returns true if two solids differ in nothing but places of the text.
+    /// Returns true if two solids differ only in spans of the text.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let mut pairs = self.leaves.iter().zip(&other.leaves);
         self.steps == other.steps
@@ -137,10 +138,10 @@ impl Solid {
             && pairs.all(|(a, b)| a.is_same(b))
     }
 
-    /// Returns for each leaf whether its points are taken away: it is behind an odd number of differences.
+    /// Returns for each leaf whether its points are subtracted: it is an operand after an odd number of differences.
     pub(crate) fn taken_away(&self) -> Vec<bool> {
         let mut taken = vec![false; self.leaves.len()];
-        // The leaves of each operand: steps name all leaves in their order.
+        // The leaves of each operand: steps contain all leaves in order.
         let mut operands: Vec<std::ops::Range<usize>> = Vec::new();
         for step in &self.steps {
             match *step {
@@ -164,7 +165,7 @@ impl Solid {
 }
 
 impl Cut {
-    /// Returns the length of a mesh cell along the interval, where a number of cells is stated.
+    /// Returns the length of a mesh cell along the interval, if a number of cells is stated.
     pub fn cell(&self) -> Option<f64> {
         let Range { min, max } = self.range;
         Some((max - min) / f64::from(self.cells?))
@@ -182,7 +183,7 @@ impl SolidLeaf {
             && pairs.all(|(a, b)| a.is_same(b))
     }
 
-    /// Returns true if its cuts are all that it is: those of a set.
+    /// Returns true if it consists only of the cuts of a set.
     pub(crate) fn is_cut_alone(&self, graph: &Graph) -> bool {
         self.cuts.iter().any(Option::is_some) && graph.value(self.field) == Some(EVERYWHERE)
     }
@@ -203,7 +204,7 @@ impl SolidLeaf {
     }
 }
 
-/// Returns the word that is stated for an attribute such as `bokeh`.
+/// Returns the stated word of an attribute such as `bokeh`.
 pub fn stated_word<'a>(attributes: &'a [Attribute], attribute: &str) -> Option<&'a str> {
     let stated = attributes.iter().find(|stated| stated.word == attribute)?;
     match &stated.value {
@@ -213,7 +214,7 @@ pub fn stated_word<'a>(attributes: &'a [Attribute], attribute: &str) -> Option<&
 }
 
 impl Attribute {
-    /// Returns true if it differs in nothing but its place in the text.
+    /// Returns true if it differs only in its span in the text.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.word == other.word && self.value == other.value && self.map == other.map
     }

@@ -1,7 +1,7 @@
-//! Solids as functions: what set operations make of the functions of their leaves.
+//! Solids as functions: the combination of their leaves' functions by set operations.
 //!
-//! In: a solid, and the values of the grids at which its parts close. Out: one node over the variables of space, min for a
-//! union, max for an intersection, and the least over all instances.
+//! In: a solid, and the values of the grids at which its parts close. Out: one node over the variables of space: the
+//! minimum for a union, the maximum for an intersection, and the minimum over all instances.
 
 use expr::ops::Binary;
 use expr::{Graph, Input, NodeId, TooLarge};
@@ -9,18 +9,18 @@ use expr::{Graph, Input, NodeId, TooLarge};
 use crate::range::Sampling;
 use crate::solid::{AffineNodes, BoundGrid, Solid, SolidLeaf, SolidStep};
 
-/// The most values of grids over which a solid's least value is written out.
+/// The maximum number of values of grids over which a solid's minimum is expanded.
 const MOST_INSTANCES: u64 = 4_096;
 
-/// Makes the field of a leaf; `None` for one that is left out.
+/// Computes the field of a leaf; `None` for a leaf that is omitted.
 type LeafField<'f> = dyn Fn(&mut Graph, &SolidLeaf) -> Result<Option<NodeId>, TooLarge> + 'f;
 
 impl Solid {
-    /// Returns the number that it is as a function of x, y and z; its cuts are not part of it. `axes` gives the values of the
-    /// grids over which it is a union.
+    /// Returns its value as a function of x, y and z; its cuts are not part of it. `axes` returns the values of the grids
+    /// over which it is a union.
     ///
     /// # Errors
-    /// [`TooLarge`] where it has so many leaves or instances that the expression has no room.
+    /// [`TooLarge`] if it has so many leaves or instances that the graph has no room for the expression.
     pub fn function(
         &self,
         graph: &mut Graph,
@@ -34,7 +34,7 @@ impl Solid {
         })
     }
 
-    /// Returns the field that is 0 on its surface, negative inside of it: its function with its cuts.
+    /// Returns the field that is 0 on its surface and negative inside: its function with its cuts.
     ///
     /// # Errors
     /// As [`Solid::function`].
@@ -103,7 +103,7 @@ impl Solid {
     }
 }
 
-/// f(M⁻¹q) of a function f of a leaf under M, over the variables of q.
+/// Returns f(M⁻¹q) for a function f of a leaf under the map M, over the variables of q.
 fn placed(graph: &mut Graph, leaf: &SolidLeaf, field: NodeId) -> Result<NodeId, TooLarge> {
     if leaf.map == AffineNodes::identity(graph) {
         return Ok(field);
@@ -117,7 +117,7 @@ fn placed(graph: &mut Graph, leaf: &SolidLeaf, field: NodeId) -> Result<NodeId, 
     found.first().copied().ok_or(TooLarge)
 }
 
-/// Returns the least value of a node over all values of grids.
+/// Returns the minimum of a node over all values of grids.
 fn least(
     graph: &mut Graph,
     node: NodeId,

@@ -1,32 +1,32 @@
-//! The picture that a text describes by itself.
+//! The picture that a text itself describes.
 
 use syntax::crt::objects::{ObjectName, ValueType};
 
-/// The settings of a picture, of a text in left-handed coordinates (x right, y up, z into the screen).
+/// The settings of the picture of a text in left-handed coordinates (x right, y up, z into the screen).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatedPicture {
-    /// The exponent 1/gamma makes bytes of light; positive.
+    /// The exponent 1/gamma converts light to bytes; positive.
     pub gamma: f64,
-    /// The samples of a pixel lie on a grid of so many columns and rows; at least 1.
+    /// The samples of a pixel form a grid with this number of columns and of rows; at least 1.
     pub supersampling: u32,
-    /// The samples on the lens of each of them; at least 1.
+    /// The number of samples on the lens for each of them; at least 1.
     pub lens_samples: u32,
-    /// The reflections and refractions that are followed.
+    /// The maximum number of reflections and refractions.
     pub bounces: u32,
 }
 
-/// A number of the settings of a script, as its block `Settings` names it.
+/// A number of a script's settings, as named in the block `Settings`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatedSetting {
     /// Its name.
     pub word: &'static str,
-    /// Its purpose: a phrase.
+    /// Its purpose, as a phrase.
     pub purpose: &'static str,
     /// Its value.
     pub value: f64,
-    /// The least and the greatest value; the least of `gamma` itself is none.
+    /// The minimum and the maximum; the minimum of `gamma` is excluded.
     pub range: [f64; 2],
-    /// True if it is a whole number.
+    /// True if it is an integer.
     pub is_whole: bool,
 }
 

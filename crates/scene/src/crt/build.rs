@@ -381,7 +381,8 @@ fn step(operation: SetOperation) -> SolidStep {
 }
 
 /// Returns the roll of a camera that looks along a direction of the script: the angle of the picture's up towards its right,
-/// relative to the scene's cameras. The script's up is perpendicular to (sin roll, cos roll, 0).
+/// relative to the scene's cameras. The script's up is the projection of (sin roll, cos roll, 0) perpendicular to the
+/// direction.
 pub(super) fn roll(direction: [f64; 3], roll: f64) -> f64 {
     let Some(ahead) = vector::unit(direction) else {
         return 0.0;

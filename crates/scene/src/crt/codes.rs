@@ -11,7 +11,7 @@ macro_rules! codes {
     };
 }
 
-/// The code of an internal error. No script can cause it intentionally, so it is not in [`CODES`].
+/// The code of an internal error. It is a fault of this program and not of a script, so it is not in [`CODES`].
 pub const INTERNAL_ERROR: Code = Code("internal-error");
 
 codes! {

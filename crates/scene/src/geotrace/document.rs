@@ -1,20 +1,21 @@
-//! A program that is edited: checked declaration by declaration, and again only where an edit can be noticed.
+//! A program that is edited: checked declaration by declaration, and only declarations that an edit affects are checked
+//! again.
 //!
 //! ```text
-//! edit ──▶ syntax::document   what was read again
+//! edit ──▶ syntax::document   the chunks that were read again
 //!          checker.rs         diagnostics of each declaration, and the symbols whose meaning has changed
-//!          this file          the readers of those are checked in turn, down the text
-//!          compilation()      the scene, put together on request
+//!          this file          checks the readers of those symbols in turn, from top to bottom
+//!          compilation()      the scene, assembled on request
 //!          last_good.rs       the scene of a text with errors
 //! ```
 //!
-//! Diagnostics and scene are those of [`compile`] for the text, after every edit. The diagnostics are kept up
-//! to date edit by edit. The scene is built from what was read, without lexing or parsing, in time
-//! proportional to the program.
+//! After every edit, diagnostics and scene equal those of [`compile`] for the text. The diagnostics are updated with
+//! each edit. The scene is built from recorded declarations, without lexing or parsing, in time proportional to the
+//! program.
 //!
-//! A few limits hold for a program as a whole: how many samples, leaves, params, backgrounds and operations it may have. A
-//! declaration is checked as though it were alone with them; where one is exceeded, the whole program is
-//! compiled for its diagnostics.
+//! Some limits apply to a program as a whole: the numbers of samples, leaves, params, backgrounds and operations. A
+//! declaration is checked as if it were the only one that counts towards them; if a limit is exceeded, the whole program
+//! is compiled for its diagnostics.
 
 mod checker;
 mod last_good;
@@ -45,9 +46,9 @@ pub struct Document {
     text: syntax::geotrace::document::Document,
     checker: Checker,
     checked: HashMap<ChunkId, CheckedChunk>,
-    /// The chunks with diagnostics beyond those of the parser.
+    /// The chunks with diagnostics in addition to the parser's.
     found: HashSet<ChunkId>,
-    /// The chunks to be checked again where the intervals of a param or a grid change.
+    /// The chunks to be checked again when the intervals of a param or a grid change.
     watchers: HashMap<SymbolId, BTreeSet<ChunkId>>,
     watchers_of_all: BTreeSet<ChunkId>,
     totals: Totals,
@@ -57,21 +58,21 @@ pub struct Document {
     shown: OnceLock<Shown>,
 }
 
-/// The part of a chunk's check that is kept.
+/// The stored results of checking a chunk.
 #[derive(Clone, Debug)]
 struct CheckedChunk {
     samples: u64,
     components: u32,
     backgrounds: u32,
-    /// The start of the chunk's places; further ones are in `rest`.
+    /// The start of the chunk's range of positions; further starts are in `rest`.
     base: u32,
-    /// The parts that most chunks do not have.
+    /// The parts that most chunks lack.
     rest: Option<Box<Details>>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Details {
-    /// The diagnostics of each declaration; empty where none has any.
+    /// The diagnostics of each declaration; empty if there are none.
     diagnostics: Vec<Vec<Diagnostic>>,
     watches: Vec<SymbolId>,
     watches_all: bool,
@@ -118,20 +119,20 @@ struct Totals {
     components: u64,
     backgrounds: u64,
     leaves: u64,
-    /// The number of chunks that have met a limit.
+    /// The number of chunks that have reached a limit.
     limited: usize,
 }
 
-/// The work done since the document was made.
+/// The work since the document was created.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Counters {
-    /// The parser's part of it.
+    /// The parser's part.
     pub reading: syntax::document::ReadCounters,
     /// The number of chunks that were checked.
     pub checked: u64,
     /// The number of declarations that were lowered.
     pub lowered: u64,
-    /// The number of times that everything was checked by a new checker.
+    /// The number of times that everything was checked again by a new checker.
     pub renewed: u64,
 }
 
@@ -139,7 +140,7 @@ impl Document {
     /// Reads and checks a text.
     ///
     /// # Errors
-    /// The text is too large.
+    /// If the text is too large.
     pub fn new(text: &str) -> Result<Self, EditError> {
         let mut document = Self {
             text: syntax::geotrace::document::Document::new(text, &builtin::vocabulary())?,
@@ -161,7 +162,7 @@ impl Document {
     /// Replaces the bytes of a range.
     ///
     /// # Errors
-    /// There is no such range, or the text would be too large; the document is unchanged.
+    /// If the text does not have the range, or would be too large; the document is then unchanged.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
         if let Some(shown) = self.shown.take() {
             self.last_good.note(&self.text, shown);
@@ -191,12 +192,12 @@ impl Document {
         Ok(change)
     }
 
-    /// Returns the text and its declarations as they were read.
+    /// Returns the text with its declarations as read.
     pub fn text(&self) -> &syntax::geotrace::document::Document {
         &self.text
     }
 
-    /// Returns the work done so far.
+    /// Returns the work since the document was created.
     pub fn counters(&self) -> Counters {
         Counters {
             reading: self.text.counters(),
@@ -204,7 +205,7 @@ impl Document {
         }
     }
 
-    /// Everything that is wrong or surprising, sorted by place: the diagnostics of [`compile`].
+    /// Returns all errors, warnings and hints, sorted by position: the diagnostics of [`compile`].
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         if self.is_beyond_limits() {
             return self.compilation().diagnostics.clone();
@@ -212,7 +213,7 @@ impl Document {
         self.own_diagnostics()
     }
 
-    /// Returns the compilation of the text, put together at the first call after an edit.
+    /// Returns the compilation of the text, assembled at the first call after an edit.
     pub fn compilation(&self) -> &Compilation {
         self.compilation.get_or_init(|| {
             if self.is_beyond_limits() {
@@ -249,8 +250,7 @@ impl Document {
         all.flat_map(|chunk| self.diagnostics_of(chunk)).collect()
     }
 
-    /// Returns the diagnostics that lie in one chunk, sorted by place, as though no limit for the whole program were
-    /// exceeded.
+    /// Returns the diagnostics of one chunk, sorted by position, as if no limit for the whole program were exceeded.
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut findings = self.text.findings_of(chunk).into_iter();
         let checked = self.checked.get(&chunk);
@@ -272,7 +272,7 @@ impl Document {
         all
     }
 
-    /// Checks everything with a new checker.
+    /// Checks everything again with a new checker.
     fn renew(&mut self) {
         self.checker = Checker::new();
         self.checked.clear();
@@ -289,7 +289,7 @@ impl Document {
         self.checker.settle();
     }
 
-    /// Checks chunks, and those below that depend on a changed meaning, from top to bottom.
+    /// Checks chunks, and the chunks below that depend on a changed meaning, from top to bottom.
     fn check(&mut self, mut queue: BTreeMap<u32, ChunkId>) {
         while let Some((rank, chunk)) = queue.pop_first() {
             let checked = self.checker.check(&self.text, chunk);
@@ -341,7 +341,7 @@ impl Document {
         self.drop_checked_but(chunk, &[]);
     }
 
-    /// Drops the results of checking a chunk; the places in `kept` stay valid.
+    /// Drops the results of checking a chunk; the positions in `kept` remain valid.
     fn drop_checked_but(&mut self, chunk: ChunkId, kept: &[u32]) {
         let Some(checked) = self.checked.remove(&chunk) else {
             return;
@@ -371,7 +371,7 @@ impl Document {
         self.checker.release(&bases);
     }
 
-    /// Compiles what was read, as the parser would have handed it to the compiler.
+    /// Compiles the recorded declarations, as the parser would have passed them to the compiler.
     fn assemble(&self) -> (Scene, Scope) {
         let mut assembler = Assembler::new();
         let snapshot: &Snapshot = &self.text;
@@ -395,9 +395,9 @@ impl Document {
         (scene, scope)
     }
 
-    /// Returns the scene of the text as it is; of a text with errors, what can be shown of it, with what was last good
-    /// in the place of what is faulty. It is put together at the first call after an edit. What is good is remembered
-    /// once it has been requested.
+    /// Returns the scene of the text. For a text with errors, it contains everything that can be shown, with the last
+    /// good version of each faulty declaration. The scene is assembled at the first call after an edit. Declarations
+    /// are recorded as good only when the scene has been requested.
     pub fn scene_with_last_good(&self) -> &ProgramScene {
         &self.shown().program
     }
@@ -409,7 +409,7 @@ impl Document {
         })
     }
 
-    /// Returns the chunks in which there are errors.
+    /// Returns the chunks with errors.
     fn faulty(&self) -> HashSet<ChunkId> {
         let is_error = |found: &Diagnostic| found.severity == Severity::Error;
         let chunks = self.text.diagnosed().into_iter();

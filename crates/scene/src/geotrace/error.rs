@@ -5,9 +5,9 @@ use syntax::span::Span;
 
 /// The operands' dimensions do not fit the operation.
 pub(crate) const DIMENSION_MISMATCH: Code = Code("dimension-mismatch");
-/// `a_n` with `n` beyond the vector's dimension.
+/// `a_n` with `n` above the vector's dimension.
 pub(crate) const NO_SUCH_COMPONENT: Code = Code("no-such-component");
-/// A function is applied to a wrong number of arguments.
+/// A function is applied to the wrong number of arguments.
 pub(crate) const ARGUMENT_COUNT: Code = Code("argument-count");
 /// `f'` of a function of several parameters.
 pub(crate) const AMBIGUOUS_DERIVATIVE: Code = Code("ambiguous-derivative");
@@ -31,17 +31,17 @@ pub(crate) const INITIAL_NOT_CONSTANT: Code = Code("opening-not-constant");
 pub(crate) const INITIAL_DIMENSION: Code = Code("opening-dimension");
 /// The initial value of a param is undefined or infinite.
 pub(crate) const INITIAL_UNDEFINED: Code = Code("opening-undefined");
-/// The initial value of a param lies outside its interval.
+/// The initial value of a param is outside its interval.
 pub(crate) const INITIAL_OUTSIDE: Code = Code("opening-outside");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
-/// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
+/// A curve or a geodesic does not have exactly one parameter, or a surface or a metric exactly two.
 pub(crate) const PARAMETER_COUNT: Code = Code("parameter-count");
-/// A drawn value does not lie in space.
+/// A drawn value is not in space.
 pub(crate) const NOT_IN_SPACE: Code = Code("not-in-space");
 /// An object depends on grids with too many values.
 pub(crate) const TOO_MANY_INSTANCES: Code = Code("too-many-instances");
-/// The objects have too many samples together.
+/// The objects have too many samples in total.
 pub(crate) const TOO_MANY_SAMPLES: Code = Code("too-many-samples");
 /// The params and grids have too many components.
 pub(crate) const TOO_MANY_UNIFORMS: Code = Code("too-many-params");
@@ -51,36 +51,36 @@ pub(crate) const NOT_A_METRIC: Code = Code("not-a-metric");
 pub(crate) const DEGENERATE_METRIC: Code = Code("degenerate-metric");
 /// A geodesic is declared on something that is neither a surface nor a metric.
 pub(crate) const NOT_A_SURFACE: Code = Code("not-a-surface");
-/// A geodesic's direction or start has not two components, or on a solid not three.
+/// A geodesic's direction or start does not have two components, or on a solid three.
 pub(crate) const NOT_IN_CHART: Code = Code("not-in-chart");
 /// A geodesic that cannot start.
 pub(crate) const GEODESIC_NOT_DRAWN: Code = Code("geodesic-not-drawn");
 /// A geodesic has no value for its argument.
 pub(crate) const GEODESIC_UNDEFINED: Code = Code("geodesic-undefined");
-/// A geodesic is used where its argument is no number.
+/// A geodesic is used where its argument is not a number.
 pub(crate) const NO_FORMULA: Code = Code("no-formula");
-/// A set names what is no set of points.
+/// A set names something that is not a set of points.
 pub(crate) const NOT_A_SOLID: Code = Code("not-a-solid");
-/// A set is placed by a function that is no affine map of space.
+/// A set is placed by a function that is not an affine map of space.
 pub(crate) const NOT_AFFINE: Code = Code("not-affine");
 /// A set is placed by a constant map that flattens it.
 pub(crate) const SINGULAR_MAP: Code = Code("singular-map");
 /// The solids have too many leaves.
 pub(crate) const TOO_MANY_LEAVES: Code = Code("too-many-leaves");
-/// A parallel light shines upwards along a vector that looks like a place.
+/// A parallel light shines upwards along a vector that looks like a position.
 pub(crate) const LIGHT_FROM_BELOW: Code = Code("light-from-below");
 /// The instances of a set fill each other's holes.
 pub(crate) const FILLED_HOLES: Code = Code("filled-holes");
-/// The numbers of a background's colour are those of bytes.
+/// A background's colour has components in the range of bytes.
 pub(crate) const BRIGHT_BACKGROUND: Code = Code("bright-background");
 /// There is a background already.
 pub(crate) const SECOND_BACKGROUND: Code = Code("second-background");
-/// The value of an attribute, or a background, has not the dimension that it must have.
+/// The value of an attribute, or a background, has the wrong dimension.
 pub(crate) const ATTRIBUTE_DIMENSION: Code = Code("attribute-dimension");
-/// An expression is evaluated in a program that has errors.
+/// An expression is evaluated in a program with errors.
 pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
 
-/// Every code that compiling a program can give beyond those of `syntax`, each with one sentence that explains
+/// All codes that compiling a program can return in addition to those of `syntax`, each with one sentence that explains
 /// it.
 pub const CODES: &[(Code, &str)] = &[
     (
@@ -235,18 +235,18 @@ pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
         .any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
-/// The longest list of places that explain a fault inside functions that are applied inside functions.
+/// The maximum number of related locations for a fault in nested function applications.
 const MAX_TRAIL: usize = 8;
 
-/// An error in the meaning of an operation, before the place of its report is known.
+/// An error in the meaning of an operation, before the span of its report is known.
 #[derive(Clone, Debug)]
 pub(crate) struct SemanticError {
     pub(crate) code: Code,
     pub(crate) message: String,
     pub(crate) hint: Option<String>,
-    /// The places inside functions' bodies that lead to it, innermost first. Empty outside of any body.
+    /// The locations inside functions' bodies that lead to it, innermost first. Empty outside any body.
     pub(crate) trail: Vec<Related>,
-    /// The function in whose body it happens, as seen from outside.
+    /// The function in whose body it occurs, as seen from outside.
     function: Option<String>,
 }
 
@@ -266,7 +266,7 @@ impl SemanticError {
         self
     }
 
-    /// Returns the error with its place in the body of a function added.
+    /// Returns the error with its span in the body of a function added.
     pub(crate) fn in_body(mut self, function: &str, place: Span) -> Self {
         if self.trail.len() < MAX_TRAIL {
             let message = if self.trail.is_empty() {
@@ -283,8 +283,8 @@ impl SemanticError {
         self
     }
 
-    /// Returns the error to report at `span`. For a fault inside a function's body that is where the function is
-    /// applied.
+    /// Returns the error as a diagnostic at `span`, which for a fault inside a function's body is the function's
+    /// application.
     pub(crate) fn at(self, span: Span) -> Diagnostic {
         let message = match self.function {
             Some(function) => format!("in `{function}`: {}", self.message),

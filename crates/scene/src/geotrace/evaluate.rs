@@ -19,7 +19,7 @@ use crate::geotrace::geodesics::GeodesicFaults;
 use crate::limits::MAX_INSTANCES;
 use crate::param_values::ParamValues;
 
-/// The names that an expression may use: all that a program without errors declares.
+/// The names that an expression may use: everything that a program without errors declares.
 #[derive(Clone, Debug)]
 pub(crate) struct Scope(Arc<ScopeData>);
 
@@ -45,7 +45,7 @@ impl Scope {
         }))
     }
 
-    /// As [`Compilation::evaluate`](super::Compilation::evaluate).
+    /// See [`Compilation::evaluate`](super::Compilation::evaluate).
     pub(crate) fn evaluate(
         &self,
         text: &str,
@@ -93,7 +93,7 @@ impl Scope {
 }
 
 impl ScopeData {
-    /// Moves the related places of an error in a function's body into the hint: they lie in the program, not in the
+    /// Moves the related locations of an error in a function's body into the hint: they are in the program, not in the
     /// expression's text.
     fn place_in_hint(&self, mut diagnostic: Diagnostic) -> Diagnostic {
         let places = std::mem::take(&mut diagnostic.related);
@@ -112,11 +112,11 @@ impl ScopeData {
     }
 }
 
-/// Evaluates a value for each combination of the grids that it depends on. Returns beside it the geodesics that have no
-/// value for some of them, with the first reason of each.
+/// Evaluates a value for each combination of the grids that it depends on. Also returns the geodesics that have no
+/// value for some of these, each with the first reason.
 ///
 /// # Errors
-/// There are more combinations than [`MAX_INSTANCES`].
+/// If there are more than [`MAX_INSTANCES`] combinations.
 pub(crate) fn outcome(
     declarations: &Declarations,
     value: &Value,

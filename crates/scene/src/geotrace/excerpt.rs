@@ -1,5 +1,5 @@
-//! Some declarations of a text and all that they use, compiled alone: in time proportional to them, and whatever errors the
-//! rest of the text has.
+//! Some declarations of a text and everything that they use, compiled separately: in time proportional to these, and
+//! regardless of errors in the rest of the text.
 
 use std::collections::BTreeSet;
 
@@ -22,8 +22,8 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// Returns the declarations of these numbers, from 0, and all that they use. Those with errors are left out, and those that
-    /// use them.
+    /// Compiles the declarations with these numbers, from 0, and everything that they use. Declarations with errors are
+    /// omitted, and so are the ones that use them.
     pub fn new(snapshot: &Snapshot, declarations: impl IntoIterator<Item = u32>) -> Self {
         let wanted: Vec<u32> = declarations.into_iter().collect();
         let mut needed: BTreeSet<u32> = BTreeSet::new();
@@ -53,7 +53,7 @@ impl Excerpt {
         }
     }
 
-    /// Returns the scene. Places in it mean nothing.
+    /// Returns the scene. Spans in it have no meaning.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -73,7 +73,7 @@ impl Excerpt {
     }
 }
 
-/// Returns a declaration by its number.
+/// Returns a declaration by number.
 fn reading(snapshot: &Snapshot, number: u32) -> Option<Reading<'_>> {
     let (placed, index) = snapshot.placed_chunk_of_declaration(number)?;
     let (declaration, events) = placed.declarations().nth(index)?;

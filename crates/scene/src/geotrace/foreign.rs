@@ -1,4 +1,4 @@
-//! Words of other notations, with what is written here in their place.
+//! Words of other notations, with their equivalents.
 
 use syntax::geotrace::symbols::{ForeignWord, NO_CONDITIONS};
 

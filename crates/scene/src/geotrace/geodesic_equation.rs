@@ -4,9 +4,9 @@ use expr::{Graph, Input, NodeId, TooLarge};
 
 use crate::geodesic_value::ManifoldNodes;
 
-/// Returns the right side of the geodesic equation, (u'', v'') = −Γ(g′, g′), over `Variable(0..4)`, which stand for (u,
-/// v) and (u', v'). The Christoffel symbols are those of E, F, G: do Carmo, Differential Geometry of Curves and
-/// Surfaces, 4-3.
+/// Returns the right-hand side of the geodesic equation, (u'', v'') = −Γ(g′, g′), over `Variable(0..4)`, which
+/// represent (u, v) and (u', v'). The Christoffel symbols are those of E, F, G: do Carmo, Differential Geometry of
+/// Curves and Surfaces, 4-3.
 pub(crate) fn geodesic_equation(
     graph: &mut Graph,
     manifold: &ManifoldNodes,
@@ -68,8 +68,8 @@ pub(crate) fn geodesic_equation(
     }
 }
 
-/// Returns the right side of the geodesic equation on the surface where a field over `Variable(0..3)` is 0: x″ =
-/// −(x′ᵀHx′/|∇f|²)∇f, over `Variable(0..6)`, which stand for (x, y, z) and (x', y', z').
+/// Returns the right-hand side of the geodesic equation on the surface where a field over `Variable(0..3)` is 0: x″ =
+/// −(x′ᵀHx′/|∇f|²)∇f, over `Variable(0..6)`, which represent (x, y, z) and (x', y', z').
 pub(crate) fn space_geodesic_equation(
     graph: &mut Graph,
     field: NodeId,

@@ -1,10 +1,10 @@
-//! Geodesics as functions: nodes that stand for numbers which no formula gives.
+//! Geodesics as functions: nodes for numbers that have no formula.
 //!
-//! In: the application of a geodesic to a node. Out: nodes for its point and its velocity there. Where the argument depends on
-//! constants, params and grids alone, they are uniforms like those of params, and the value is one of the scene's. Inside the
-//! body of a function, and along a curve, the argument depends on parameters: the nodes are *pending* variables beyond those
-//! of any parameter list, which substitution replaces when the argument is known, and which derivatives know the derivative
-//! of. With g″ = −Γ(g′, g′), every derivative is an expression in g and g′.
+//! In: the application of a geodesic to a node. Out: nodes for its point and its velocity there. If the argument depends only
+//! on constants, params and grids, they are uniforms like those of params, and the value is one of the scene's. Inside the
+//! body of a function, and along a curve, the argument depends on parameters: the nodes are then *pending* variables beyond
+//! those of any parameter list. Substitution replaces them when the argument is known, and differentiation knows their
+//! derivatives: since g″ = −Γ(g′, g′), every derivative is an expression in g and g′.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -19,12 +19,12 @@ use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::geodesic_equation::{geodesic_equation, space_geodesic_equation};
 use crate::scene::Shape;
 
-/// A geodesic that is declared.
+/// A declared geodesic.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DeclaredGeodesic {
     pub(crate) name: Arc<str>,
     pub(crate) way: DeclaredWay,
-    /// The params and grids that it reads, with those of its surface.
+    /// The params and grids that it reads, including those of its surface.
     pub(crate) dependencies: Dependencies,
 }
 
@@ -36,7 +36,7 @@ pub(crate) enum DeclaredWay {
         manifold: ManifoldNodes,
         start: [NodeId; 2],
         direction: [NodeId; 2],
-        /// The length of one unit of its parameter; 1 if there is no node.
+        /// The length of one unit of its parameter; 1 if `None`.
         unit: Option<NodeId>,
     },
     /// On a solid with this field.
@@ -56,7 +56,7 @@ impl DeclaredWay {
         }
     }
 
-    /// Its ground, and its point at a parameter as a value.
+    /// Returns its ground, and its point at a parameter as a value.
     fn point(&self, at: NodeId) -> (Ground, ValueKind) {
         match *self {
             Self::Chart {
@@ -89,24 +89,25 @@ impl DeclaredWay {
     }
 }
 
-/// The geodesics that have no value, by their names, with the reasons.
+/// The geodesics without a value, by name, with the reasons.
 pub(crate) type GeodesicFaults = Vec<(Arc<str>, GeodesicFault)>;
 
-/// A geodesic by its number.
+/// A geodesic by its index.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct GeodesicId(u32);
 
-/// The geodesics that are declared, and their values that have been met.
+/// The declared geodesics, and their values in use.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Geodesics {
     declared: Vec<DeclaredGeodesic>,
-    /// The values whose numbers are uniforms, in their order.
+    /// The values whose numbers are uniforms, in order.
     values: Vec<GeodesicValue>,
     points: FxHashMap<(GeodesicId, NodeId), u32>,
     connections: FxHashMap<([NodeId; 7], [u64; 4]), u32>,
     pending: Vec<Pending>,
     pending_ids: FxHashMap<(GeodesicId, NodeId), usize>,
-    /// The second derivatives of a point's coordinates over variables that stand for the coordinates, then for the velocity.
+    /// The second derivatives of a point's coordinates over variables for the coordinates, followed by variables for the
+    /// velocity.
     accelerations: FxHashMap<GeodesicId, Vec<NodeId>>,
     cache: GeodesicCache,
 }
@@ -120,11 +121,11 @@ struct Pending {
 
 /// The first pending variable: beyond the parameters of any function.
 const FIRST_PENDING: u32 = 1 << 30;
-/// The variables that a pending point has: as many as the components of a point in space with its velocity.
+/// The number of variables of a pending point: enough for a point in space with its velocity.
 const WIDTH: u32 = MOST_NUMBERS as u32;
 
 impl Geodesics {
-    /// Notes a geodesic; equal ones are one.
+    /// Adds a geodesic; equal ones are stored once.
     pub(crate) fn declare(&mut self, geodesic: DeclaredGeodesic) -> GeodesicId {
         let known = self.declared.iter().position(|it| *it == geodesic);
         let index = known.unwrap_or_else(|| {
@@ -143,7 +144,7 @@ impl Geodesics {
         &self.values
     }
 
-    /// Returns the shortest geodesic between two places: nodes of its start, its velocity and its length.
+    /// Returns the shortest geodesic between two points: nodes for its start, its velocity and its length.
     pub(crate) fn connection(
         &mut self,
         graph: &mut Graph,
@@ -228,7 +229,7 @@ impl Geodesics {
         first
     }
 
-    /// (u, v) of a geodesic, or (x, y, z) of one on a solid, over `Variable(0)`.
+    /// Returns (u, v) of a geodesic, or (x, y, z) of one on a solid, over `Variable(0)`.
     pub(crate) fn body(
         &mut self,
         graph: &mut Graph,
@@ -241,7 +242,8 @@ impl Geodesics {
         Some(place)
     }
 
-    /// Returns the pending points that some nodes read, directly or not, each after those that its argument reads.
+    /// Returns the pending points that some nodes read, directly or indirectly, each after those that its argument
+    /// reads.
     fn reached(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<usize> {
         if self.pending.is_empty() {
             return Vec::new();
@@ -268,7 +270,7 @@ impl Geodesics {
         Some(&self.get(pending.geodesic)?.name)
     }
 
-    /// Returns the params and grids that some nodes read, through geodesics too.
+    /// Returns the params and grids that some nodes read, including through geodesics.
     pub(crate) fn dependencies(
         &self,
         graph: &Graph,
@@ -289,7 +291,7 @@ impl Geodesics {
         all
     }
 
-    /// Returns the derivatives of some nodes by an input, through geodesics too.
+    /// Returns the derivatives of some nodes by an input, including through geodesics.
     pub(crate) fn derivatives(
         &mut self,
         graph: &mut Graph,
@@ -307,7 +309,7 @@ impl Geodesics {
         self.total(graph, nodes, by, &chain)
     }
 
-    /// Returns the derivatives of some nodes, where those of the arguments of pending points are known.
+    /// Returns the derivatives of some nodes, given those of the arguments of pending points.
     fn total(
         &mut self,
         graph: &mut Graph,
@@ -376,8 +378,8 @@ impl Geodesics {
         graph.substitute(&formula, &replace)
     }
 
-    /// Replaces variables, in the arguments of geodesics too: a point whose argument then depends on no parameter becomes
-    /// uniforms.
+    /// Replaces variables, including in the arguments of geodesics: a point whose argument then depends on no parameter
+    /// becomes uniforms.
     pub(crate) fn substitute(
         &mut self,
         graph: &mut Graph,
@@ -399,8 +401,8 @@ impl Geodesics {
         replaced(graph, nodes, replacements, &points)
     }
 
-    /// Makes the pending points of a curve's position, over its parameter `Variable(0)`, values of the curve: their numbers
-    /// are the variables from 1 on.
+    /// Converts the pending points of a curve's position, over its parameter `Variable(0)`, to values of the curve, whose
+    /// numbers are the variables from 1 on.
     pub(crate) fn follow(
         &self,
         graph: &mut Graph,
@@ -436,7 +438,7 @@ impl Geodesics {
         Ok(followed)
     }
 
-    /// Returns the values that some nodes read, directly or not, in the order of their uniforms.
+    /// Returns the values that some nodes read, directly or indirectly, in the order of their uniforms.
     pub(crate) fn read(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<u32> {
         if self.values.is_empty() {
             return Vec::new();
@@ -459,15 +461,15 @@ impl Geodesics {
         read.into_iter().collect()
     }
 
-    /// Returns true if some nodes read a geodesic between two places, whose search takes longer than a check should.
+    /// Returns true if some nodes read a geodesic between two points, whose search takes longer than a check should.
     pub(crate) fn reads_connection(&self, graph: &Graph, nodes: &[NodeId]) -> bool {
         let read = self.read(graph, nodes).into_iter();
         let mut read = read.filter_map(|index| self.values.get(index as usize));
         read.any(|value| matches!(value.kind, ValueKind::Connection { .. }))
     }
 
-    /// Computes the values that some nodes read, and writes them among the uniforms. Returns those that have no value, with
-    /// the reason.
+    /// Computes the values that some nodes read, and writes them into the uniforms. Returns those without a value, with the
+    /// reason.
     pub(crate) fn fill(
         &self,
         graph: &Graph,
@@ -484,7 +486,7 @@ impl Geodesics {
     }
 }
 
-/// Returns all nodes of a shape that its samples or its geodesics are computed from.
+/// Returns all nodes of a shape from which its samples or its geodesics are computed.
 pub(crate) fn nodes_of(shape: &Shape) -> Vec<NodeId> {
     let mut nodes = shape.roots();
     nodes.extend(shape.followed().iter().flat_map(GeodesicValue::nodes));
@@ -504,7 +506,7 @@ fn pending_in(graph: &Graph, nodes: &[NodeId]) -> impl Iterator<Item = usize> + 
     })
 }
 
-/// Some nodes with variables and pending points replaced.
+/// Returns some nodes with variables and pending points replaced.
 fn replaced(
     graph: &mut Graph,
     nodes: &[NodeId],

@@ -1,4 +1,4 @@
-//! Intervals: from the expressions between `[` and `]` to finite numbers in order.
+//! Intervals: from the expressions between `[` and `]` to finite, ordered numbers.
 
 use expr::number;
 use expr::value::Value;
@@ -12,7 +12,7 @@ use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::limits::{MAX_AXIS, MAX_SAMPLES};
 use crate::scene::{Range, Sampling};
 
-/// An interval as it was read.
+/// An interval as read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeclaredInterval {
     pub(crate) read: actions::Interval,
@@ -78,7 +78,7 @@ impl DeclaredInterval {
         self.ends[0].steps().start
     }
 
-    /// Returns the interval's numbers; `None` after an error, which goes to `diagnostics`.
+    /// Returns the interval's numbers; `None` after an error, which is added to `diagnostics`.
     pub(crate) fn bounds(
         &self,
         lowerer: &mut Lowerer,
@@ -95,7 +95,7 @@ impl DeclaredInterval {
             let Some(expression) = expression else {
                 continue;
             };
-            // An error inside an expression has its own place and has been reported there.
+            // An error inside an expression has its own span and has been reported there.
             let before = diagnostics.len();
             let lowered = lowerer.lower(expression, Vec::new(), diagnostics);
             if diagnostics.len() > before {
@@ -127,7 +127,7 @@ impl DeclaredInterval {
 }
 
 impl Bounds {
-    /// Returns the interval with its count, or with `default` where it has none.
+    /// Returns the interval with its count, or with `default` if it has none.
     pub(crate) fn sampling(self, default: u32) -> Sampling {
         Sampling {
             range: self.range,
@@ -136,7 +136,7 @@ impl Bounds {
     }
 }
 
-/// A number's place in an interval.
+/// The role of a number in an interval.
 #[derive(Clone, Copy, Debug)]
 enum Role {
     Minimum,
@@ -154,7 +154,7 @@ impl Role {
     }
 }
 
-/// Returns the finite number that an expression of an interval has as its value; `None` if it uses a name whose
+/// Returns the value of an expression of an interval, which must be a finite number; `None` if it uses a name whose
 /// declaration failed.
 fn constant(
     lowerer: &Lowerer,

@@ -1,4 +1,4 @@
-//! Declarations that live inside a surface: metrics, and geodesics on surfaces and metrics.
+//! Declarations inside a surface: metrics, and geodesics on surfaces and metrics.
 //!
 //! In: a declaration that has been read. Out: its meaning and its object, or its errors.
 
@@ -24,17 +24,17 @@ use crate::metric::{Defect, Witness, witness};
 use crate::param_values::ParamValues;
 use crate::scene::{GeodesicPath, Shape};
 
-/// The largest number of instances of a metric that are searched for a point where it is not positive definite.
+/// The maximum number of instances of a metric that are searched for a point where it is not positive definite.
 const SEARCHED_INSTANCES: u64 = 16;
 
-/// The way of a geodesic on its surface.
+/// The path of a geodesic on its surface.
 struct Path {
     start: [NodeId; 2],
     direction: [NodeId; 2],
     unit: Option<NodeId>,
-    /// The start and the direction, or the two places, as they are written.
+    /// The start and the direction, or the two endpoints, as written.
     ends: [[NodeId; 2]; 2],
-    /// Without those of the surface.
+    /// Without the dependencies of the surface.
     dependencies: Dependencies,
     span: Span,
 }
@@ -207,7 +207,7 @@ impl Declarations {
         })
     }
 
-    /// E, F and G; `None` if the value is something else or its declaration failed.
+    /// Returns E, F and G; `None` if the value is something else or its declaration failed.
     fn coefficients(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
         let value = lowered.value.as_ref()?;
         if let Ok(components) = <[NodeId; 3]>::try_from(value.components()) {
@@ -248,8 +248,8 @@ impl Declarations {
         None
     }
 
-    /// Returns the surface or metric that a geodesic names; `None` if the name means something else or its declaration
-    /// failed.
+    /// Returns the surface or metric that a geodesic names; `None` if the name denotes something else or its
+    /// declaration failed.
     fn surface_of(&mut self, named: Expression) -> Option<DeclaredManifold> {
         let (symbol, span) = self.lowerer.code.functions(named).next()?;
         if let Some(manifold) = self.manifold_of(symbol) {
@@ -295,7 +295,7 @@ impl Declarations {
             [found[0], found[1]]
         });
         let domain = manifold.nodes.domain;
-        // A geodesic between two places starts at both.
+        // A geodesic between two points starts at both.
         let (start, ways) = match path.unit {
             None => (one, vec![(one, other)]),
             Some(_) => (one, vec![(one, [1.0; 2]), (other, [1.0; 2])]),
@@ -306,7 +306,7 @@ impl Declarations {
         let same = path.unit.is_some() && start == other;
         let error = ways.iter().find_map(faulty);
         let error = error.or(same.then_some(InitialConditionsError::OnePlace))?;
-        // The reason why a place that it needs is undefined says more than that it is.
+        // The reason why a required point is undefined is more informative than the fact itself.
         let first = faults
             .iter()
             .map(|(name, fault)| format!("of `{name}`: {fault}"));
@@ -319,7 +319,7 @@ impl Declarations {
         ))
     }
 
-    /// Returns a warning about a metric that is not positive definite somewhere inside its domain, at the initial
+    /// Returns a warning about a metric that is not positive definite somewhere inside its domain, for the initial
     /// values of the params.
     fn degenerate(&self, metric: &Drawn, place: Span) -> Option<Diagnostic> {
         let object = &metric.object;

@@ -1,11 +1,10 @@
-//! From steps to values: runs an expression's steps over a stack of items, and functions' bodies where they
-//! are applied.
+//! From steps to values: runs an expression's steps on a stack of items, and functions' bodies where they are applied.
 //!
 //! In: expressions as steps ([`crate::geotrace::code`]) and the meanings of symbols. Out: values over the nodes of one
 //! graph, or errors.
 //!
-//! A body whose value is needed is run as a further [`CallFrame`], not by recursion: ten thousand functions, each
-//! applying the one above, are no deeper than one.
+//! A required body is run as a further [`CallFrame`], not by recursion: ten thousand functions, each applying the one
+//! above, require no more stack than one.
 
 use std::sync::Arc;
 
@@ -25,14 +24,14 @@ use crate::geotrace::operation::{Derivation, Operation, operation};
 use crate::geotrace::sets::PointSet;
 use crate::geotrace::symbol::{Constant, Meaning, Symbols};
 
-/// One expression being run.
+/// An expression that is being run.
 struct CallFrame {
     /// The next step.
     next: usize,
     end: usize,
     /// The values of `Operator::Variable`.
     parameters: Vec<Value>,
-    /// The function whose body it is; none for the outermost expression.
+    /// The function whose body it is; `None` for the outermost expression.
     body: Option<BodyKey>,
     /// The first error in a body.
     error: Option<SemanticError>,
@@ -40,8 +39,8 @@ struct CallFrame {
 }
 
 impl Lowerer {
-    /// Runs an expression whose variables have the values `parameters`. Errors go to `diagnostics`, each at the place of its
-    /// whole operation.
+    /// Runs an expression whose variables have the values `parameters`. Errors are added to `diagnostics`, each with the
+    /// span of its whole operation.
     pub(crate) fn lower(
         &mut self,
         expression: Expression,
@@ -53,8 +52,8 @@ impl Lowerer {
         })
     }
 
-    /// Runs an expression whose value may be a bracketed list of values of any dimensions. `None` as in [`Lowered`], and if
-    /// it is no such list, with its value.
+    /// Runs an expression whose value may be a bracketed list of values of any dimensions. The list is `None` as in
+    /// [`Lowered`], or if the value is not such a list; the value is returned with it.
     pub(crate) fn lower_list(
         &mut self,
         expression: Expression,
@@ -87,7 +86,7 @@ impl Lowerer {
         (found, lowered.dependencies)
     }
 
-    /// Runs an expression; `finish` makes its value of the last item.
+    /// Runs an expression; `finish` computes its value from the last item.
     fn run(
         &mut self,
         expression: Expression,
@@ -130,7 +129,7 @@ impl Lowerer {
             };
             let Some(frame) = frames.pop() else { break };
             let Some(key) = frame.body else {
-                // There is no room for anything else in a graph that is full, and one error says so.
+                // A full graph has no room for anything else, and one error reports that.
                 self.full = self.graph.overflowed();
                 return Lowered {
                     value,
@@ -178,7 +177,7 @@ impl Lowerer {
         }
     }
 
-    /// Applies an operator to the items it takes from the stack; an error comes with its place.
+    /// Applies an operator to the items that it pops from the stack; an error comes with its span.
     fn perform(
         &mut self,
         frame: &mut CallFrame,
@@ -213,7 +212,7 @@ impl Lowerer {
                 let operand = pop(stack);
                 let function = pop(stack);
                 let effect = self.apply(function, operand, span, stack, &mut frame.dependencies)?;
-                // In a body the parameters are known where it is applied.
+                // In a body, the parameters are known only at its application.
                 if frame.body.is_none()
                     && !self.is_along_curve
                     && let Effect::Push(StackItem::Value(value)) = &effect
@@ -258,7 +257,7 @@ impl Lowerer {
                 }
                 (b, a) => {
                     // The right operand's node comes first, as it is popped first: the order of nodes is part of the scene.
-                    // Of two errors the left one is reported.
+                    // Of two errors, the left one is reported.
                     let b = self.value(b);
                     let a = self.value(a)?;
                     match (a, b?) {
@@ -286,7 +285,7 @@ impl Lowerer {
         }
     }
 
-    /// Returns a function with one derivative more; only one of a single parameter has *the* derivative, `f'`.
+    /// Returns a function with one more derivative; only a function of a single parameter has *the* derivative, `f'`.
     fn derived(
         &self,
         item: StackItem,
@@ -305,7 +304,7 @@ impl Lowerer {
         Ok(StackItem::Function(function))
     }
 
-    /// Returns a bracketed list. One with vectors in it may still be an argument list.
+    /// Returns a bracketed list. A list that contains vectors may still be an argument list.
     fn tuple(
         &mut self,
         stack: &mut Vec<StackItem>,
@@ -343,7 +342,7 @@ impl CallFrame {
         }
     }
 
-    /// Reports an error of the outermost expression; keeps the first one of a body for its applications.
+    /// Reports an error of the outermost expression; stores the first error of a body for its applications.
     fn report(
         &mut self,
         error: SemanticError,
@@ -359,7 +358,7 @@ impl CallFrame {
     }
 }
 
-/// Returns the error of a geodesic whose argument is no number before its reader is drawn.
+/// Returns the error of a geodesic whose argument is not a number before its reader is drawn.
 fn no_formula(name: &str) -> SemanticError {
     SemanticError::new(
         error::NO_FORMULA,
@@ -372,12 +371,12 @@ fn no_formula(name: &str) -> SemanticError {
     ))
 }
 
-/// Returns the item on top. Every operator's operands have been pushed, for steps come in postfix order.
+/// Returns the top item. Every operator's operands have been pushed, because steps are in postfix order.
 fn pop(stack: &mut Vec<StackItem>) -> StackItem {
     stack.pop().unwrap_or(StackItem::Poison)
 }
 
-/// Returns the value of an operation on values, or what is wrong with their dimensions.
+/// Returns the value of an operation on values, or the error of their dimensions.
 fn computed(
     result: Result<Value, DimensionError>,
     span: Span,

@@ -1,4 +1,4 @@
-//! The state of lowering: what every expression's meaning depends on, and the items on the stack.
+//! The state of lowering: everything on which an expression's meaning depends, and the items on the stack.
 //!
 //! ```text
 //! lower.rs ──▶ runs steps ─┐
@@ -32,21 +32,22 @@ pub(crate) struct Lowerer {
     pub(crate) applications: Applications,
     pub(crate) dependencies: DependencySets,
     pub(crate) geodesics: Geodesics,
-    /// True if the variables of the expression that is lowered are those of a curve, along which geodesics are followed.
+    /// True if the variables of the expression that is being lowered are those of a curve, along which geodesics are
+    /// followed.
     pub(crate) is_along_curve: bool,
-    /// The uniforms that stand for a grid inside a union over it that another surrounds, by the first of the grid's own, the
-    /// number of unions around it, and the number of components.
+    /// The uniforms for a grid inside a union over it that is surrounded by another such union, by the first of the grid's
+    /// own uniforms, the number of surrounding unions, and the number of components.
     pub(crate) bound_uniforms: FxHashMap<(u32, u32, u32), u32>,
-    /// True if the set that is read depends on a grid at which a part of it closes.
+    /// True if the set that is being read depends on a grid at which a part of it closes.
     pub(crate) renames_parts: bool,
-    /// The graph has reached its limit, and that has been reported.
+    /// True if the graph has reached its limit, which has been reported.
     pub(crate) full: bool,
 }
 
 /// The result of running an expression.
 #[derive(Clone, Debug)]
 pub(crate) struct Lowered {
-    /// Its value; `None` after an error, or where it uses a name whose declaration failed.
+    /// Its value; `None` after an error, or if it uses a name whose declaration failed.
     pub(crate) value: Option<Value>,
     /// The params and grids that it reads, whether or not its value depends on them.
     pub(crate) dependencies: Dependencies,
@@ -55,14 +56,14 @@ pub(crate) struct Lowered {
 /// An item of the stack.
 #[derive(Clone, Debug)]
 pub(crate) enum StackItem {
-    /// A number known while compiling, which no node of the graph stands for yet.
+    /// A number known at compile time, which has no node in the graph yet.
     Number(f64),
     Value(Value),
-    /// A bracketed list with a vector in it: arguments, or an error where a value is needed. With its place.
+    /// A bracketed list that contains a vector: arguments, or an error where a value is required. With its span.
     List(Vec<Value>, Span),
     Function(Box<Function>),
     Set(Box<PointSet>),
-    /// Left behind by an error that has been reported.
+    /// The result of an error that has been reported.
     Poison,
 }
 
@@ -71,7 +72,7 @@ pub(crate) enum StackItem {
 pub(crate) struct Function {
     pub(crate) symbol: SymbolId,
     pub(crate) derivations: Vec<Derivation>,
-    /// The exponents of `f^n`; none where an exponent has failed.
+    /// The exponents of `f^n`; `None` for an exponent that has failed.
     pub(crate) powers: Vec<Option<Value>>,
 }
 
@@ -83,14 +84,14 @@ pub(crate) enum Effect {
     Run(BodyKey, Expression, Vec<Value>),
 }
 
-/// The key of a body: that of a function for these dimensions of its arguments (1 for a number).
+/// The key of a body: the function with the dimensions of its arguments (1 for a number).
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct BodyKey {
     pub(crate) symbol: SymbolId,
     pub(crate) dimensions: Vec<usize>,
 }
 
-/// A position in [`Applications::bodies`].
+/// An index into [`Applications::bodies`].
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct BodyId(u32);
 
@@ -107,30 +108,30 @@ pub(crate) enum BodyOutcome {
     Silent,
 }
 
-/// The numbers of some values, one after the other.
+/// The numbers of some values, concatenated.
 pub(crate) type Components = Box<[NodeId]>;
 
-/// The bodies that have been lowered, and the applications that have been made.
+/// The lowered bodies, and their applications.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Applications {
     pub(crate) ids: FxHashMap<BodyKey, BodyId>,
-    /// The derivatives of bodies, each by the body that it is taken of: a row of primes costs one entry each.
+    /// The derivatives of bodies, by the body that is differentiated: a row of primes costs one entry for each.
     pub(crate) derived: FxHashMap<(BodyId, Derivation), BodyId>,
     bodies: Vec<BodyOutcome>,
-    /// The components of a body's value for those of its arguments: an application is written out once, however
-    /// often it stands in the text.
+    /// The components of a body's value, by the components of its arguments: an application is expanded once, however
+    /// often it occurs in the text.
     pub(crate) values: FxHashMap<(BodyId, Components), Components>,
 }
 
 impl Applications {
-    /// Returns a body has been lowered.
+    /// Records that a body has been lowered.
     pub(crate) fn add(&mut self, key: BodyKey, outcome: BodyOutcome) -> BodyId {
         let id = self.push(outcome);
         self.ids.insert(key, id);
         id
     }
 
-    /// Returns the derivative of a body has been taken.
+    /// Records that the derivative of a body has been computed.
     pub(crate) fn add_derived(
         &mut self,
         of: BodyId,
@@ -160,8 +161,8 @@ impl Lowerer {
         numbers(&self.graph, nodes, &uniforms, &[])
     }
 
-    /// Returns the uniforms, with the values of geodesics that nodes read in place and all others NaN; none if they read no
-    /// geodesic. Beside them the geodesics that have no value.
+    /// Returns the uniforms, with the values of geodesics that nodes read and all others NaN; empty if they read no
+    /// geodesic. Also returns the geodesics without a value.
     pub(crate) fn values_of_geodesics(&self, nodes: &[NodeId]) -> (Vec<f64>, GeodesicFaults) {
         if self.geodesics.read(&self.graph, nodes).is_empty() {
             return (Vec::new(), Vec::new());
@@ -171,7 +172,7 @@ impl Lowerer {
         (uniforms, faults)
     }
 
-    /// Returns the value that an item is; none for what a reported fault left behind.
+    /// Returns the value of an item; `None` for the result of a reported error.
     pub(crate) fn value(
         &mut self,
         item: StackItem,
@@ -188,7 +189,7 @@ impl Lowerer {
     }
 }
 
-/// Reports the dimensions of an operation's operands.
+/// Returns the error of the dimensions of an operation's operands.
 pub(crate) fn dimension_error(error: &DimensionError) -> SemanticError {
     let code = match error {
         DimensionError::Component { .. } => error::NO_SUCH_COMPONENT,
@@ -201,7 +202,7 @@ pub(crate) fn dimension_error(error: &DimensionError) -> SemanticError {
     }
 }
 
-/// Reports that the graph has no room for an expression.
+/// Returns the error of an expression for which the graph has no room.
 pub(crate) fn too_large() -> SemanticError {
     SemanticError::new(
         error::EXPRESSION_TOO_LARGE,

@@ -1,7 +1,7 @@
 //! The table of operators.
 //!
-//! An operator on values has one row: its effect on numbers that are known while compiling (so that a long sum does not
-//! take a node of the graph for each step), and on values over the graph.
+//! Each operator on values has one row: its effect on numbers known at compile time (so that a long sum does not take a
+//! node of the graph for each step), and on values over the graph.
 
 use expr::Graph;
 use expr::ops::power;
@@ -12,10 +12,10 @@ use syntax::symbol::SymbolId;
 use crate::geotrace::sets::SetMotion;
 use crate::solid::SolidStep;
 
-/// One derivative of a function.
+/// A derivative of a function.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) enum Derivation {
-    /// `f_u`, by the parameter at this position.
+    /// `f_u`, by the parameter with this index.
     By(u32),
     /// `f'`, by the only parameter.
     Total,
@@ -28,22 +28,22 @@ pub(crate) enum Operation {
     Constant(SymbolId),
     Variable(u32),
     Function(SymbolId),
-    /// Derives the function on top.
+    /// Differentiates the function on top.
     Derive(Derivation),
-    /// Raises what the function below the exponent gives.
+    /// Raises the value of the function below the exponent.
     FunctionPower,
     Apply,
     Tuple(u32),
     Component(u32),
     Unary(&'static Unary),
     Binary(&'static Binary),
-    /// Makes the function on top a set.
+    /// Converts the function on top to a set.
     Atom,
     /// Joins two sets.
     Join(SolidStep),
     /// Places the set below a value by the value.
     Place(SetMotion),
-    /// Takes the image of the set below a function under the function.
+    /// Replaces the set below a function by its image under the function.
     Image,
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn operation(operator: Operator) -> Operation {
         Operator::Multiply => Binary(&MULTIPLY),
         Operator::Divide => Binary(&DIVIDE),
         Operator::Power => Binary(&POWER),
-        // It says where the value stands.
+        // It only marks the position of a light.
         Operator::Position => Operation::Tuple(1),
         Operator::Atom => Operation::Atom,
         Operator::Union => Operation::Join(SolidStep::Union),
@@ -99,7 +99,7 @@ pub(crate) fn operation(operator: Operator) -> Operation {
 }
 
 impl Operation {
-    /// Returns the number of items it takes from the stack; each operation puts one back.
+    /// Returns the number of items that it pops from the stack; each operation pushes one.
     pub(crate) fn operand_count(&self) -> usize {
         match self {
             Self::Number(_) | Self::Constant(_) | Self::Variable(_) | Self::Function(_) => 0,

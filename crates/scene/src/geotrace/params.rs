@@ -1,4 +1,4 @@
-//! Params and grids: from what was read to uniforms.
+//! Params and grids: from recorded declarations to uniforms.
 
 use expr::value::Value;
 use expr::{Graph, Input, NodeId, number};
@@ -217,7 +217,7 @@ impl Declarations {
             .iter()
             .map(|interval| interval.bounds(&mut self.lowerer, purpose, &mut self.found))
             .collect();
-        // Without an interval the declaration could not have been read.
+        // A declaration without an interval could not have been read.
         let bounds: Option<Vec<_>> = bounds.into_iter().collect();
         bounds.filter(|bounds| !bounds.is_empty())
     }

@@ -1,7 +1,7 @@
-//! Sets of points as values: what `|`, `&`, `\` and `@` of a solid do.
+//! Sets of points as values: the operators `|`, `&`, `\` and `@` of solids.
 //!
-//! In: functions and solids by their symbols, and values that place them. Out: leaves under affine maps with the steps that
-//! join them, or errors.
+//! In: functions and solids by symbol, and values that place them. Out: leaves under affine maps with the steps that join
+//! them, or errors.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub(crate) struct PointSet {
     pub(crate) named: Vec<SymbolId>,
     /// The grids at which parts of it close.
     pub(crate) closed: Vec<ClosedGrid>,
-    /// The number of its leaves with all instances of its parts.
+    /// The number of its leaves, including all instances of its parts.
     pub(crate) size: u64,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct ClosedGrid {
     pub(crate) bound: BoundGrid,
     /// The first of the grid's own uniforms.
     pub(crate) own: u32,
-    /// The number of unions over the same grid around this one that were told apart from it.
+    /// The number of surrounding unions over the same grid that are distinguished from this one.
     pub(crate) level: u32,
     pub(crate) axes: Vec<Sampling>,
 }
@@ -47,7 +47,7 @@ pub(crate) struct ClosedGrid {
 #[derive(Clone, Debug)]
 pub(crate) struct DeclaredSolid {
     pub(crate) set: PointSet,
-    /// The set without its own cuts, where it has any that are a leaf.
+    /// The set without its own cuts, if it has any that are a leaf.
     pub(crate) uncut: Option<Arc<Solid>>,
     pub(crate) parameters: Box<[Box<str>]>,
     /// The params that it reads.
@@ -55,7 +55,7 @@ pub(crate) struct DeclaredSolid {
 }
 
 impl DeclaredSolid {
-    /// Returns true if nothing that uses one or the other differs but in places of the text.
+    /// Returns true if the two differ only in spans of the text, so that their users are equal.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         self.parameters == other.parameters
             && self.dependencies == other.dependencies
@@ -72,14 +72,14 @@ impl DeclaredSolid {
         closed.map_or_else(Vec::new, |it| it.axes.clone())
     }
 
-    /// Returns the set that it stands for as a function.
+    /// Returns the set that it denotes as a function.
     fn function_set(&self) -> &Solid {
         self.uncut.as_ref().unwrap_or(&self.set.solid)
     }
 }
 
 impl PointSet {
-    /// Returns a leaf alone.
+    /// Returns a set that consists of one leaf.
     pub(crate) fn leaf(leaf: SolidLeaf) -> Self {
         Self {
             solid: Arc::new(Solid {
@@ -92,7 +92,7 @@ impl PointSet {
         }
     }
 
-    /// Returns the set of two that a step joins.
+    /// Joins two sets by a step.
     pub(crate) fn joined(mut self, other: Self, step: SolidStep) -> Result<Self, SemanticError> {
         self.size = self.size.saturating_add(other.size);
         if self.size > MAX_LEAVES {
@@ -117,7 +117,7 @@ impl PointSet {
         Ok(self)
     }
 
-    /// Returns the set, placed by a map.
+    /// Returns the set under a map.
     fn placed(mut self, graph: &mut Graph, by: &AffineNodes) -> Self {
         let identity = AffineNodes::identity(graph);
         for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
@@ -130,7 +130,7 @@ impl PointSet {
         self
     }
 
-    /// States attributes on the whole set, in the place of those of its parts.
+    /// States attributes on the whole set, instead of those of its parts.
     pub(crate) fn state(&mut self, attributes: &[Attribute]) {
         for leaf in &mut Arc::make_mut(&mut self.solid).leaves {
             let is_replaced =
@@ -143,7 +143,7 @@ impl PointSet {
 }
 
 impl Lowerer {
-    /// Returns the set that a function stands for. The function is put back where its body has to be lowered first.
+    /// Returns the set that a function denotes. The function is pushed back if its body has to be lowered first.
     pub(crate) fn atom(
         &mut self,
         function: StackItem,
@@ -199,8 +199,8 @@ impl Lowerer {
         Ok(Effect::Push(StackItem::Set(Box::new(PointSet::leaf(leaf)))))
     }
 
-    /// Gives a part other uniforms for the grids at which it closes, where those are the grids' own: what places it, or states
-    /// attributes on it, reads the same grids.
+    /// Renames the uniforms of the grids at which a part closes, if they are the grids' own: the placement or attributes of
+    /// the part read the same grids.
     fn renamed(&mut self, set: &mut PointSet, symbol: SymbolId) -> Result<(), SemanticError> {
         let outermost = set.closed.iter().filter(|closed| closed.level == 0);
         let outermost: Vec<u32> = outermost.map(|closed| closed.own).collect();
@@ -297,8 +297,8 @@ impl Lowerer {
         SemanticError::new(error::NOT_A_SOLID, message)
     }
 
-    /// Returns the value of a function at an operand. Where its body has to be lowered first, that is the effect, and the
-    /// function is put back alone.
+    /// Returns the value of a function at an operand. If its body has to be lowered first, that is the effect, and only
+    /// the function is pushed back.
     fn body_at(
         &mut self,
         function: Box<Function>,
@@ -319,7 +319,7 @@ impl Lowerer {
         })
     }
 
-    /// Returns the set of two sets that a step joins.
+    /// Joins two sets by a step.
     pub(crate) fn joined(
         &mut self,
         first: StackItem,
@@ -336,7 +336,7 @@ impl Lowerer {
         }
     }
 
-    /// `set @ v`, `set @ scale v` and `set @ rotate v`.
+    /// Computes `set @ v`, `set @ scale v` and `set @ rotate v`.
     pub(crate) fn placed(
         &mut self,
         set: StackItem,
@@ -372,7 +372,7 @@ impl Lowerer {
         self.under(*set, &map, span)
     }
 
-    /// `set @ f`. The set and the function are put back where the body has to be lowered first.
+    /// Computes `set @ f`. The set and the function are pushed back if the body has to be lowered first.
     pub(crate) fn image(
         &mut self,
         set: StackItem,
@@ -405,7 +405,7 @@ impl Lowerer {
         let value = match self.body_at(function, operand, span, stack, dependencies)? {
             Ok(value) => value,
             Err(run @ Effect::Run(..)) => {
-                // The function lies on top; the set belongs below it.
+                // The function is on top; the set belongs below it.
                 let function = stack.pop();
                 stack.push(StackItem::Set(set));
                 stack.extend(function);
@@ -429,7 +429,7 @@ impl Lowerer {
         self.under(*set, &map, span).map(Effect::Push)
     }
 
-    /// Returns a set under a map, which is an error where the map is constant and singular.
+    /// Returns a set under a map, which is an error if the map is constant and singular.
     fn under(
         &mut self,
         set: PointSet,
@@ -453,11 +453,11 @@ impl Lowerer {
         Ok(StackItem::Set(Box::new(placed)))
     }
 
-    /// Returns the number that a solid is as a function, over the variables of space: min for a union, max for an intersection,
-    /// and the least over all instances. A solid's cuts are not part of it.
+    /// Returns the value of a solid as a function, over the variables of space: the minimum for a union, the maximum for an
+    /// intersection, and the minimum over all instances. A solid's cuts are not part of it.
     ///
     /// # Errors
-    /// The solid has so many leaves or instances that the expression has no room.
+    /// If the solid has so many leaves or instances that the graph has no room for the expression.
     pub(crate) fn solid_function(
         &mut self,
         solid: &DeclaredSolid,
@@ -468,7 +468,7 @@ impl Lowerer {
         found.map_err(|_| too_large())
     }
 
-    /// Returns the field whose surface, where it is 0, is a solid's: its function with its cuts.
+    /// Returns the field whose zero set is a solid's surface: its function with its cuts.
     ///
     /// # Errors
     /// As [`Lowerer::solid_function`].

@@ -1,4 +1,4 @@
-//! Solids: from what was read to sets of points.
+//! Solids: from recorded declarations to sets of points.
 
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl Declarations {
         if let Some(first) = &set
             && self.closes_inside(first, dependencies)
         {
-            // Now that it is known to read a grid at which a part closes, the part gets uniforms of its own.
+            // Now that the set is known to read a grid at which a part closes, the part gets uniforms of its own.
             self.lowerer.renames_parts = true;
             set = self.lowerer.lower_set(body, &mut self.found).0;
             self.lowerer.renames_parts = false;
@@ -114,7 +114,7 @@ impl Declarations {
         if !is_sound {
             return None;
         }
-        // Nobody looks at what a checker draws.
+        // The objects that a checker draws are not used.
         let shown = match self.is_checker {
             true => Arc::default(),
             false => Arc::clone(&solid),
@@ -129,7 +129,7 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    /// Returns a solid by a function of two or three numbers.
+    /// Returns a solid given by a function of two or three numbers.
     fn field(
         &mut self,
         declaration: &Declaration<'_>,
@@ -234,7 +234,7 @@ impl Declarations {
         solid
     }
 
-    /// Returns a warning about a set of which a grid moves only what is taken away: each of its instances fills the holes of
+    /// Returns a warning about a set in which a grid affects only subtracted parts: each of its instances fills the holes of
     /// the others.
     fn filled_holes(
         &self,
@@ -281,7 +281,7 @@ impl Declarations {
         closed.any(|closed| firsts.contains(&closed.own))
     }
 
-    /// Notes the grids at which a set closes; returns the number of its instances.
+    /// Records the grids at which a set closes; returns the number of its instances.
     fn close(&self, set: &mut PointSet, dependencies: Dependencies) -> u64 {
         let (_, grids) = self.sources_of(dependencies);
         let mut instances: u64 = 1;
@@ -308,7 +308,7 @@ impl Declarations {
         instances
     }
 
-    /// Returns the params of a set of dependencies.
+    /// Returns the params in a set of dependencies.
     fn without_grids(&mut self, dependencies: Dependencies) -> Dependencies {
         let sources = &self.sources;
         let is_param = |index: usize| !matches!(sources.get(index), Some(Owner::Grid(_)));

@@ -22,11 +22,11 @@ use crate::geotrace::sets::DeclaredSolid;
 use crate::geotrace::symbol::Meaning;
 use crate::scene::{GeodesicPath, Sampling, Shape};
 
-/// The most nodes of a field for which a check tries whether a geodesic can start.
+/// The maximum number of nodes of a field for which a check tests whether a geodesic can start.
 const TRIED: usize = 4_000;
 
 impl Declarations {
-    /// Returns the solid that a geodesic names, if it names one, with the place of the name.
+    /// Returns the solid that a geodesic names, if it names one, with the span of the name.
     pub(crate) fn solid_below(
         &self,
         intervals: &[DeclaredInterval],
@@ -174,7 +174,7 @@ impl Declarations {
         } else {
             return None;
         };
-        // The reason why a number that it needs is undefined says more than that it is.
+        // The reason why a required number is undefined is more informative than the fact itself.
         let first = faults
             .iter()
             .map(|(name, fault)| format!("of `{name}`: {fault}"));

@@ -1,4 +1,4 @@
-//! Lights, cameras and the background: from what was read to a stage.
+//! Lights, cameras and the background: from recorded declarations to a stage.
 
 use expr::value::Value;
 use expr::{NodeId, number};
@@ -63,7 +63,8 @@ impl Declarations {
         Some(Understood::from(meaning).drawn(drawn))
     }
 
-    /// Returns a warning about a parallel light that shines upwards along a vector so long that a place is meant.
+    /// Returns a warning about a parallel light that shines upwards along a vector so long that a position is probably
+    /// meant.
     fn upward_light(&self, name: &str, direction: [NodeId; 3], span: Span) -> Option<Diagnostic> {
         const LONGEST: f64 = 2.0;
         let found = self.lowerer.numbers(&direction);
@@ -194,7 +195,7 @@ impl Declarations {
         Some(Diagnostic::warning(error::BRIGHT_BACKGROUND, span, message).with_hint(hint))
     }
 
-    /// Red, green and blue of a value.
+    /// Returns red, green and blue of a value.
     fn color(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
         let value = lowered.value.as_ref()?;
         if let Value::Number(grey) = value {

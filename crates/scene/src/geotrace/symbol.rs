@@ -1,8 +1,7 @@
 //! The meanings of symbols.
 //!
-//! In: declarations, as they have been understood. Out: the meaning of a name in the expressions below. A symbol
-//! that is never given a meaning is one whose declaration failed: its uses are silent, for the mistake has been
-//! reported.
+//! In: declarations with their meanings. Out: the meaning of a name in the expressions below. A symbol without a
+//! meaning is one whose declaration failed: its uses are not reported, because the error has been.
 
 use std::sync::Arc;
 
@@ -40,13 +39,13 @@ pub(crate) enum Meaning {
     Constant(Constant),
     Builtin(Builtin),
     Declared(Declared),
-    /// A curve that is integrated: nodes of its own stand for its points.
+    /// An integrated curve, whose points have nodes of their own.
     Geodesic(GeodesicId),
-    /// A set of points, which is a function too.
+    /// A set of points, which is also a function.
     Solid(Arc<DeclaredSolid>),
 }
 
-/// A value with a name.
+/// A named value.
 #[derive(Clone, Debug)]
 pub(crate) struct Constant {
     pub(crate) value: Value,
@@ -83,7 +82,7 @@ impl Symbols {
         symbols
     }
 
-    /// Gives a symbol its meaning. Symbols come in the order of their ids; those passed over are poisoned.
+    /// Sets the meaning of a symbol. Symbols come in the order of their ids; the ones that are skipped are poisoned.
     pub(crate) fn define(
         &mut self,
         symbol: SymbolId,
@@ -106,7 +105,7 @@ impl Symbols {
         };
     }
 
-    /// One more than the largest symbol.
+    /// Returns the largest symbol plus one.
     pub(crate) fn len(&self) -> usize {
         self.0.len()
     }
@@ -139,7 +138,7 @@ impl Symbols {
         }
     }
 
-    /// Returns the names of a function's parameters; none of what has no body in the text.
+    /// Returns the names of a function's parameters; `None` if it has no body in the text.
     fn parameters(&self, symbol: SymbolId) -> Option<&[Box<str>]> {
         match self.meaning(symbol) {
             Meaning::Declared(declared) => Some(&declared.parameters),

@@ -2,14 +2,14 @@
 //!
 //! In: the events of a chunk. Out: its diagnostics, and the symbols whose meaning has changed.
 //!
-//! A meaning is never replaced: a declaration that is checked again gets a new symbol, so that bodies that have been
-//! lowered stay valid, and the declarations that read the old symbol are checked again in turn. If the new meaning equals
-//! the old one (the same nodes, since equal expressions share a node; or the same steps), the old symbol stays and no
-//! other declaration is checked. Meanings that are no longer in use are kept until they outnumber those in use; then the
-//! document starts again with an empty checker.
+//! A meaning is never replaced: a declaration that is checked again gets a new symbol, so that lowered bodies remain
+//! valid, and the declarations that read the old symbol are checked again in turn. If the new meaning equals the old one
+//! (the same nodes, since equal expressions share a node; or the same steps), the old symbol remains and no other
+//! declaration is checked. Unused meanings are kept until they outnumber the used ones; then the document starts again
+//! with an empty checker.
 //!
-//! Places are offsets into a space in which each checked chunk gets a stretch of its own that is never used again.
-//! [`Checker::translate`] turns them into offsets of the text.
+//! Positions are offsets into a space in which each checked chunk gets a range of its own that is never reused.
+//! [`Checker::translate`] converts them to offsets of the text.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -28,13 +28,13 @@ use crate::geotrace::error;
 use crate::geotrace::symbol::Meaning;
 use crate::scene::{Object, Range, Sampling, Shape};
 
-/// Checks declarations and remembers what they mean.
+/// Checks declarations and stores their meanings.
 #[derive(Clone, Debug)]
 pub(super) struct Checker {
     declarations: Declarations,
-    /// The number of builtin names; their symbols come first, in the document and here.
+    /// The number of builtin names; their symbols come first, both in the document and here.
     builtins: u32,
-    /// The next symbol of the checker's own.
+    /// The next symbol of the checker.
     next_symbol: u32,
     /// The symbols of the document.
     known: HashMap<SymbolId, Known>,
@@ -43,7 +43,7 @@ pub(super) struct Checker {
     grids: Vec<SymbolId>,
     /// The document's symbols of the sources of dependencies.
     sources: Vec<SymbolId>,
-    /// The start of the next chunk's stretch in the space of places.
+    /// The start of the next chunk's range in the space of positions.
     next_base: u32,
     bases: BTreeMap<u32, Home>,
     /// The size when everything was in use.
@@ -57,9 +57,9 @@ struct Known {
     /// The checker's symbol.
     own: SymbolId,
     chunk: ChunkId,
-    /// The start of the chunk's stretch when its body was kept.
+    /// The start of the chunk's range when its body was stored.
     base: u32,
-    /// Its uniforms and intervals, of a param or a grid; few symbols are one.
+    /// For a param or a grid: its uniforms and intervals. Few symbols have them.
     source: Option<Box<KnownSource>>,
 }
 
@@ -87,11 +87,11 @@ impl Known {
     }
 }
 
-/// The chunk to which a stretch of the space of places belongs.
+/// The chunk that owns a range in the space of positions.
 #[derive(Clone, Copy, Debug)]
 struct Home {
     chunk: ChunkId,
-    /// Added to a place, gives an offset in the chunk.
+    /// The difference between an offset in the chunk and a position.
     shift: i64,
 }
 
@@ -109,17 +109,17 @@ pub(super) struct Checked {
     pub(super) diagnostics: Vec<Vec<Diagnostic>>,
     /// The document's symbols whose meaning has changed.
     pub(super) changed: Vec<SymbolId>,
-    /// Params and grids of which only the intervals or the initial value have changed.
+    /// Params and grids for which only the intervals or the initial value have changed.
     pub(super) moved: Vec<SymbolId>,
     /// The params and grids on whose intervals or initial values the diagnostics depend.
     pub(super) watches: Vec<SymbolId>,
     /// True if the diagnostics may depend on every grid.
     pub(super) watches_all: bool,
-    /// The starts of the stretches in which the chunk's places lie.
+    /// The starts of the ranges that contain the chunk's positions.
     pub(super) bases: Vec<u32>,
-    /// The number of samples that are drawn.
+    /// The number of drawn samples.
     pub(super) samples: u64,
-    /// The number of leaves of its solids, with their instances.
+    /// The number of leaves of its solids, including their instances.
     pub(super) leaves: u64,
     /// The number of backgrounds.
     pub(super) backgrounds: u32,
@@ -127,13 +127,13 @@ pub(super) struct Checked {
     pub(super) components: u32,
     /// The number of declarations that were lowered.
     pub(super) lowered: u32,
-    /// True if a limit has been reached that depends on all declarations above.
+    /// True if a limit that depends on all declarations above has been reached.
     pub(super) is_limited: bool,
 }
 
-/// The number of expressions that may be kept beyond those in use, and of bytes of text without a place.
+/// The number of unused expressions that may be kept, and the number of unused bytes of positions.
 const SLACK: usize = 50_000;
-/// The number of symbols that may be kept beyond those in use. Each has steps, places and a meaning, half a kilobyte as a rule.
+/// The number of unused symbols that may be kept. Each has steps, positions and a meaning, usually half a kilobyte.
 const SLACK_SYMBOLS: usize = 4_000;
 
 impl Checker {
@@ -156,22 +156,22 @@ impl Checker {
         }
     }
 
-    /// Notes that everything it holds is in use.
+    /// Records that everything stored is in use.
     pub(super) fn settle(&mut self) {
         self.fresh = self.size();
     }
 
-    /// Returns true if it holds so much that is not in use that a new checker is worth its cost.
+    /// Returns true if so much of it is unused that a new checker is worth its cost.
     pub(super) fn needs_compaction(&self) -> bool {
         let (now, fresh) = (self.size(), self.fresh);
-        // The slack grows with the program, so that the cost of starting again, spread over the edits between, does not.
+        // The slack grows with the program, so that the amortised cost of starting again remains constant.
         let exceeds = |now: usize, fresh: usize, slack: usize| now > fresh + fresh / 4 + slack;
         exceeds(now.nodes, fresh.nodes, SLACK)
             || exceeds(now.symbols, fresh.symbols, SLACK_SYMBOLS)
             || exceeds(now.places / 64, fresh.places / 64, SLACK)
     }
 
-    /// Returns true if the graph has no room for more expressions; what has been found since is not reliable.
+    /// Returns true if the graph has no room for more expressions; results since then are unreliable.
     pub(super) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed() || self.next_base > u32::MAX / 2
     }
@@ -184,19 +184,19 @@ impl Checker {
         }
     }
 
-    /// Forgets a symbol that is no longer declared.
+    /// Removes a symbol that is no longer declared.
     pub(super) fn forget(&mut self, symbol: SymbolId) {
         self.known.remove(&symbol);
     }
 
-    /// Frees the stretches of places that start here.
+    /// Frees the ranges of positions with these starts.
     pub(super) fn release(&mut self, bases: &[u32]) {
         for base in bases {
             self.bases.remove(base);
         }
     }
 
-    /// Reads the order of the params and grids anew from the document.
+    /// Updates the order of the params and grids from the document.
     pub(super) fn reorder(&mut self, document: &syntax::geotrace::document::Document) {
         let place = |symbol: &SymbolId| {
             let home = document.home(*symbol);
@@ -206,7 +206,7 @@ impl Checker {
         self.declarations.lowerer.dependencies.place(places);
     }
 
-    /// Returns a diagnostic with its places as offsets of the text.
+    /// Returns a diagnostic with its positions as offsets of the text.
     pub(super) fn translate(
         &self,
         diagnostic: &Diagnostic,
@@ -222,7 +222,7 @@ impl Checker {
         })
     }
 
-    /// Checks what a chunk declares, with the meanings that the names above have at the moment.
+    /// Checks the declarations of a chunk, with the present meanings of the names above.
     pub(super) fn check(
         &mut self,
         document: &syntax::geotrace::document::Document,
@@ -283,10 +283,10 @@ impl Checker {
         let before = read.symbol.and_then(|symbol| self.known.get(&symbol));
         let before = before.cloned();
         let declarations = &mut self.declarations;
-        // A declaration is checked as though no other drew anything.
+        // A declaration is checked as if no other drew anything.
         declarations.samples = 0;
         declarations.leaves = 0;
-        // A param that keeps its uniforms keeps its nodes: its readers' expressions stay what they are.
+        // A param that keeps its uniforms keeps its nodes: the expressions of its readers remain unchanged.
         declarations.kept = before
             .as_ref()
             .filter(|before| before.keyword == read.keyword && before.chunk == chunk)
@@ -324,7 +324,7 @@ impl Checker {
                 watch(&drawn.object, &self.params, &self.grids, checked);
             }
         }
-        // Later declarations ask only for what geodesics may lie on; other objects would pile up edit by edit.
+        // Later declarations query only objects that geodesics may lie on; others would accumulate with each edit.
         let is_manifold = |drawn: &Drawn| drawn.object.shape.manifold().is_some();
         understood.drawn = understood.drawn.filter(is_manifold);
         let source = understood
@@ -355,7 +355,8 @@ impl Checker {
         self.remember(symbol, before, known, checked);
     }
 
-    /// Notes that a param or grid of the checker's scene is this symbol's, and returns the part that readers may depend on.
+    /// Records that a param or grid of the checker's scene belongs to this symbol, and returns the part that readers may
+    /// depend on.
     fn data(&mut self, symbol: SymbolId, data: SourceData) -> Data {
         match data {
             SourceData::Param(param) => {
@@ -369,7 +370,7 @@ impl Checker {
         }
     }
 
-    /// Remembers a symbol, and notes whether its readers have to be checked again.
+    /// Stores a symbol, and records whether its readers have to be checked again.
     fn remember(
         &mut self,
         symbol: SymbolId,
@@ -382,8 +383,8 @@ impl Checker {
             .and_then(|before| self.same(before, &known, checked));
         match (before, same) {
             (Some(before), Some(shift)) => {
-                // The readers' nodes and steps name the old symbol, so it stays; a body that has only moved keeps its old
-                // places, which lead to the chunk by another shift from now on.
+                // The readers' nodes and steps refer to the old symbol, so it remains. A body that has only moved keeps
+                // its old positions, which lead to the chunk by another shift from now on.
                 known.own = before.own;
                 known.base = before.base;
                 if let Some(shift) = shift {
@@ -405,8 +406,8 @@ impl Checker {
         self.known.insert(symbol, known);
     }
 
-    /// Returns `Some` if a symbol means what it meant before; for one with a body that has been kept, with the shift from the
-    /// places of that body to offsets in the chunk.
+    /// Returns `Some` if the meaning of a symbol is unchanged; for a symbol with a stored body, with the shift from the
+    /// positions of that body to offsets in the chunk.
     fn same(&self, before: &Known, now: &Known, checked: &Checked) -> Option<Option<i64>> {
         if before.keyword != now.keyword {
             return None;
@@ -432,7 +433,7 @@ impl Checker {
                 }
                 let code = &self.declarations.lowerer.code;
                 let shift = code.shift(a.body, b.body)? - i64::from(now.base);
-                // Two bodies that lay in one chunk have to lie as they did beside each other.
+                // Two bodies of one chunk must have the same relative positions as before.
                 let settled = checked.bases.contains(&before.base);
                 let there = self.bases.get(&before.base).map(|home| home.shift);
                 (!settled || there == Some(shift)).then_some(Some(shift))
@@ -442,7 +443,7 @@ impl Checker {
     }
 }
 
-/// Notes the params and grids on whose intervals the diagnostics of an object depend.
+/// Records the params and grids on whose intervals the diagnostics of an object depend.
 fn watch(object: &Object, params: &[SymbolId], grids: &[SymbolId], checked: &mut Checked) {
     let read = object.grids.iter().map(|id| grids[id.0 as usize]);
     checked.watches.extend(read);

@@ -1,32 +1,31 @@
 //! The scene of a text with errors.
 //!
 //! ```text
-//! text ──▶ checker ──▶ which declarations have errors       diagnostics: as compiling the text gives them, always
+//! text ──▶ checker ──▶ which declarations have errors       diagnostics: always those of compiling the text
 //!                            │
 //!                            ▼
-//! each declaration, from top to bottom, is the first of these that has a meaning below those above it:
+//! each declaration, from top to bottom, is the first of these that has a meaning given those above it:
 //!     its own reading, if it has no error ──▶ its last good reading ──▶ nothing (the scene is incomplete)
 //!                            │
 //!                            ▼
 //!                     a scene, and what is stale in it
 //! ```
 //!
-//! To the checker a declaration with an error has no meaning, and what uses it is silent. Here it goes on with the
-//! meaning that it last had. Meanings are not carried over, for they are made of others that may have changed; *readings*
-//! are: what the parser made of the declaration when it was last shown without an error. So what depends on a stale
-//! meaning is lowered with it, and none of that is reported. The scene is the one of the text in which the last good text
-//! of each faulty declaration takes the place of what is there now, its names read as they were; but no text is put
-//! together, and none is parsed.
+//! To the checker, a declaration with an error has no meaning, and its uses are not reported. Here it keeps its last
+//! meaning. Meanings cannot be carried over, because they are built from others that may have changed; *readings* can:
+//! the parser's results for the declaration when it was last shown without an error. So declarations that depend on a
+//! stale meaning are lowered with it, and none of that is reported. The scene is that of a text in which each faulty
+//! declaration is replaced by its last good text, with the names as read then; but no text is assembled or parsed.
 //!
-//! - A last good reading is found by the name of the declaration. Of one whose name cannot be read, the word after its
-//!   first word is the name.
-//! - A declaration that stands nowhere any more is put back in front of the first last good reading that uses it.
-//! - A declaration is good if it was shown as it stood. One that reads a stale meaning may so become good itself.
-//! - The readings of the last text without errors are kept as one snapshot of it, which shares what has not changed with
-//!   the document; what has become good since has its own.
+//! - A last good reading is found by the name of the declaration. If the name cannot be read, the word after the declaration's
+//!   first word is used.
+//! - A declaration that no longer exists is restored before the first last good reading that uses it.
+//! - A declaration is good if it was shown as written. A declaration that reads a stale meaning can thus become good itself.
+//! - The readings of the last text without errors are stored as one snapshot, which shares unchanged parts with the
+//!   document; declarations that became good later have their own snapshots.
 //!
-//! An attempt that fails may leave nodes in the graph, and uses a symbol. Where one has failed, what has been found to
-//! work is put together once more, so that the scene is the same whatever was tried.
+//! An attempt that fails may leave nodes in the graph, and uses a symbol. If one has failed, the declarations that are
+//! known to work are assembled once more, so that the scene does not depend on the attempts.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -39,7 +38,7 @@ use crate::geotrace::assembler::{Assembled, Assembler, NamePlace, Reading};
 use crate::program_scene::ProgramScene;
 use crate::scene::Scene;
 
-/// The number of attempts, each without one more declaration that cannot be in the scene.
+/// The maximum number of attempts, each of which excludes one more declaration that cannot be in the scene.
 const ROUNDS: usize = 12;
 
 /// The last good reading of each declaration.
@@ -58,18 +57,18 @@ struct Good {
     chunk: ChunkId,
 }
 
-/// The scene that is shown of a text.
+/// The scene shown for a text.
 #[derive(Clone, Debug)]
 pub(super) struct Shown {
     pub(super) program: ProgramScene,
     /// True if the text has no errors.
     is_whole: bool,
-    /// The declarations that are shown as they stand, of a text with errors.
+    /// For a text with errors: the declarations that are shown as written.
     own: Vec<(Box<str>, ChunkId)>,
 }
 
 impl Shown {
-    /// Returns the scene of a text without errors.
+    /// Returns the shown scene of a text without errors.
     pub(super) fn whole(scene: Scene) -> Self {
         Self {
             program: ProgramScene {
@@ -91,7 +90,7 @@ impl Shown {
 }
 
 impl LastGood {
-    /// Remembers the declarations that were shown of a text, which is about to change.
+    /// Records the declarations that were shown for a text, which is about to change.
     pub(super) fn note(&mut self, text: &syntax::geotrace::document::Document, shown: Shown) {
         if shown.is_whole {
             self.whole = Some((text.snapshot(), text.version()));
@@ -161,34 +160,34 @@ impl LastGood {
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 struct Candidate<'s> {
     name: &'s str,
-    /// The chunk in whose place it is shown.
+    /// The chunk in place of which it is shown.
     home: ChunkId,
     is_own: bool,
 }
 
-/// One way down a text with errors.
+/// One pass down a text with errors.
 #[derive(Debug)]
 struct Recovery<'a, 's> {
     last_good: &'s LastGood,
     text: &'s Snapshot,
     faulty: &'s HashSet<ChunkId>,
-    /// The names that are declared somewhere in the text, with errors or without.
+    /// The names declared in the text, with or without errors.
     declared: &'s HashSet<&'s str>,
-    /// Candidates for which the graph has no room, or that have no meaning with all that is put back for them.
+    /// Candidates for which the graph has no room, or that have no meaning even with all restored declarations.
     rejected: &'a HashSet<Candidate<'s>>,
     /// True if no further attempt follows.
     is_last: bool,
     assembler: Assembler<'s>,
     /// The readings that have a meaning, in order.
     parts: Vec<(Reading<'s>, NamePlace)>,
-    /// The declarations that have been put back, or would have been.
+    /// The declarations that have been restored, or would have been.
     put_back: HashSet<&'s str>,
     has_failed: bool,
     shown: Shown,
 }
 
 impl<'s> Recovery<'_, 's> {
-    /// Returns the scene, or the candidate that the next attempt is to leave out.
+    /// Returns the scene, or the candidate that the next attempt must exclude.
     fn run(mut self) -> Result<Shown, Candidate<'s>> {
         let text = self.text;
         let mut start = 0;
@@ -232,7 +231,7 @@ impl<'s> Recovery<'_, 's> {
         Ok(self.shown)
     }
 
-    /// Adds the last good reading of a declaration, and in front of it those that it uses and that stand nowhere any more.
+    /// Adds the last good reading of a declaration, preceded by the readings that it uses and that no longer exist.
     fn stand_in(
         &mut self,
         name: &'s str,
@@ -249,7 +248,7 @@ impl<'s> Recovery<'_, 's> {
             return Ok(());
         }
         let above = self.parts.len();
-        // Not by recursion: what is put back may need what is put back, through a whole program.
+        // Not recursive: restored declarations may require others, through a whole program.
         let mut open = vec![(name, false)];
         let mut is_shown = false;
         while let Some((wanted, is_prepared)) = open.pop() {
@@ -279,7 +278,7 @@ impl<'s> Recovery<'_, 's> {
         }
         self.shown.program.incomplete |= !is_shown;
         if !is_shown && self.parts.len() > above && !self.is_last {
-            // Nothing is put back for what is not shown.
+            // Nothing is restored for a declaration that is not shown.
             return Err(candidate);
         }
         Ok(())
@@ -316,8 +315,8 @@ impl<'s> Recovery<'_, 's> {
     }
 }
 
-/// Returns the names that a chunk declares, empty where one was not read; where none was, the word after its first
-/// word.
+/// Returns the names that a chunk declares, empty for a name that was not read. If no name was read, returns the word
+/// after its first word.
 fn names(text: &Snapshot, chunk: ChunkId) -> Vec<&str> {
     let read = text.events(chunk).declarations();
     let names: Vec<&str> = read.map(|(declaration, _)| declaration.name).collect();
