@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! text ──syntax──▶ hooks ──▶ declarations.rs    the state between two declarations
-//!                              declare.rs, params.rs, intrinsic.rs, space_geodesics.rs, solids.rs, stage.rs   the kinds of declaration
+//!                              declare.rs, params.rs, intrinsic.rs, space_geodesics.rs, solids.rs, stage.rs   declarations
 //!                              interval.rs, attributes.rs   the numbers between `[` and `]`, and the values of attributes
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
 //!                              sets.rs, affine.rs   sets of points as values, and their maps

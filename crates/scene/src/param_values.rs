@@ -114,7 +114,7 @@ impl Scene {
         self.made_anew(params).unwrap_or_else(|| self.clone())
     }
 
-    /// Returns the same scene, or `None` if it is the given one.
+    /// Returns the scene of [`Scene::at`], or `None` if it is the given one.
     pub fn made_anew(&self, params: &ParamValues) -> Option<Arc<Self>> {
         let attach = |scene: &mut Self, rerun| scene.rerun = Some(rerun);
         self.rerun.as_ref()?.at(params.uniforms(), attach)

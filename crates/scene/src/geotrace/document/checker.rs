@@ -131,7 +131,7 @@ pub(super) struct Checked {
     pub(super) is_limited: bool,
 }
 
-/// The number of unused expressions that may be kept, and the number of unused bytes of positions.
+/// The number of unused expressions that may be kept, and the number of unused blocks of 64 positions.
 const SLACK: usize = 50_000;
 /// The number of unused symbols that may be kept. Each has steps, positions and a meaning, usually half a kilobyte.
 const SLACK_SYMBOLS: usize = 4_000;
