@@ -72,7 +72,7 @@ pub struct SolidLeaf {
 pub struct Cut {
     /// The interval.
     pub range: Range,
-    /// The number of mesh cells along it, where it is stated.
+    /// The number of mesh cells along it, if stated.
     pub cells: Option<u32>,
 }
 
@@ -138,7 +138,7 @@ impl Solid {
             && pairs.all(|(a, b)| a.is_same(b))
     }
 
-    /// Returns for each leaf whether its points are subtracted: it is an operand after an odd number of differences.
+    /// Returns for each leaf whether its points are subtracted: it is in the right operands of an odd number of differences.
     pub(crate) fn taken_away(&self) -> Vec<bool> {
         let mut taken = vec![false; self.leaves.len()];
         // The leaves of each operand: steps contain all leaves in order.

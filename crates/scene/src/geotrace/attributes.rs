@@ -1,4 +1,4 @@
-//! Attributes: from what was read to values over the variables of a declaration.
+//! Attributes: from recorded attributes to values over the variables of a declaration.
 
 use expr::number;
 use expr::value::Value;
@@ -15,17 +15,17 @@ use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::solid::{Attribute, AttributeValue};
 
-/// An attribute as it was read.
+/// An attribute as read.
 #[derive(Clone, Debug)]
 pub(crate) struct DeclaredAttribute {
     pub(crate) read: StatedAttribute,
     pub(crate) value: ReadValue,
 }
 
-/// Makes the error of a constant that is out of the range of an attribute.
+/// Creates the error of a constant outside the range of an attribute.
 type RangeError = fn(&AttributeRow, AttributeRange, f64) -> SemanticError;
 
-/// The value of an attribute as it was read.
+/// The value of an attribute as read.
 #[derive(Clone, Debug)]
 pub(crate) enum ReadValue {
     Expression(Expression),
@@ -33,7 +33,7 @@ pub(crate) enum ReadValue {
 }
 
 impl DeclaredAttribute {
-    /// The step at which its expression starts.
+    /// Returns the step at which its expression starts.
     pub(crate) fn start(&self) -> Option<usize> {
         match &self.value {
             ReadValue::Expression(value) => Some(value.steps().start),
@@ -41,7 +41,7 @@ impl DeclaredAttribute {
         }
     }
 
-    /// True if it states the projection that may see half a turn or more.
+    /// Returns true if it states the projection that can cover half a turn or more.
     fn is_spherical(&self) -> bool {
         let is_projection = self.read.word == AttributeWord::Projection;
         is_projection && matches!(&self.value, ReadValue::Word(word) if **word == *"spherical")
@@ -49,8 +49,8 @@ impl DeclaredAttribute {
 }
 
 impl Declarations {
-    /// The attributes of a declaration, over so many variables, and the params and grids that they read. Those with an error
-    /// are reported and left out.
+    /// Returns the attributes of a declaration, over its variables, and the params and grids that they read. Attributes with
+    /// an error are reported and omitted.
     pub(crate) fn stated(
         &mut self,
         keyword: DeclarationKeyword,
@@ -96,7 +96,7 @@ impl Declarations {
         (all, dependencies)
     }
 
-    /// The attributes of a declaration, and what they and the rest of it read.
+    /// Returns the attributes of a declaration, and the dependencies of them and of the rest of the declaration.
     pub(crate) fn stated_with(
         &mut self,
         declaration: &Declaration<'_>,
@@ -107,7 +107,8 @@ impl Declarations {
         (attributes, self.lowerer.dependencies.union(rest, stated))
     }
 
-    /// The value of an attribute, within its range where it is constant: beyond that is an error of this kind.
+    /// Returns the value of an attribute, which must be within its range if it is constant; otherwise the error of
+    /// `constant` is reported.
     fn checked_attribute(
         &mut self,
         row: &AttributeRow,
@@ -143,7 +144,7 @@ impl Declarations {
         Some(AttributeValue::Numbers(nodes.to_vec()))
     }
 
-    /// Reports a constant field of view of a camera that is not spherical, if it is half a turn or more.
+    /// Reports a constant field of view of half a turn or more, if the camera is not spherical.
     fn check_field_of_view(&mut self, attributes: &[Attribute]) {
         let word = AttributeWord::Fov.text();
         let Some(fov) = attributes.iter().find(|it| it.word == word) else {
@@ -161,14 +162,14 @@ impl Declarations {
     }
 }
 
-/// The error of a camera that is not spherical and sees half a turn or more.
+/// Returns the error of a camera that is not spherical and sees half a turn or more.
 fn wide(number: f64) -> SemanticError {
     let message = format!(
         "the `fov` of a camera that is not spherical is below pi, but this is {}",
         number::text(number)
     );
     let error = SemanticError::new(ATTRIBUTE_RANGE, message);
-    // Up to a full turn it may be meant in radians.
+    // Up to a full turn, it may be meant in radians.
     if number <= std::f64::consts::TAU {
         return error.with_hint("angles are in radians: pi is half a turn");
     }
@@ -179,7 +180,7 @@ fn wide(number: f64) -> SemanticError {
     ))
 }
 
-/// The error of the opening of a camera that is not spherical, where it is out of its range.
+/// Returns the error of the field of view of a camera that is not spherical, if it is out of range.
 fn wide_or_out_of_range(row: &AttributeRow, range: AttributeRange, number: f64) -> SemanticError {
     if number > range.max {
         wide(number)

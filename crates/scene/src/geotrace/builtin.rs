@@ -1,5 +1,5 @@
-//! The names that the language starts with: the constants and functions of `expr`'s table of operations, `id`, the
-//! identity, which takes vectors too, and `min` and `max`, which take vectors only.
+//! The builtin names: the constants and functions of `expr`'s table of operations; `id`, the identity, which also takes
+//! vectors; and `min` and `max`, which take only vectors.
 
 use expr::Graph;
 use expr::ops::{Binary, CONSTANTS, Unary};
@@ -8,14 +8,14 @@ use syntax::geotrace::symbols::Vocabulary;
 
 use crate::geotrace::foreign::FOREIGN_WORDS;
 
-/// A function that every program may use.
+/// A builtin function.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Builtin {
     /// An operation on a number.
     Operation(Unary),
     /// `id`.
     Identity,
-    /// `min` or `max`: a vector's least or greatest component.
+    /// `min` or `max`: a vector's minimum or maximum component.
     Extreme(Binary),
 }
 
@@ -23,7 +23,7 @@ pub(crate) enum Builtin {
 const WEAK: [&str; 2] = ["min", "max"];
 
 impl Builtin {
-    /// Every builtin function with its name.
+    /// Returns all builtin functions with their names.
     pub(crate) fn all() -> impl Iterator<Item = (&'static str, Self)> {
         let operations = Unary::ALL.into_iter();
         operations
@@ -32,7 +32,7 @@ impl Builtin {
             .chain([Binary::Min, Binary::Max].map(|op| (op.name(), Self::Extreme(op))))
     }
 
-    /// The function of an operand.
+    /// Applies the function to an operand.
     pub(crate) fn apply(self, graph: &mut Graph, operand: &Value) -> Result<Value, DimensionError> {
         match self {
             Self::Operation(op) => value::apply(graph, op, operand),
@@ -42,7 +42,7 @@ impl Builtin {
     }
 }
 
-/// The builtin names, for the parser.
+/// Returns the builtin names, for the parser.
 pub fn vocabulary() -> Vocabulary {
     let constants = CONSTANTS.map(|(name, ..)| name);
     let functions: Vec<&str> = Builtin::all().map(|(name, _)| name).collect();
@@ -63,7 +63,7 @@ pub fn vocabulary() -> Vocabulary {
         })
 }
 
-/// The number of builtin names; their symbols come first.
+/// Returns the number of builtin names; their symbols come first.
 pub fn count() -> u32 {
     (CONSTANTS.len() + Builtin::all().count()) as u32
 }

@@ -1,4 +1,5 @@
-//! The compiler between two declarations: what has been declared, and what has been read of the next.
+//! The state of the compiler between two declarations: everything declared, and what has been read of the next
+//! declaration.
 //!
 //! In: the parser's hooks. Out: the meaning of each symbol, and the objects of the scene. The kinds of declaration are in
 //! `declare.rs`, `params.rs`, `intrinsic.rs`, `solids.rs` and `stage.rs`.
@@ -24,13 +25,14 @@ use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
 use crate::scene::{GeodesicPath, Grid, GridId, Object, ObjectId, Param, ParamId, Scene, Shape};
 use crate::solid::Attribute;
 
-/// The compiler between two declarations: what has been declared, and what has been read of the next.
+/// The state of the compiler between two declarations: everything declared, and what has been read of the next
+/// declaration.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Declarations {
     pub(crate) lowerer: Lowerer,
     /// Params, grids and objects; the objects' nodes are those of the lowerer's graph.
     pub(crate) scene: Scene,
-    /// All diagnostics, in no order.
+    /// All diagnostics, in no particular order.
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// The diagnostics of the declaration that is being read.
     pub(crate) found: Vec<Diagnostic>,
@@ -42,18 +44,18 @@ pub(crate) struct Declarations {
     pub(crate) sources: Vec<Owner>,
     /// The number of samples of all objects together.
     pub(crate) samples: u64,
-    /// The number of leaves of all solids together, with all instances of each.
+    /// The number of leaves of all solids together, including all instances of each.
     pub(crate) leaves: u64,
-    /// The solids, with the numbers of their objects.
+    /// The solids, with the ids of their objects.
     solids: Vec<(SymbolId, ObjectId)>,
     /// The solids that sets name.
     parts: FxHashSet<SymbolId>,
     pub(crate) has_background: bool,
-    /// The surfaces and metrics, for the geodesics that lie on them.
+    /// The surfaces and metrics, for geodesics on them.
     manifolds: FxHashMap<SymbolId, DeclaredManifold>,
     /// The number of components of all params and grids together.
     pub(crate) components: u32,
-    /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
+    /// The uniforms for the next param or grid if it has the same number of components, instead of fresh ones.
     pub(crate) kept: Option<Uniforms>,
     /// True if the limits on all declarations together are left to the caller.
     pub(crate) is_checker: bool,
@@ -66,28 +68,28 @@ pub(crate) struct Understood {
     pub(crate) meaning: Option<Meaning>,
     /// Its object, if it is drawn.
     pub(crate) drawn: Option<Drawn>,
-    /// The param or grid that it is.
+    /// Its param or grid, if it is one.
     pub(crate) source: Option<DeclaredSource>,
     /// Its diagnostics.
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
-/// An object that is yet to be added to the scene.
+/// An object that remains to be added to the scene.
 #[derive(Debug)]
 pub(crate) struct Drawn {
     pub(crate) object: Object,
-    /// The number of samples of all its instances together.
+    /// The number of samples of all its instances.
     pub(crate) samples: u64,
     pub(crate) dependencies: Dependencies,
-    /// The number of leaves of a solid, with all its instances.
+    /// The number of leaves of a solid, including all its instances.
     pub(crate) leaves: u64,
     /// The solids that a set names.
     pub(crate) named: Vec<SymbolId>,
-    /// The dependencies of a solid with the grids at which it closes.
+    /// The dependencies of a solid, including the grids at which it closes.
     pub(crate) closed: Dependencies,
 }
 
-/// A param or a grid that is yet to be added to the scene.
+/// A param or a grid that remains to be added to the scene.
 #[derive(Debug)]
 pub(crate) struct DeclaredSource {
     pub(crate) data: SourceData,
@@ -112,7 +114,7 @@ impl From<Meaning> for Understood {
 }
 
 impl Understood {
-    /// Adds the object that is drawn.
+    /// Adds the drawn object.
     pub(crate) fn drawn(mut self, drawn: Option<Drawn>) -> Self {
         self.drawn = drawn;
         self
@@ -125,7 +127,7 @@ impl Understood {
     }
 }
 
-/// The part of a surface or a metric that geodesics on it need.
+/// The part of a surface or a metric that geodesics on it require.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeclaredManifold {
     pub(crate) object: ObjectId,
@@ -138,12 +140,12 @@ pub(crate) struct DeclaredManifold {
 pub(crate) struct Uniforms {
     pub(crate) first: u32,
     pub(crate) count: u32,
-    /// The set that holds just this param or grid.
+    /// The set that contains only this param or grid.
     pub(crate) dependencies: Dependencies,
     pub(crate) source: SourceIndex,
 }
 
-/// The param or grid that is a source of dependencies.
+/// The param or grid of a source of dependencies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Owner {
     Param(ParamId),
@@ -174,7 +176,7 @@ impl Actions for Declarations {
 }
 
 impl Declarations {
-    /// Nothing declared but the builtins.
+    /// Creates a state with only the builtins.
     pub(crate) fn new() -> Self {
         let mut declarations = Self::default();
         let lowerer = &mut declarations.lowerer;
@@ -182,7 +184,7 @@ impl Declarations {
         declarations
     }
 
-    /// The scene, with a graph of its own that holds what its objects need and nothing else.
+    /// Returns the scene, with a graph of its own that contains only the nodes required by its objects.
     pub(crate) fn scene(&self) -> Scene {
         let mut scene = self.scene.clone();
         scene.uniform_count = self.lowerer.dependencies.uniform_count();
@@ -203,7 +205,7 @@ impl Declarations {
         scene
     }
 
-    /// Takes the solids that sets name from the objects that are drawn.
+    /// Moves the solids that sets name from the drawn objects to the parts.
     fn put_parts_aside(&self, scene: &mut Scene) {
         let mut is_part = vec![false; scene.objects.len()];
         let named = self
@@ -237,7 +239,7 @@ impl Declarations {
         }
     }
 
-    /// Hands a scene the values of geodesics that its objects read.
+    /// Adds the values of geodesics that its objects read to a scene.
     fn read_geodesics(&self, scene: &mut Scene) {
         let geodesics = &self.lowerer.geodesics;
         if geodesics.values().is_empty() {
@@ -273,14 +275,14 @@ impl Declarations {
         scene.geodesic_values = values.cloned().collect();
     }
 
-    /// Notes an interval that has been read.
+    /// Records an interval that has been read.
     pub(crate) fn interval(&mut self, read: actions::Interval) {
-        // Where the expressions are incomplete the declaration is faulty and is dropped as a whole.
+        // If the expressions are incomplete, the declaration is faulty and is dropped as a whole.
         self.intervals
             .extend(DeclaredInterval::last(&self.lowerer, read));
     }
 
-    /// Notes an attribute that has been read, with the text of its value.
+    /// Records an attribute that has been read, with the text of its value.
     pub(crate) fn attribute(&mut self, read: StatedAttribute, text: &str) {
         let value = match read.word.is_key() {
             true => Some(ReadValue::Word(text.into())),
@@ -309,7 +311,7 @@ impl Declarations {
         }
     }
 
-    /// Adds the outcome of a declaration: defines its name, and puts it into the scene.
+    /// Adds the outcome of a declaration: defines its name, and adds its object to the scene.
     pub(crate) fn add(&mut self, declaration: &Declaration<'_>, understood: Understood) {
         self.scene.uniform_count = self.lowerer.dependencies.uniform_count();
         match understood.source.map(|source| source.data) {
@@ -362,12 +364,12 @@ impl Declarations {
         }
     }
 
-    /// The surface or metric of this symbol; `None` if it could not be added.
+    /// Returns the surface or metric of this symbol; `None` if it could not be added.
     pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<DeclaredManifold> {
         self.manifolds.get(&symbol).copied()
     }
 
-    /// The expressions that stand before the intervals and attributes.
+    /// Returns the expressions before the intervals and attributes.
     pub(crate) fn expressions<const N: usize>(
         &self,
         intervals: &[DeclaredInterval],
@@ -393,7 +395,7 @@ impl Declarations {
         self.lowerer.lower(body, variables, &mut self.found)
     }
 
-    /// A function's meaning; its steps are kept.
+    /// Returns a function's meaning; its steps are stored.
     pub(crate) fn keep(&mut self, declaration: &Declaration<'_>, body: Expression) -> Meaning {
         self.lowerer.code.keep(body.steps().end);
         let parameters = declaration.parameters.iter();
@@ -405,7 +407,7 @@ impl Declarations {
         })
     }
 
-    /// The components of a drawn value; `None` if it does not lie in space or its declaration failed.
+    /// Returns the components of a drawn value; `None` if it is not in space or its declaration failed.
     pub(crate) fn in_space(
         &mut self,
         expression: Expression,
@@ -444,7 +446,7 @@ impl Declarations {
         None
     }
 
-    /// A result, whose error is reported at a place.
+    /// Returns the value of a result; an error is reported at `span`.
     pub(crate) fn sound<T>(&mut self, result: Result<T, SemanticError>, span: Span) -> Option<T> {
         match result {
             Ok(sound) => Some(sound),
@@ -455,7 +457,7 @@ impl Declarations {
         }
     }
 
-    /// An object within the limits of what can be drawn; `None` if it exceeds one, which is reported.
+    /// Returns an object within the limits for drawing; `None` if it exceeds one, which is reported.
     pub(crate) fn object(
         &mut self,
         declaration: &Declaration<'_>,
@@ -521,7 +523,7 @@ impl Declarations {
                 shape,
                 params,
                 grids,
-                // Those of a scene, whose graph has other nodes, are found when it is put together.
+                // The indexes for a scene, whose graph has other nodes, are determined when it is assembled.
                 geodesic_values: Vec::new(),
                 attributes,
             },
@@ -533,7 +535,7 @@ impl Declarations {
         })
     }
 
-    /// The params and grids of a set of dependencies, in the order of the text.
+    /// Returns the params and grids in a set of dependencies, in the order of the text.
     pub(crate) fn sources_of(&self, dependencies: Dependencies) -> (Vec<ParamId>, Vec<GridId>) {
         let mut params = Vec::new();
         let mut grids = Vec::new();
@@ -548,7 +550,7 @@ impl Declarations {
     }
 }
 
-/// A value's dimension in words.
+/// Returns a value's dimension in words.
 pub(crate) fn kind_of(value: &Value) -> String {
     match value {
         Value::Number(_) => "a number".to_owned(),
@@ -563,7 +565,7 @@ pub(crate) fn constant(value: Value, dependencies: Dependencies) -> Meaning {
     })
 }
 
-/// A count in words; a product that was too large to compute has no digits.
+/// Returns a count in words; a product that was too large to compute has no digits.
 fn count_in_words(count: u64) -> String {
     match count {
         u64::MAX => "too many".to_owned(),

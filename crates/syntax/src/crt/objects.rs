@@ -1,16 +1,16 @@
-//! The one table of objects and their attributes.
+//! The table of objects and their attributes.
 //!
-//! Each row gives an attribute of an object: its word, its value with its range and unit, its default, and its purpose. The
-//! parser, the interpreter, completion, hover and the documentation read this table. To add an attribute, add a row.
+//! Each row contains an attribute of an object: its word, its value with its range and unit, its default, and its purpose.
+//! The parser, the interpreter, completion, hover and the documentation read this table. To add an attribute, add a row.
 
 use crate::attribute_range::AttributeRange;
 
 /// The value of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueType {
-    /// A number of a range.
+    /// A number within a range.
     Number(AttributeRange),
-    /// A whole number of a range.
+    /// An integer within a range.
     Integer(AttributeRange),
     /// A vector.
     Vector,
@@ -32,14 +32,14 @@ pub enum ValueType {
     Lights,
 }
 
-/// The value of an attribute that is not stated.
+/// The default value of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DefaultValue {
-    /// None: the attribute is required.
+    /// No default: the attribute is required.
     Required,
     /// A number.
     Number(f64),
-    /// A whole number.
+    /// An integer.
     Integer(i32),
     /// A vector.
     Vector([f64; 3]),
@@ -47,12 +47,12 @@ pub enum DefaultValue {
     Color([f64; 3]),
     /// A string.
     Text(&'static str),
-    /// A value that a phrase describes: the interpreter makes it.
+    /// A value that is described by a phrase and created by the interpreter.
     Phrase(&'static str),
 }
 
 impl DefaultValue {
-    /// The value as a script writes it, or the phrase; `None` if the attribute is required.
+    /// Returns the value in the syntax of a script, or the phrase; `None` if the attribute is required.
     pub fn text(self) -> Option<String> {
         Some(match self {
             Self::Required => return None,
@@ -71,13 +71,13 @@ impl DefaultValue {
 pub struct ObjectAttribute {
     /// The object.
     pub object: ObjectName,
-    /// The word as it is written.
+    /// The word as written.
     pub text: &'static str,
     /// The value.
     pub value: ValueType,
-    /// The unit, or the empty text.
+    /// The unit, or an empty text.
     pub unit: &'static str,
-    /// The value of an object that does not state it.
+    /// The default value.
     pub default: DefaultValue,
     /// The purpose: the end of a sentence, without a full stop.
     pub purpose: &'static str,
@@ -90,7 +90,7 @@ impl ObjectAttribute {
     }
 }
 
-/// The type of the value that an object is.
+/// The type of an object as a value.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 #[allow(missing_docs)]
 pub enum ObjectClass {
@@ -99,7 +99,7 @@ pub enum ObjectClass {
     Camera,
     Light,
     Background,
-    /// The block `Settings`, which is no value.
+    /// The block `Settings`, which is not a value.
     Settings,
 }
 
@@ -113,17 +113,17 @@ macro_rules! objects {
         }
 
         impl ObjectName {
-            /// Every name.
+            /// All names.
             pub const ALL: &[Self] = &[$(Self::$name),*];
 
-            /// The name as it is written.
+            /// Returns the name as written.
             pub const fn text(self) -> &'static str {
                 match self {
                     $(Self::$name => stringify!($name)),*
                 }
             }
 
-            /// The object of a name.
+            /// Returns the object with this name.
             pub fn from_text(text: &str) -> Option<Self> {
                 $(if text == stringify!($name) {
                     return Some(Self::$name);
@@ -131,21 +131,21 @@ macro_rules! objects {
                 None
             }
 
-            /// The type of the value that the object is.
+            /// Returns the type of the object as a value.
             pub const fn class(self) -> ObjectClass {
                 match self {
                     $(Self::$name => ObjectClass::$class),*
                 }
             }
 
-            /// The purpose of the object: the end of a sentence, without a full stop.
+            /// Returns the purpose of the object: the end of a sentence, without a full stop.
             pub const fn purpose(self) -> &'static str {
                 match self {
                     $(Self::$name => $purpose),*
                 }
             }
 
-            /// The attributes of the object, in the order of the table. The material of an entity comes last.
+            /// Returns the attributes of the object, in the order of the table. The material of an entity comes last.
             pub const fn attributes(self) -> &'static [ObjectAttribute] {
                 match self {
                     $(Self::$name => {
@@ -175,7 +175,7 @@ const OPENING: ValueType = ValueType::Number(AttributeRange {
     is_open: true,
     ..AttributeRange::closed(0.0, 360.0)
 });
-/// The number of samples in each direction, or of samples. A billion are more than anybody waits for.
+/// The number of samples in each direction, or of samples, limited so that rendering ends in a reasonable time.
 const COUNT: ValueType = ValueType::Integer(AttributeRange::closed(1.0, 65_536.0));
 const DEPTH: ValueType = ValueType::Integer(AttributeRange::closed(0.0, 64.0));
 const VECTOR: ValueType = ValueType::Vector;
@@ -308,20 +308,20 @@ objects! {
 }
 
 impl ObjectName {
-    /// The attribute of a word; `None` if the object does not have it.
+    /// Returns the attribute with this word; `None` if the object does not have it.
     pub fn attribute(self, word: &str) -> Option<&'static ObjectAttribute> {
         self.attributes().iter().find(|row| row.text == word)
     }
 
-    /// The objects that an expression can be: all but `Settings`.
+    /// Returns the objects that an expression can be: all except `Settings`.
     pub fn objects() -> impl Iterator<Item = Self> + Clone {
         let all = Self::ALL.iter().copied();
         all.filter(|name| name.class() != ObjectClass::Settings)
     }
 }
 
-/// The functions that every script starts with, each with the names of its arguments and its purpose. A macro of the name
-/// wins.
+/// The builtin functions of scripts, each with the names of its arguments and its purpose. A macro with the same name
+/// takes precedence.
 pub const FUNCTIONS: &[(&str, &[&str], &str)] = &[
     ("vec3", &["x", "y", "z"], "a vector"),
     (

@@ -1,7 +1,7 @@
-//! The one table of attributes.
+//! The table of attributes.
 //!
-//! Each row gives the word of an attribute, the declarations that may state it, its value with its range and its default, and
-//! its documentation (the purpose in one sentence, an example). A word that means different things on different declarations
+//! Each row contains the word of an attribute, the declarations that may state it, its value with its range and its default,
+//! and its documentation (the purpose in one sentence, an example). A word with different meanings on different declarations
 //! has a row for each. The parser, completion, hover, the diagnostics and the documentation read this table. To add an
 //! attribute, add a row.
 
@@ -14,9 +14,9 @@ use DeclarationKeyword::{
 /// The value of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AttributeType {
-    /// An expression: a number of a range.
+    /// An expression: a number within a range.
     Number(AttributeRange),
-    /// An expression: a number of a range, or three of them.
+    /// An expression: one or three numbers within a range.
     Color(AttributeRange),
     /// An expression: two numbers.
     Pair,
@@ -31,13 +31,13 @@ pub enum AttributeType {
 pub struct AttributeRow {
     /// The word.
     pub word: AttributeWord,
-    /// The word as it is written.
+    /// The word as written.
     pub text: &'static str,
     /// The declarations that may state it.
     pub on: &'static [DeclarationKeyword],
     /// Its value.
     pub value: AttributeType,
-    /// The value of what does not state it, as it is written or as a phrase.
+    /// The value if it is not stated, as written or as a phrase.
     pub default: &'static str,
     /// The purpose: the end of a sentence, without a full stop.
     pub purpose: &'static str,
@@ -45,7 +45,7 @@ pub struct AttributeRow {
     pub example: &'static str,
 }
 
-/// All that is drawn in space.
+/// All objects that are drawn in space.
 const DRAWN: &[DeclarationKeyword] = &[Curve, Surface, Point, Vector, Geodesic, Solid];
 const FACES: &[DeclarationKeyword] = &[Surface, Solid];
 const LINES: &[DeclarationKeyword] = &[Curve, Point, Vector, Geodesic];
@@ -63,17 +63,17 @@ macro_rules! attributes {
         }
 
         impl AttributeWord {
-            /// Every word.
+            /// All words.
             pub const ALL: [Self; [$($text),*].len()] = [$(Self::$word),*];
 
-            /// The word as it is written.
+            /// Returns the word as written.
             pub const fn text(self) -> &'static str {
                 match self {
                     $(Self::$word => $text),*
                 }
             }
 
-            /// The attribute that is written so.
+            /// Returns the attribute with this word.
             pub fn from_text(text: &str) -> Option<Self> {
                 Some(match text {
                     $($text => Self::$word,)*
@@ -162,12 +162,12 @@ attributes! {
 }
 
 impl AttributeWord {
-    /// The rows of the word.
+    /// Returns the rows of the word.
     pub fn rows(self) -> impl Iterator<Item = &'static AttributeRow> {
         TABLE.iter().filter(move |row| row.word == self)
     }
 
-    /// The row of the word on a declaration; `None` if that does not have it.
+    /// Returns the row of the word on a declaration; `None` if the declaration does not allow it.
     pub fn row(self, on: DeclarationKeyword) -> Option<&'static AttributeRow> {
         self.rows().find(|row| row.on.contains(&on))
     }
@@ -178,7 +178,7 @@ impl AttributeWord {
     }
 }
 
-/// The attributes that a declaration may state, in the order of the table.
+/// Returns the attributes that a declaration may state, in the order of the table.
 pub fn of(declaration: DeclarationKeyword) -> impl Iterator<Item = &'static AttributeRow> {
     TABLE
         .iter()

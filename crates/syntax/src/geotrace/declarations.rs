@@ -1,6 +1,6 @@
-//! The one table of declarations.
+//! The table of declarations.
 //!
-//! Each row gives a declaration's keyword, its syntax, how many parameters it takes, what it introduces, and its
+//! Each row contains a declaration's keyword, its syntax, the number of its parameters, the category of its name, and its
 //! documentation (an example, the purpose in one sentence, a snippet for editors). The parser, the grammar, highlighting,
 //! completion, hover, the outline and the documentation read this table. To add a declaration, add a row, productions to
 //! [`grammar`](super::grammar) if its [`Syntax`] is new, and its meaning to the compiler.
@@ -14,15 +14,15 @@ pub enum Syntax {
     Grid,
     /// `id = EXPR`.
     Value,
-    /// `id = EXPR @ EXPR`: a value with a place.
+    /// `id = EXPR @ EXPR`: a value with a position.
     Anchored,
     /// `id(IDS) = EXPR`.
     Function,
     /// `id(IDS) = EXPR, ITEMS`: a function over a domain.
     Parametrized,
-    /// `id(IDS) = EXPR` or `id = SET`: a set of points, by a function or of others.
+    /// `id(IDS) = EXPR` or `id = SET`: a set of points, given by a function or by other sets.
     Solid,
-    /// `id = EXPR`, `id = @ EXPR` or `id = EXPR @ EXPR`: a direction, a place or both.
+    /// `id = EXPR`, `id = @ EXPR` or `id = EXPR @ EXPR`: a direction, a position or both.
     Light,
     /// `id(IDS) = EXPR` or `id = EXPR`: a value, or a function of a direction.
     Background,
@@ -36,13 +36,13 @@ pub enum Syntax {
 pub enum ParameterCount {
     /// It declares a value.
     None,
-    /// It declares a function of one parameter or more.
+    /// It declares a function of at least one parameter.
     AnyNumber,
     /// It declares a function of exactly this many parameters.
     Exactly(usize),
-    /// It declares a function; one that states no parameters has those of space, x, y and z.
+    /// It declares a function; if it states no parameters, it has those of space, x, y and z.
     OfSpace,
-    /// It declares a value if it states no parameters, else a function.
+    /// It declares a value if it states no parameters, otherwise a function.
     Optional,
 }
 
@@ -61,7 +61,7 @@ pub enum Category {
     Curve,
     /// A surface in space.
     Surface,
-    /// A surface that is given by its first fundamental form alone and has no shape in space.
+    /// A surface that is given only by its first fundamental form and has no shape in space.
     Metric,
     /// A set of points of space.
     Solid,
@@ -74,9 +74,9 @@ pub enum Category {
 pub struct DeclarationRow {
     /// The keyword.
     pub keyword: DeclarationKeyword,
-    /// The keyword as it is written.
+    /// The keyword as written.
     pub text: &'static str,
-    /// The syntax behind the keyword.
+    /// The syntax after the keyword.
     pub syntax: Syntax,
     /// The number of its parameters.
     pub parameters: ParameterCount,
@@ -86,7 +86,7 @@ pub struct DeclarationRow {
     pub example: &'static str,
     /// The purpose: the end of a sentence, without a full stop.
     pub purpose: &'static str,
-    /// The declaration with numbered places to fill in, in the syntax of the language server protocol's snippets.
+    /// The declaration with numbered placeholders, in the syntax of the language server protocol's snippets.
     pub snippet: &'static str,
 }
 
@@ -107,12 +107,12 @@ macro_rules! declarations {
         ];
 
         impl DeclarationKeyword {
-            /// Every keyword, in the order of the table.
+            /// All keywords, in the order of the table.
             pub const ALL: [Self; COUNT] = [$(Self::$name),*];
 
-            /// The keyword that is written so.
+            /// Returns the keyword with this text.
             pub fn from_text(text: &str) -> Option<Self> {
-                // The lexer tries every word of a text, so this compares literals and does not search the table.
+                // The lexer looks up every word of a text, so this compares literals instead of searching the table.
                 Some(match text {
                     $($text => Self::$name,)*
                     _ => return None,
@@ -241,24 +241,24 @@ declarations! {
 }
 
 impl DeclarationKeyword {
-    /// The keyword's row of the table.
+    /// Returns the keyword's row of the table.
     #[inline]
     pub fn row(self) -> &'static DeclarationRow {
         &TABLE[self as usize]
     }
 
-    /// The keyword as it is written.
+    /// Returns the keyword as written.
     pub fn text(self) -> &'static str {
         self.row().text
     }
 
-    /// The category of the declared name.
+    /// Returns the category of the declared name.
     pub fn category(self) -> Category {
         self.row().category
     }
 
-    /// Returns true if the declared name is applied to operands, and false if it is a value. `states_parameters` says that
-    /// the declaration lists parameters.
+    /// Returns true if the declared name is applied to operands, and false if it is a value. `states_parameters` is true
+    /// if the declaration lists parameters.
     pub fn declares_function(self, states_parameters: bool) -> bool {
         match self.row().parameters {
             ParameterCount::None => false,
@@ -282,7 +282,7 @@ impl DeclarationKeyword {
         )
     }
 
-    /// Returns true if the declaration gives an interval for each of its parameters.
+    /// Returns true if the declaration has an interval for each of its parameters.
     pub fn has_domain(self) -> bool {
         matches!(self.row().syntax, Syntax::Parametrized | Syntax::InSurface)
     }

@@ -71,7 +71,8 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.step(ParseStep::Conditional, start);
     }
 
-    /// The chains of left-associative operators from a level upwards: `Or`, `And`, `Cmp`, `Sum` and `Prod` with their
+    /// Reads the chains of left-associative operators from a level upwards: `Or`, `And`, `Cmp`, `Sum` and `Prod` with
+    /// their tails.
     /// tails.
     fn binary(&mut self, least: u8) {
         let start = self.current.span.start;

@@ -18,14 +18,14 @@ use crate::symbol::SymbolId;
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
-    /// A declaration whose keyword is the current token. Reading it depends only on the names defined above it, and
+    /// Reads a declaration whose keyword is the current token. This depends only on the names defined above it, and
     /// leaves the parser at the token after it.
     pub(super) fn declaration(&mut self, keyword: DeclarationKeyword) {
         self.state = DeclarationState::default();
         self.declaration_with_keyword(keyword);
     }
 
-    /// A declaration whose keyword is the current token, or a misspelt word that is read as the keyword.
+    /// Reads a declaration whose keyword is the current token, or a misspelt word in its place.
     fn declaration_with_keyword(&mut self, keyword: DeclarationKeyword) {
         let start = self.current.span;
         self.accept();
@@ -98,7 +98,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         name.len() < rest.len() && name.trim_start().starts_with('(')
     }
 
-    /// The rest of a declaration, from its name (the current token) through its `;`.
+    /// Reads the rest of a declaration, from its name (the current token) through its `;`.
     fn declaration_from_name(&mut self, keyword: DeclarationKeyword, start: Span) {
         if self.decl(keyword).is_err() {
             self.state.faulty = true;

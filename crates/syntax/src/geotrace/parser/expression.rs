@@ -24,7 +24,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.add_tail(first)
     }
 
-    /// The rest of `EXPR` after its first `APP`.
+    /// Reads the rest of `EXPR` after its first `APP`.
     pub(super) fn add_from(&mut self, app: Span) -> Parse {
         let factor = self.mult_tail(app)?;
         let first = self.jux_tail(factor)?;
@@ -83,7 +83,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.mult_tail(first)
     }
 
-    /// The rest of `MULT` and of `MULT2` after the first operand.
+    /// Reads the rest of `MULT` and of `MULT2` after the first operand.
     fn mult_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
@@ -159,7 +159,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.prefix_operator().is_some() || self.starts_app()
     }
 
-    /// The rest of `APP` after its `FUNC2`.
+    /// Reads the rest of `APP` after its `FUNC2`.
     pub(super) fn applied(&mut self, id: SymbolId, function: Span) -> Parse {
         let function = self.func(id, function)?;
         if !self.starts_operand() {
@@ -181,7 +181,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         Ok(span)
     }
 
-    /// The rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.
+    /// Reads the rest of `FUNC = FUNC2 "^" UNARY | FUNC2` after its `FUNC2`.
     fn func(&mut self, id: SymbolId, function: Span) -> Parse {
         if self.current.kind != TokenKind::Caret {
             return Ok(function);
