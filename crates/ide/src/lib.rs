@@ -7,7 +7,7 @@
 //! text          access to a text by its lines
 //! limited       files that are read up to a limit
 //! color, completion, description, edit, fix, hint, lens, link, occurrence, outline, rename, semantic, signature, …
-//!               what the features return
+//!               the results of the features
 //! ```
 //!
 //! The crate does not use the types of the language server protocol: the server converts lines, columns and names.

@@ -112,11 +112,10 @@ fn first_row() -> Row {
 
 /// Returns the distances between `front` and the prefixes of `word`; `rows` has those of each shorter prefix of
 /// `front`.
-/// `front`.
+///
 /// The distance is the minimum number of insertions, deletions, substitutions and swaps of neighbours that turn one into
 /// the other, with no letter edited twice (optimal string alignment; L. Boytsov, Indexing methods for approximate
 /// dictionary searching, ACM J. Exp. Algorithmics 16, 2011, section 2.2.1).
-/// searching, ACM J. Exp. Algorithmics 16, 2011, section 2.2.1).
 fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     let i = front.len();
     let above = &rows[i - 1];

@@ -9,7 +9,6 @@ use crate::span::Span;
 pub const MAX_DIAGNOSTICS: usize = 100_000;
 
 /// Returns the last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the span of the one that it replaces.
-/// takes.
 pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
     let message = format!("more than {MAX_DIAGNOSTICS} diagnostics: the rest is omitted");
     Diagnostic::error(codes::TOO_MANY_ERRORS, span, message)
@@ -29,9 +28,9 @@ pub(crate) fn line_length(bytes: &[u8]) -> usize {
 
 /// Returns the bytes as a text.
 ///
+/// # Errors
 /// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span refers to the lossy text
 /// ([`String::from_utf8_lossy`]), which agrees with the bytes up to there, so that a
-/// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
 /// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
 pub fn decode(bytes: &[u8]) -> Result<&str, Box<Diagnostic>> {
     std::str::from_utf8(bytes).map_err(|error| {

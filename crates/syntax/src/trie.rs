@@ -299,7 +299,6 @@ const SLOTS: [u8; 256] = {
 };
 
 /// Returns the length of the common prefix of two runs. It is small, so they are compared letter by letter.
-/// one.
 #[inline]
 fn shared_length(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(b).take_while(|(a, b)| a == b).count()

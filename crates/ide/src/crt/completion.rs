@@ -1,4 +1,4 @@
-//! Completions: attributes between the braces of an object, the words of an attribute, and what an expression can begin with.
+//! Completions: attributes between the braces of an object, the words of an attribute, and the beginnings of expressions.
 
 use std::collections::HashMap;
 

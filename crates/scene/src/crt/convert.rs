@@ -96,7 +96,7 @@ struct SetText {
     name: String,
 }
 
-/// The operations outside all brackets of a set; the one that binds most loosely.
+/// The loosest-binding operation outside all brackets of a set.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum SetBinding {
     /// Only unions.

@@ -108,7 +108,7 @@ impl TokenKind {
     }
 }
 
-/// One token and its place.
+/// A token and its span.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Token {
     /// Its kind.

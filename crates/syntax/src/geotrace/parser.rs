@@ -170,9 +170,9 @@ struct DeclarationState<'s> {
     map: Option<(MapWord, Span)>,
     /// True for a solid, whose parameters are x, y and z if it lists none.
     is_of_space: bool,
-    /// The attributes that have been read, with their places.
-    attributes: Vec<(AttributeWord, Span)>,
     /// The attributes read so far, with their spans.
+    attributes: Vec<(AttributeWord, Span)>,
+    /// The span of the expression over the parameters, once it has been read.
     body: Span,
     /// The undefined words that have been reported.
     undefined: Vec<&'s str>,

@@ -96,7 +96,7 @@ impl MapWord {
     }
 }
 
-/// One token and its place.
+/// A token and its span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Token {
     /// Its kind.

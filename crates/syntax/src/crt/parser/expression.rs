@@ -73,7 +73,6 @@ impl<A: Actions> Parser<'_, '_, A> {
 
     /// Reads the chains of left-associative operators from a level upwards: `Or`, `And`, `Cmp`, `Sum` and `Prod` with
     /// their tails.
-    /// tails.
     fn binary(&mut self, least: u8) {
         let start = self.current.span.start;
         let first = self.current;
