@@ -1,7 +1,8 @@
-//! Boxes, and the search for one that contains a set.
+//! Boxes, and the search for a box that contains a set.
 //!
-//! Input: an interval evaluator of an expression. Output: a box outside which the expression is positive or undefined,
-//! side by side: `None` where none is found, which is so for endless sets, and where intervals cannot tell.
+//! In: an interval evaluator of an expression. Out: a box outside which the expression is positive or undefined, found side
+//! by side. A side beyond which this cannot be shown stays where it was, perhaps at infinity: for unbounded sets, and where
+//! intervals are too coarse.
 
 use std::cell::Cell;
 
@@ -11,37 +12,37 @@ use glam::{DAffine3, DVec3};
 /// A box with sides along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingBox {
-    /// The least coordinates.
+    /// The smallest coordinates.
     pub lower: DVec3,
-    /// The greatest coordinates.
+    /// The largest coordinates.
     pub upper: DVec3,
 }
 
-/// Sides are looked for between 2^−LARGEST and 2^LARGEST.
+/// The search for sides covers magnitudes from 2^−LARGEST to 2^LARGEST.
 const LARGEST: i32 = 40;
-/// The number of times that all sides are moved.
+/// The number of passes in which all sides are moved.
 const PASSES: usize = 3;
 /// The number of halvings by which a side is moved inward.
 const STEPS: usize = 8;
-/// A side is not moved by less than this share of the length of the box.
+/// A side is not moved by less than this fraction of the length of the box.
 const CLOSE: f64 = 1.0 / 128.0;
-/// The number of parts into which a slab is divided before it counts as met.
+/// The number of parts into which a slab is divided before it counts as intersecting the set.
 const PARTS: usize = 32;
 
 impl BoundingBox {
-    /// The box that contains nothing.
+    /// The box that contains no point.
     pub const EMPTY: Self = Self {
         lower: DVec3::INFINITY,
         upper: DVec3::NEG_INFINITY,
     };
 
-    /// All of space.
+    /// The whole space.
     pub(crate) const WHOLE: Self = Self {
         lower: DVec3::NEG_INFINITY,
         upper: DVec3::INFINITY,
     };
 
-    /// The box, if no side of it is endless.
+    /// Returns the box if all its sides are finite.
     pub(crate) fn if_finite(self) -> Option<Self> {
         (self.is_empty() || self.lower.is_finite() && self.upper.is_finite()).then_some(self)
     }
@@ -51,7 +52,7 @@ impl BoundingBox {
         !self.lower.cmple(self.upper).all()
     }
 
-    /// The least box that contains both.
+    /// Returns the smallest box that contains both.
     pub fn union(&self, other: &Self) -> Self {
         Self {
             lower: self.lower.min(other.lower),
@@ -59,7 +60,7 @@ impl BoundingBox {
         }
     }
 
-    /// The box with more room on all sides, by this share of half the longest one.
+    /// Returns the box enlarged on all sides by this fraction of half its longest side.
     pub(crate) fn with_room(&self, share: f64) -> Self {
         if self.is_empty() {
             return *self;
@@ -71,7 +72,7 @@ impl BoundingBox {
         }
     }
 
-    /// The box between the least and the greatest coordinates.
+    /// Returns the box between the smallest and the largest coordinates.
     pub(crate) fn of_ranges(ranges: [[f64; 2]; 3]) -> Self {
         Self {
             lower: DVec3::from_array(ranges.map(|[lower, _]| lower)),
@@ -79,14 +80,14 @@ impl BoundingBox {
         }
     }
 
-    /// Makes it contain a point.
+    /// Enlarges the box to contain a point.
     #[inline]
     pub(crate) fn include(&mut self, point: DVec3) {
         self.lower = self.lower.min(point);
         self.upper = self.upper.max(point);
     }
 
-    /// The middle, and half the lengths of the sides, whatever rounding does.
+    /// Returns the centre and half the side lengths; these contain the box despite rounding.
     pub(crate) fn middle(&self) -> [DVec3; 2] {
         let center = self.center();
         [center, (self.upper - center).max(center - self.lower)]
@@ -105,12 +106,12 @@ impl BoundingBox {
         }
     }
 
-    /// The middle.
+    /// Returns the centre.
     pub fn center(&self) -> DVec3 {
         0.5 * (self.lower + self.upper)
     }
 
-    /// The least box that contains the image.
+    /// Returns the smallest box that contains the image.
     pub fn transformed(&self, map: &DAffine3) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
@@ -138,8 +139,8 @@ impl BoundingBox {
         }
     }
 
-    /// The least and the largest product of a vector with a place inside; a side that the vector does not look along counts
-    /// nothing, endless or not.
+    /// Returns the smallest and the largest dot product of a vector with a point of the box. An axis along which the vector
+    /// is 0 contributes nothing, even if the box is unbounded along it.
     fn along(&self, vector: DVec3) -> [f64; 2] {
         let mut all = [0.0; 2];
         for k in (0..3).filter(|&k| vector[k] != 0.0) {
@@ -149,12 +150,12 @@ impl BoundingBox {
         all
     }
 
-    /// The part of a ray inside, in its parameter, where it meets the box from its start on: also where it only touches a side,
-    /// an edge or a corner, whatever rounding makes of that.
+    /// Returns the interval of the ray's parameter within the box, from the start of the ray on. A ray that only touches a
+    /// side, an edge or a corner also meets the box, whatever the rounding.
     #[inline]
     pub(crate) fn met(&self, origin: DVec3, reciprocal: DVec3) -> Option<[f64; 2]> {
         let [near, far] = self.part(origin, reciprocal);
-        // A difference, a reciprocal and a product have been rounded; where they are endless, nothing has.
+        // A difference, a reciprocal and a product have been rounded; infinite values have no rounding error.
         let size = near.abs() + far.abs();
         let slack = if size.is_finite() {
             4.0 * f64::EPSILON * size
@@ -164,7 +165,7 @@ impl BoundingBox {
         (near <= far + slack && far >= -slack).then_some([near, far])
     }
 
-    /// The part of a line inside, in its parameter; empty where the first exceeds the second.
+    /// Returns the interval of a line's parameter within the box; empty if the first bound exceeds the second.
     #[inline]
     pub(crate) fn part(&self, origin: DVec3, reciprocal: DVec3) -> [f64; 2] {
         let a = (self.lower - origin) * reciprocal;
@@ -200,35 +201,35 @@ impl BoundingBox {
     }
 }
 
-/// The work that is left, in operations.
+/// The remaining work, in operations.
 #[derive(Debug)]
 pub struct WorkBudget(Cell<u64>);
 
 impl WorkBudget {
-    /// As much work as this.
+    /// Creates a budget of this much work.
     pub fn new(most: u64) -> Self {
         Self(Cell::new(most))
     }
 
-    /// Takes some of it, all that is left if it is not enough; true if there is some left.
+    /// Consumes this much work, or all that is left if that is less; returns true if some is left.
     pub(crate) fn take(&self, operations: u64) -> bool {
         self.0.set(self.0.get().saturating_sub(operations));
         !self.is_used_up()
     }
 
-    /// The work that is left.
+    /// Returns the remaining work.
     pub fn left(&self) -> u64 {
         self.0.get()
     }
 
-    /// True if none is left.
+    /// Returns true if no work is left.
     pub(crate) fn is_used_up(&self) -> bool {
         self.0.get() == 0
     }
 }
 
-/// Finds a box outside which `range` is positive or undefined, within `limits`; [`BoundingBox::EMPTY`] where it is so
-/// everywhere. A side beyond which it is not found to be so is that of `limits`, perhaps endless.
+/// Finds a box outside which `range` is positive or undefined, within `limits`; [`BoundingBox::EMPTY`] if that holds
+/// everywhere. A side beyond which it cannot be shown stays that of `limits`, perhaps infinite.
 pub(crate) fn enclose(
     limits: [Interval; 3],
     range: &mut dyn FnMut([Interval; 3]) -> Interval,
@@ -241,7 +242,7 @@ pub(crate) fn enclose(
         return BoundingBox::EMPTY;
     }
     let mut sides = limits;
-    // A smaller side makes the others smaller.
+    // A smaller side helps to reduce the others.
     for _ in 0..PASSES {
         let before = sides;
         for axis in 0..3 {
@@ -258,7 +259,7 @@ pub(crate) fn enclose(
                 };
             }
         }
-        // Of an endless side the difference is NaN, or infinite.
+        // For an infinite side the difference is NaN or infinite.
         let still = |k: usize| before[k].width() - sides[k].width() <= CLOSE * sides[k].width();
         if (0..3).all(still) {
             break;
@@ -270,7 +271,7 @@ pub(crate) fn enclose(
     }
 }
 
-/// The place beyond which, upward or downward, everything is outside.
+/// Returns the coordinate beyond which, upward or downward, everything is outside.
 fn side(
     outside: &mut impl FnMut([Interval; 3]) -> bool,
     sides: [Interval; 3],
@@ -292,7 +293,7 @@ fn side(
         };
         slab
     };
-    // A place beyond which all is outside: the limit itself, or the least of some.
+    // A coordinate beyond which everything is outside: the limit itself, or the smallest suitable candidate.
     let mut place = most;
     if most == f64::INFINITY {
         let places = (-LARGEST..=LARGEST).step_by(4).map(|k| f64::from(k).exp2());
@@ -300,7 +301,7 @@ fn side(
         let first = places.partition_point(|&at| !divided(outside, slab(at, most), axis, upward));
         place = *places.get(first)?;
     }
-    // Inward from there by growing steps, as long as all is outside.
+    // Move inward by growing steps as long as everything beyond is outside.
     let mut step = if least.is_finite() {
         CLOSE * (place - least)
     } else {
@@ -326,12 +327,12 @@ fn side(
             inner = middle;
         }
     }
-    // Sides lie outside what they bound, also where rounding moves a surface.
+    // Sides leave a margin, in case rounding moves a surface.
     let margin = 1e-9 * (1e-3 + place.abs());
     Some(sign * (place + margin))
 }
 
-/// The middle of an interval; of an endless one its number nearest to 0.
+/// Returns the midpoint of an interval; of an infinite one, its number nearest to 0.
 fn middle(side: Interval) -> f64 {
     let middle = 0.5 * (side.lower() + side.upper());
     if middle.is_finite() {
@@ -341,14 +342,15 @@ fn middle(side: Interval) -> f64 {
     }
 }
 
-/// True if the slab, which lies upward or downward along an axis, is outside, as a whole or in parts across its longer sides.
+/// Returns true if the slab, which extends upward or downward along an axis, is outside, as a whole or after division across
+/// its longer sides.
 fn divided(
     outside: &mut impl FnMut([Interval; 3]) -> bool,
     slab: [Interval; 3],
     axis: usize,
     upward: bool,
 ) -> bool {
-    // With a point that is not outside, no division helps.
+    // If some point is not outside, no division helps.
     let point = [0, 1, 2].map(|k| match (k == axis, upward) {
         (true, true) => slab[k].lower(),
         (true, false) => slab[k].upper(),
@@ -367,7 +369,7 @@ fn divided(
         if outside(part) {
             continue;
         }
-        // What is endless is halved at 0 once, then no more.
+        // An infinite side is halved once, at 0.
         let longest = (0..3)
             .filter(|&k| k != axis)
             .filter(|&k| {

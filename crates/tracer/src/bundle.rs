@@ -1,7 +1,7 @@
-//! Rays that go nearly the same way, and the boxes that any of them may meet.
+//! Bundles of rays with similar directions, and the boxes that any of their rays may meet.
 //!
-//! Input: rays, and how far they reach. Output: for a box, false only if none of them meets it. All starts and all directions
-//! lie between bounds; along each axis they say from which parameter on a ray may be in the box, and up to which one.
+//! In: rays and the parameter that they reach. Out: for a box, false only if no ray meets it. The bounds of all starts and
+//! all directions give, for each axis, the interval of parameters in which a ray may be inside the box.
 
 use expr::processor::Processor;
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
@@ -10,22 +10,22 @@ use glam::DVec3;
 use crate::bounds::BoundingBox;
 use crate::line::{Ray, SurfaceId};
 
-/// Rays that are read together, coordinate by coordinate.
+/// The rays of a bundle, coordinate by coordinate.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RayBlocks {
-    /// Coordinates of the starts, then of the directions. What is behind the last ray in its block repeats the first one
-    /// there; what is in blocks behind it was there before.
+    /// The coordinates of the starts, then of the directions. In the last block, the lanes behind the last ray repeat the
+    /// block's first ray; blocks after it are left over from earlier bundles.
     blocks: Vec<RayBlock>,
     count: usize,
-    /// The surface that all of them leave.
+    /// The surface that all rays leave.
     pub(crate) leaving: Option<SurfaceId>,
 }
 
-/// The coordinates of as many rays as the widest vectors have lanes.
+/// The coordinates of one ray for each lane of the widest vectors.
 pub(crate) type RayBlock = [[f64; MOST_LANES]; 6];
 
 impl RayBlocks {
-    /// Begins with no rays.
+    /// Clears the rays.
     pub(crate) fn begin(&mut self, leaving: Option<SurfaceId>) {
         self.count = 0;
         self.leaving = leaving;
@@ -47,7 +47,7 @@ impl RayBlocks {
         self.count += 1;
     }
 
-    /// Adds a block of rays, of which the lanes without one repeat another, to whole blocks.
+    /// Adds a block of rays; its unused lanes repeat another ray. All blocks before it must be full.
     #[inline]
     pub(crate) fn push_block(
         &mut self,
@@ -69,7 +69,7 @@ impl RayBlocks {
         self.count += MOST_LANES;
     }
 
-    /// The block of the ray that comes next.
+    /// Returns the block that receives the next ray.
     #[inline]
     fn last_block(&mut self) -> &mut RayBlock {
         let index = self.count / MOST_LANES;
@@ -79,17 +79,17 @@ impl RayBlocks {
         &mut self.blocks[index]
     }
 
-    /// The number of rays.
+    /// Returns the number of rays.
     pub(crate) fn len(&self) -> usize {
         self.count
     }
 
-    /// All blocks.
+    /// Returns all blocks.
     pub(crate) fn blocks(&self) -> &[RayBlock] {
         &self.blocks[..self.count.div_ceil(MOST_LANES)]
     }
 
-    /// The ray with this index.
+    /// Returns the ray with this index.
     #[inline]
     pub(crate) fn ray(&self, index: usize) -> Ray {
         let (block, lane) = (&self.blocks[index / MOST_LANES], index % MOST_LANES);
@@ -101,13 +101,13 @@ impl RayBlocks {
         }
     }
 
-    /// The rays.
+    /// Returns an iterator over the rays.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Ray> + Clone {
         (0..self.count).map(|index| self.ray(index))
     }
 }
 
-/// The least and the greatest of each coordinate, and false where one of them is not finite.
+/// The smallest and the largest value of each coordinate, and false for a coordinate that is not finite.
 struct Ranges<'a>(&'a [RayBlock]);
 
 impl VectorWork for Ranges<'_> {
@@ -142,11 +142,11 @@ pub(crate) struct RayBundle {
     reach: f64,
 }
 
-/// The share of a parameter by which rounding may move it, with room to spare.
+/// The relative error of a parameter due to rounding, with a margin.
 const SLACK: f64 = 1e-12;
 
 impl RayBundle {
-    /// The rays, up to the parameter `reach`; those that are not finite meet nothing.
+    /// Returns the bounds of the rays up to the parameter `reach`; if they are not finite, the rays meet nothing.
     pub(crate) fn new(processor: Processor, rays: &RayBlocks, reach: f64) -> Self {
         let (ranges, are_finite) = processor.run_vectors(Ranges(rays.blocks()));
         let [x, y, z, dx, dy, dz] = ranges;
@@ -170,27 +170,28 @@ impl RayBundle {
         }
     }
 
-    /// The parameter up to which rays count.
+    /// Returns the parameter up to which rays are followed.
     pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// The middle of the starts, and their greatest distance from it along each axis.
+    /// Returns the centre of the starts, and their maximum distance from it along each axis.
     pub(crate) fn origins(&self) -> [DVec3; 2] {
         self.origins.middle()
     }
 
-    /// The middle of the directions, and their greatest distance from it along each axis.
+    /// Returns the centre of the directions, and their maximum distance from it along each axis.
     pub(crate) fn directions(&self) -> [DVec3; 2] {
         self.directions.middle()
     }
 
-    /// False only if no ray meets the box from its start on.
+    /// Returns false only if no ray meets the box from its start on.
     #[inline]
     pub(crate) fn may_meet(&self, bounds: &BoundingBox) -> bool {
         let (mut from, mut to) = (0.0, self.reach);
         for k in 0..3 {
-            // At t, the coordinates lie from the least start + t times the least direction to the same of the greatest.
+            // At t, the coordinates are between the smallest start + t times the smallest direction and the same of the
+            // largest.
             let (low, high) = (self.directions.lower[k], self.directions.upper[k]);
             let above = bounds.lower[k] - self.origins.upper[k];
             let below = bounds.upper[k] - self.origins.lower[k];

@@ -1,13 +1,13 @@
-//! A hierarchy of boxes, and the boxes that a ray meets.
+//! A bounding volume hierarchy, and the boxes that a ray meets.
 //!
-//! Input: boxes. Output: for a ray, the indices of the boxes that it meets, each with the parameter at which it enters.
+//! In: boxes. Out: for a ray, the indices of the boxes that it meets, each with the parameter at which the ray enters.
 
 use glam::DVec3;
 
 use crate::bounds::BoundingBox;
 use crate::bundle::RayBundle;
 
-/// Boxes in boxes.
+/// A hierarchy of boxes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hierarchy {
     nodes: Vec<BoxNode>,
@@ -19,20 +19,20 @@ pub(crate) struct Hierarchy {
 #[derive(Clone, Copy, Debug)]
 struct BoxNode {
     bounds: BoundingBox,
-    /// The first of the boxes of a leaf, or the second child; the first child comes right behind its parent.
+    /// The first box of a leaf, or the second child; the first child directly follows its parent.
     place: u32,
-    /// The number of boxes; 0 for what has children.
+    /// The number of boxes; 0 for an inner node.
     count: u32,
 }
 
-/// A node of a hierarchy, as [`World::tables`](crate::World::tables) has it.
+/// A node of a hierarchy, as in [`World::tables`](crate::World::tables).
 #[derive(Clone, Copy, Debug)]
 pub struct BoxRow {
     /// The box.
     pub bounds: BoundingBox,
-    /// The place of its first box in the order, or its second child; the first child comes right behind its parent.
+    /// The index of its first box in the order, or its second child; the first child directly follows its parent.
     pub place: u32,
-    /// The number of its boxes, 0 for a node with children.
+    /// The number of its boxes; 0 for an inner node.
     pub count: u32,
 }
 
@@ -43,14 +43,14 @@ pub(crate) enum NodePart {
     Box(u32),
 }
 
-/// A part of the hierarchy that a ray meets, with the parameter at which it enters.
+/// A part of the hierarchy that a ray meets, with the parameter at which the ray enters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MetBox {
     id: u32,
     entry: f64,
 }
 
-/// The number of boxes that are not divided.
+/// Nodes of at most this number of boxes are not divided.
 const FEW: usize = 4;
 
 impl Hierarchy {
@@ -105,7 +105,7 @@ impl Hierarchy {
         hierarchy
     }
 
-    /// The nodes, whose boxes begin at a place of a longer order.
+    /// Returns the nodes; the order of their boxes begins at index `first` of a longer list.
     pub(crate) fn rows(&self, first: u32) -> Vec<BoxRow> {
         let row = |node: &BoxNode| BoxRow {
             bounds: node.bounds,
@@ -115,21 +115,21 @@ impl Hierarchy {
         self.nodes.iter().map(row).collect()
     }
 
-    /// The indices of the boxes in the order in which the nodes have them.
+    /// Returns the indices of the boxes in the order in which the nodes refer to them.
     pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
-    /// The box of all.
+    /// Returns the box that contains all boxes.
     pub(crate) fn bounds(&self) -> BoundingBox {
         self.nodes
             .first()
             .map_or(BoundingBox::EMPTY, |node| node.bounds)
     }
 
-    /// Hands the boxes that the ray meets from its start on to `found`, about from the nearest on. `found` receives how far the
-    /// ray reaches, as a parameter, and returns how far it reaches from then on: boxes beyond are left out. Returns the last
-    /// reach.
+    /// Passes the boxes that the ray meets from its start on to `found`, approximately from the nearest to the farthest.
+    /// `found` receives the maximum parameter of the ray and returns the new maximum: boxes beyond it are skipped. Returns
+    /// the last maximum.
     pub(crate) fn each_met(
         &self,
         origin: DVec3,
@@ -157,7 +157,7 @@ impl Hierarchy {
                     let entry = entry(&self.nodes[id as usize].bounds)?;
                     Some(MetBox { id, entry })
                 });
-                // The nearer one is taken first.
+                // The nearer child is visited first.
                 let is_first = |a: MetBox, b: MetBox| a.entry <= b.entry;
                 match (a, b) {
                     (Some(a), Some(b)) if is_first(a, b) => stack.extend([b, a]),
@@ -174,7 +174,7 @@ impl Hierarchy {
         reach
     }
 
-    /// Hands the boxes that a ray of the bundle may meet to `found`, until that returns false: then it returns false too.
+    /// Passes the boxes that a ray of the bundle may meet to `found` until it returns false; in that case returns false.
     pub(crate) fn each_near(
         &self,
         bundle: &RayBundle,
@@ -209,7 +209,7 @@ impl Hierarchy {
         self.nodes.is_empty()
     }
 
-    /// The two nodes in a node, or the boxes; node 0 has all.
+    /// Returns the two children of a node, or its boxes; node 0 is the root.
     pub(crate) fn parts(&self, node: u32) -> impl Iterator<Item = (NodePart, &BoundingBox)> {
         let BoxNode { place, count, .. } = self.nodes[node as usize];
         let children = [node + 1, place];

@@ -4,10 +4,10 @@
 //! ray ──bvh.rs──▶ leaves by entry ──surface.rs, field.rs──▶ events by t ──tree.rs──▶ crossings
 //! ```
 //!
-//! Input: a ray. Output: where it enters and leaves solids. The sweep goes from the start of the ray on. A leaf is read when
-//! it comes to the leaf's box; the events at one t are taken together, and where the membership in a solid has then
-//! changed, the ray crosses its surface. No distance is taken for zero: a ray that leaves a surface says which, and the
-//! root there is divided out. `cast/events.rs` reads leaves.
+//! In: a ray. Out: the points where it enters and leaves solids. The sweep follows the ray from its start. A leaf is read
+//! when the sweep reaches the leaf's box. Events at the same t are processed together; if they change the membership in a
+//! solid, the ray crosses its surface. No distance counts as zero: a ray that leaves a surface names it, and the root there
+//! is divided out. `cast/events.rs` reads leaves.
 
 mod events;
 mod queue;
@@ -32,63 +32,63 @@ use crate::world::World;
 
 use queue::{Queue, RayOrder};
 
-/// The distances at which a gradient is looked for beside a place that has none, as shares of the place's size.
+/// The relative distances at which a gradient is evaluated beside a point where it is undefined.
 const BESIDE: [f64; 5] = [1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 
-/// A place where a ray enters or leaves a solid.
+/// A point where a ray enters or leaves a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The place is origin + t·direction.
+    /// The parameter: the point is origin + t·direction.
     pub t: f64,
     /// The solid.
     pub solid: usize,
-    /// The leaf whose surface it is, over all solids.
+    /// The leaf to whose surface the point belongs, numbered over all solids.
     pub leaf: usize,
     /// The surface.
     pub surface: SurfaceId,
     /// True where the ray enters.
     pub entering: bool,
-    /// The place.
+    /// The point.
     pub position: DVec3,
-    /// The unit normal that leads out of the solid.
+    /// The outward unit normal of the solid.
     pub normal: DVec3,
 }
 
-/// Casts rays into a world; one for each thread.
+/// Casts rays into a world; each thread needs a caster of its own.
 #[derive(Debug)]
 pub struct Caster<'w> {
     world: &'w World,
     state: ForestState,
     field: FieldScratch,
-    /// True for the pieces that the ray is inside of; of active leaves only.
+    /// True for the pieces that the ray is inside of; valid for active leaves only.
     inside: Vec<bool>,
-    /// True for the leaves in whose boxes the ray is; of active leaves that are not convex only.
+    /// True for the leaves whose boxes contain the current point of the ray; valid for active leaves that are not convex.
     gates: Vec<bool>,
-    /// The boxes to come that the ray meets, by entry, with the part of the ray in each.
+    /// The boxes ahead that the ray meets, by entry, each with the part of the ray in it.
     candidates: Queue<(RayOrder, BoxOwner), [f64; 2]>,
-    /// That of the ray's direction.
+    /// The reciprocal of the ray's direction.
     reciprocal: DVec3,
     /// The leaf that the ray leaves.
     own: Option<BoxOwner>,
-    /// The surfaces to come, in the part of the ray that has been read.
+    /// The events ahead, in the part of the ray that has been read.
     events: Queue<RayOrder, SurfaceEvent>,
     /// The sign changes of each group of shared polynomials, in t.
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
     shared_fields: FxHashMap<u32, Vec<f64>>,
     processor: Processor,
-    /// The rays that are read together.
+    /// The rays of the current bundle.
     bundle: RayBlocks,
-    /// True where fields are read for all rays of the bundle at once, and what is then known of each.
+    /// True if fields are evaluated for all rays of the bundle at once, and the results for each field.
     divides_fields: bool,
     bundle_parts: FxHashMap<SurfaceId, DividedBundle>,
-    /// The index in the bundle of the ray that is cast, if it is one of it.
+    /// The index in the bundle of the ray that is cast, if it belongs to the bundle.
     bundle_index: usize,
     near: NearLeaves,
-    /// The number of the ray, and the lines of a ray in the frames of leaves that were needed last.
+    /// The number of the ray, and its lines in the frames of the leaves that were used most recently.
     ray_number: u64,
     sweeps: u64,
-    /// The number of operations so far, without those of fields.
+    /// The number of operations so far, except those of fields.
     operations: u64,
     lines: [KnownLine; KNOWN_LINES],
     group: Vec<SurfaceEvent>,
@@ -96,20 +96,20 @@ pub struct Caster<'w> {
     start: Vec<usize>,
 }
 
-/// The leaves among which crossings are sought.
+/// The leaves in which crossings are sought.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Among {
     World,
-    /// Those near the bundle, of which the ray is one.
+    /// The leaves near the bundle, to which the ray belongs.
     Bundle,
-    /// Those of them that are not of products.
+    /// Those leaves near the bundle that do not belong to products.
     JoinedOfBundle,
 }
 
-/// The part of a ray that is asked for.
+/// The part of a ray that the caller asks for.
 #[derive(Clone, Copy, Debug)]
 struct Sought {
-    /// True if the first crossings are enough.
+    /// True if only the first crossings are needed.
     first: bool,
     among: Among,
     /// Crossings are sought before this t.
@@ -132,58 +132,58 @@ struct KnownLine {
     line: UnitLine,
 }
 
-/// The work of a ray by itself, of a leaf on it, of a box that it meets, and of a leaf for a block of rays, in operations: from
-/// their times.
+/// The work for a ray, for a leaf on it, for a box that it meets, and for a leaf and a block of rays, in operations; derived
+/// from measured times.
 const RAY_OPERATIONS: u64 = 32;
 const LEAF_OPERATIONS: u64 = 16;
 const BOX_OPERATIONS: u64 = 8;
 const BLOCK_OPERATIONS: u64 = 32;
 
-/// The number of lines that are kept, a power of two.
+/// The number of cached lines, a power of two.
 const KNOWN_LINES: usize = 16;
 
-/// The owner of a box that a ray meets: a node of the hierarchy, or after all nodes a leaf.
+/// The owner of a box that a ray meets: a node of the hierarchy or, numbered after all nodes, a leaf.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 struct BoxOwner(u32);
 
 impl BoxOwner {
     const LEAVES: u32 = 1 << 31;
-    /// The node of all boxes.
+    /// The root of the hierarchy.
     const ROOT: Self = Self(0);
 
     fn leaf(leaf: u32) -> Self {
         Self(Self::LEAVES | leaf)
     }
 
-    /// The leaf, unless it is a node.
+    /// Returns the leaf, unless the owner is a node.
     fn as_leaf(self) -> Option<u32> {
         self.0.checked_sub(Self::LEAVES)
     }
 }
 
-/// The part of a ray in a box, made larger by some: far from the start of the ray a box is thinner than the numbers are
-/// dense, and its surface may lie a step of rounding outside.
+/// Returns the part of a ray in a box, slightly enlarged: far from the start of the ray a box may be thinner than the
+/// spacing of the numbers, and its surface may be outside by a rounding error.
 fn rounded([entry, exit]: [f64; 2]) -> [f64; 2] {
     const ROUNDING: f64 = 8.0 * f64::EPSILON;
     [entry - ROUNDING * entry.abs(), exit + ROUNDING * exit.abs()]
 }
 
-/// A surface that the ray passes.
+/// A surface that the ray crosses.
 #[derive(Clone, Copy, Debug)]
 struct SurfaceEvent {
     t: f64,
     leaf: u32,
     /// [`BOX`] for the leaf's box.
     piece: u32,
-    /// Of a field, the part of the ray in which its next event is sought once this one is passed.
+    /// For a field, the part of the ray in which the next event is sought after this one.
     rest: Option<[f64; 2]>,
 }
 
-/// The piece of an event that is a side of a leaf's box.
+/// The piece of an event that stands for a side of a leaf's box.
 const BOX: u32 = u32::MAX;
 
 impl SurfaceEvent {
-    /// A side of a leaf's box.
+    /// Creates the event of a side of a leaf's box.
     fn box_side(leaf: u32, t: f64) -> Self {
         Self {
             t,
@@ -195,7 +195,7 @@ impl SurfaceEvent {
 }
 
 impl World {
-    /// A caster of rays into this world.
+    /// Creates a caster of rays into this world.
     pub fn caster(&self) -> Caster<'_> {
         Caster {
             world: self,
@@ -227,13 +227,13 @@ impl World {
 }
 
 impl Caster<'_> {
-    /// All crossings with t > 0, by t, then by solid.
+    /// Returns all crossings with t > 0, by t, then by solid.
     pub fn cast(&mut self, ray: &Ray) -> &[Crossing] {
         self.sweep(ray, Sought::ALL, &mut |_| true);
         &self.crossings
     }
 
-    /// The first crossing with t > 0.
+    /// Returns the first crossing with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Crossing> {
         let sought = Sought {
             first: true,
@@ -243,7 +243,7 @@ impl Caster<'_> {
         self.crossings.first().copied()
     }
 
-    /// The crossings with the least t > 0 of the ray with this index in the bundle, by solid.
+    /// Returns the crossings with the smallest t > 0 of the ray with this index in the bundle, by solid.
     pub(crate) fn nearest(&mut self, index: usize) -> &[Crossing] {
         if self.near.is_empty() {
             self.crossings.clear();
@@ -294,8 +294,8 @@ impl Caster<'_> {
         &self.crossings
     }
 
-    /// The solid that the ray with this index in the bundle enters or leaves first, the leaf through which it does, and true if
-    /// it enters; `None` unless it is known without a sweep that it does before `before`.
+    /// Returns the solid that the ray with this index in the bundle crosses first, the leaf through which it does, and true
+    /// if it enters; `None` unless this is known without a sweep and happens before `before`.
     pub(crate) fn passed_before(&self, index: usize, before: f64) -> Option<(usize, usize, bool)> {
         match self.near.first(self.world, index) {
             FirstPlace::Passes {
@@ -310,8 +310,8 @@ impl Caster<'_> {
         }
     }
 
-    /// Hands the crossings with t > 0 and less than `before` of the ray with this index in the bundle to `found`, by t, then
-    /// by solid, until it returns false.
+    /// Passes the crossings with 0 < t < `before` of the ray with this index in the bundle to `found`, by t, then by solid,
+    /// until it returns false.
     pub(crate) fn each_before(
         &mut self,
         index: usize,
@@ -337,26 +337,26 @@ impl Caster<'_> {
         self.sweep(&ray, sought, found);
     }
 
-    /// Limits the work on functions that are no polynomials from here on, in operations: rays that take more are sampled, and
-    /// once samples have taken as many again, rays meet no function's surface.
+    /// Limits the further work on functions that are not polynomials, in operations. Rays beyond the limit are sampled; once
+    /// the samples have used the same number of operations, rays do not meet the surfaces of such functions.
     pub fn limit_fields(&mut self, operations: u64) {
         self.field.limit(operations);
     }
 
-    /// Begins a tile of a picture: the functions have [`TILE_RAY_OPERATIONS`] for each of so many rays, with all rays to which
-    /// they give rise.
+    /// Begins a tile of a picture: evaluating functions may use [`TILE_RAY_OPERATIONS`] for each of this number of rays,
+    /// including all their secondary rays.
     pub fn begin_tile(&mut self, rays: usize) {
         self.limit_fields(rays as u64 * TILE_RAY_OPERATIONS);
     }
 
-    /// The number of rays so far that took more work than there may be, and may lack a crossing.
+    /// Returns the number of rays so far that exceeded the work limit and may lack a crossing.
     pub fn rays_cut_short(&self) -> u64 {
         self.field.cut_short()
     }
 
-    /// Reads these rays, which all start on one surface or on none, together, until the next bundle:
-    /// [`Caster::first_of_bundle`] then takes less time, the less the nearer they are to each other. The rays of a few pixels
-    /// by a few make a good bundle.
+    /// Reads these rays together, until the next bundle; all of them must start on one surface or on none.
+    /// [`Caster::first_of_bundle`] then takes less time, the less the closer the rays are. The rays of a small block of
+    /// pixels make a good bundle.
     pub fn begin_bundle(&mut self, rays: &[Ray]) {
         let bundle = self.begin(rays.first().and_then(|ray| ray.leaving));
         for ray in rays {
@@ -366,18 +366,18 @@ impl Caster<'_> {
         self.divide_fields();
     }
 
-    /// Begins a bundle of rays that leave a surface. It is to receive them, before [`Caster::find_near`].
+    /// Begins a bundle of rays that leave a surface. The caller adds the rays before it calls [`Caster::find_near`].
     pub(crate) fn begin(&mut self, leaving: Option<SurfaceId>) -> &mut RayBlocks {
         self.bundle.begin(leaving);
         &mut self.bundle
     }
 
-    /// Reads fields for all rays of the bundle at once: that pays where they stay near each other.
+    /// Evaluates fields for all rays of the bundle at once, which pays off if the rays stay close to each other.
     pub(crate) fn divide_fields(&mut self) {
         self.divides_fields = true;
     }
 
-    /// Finds the leaves that the rays of the bundle may meet before `reach`, until the next bundle.
+    /// Finds the leaves that the rays of the bundle may meet before `reach`; valid until the next bundle.
     pub(crate) fn find_near(&mut self, reach: f64) {
         self.bundle_parts.clear();
         self.divides_fields = false;
@@ -391,44 +391,44 @@ impl Caster<'_> {
         }
     }
 
-    /// The crossings that the last call has found.
+    /// Returns the crossings that the last call has found.
     pub(crate) fn crossings(&self) -> &[Crossing] {
         &self.crossings
     }
 
-    /// True if no ray of the bundle meets anything.
+    /// Returns true if no ray of the bundle meets anything.
     pub(crate) fn bundle_is_free(&self) -> bool {
         self.near.is_empty()
     }
 
-    /// Those rays of a block of the bundle, the first of which has this index, that are known to meet nothing before these
-    /// places.
+    /// Returns the rays of a block of the bundle that are known to meet nothing before these parameters; `first` is the
+    /// index of the block's first ray.
     pub(crate) fn free_rays(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
         self.near.free(first, before)
     }
 
-    /// The first crossing with t > 0 of the ray with this index in the bundle.
+    /// Returns the first crossing with t > 0 of the ray with this index in the bundle.
     pub fn first_of_bundle(&mut self, index: usize) -> Option<Crossing> {
         self.nearest(index).first().copied()
     }
 
-    /// The solids that the last ray was inside of right after its start, ascending; not for rays of a bundle that leave a
-    /// surface.
+    /// Returns the solids that contained the last ray immediately after its start, ascending; not for rays of a bundle that
+    /// leave a surface.
     pub fn solids_at_start(&self) -> &[usize] {
         &self.start
     }
 
-    /// The number of rays that took a sweep so far.
+    /// Returns the number of rays so far that needed a sweep.
     pub fn sweeps(&self) -> u64 {
         self.sweeps
     }
 
-    /// The work so far, in operations on numbers, some nanoseconds each: the same for the same rays, however long it takes.
+    /// Returns the work so far, in operations of some nanoseconds each. It depends on the rays only, not on the time taken.
     pub fn operations(&self) -> u64 {
         self.operations + self.state.operations() + self.field.operations()
     }
 
-    /// The number of evaluations on intervals so far.
+    /// Returns the number of interval evaluations so far.
     pub fn interval_evaluations(&self) -> u64 {
         self.field.evaluations
     }
@@ -489,7 +489,7 @@ impl Caster<'_> {
         }
     }
 
-    /// Finds the leaves that the ray may meet, or the node of all their boxes.
+    /// Finds the leaves that the ray may meet, or the root of the hierarchy.
     fn find_candidates(&mut self, ray: &Ray, among: Among) {
         self.candidates.clear();
         self.reciprocal = ray.direction.recip();
@@ -505,7 +505,7 @@ impl Caster<'_> {
                 if !world.hierarchy.is_empty() {
                     self.add_candidate(ray, BoxOwner::ROOT, Some(&world.hierarchy.bounds()));
                 }
-                // The boxes around it may begin behind the start, by rounding.
+                // By rounding, the boxes around it may begin behind the start.
                 if let Some(own) = ray.leaving
                     && let Some(bounds) = &world.leaves[own.leaf as usize].bounds
                 {
@@ -514,14 +514,14 @@ impl Caster<'_> {
                 0
             }
         };
-        // Those that are not of products are the first of all.
+        // The leaves that do not belong to products come first.
         for k in 0..listed {
             let NearLeaf { leaf, bounds } = self.near.all()[k];
             self.add_candidate(ray, BoxOwner::leaf(leaf), bounds.as_ref());
         }
     }
 
-    /// Adds a box if the ray meets it; without bounds, it is everything.
+    /// Adds a box if the ray meets it; `None` stands for all of space.
     #[inline]
     fn add_candidate(&mut self, ray: &Ray, of: BoxOwner, bounds: Option<&BoundingBox>) {
         let part = match bounds {
@@ -530,7 +530,7 @@ impl Caster<'_> {
         };
         if part[0] <= part[1] && part[1] >= 0.0 {
             let [mut entry, exit] = rounded(part);
-            // A start on a leaf is in its box, whatever rounding says.
+            // A start on a leaf counts as inside its box, despite rounding.
             if self.own == Some(of) {
                 entry = entry.min(0.0);
             }
@@ -540,7 +540,8 @@ impl Caster<'_> {
         }
     }
 
-    /// Takes the leaf whose box the ray enters first, if it does so up to this place, with the part of the ray in it.
+    /// Removes the leaf whose box the ray enters first, if it does so up to `most`, and returns it with the part of the ray
+    /// in the box.
     #[inline]
     fn next_leaf(&mut self, ray: &Ray, most: f64) -> Option<(u32, [f64; 2])> {
         loop {
@@ -549,14 +550,14 @@ impl Caster<'_> {
                 self.open(ray, of.0);
                 continue;
             };
-            // Among many the order takes longer, as their logarithm.
+            // The cost of the queue grows with the logarithm of its length.
             let rest = self.candidates.len() + self.events.len() + 1;
             self.operations += LEAF_OPERATIONS + 8 * u64::from(rest.ilog2());
             return Some((leaf, part));
         }
     }
 
-    /// Adds what a node of the hierarchy consists of.
+    /// Adds the parts of a node of the hierarchy.
     fn open(&mut self, ray: &Ray, node: u32) {
         let world = self.world;
         for (part, bounds) in world.hierarchy.parts(node) {
@@ -570,7 +571,7 @@ impl Caster<'_> {
         }
     }
 
-    /// Notes what the ray starts inside of.
+    /// Records the solids that contain the start of the ray.
     fn read_start(&mut self) {
         if self.state.changed.is_empty() && self.world.endless_solids.is_empty() {
             return;
@@ -593,7 +594,7 @@ impl Caster<'_> {
         self.start.sort_unstable();
     }
 
-    /// Passes the events of the group, and notes what is crossed.
+    /// Processes the events of the group and records the crossings.
     fn pass(&mut self, ray: &Ray) {
         self.group
             .sort_unstable_by_key(|event| (event.leaf, event.piece));
@@ -604,13 +605,13 @@ impl Caster<'_> {
         self.note_changes(ray);
     }
 
-    /// Notes what is crossed where the ray comes to the box of a leaf that it is inside of there. In exact numbers no solid
-    /// begins there; a surface whose root has been rounded to a place before its box does.
+    /// Records the crossings where the ray reaches the box of a leaf and is inside the leaf there. In exact arithmetic no
+    /// solid begins at its box; but a rounded root of the surface may be before the box.
     fn come_to(&mut self, ray: &Ray, leaf: u32, [entry, _]: [f64; 2], bundled: bool) {
         let mut ends = self.world.leaves[leaf as usize].ends;
         self.group.clear();
         self.group.push(SurfaceEvent::box_side(leaf, entry));
-        // What begins at the same place is taken together.
+        // Boxes that begin at the same point are processed together.
         while let Some((leaf, part)) = self.next_leaf(ray, entry) {
             self.activate(ray, leaf, part, bundled);
             ends |= self.world.leaves[leaf as usize].ends;
@@ -619,12 +620,12 @@ impl Caster<'_> {
         if ends {
             self.note_changes(ray);
         } else {
-            // The box of an endless field says nothing of where it begins.
+            // The box of an unbounded field does not show where the field begins.
             self.state.changed.clear();
         }
     }
 
-    /// Notes what the events of the group have changed.
+    /// Records what the events of the group have changed.
     fn note_changes(&mut self, ray: &Ray) {
         let mut changed = std::mem::take(&mut self.state.changed);
         changed.sort_unstable();
@@ -677,7 +678,8 @@ impl Caster<'_> {
         self.state.set(&self.world.forest, literal, *inside);
     }
 
-    /// The first event of the group that alone takes the ray across the solid's surface, else the first of the solid.
+    /// Returns the first event of the group that by itself takes the ray across the solid's surface, otherwise the solid's
+    /// first event.
     fn owner(&mut self, solid: usize) -> SurfaceEvent {
         if let [only] = self.group[..] {
             return only;
@@ -708,7 +710,7 @@ impl Caster<'_> {
         found.unwrap_or(own[0])
     }
 
-    /// The crossing where a ray passes a surface of a solid.
+    /// Returns the crossing where a ray passes a surface of a solid.
     fn passed(&mut self, ray: &Ray, t: f64, surface: SurfaceId, entering: bool) -> Crossing {
         self.ray_number += 1;
         let SurfaceId { leaf, piece } = surface;
@@ -722,7 +724,7 @@ impl Caster<'_> {
         self.crossing(ray, event, solid, entering)
     }
 
-    /// The piece of a leaf whose surface is nearest to a place, by the slope there.
+    /// Returns the piece of a leaf whose surface is nearest to a point, estimated by the slope there.
     fn nearest_piece(&mut self, leaf: u32, place: DVec3) -> u32 {
         let leaf = &self.world.leaves[leaf as usize];
         let mut nearest = (f64::INFINITY, 0);
@@ -765,7 +767,7 @@ impl Caster<'_> {
         let flat = world.low[piece].as_ref().and_then(|low| low.normal);
         let normal = flat.or_else(|| self.gradient(ray, event).try_normalize());
         let normal = normal.or_else(|| self.normal_beside(ray, event));
-        // Where the gradient says nothing, the normal is along the ray.
+        // Without a usable gradient, the normal is along the ray.
         let normal = normal.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z));
         let leads_out = (normal.dot(ray.direction) < 0.0) == entering;
         Crossing {
@@ -782,8 +784,8 @@ impl Caster<'_> {
         }
     }
 
-    /// The direction of the gradient of a function a little beside a place on the ray at which there is none: at a pole it is
-    /// that of the pole's surface, and where a domain ends the gradient grows towards the normal as a rule.
+    /// Returns the direction of a function's gradient slightly beside a point of the ray where the gradient is undefined. At
+    /// a pole it is that of the pole's surface; at the end of a domain the gradient usually tends towards the normal.
     fn normal_beside(&mut self, ray: &Ray, event: SurfaceEvent) -> Option<DVec3> {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
@@ -801,16 +803,16 @@ impl Caster<'_> {
                     .transform_point3(position + share * step);
                 field.gradient(&mut self.field, at)
             });
-            // Of a maximum, the function that has the pole.
+            // For a maximum, this selects the function with the pole.
             let sides = sides.into_iter().filter(|gradient| gradient.is_finite());
             let steepest = sides.max_by(|a, b| largest(a).total_cmp(&largest(b)))?;
-            // The square of its length may not be finite.
+            // The square of its length may overflow.
             let gradient = steepest / largest(&steepest);
             (leaf.shape_from_world.matrix3.transpose() * gradient).try_normalize()
         })
     }
 
-    /// The gradient of the surface of an event.
+    /// Returns the gradient of the surface of an event.
     fn gradient(&mut self, ray: &Ray, event: SurfaceEvent) -> DVec3 {
         let world = self.world;
         let leaf = &world.leaves[event.leaf as usize];
@@ -818,7 +820,7 @@ impl Caster<'_> {
         match &leaf.compiled.pieces[event.piece as usize] {
             LeafSurface::Polynomial(surface) => {
                 let at = match surface.quadratic() {
-                    // For a quadric the place is as exact as one on the line in its frame.
+                    // For a quadric this point is as exact as one on the line in its frame.
                     Some(_) => leaf.unit_from_world.transform_point3(position),
                     None => {
                         let line = self.line(ray, event.leaf);

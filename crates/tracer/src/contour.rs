@@ -1,13 +1,13 @@
-//! Meshes of solids, by dual contouring.
+//! Meshes of solids by dual contouring.
 //!
-//! Input: a solid of a world, a box, a number of cells. Output: triangles. Rays along the lines of the grid give the places
-//! and normals where its edges cross the surface. Each patch of the surface in a cell has a vertex where the planes at its
-//! edges meet best (T. Ju and others, *Dual Contouring of Hermite Data*, 2002), so that sharp edges and corners stay; each
-//! edge of the grid that crosses has a polygon of the four patches around it. The patches are those of marching cubes whose
-//! ambiguous faces are decided by membership in their middle, and where such a face joins two patches twice, each way has a
-//! vertex of its own: the mesh is closed, and each of its edges belongs to two triangles.
+//! In: a solid of a world, a box, a number of cells. Out: triangles. Rays along the lines of the grid give the points and
+//! normals where its edges cross the surface. Each patch of the surface in a cell has a vertex at the best common point of
+//! the planes at its edges (T. Ju and others, *Dual Contouring of Hermite Data*, 2002), so that sharp edges and corners are
+//! preserved; each grid edge that crosses the surface has a polygon of the four patches around it. The patches are those of
+//! marching cubes; an ambiguous face is decided by the membership of its centre. If such a face joins two patches twice,
+//! each connection has its own vertex, so that the mesh is closed and each of its edges belongs to two triangles.
 //!
-//! `fidget` has such a mesher for its own shapes in f32; its mesh is not a manifold where a cell holds several patches.
+//! `fidget` has such a mesher for its own shapes in f32; its mesh is not a manifold if a cell holds several patches.
 
 use glam::{DMat3, DVec3};
 use rustc_hash::FxHashMap;
@@ -21,9 +21,9 @@ use crate::world::World;
 pub struct SolidMesh {
     /// The vertices.
     pub positions: Vec<DVec3>,
-    /// For each vertex the mean of the normals around it, a unit vector that leads out.
+    /// The mean of the normals around each vertex: an outward unit vector.
     pub normals: Vec<DVec3>,
-    /// For each vertex a leaf whose surface it lies on; `None` where no ray has met one.
+    /// A leaf whose surface contains the vertex; `None` if no ray has met one.
     pub leaves: Vec<Option<usize>>,
     /// The vertices of each triangle, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -31,35 +31,35 @@ pub struct SolidMesh {
     pub is_thin: bool,
 }
 
-/// Planes whose singular value is below this share of the largest do not place a vertex.
+/// Directions whose singular value is below this fraction of the largest do not position a vertex.
 const LEAST_SINGULAR: f64 = 0.1;
-/// The parts of a cell by which the grid begins before the box, and by which it ends behind it: no face of a solid whose
-/// numbers are round lies in a plane of the grid.
+/// The fractions of a cell by which the grid begins before the box and ends behind it. They keep the faces of solids with
+/// round numbers out of the planes of the grid.
 const BEFORE: f64 = 0.377;
 const BEHIND: f64 = 0.623;
-/// A solid is thin where a line passes through it and no corner within so many cells is inside. Beside an edge or a
-/// silhouette there is one, unless the solid comes to an edge of less than about 20 degrees.
+/// A solid is thin if a line passes through it and no corner within this number of cells is inside. Near an edge or a
+/// silhouette there is such a corner, unless the solid tapers to an edge of less than about 20 degrees.
 const NEAR: usize = 3;
-/// A solid is thin, too, if along an axis more than this share of its chords contain no corner. Edges and silhouettes of
-/// solids a few cells thick have fewer: a ball of radius r cells has 1/8r². Of a shell three quarters of a cell thick it is
-/// this share.
+/// A solid is also thin if, along an axis, more than this fraction of its chords contain no corner. Edges and silhouettes of
+/// solids a few cells thick stay below it: for a ball of radius r cells the fraction is 1/8r². A shell three quarters of a
+/// cell thick reaches it.
 const MOST_LOST: f64 = 1.0 / 16.0;
-/// The number of halvings that look for the place where an edge crosses, if no ray has found it.
+/// The number of bisection steps for the crossing of an edge that no ray has found.
 const HALVINGS: u32 = 40;
 
-/// The vertex of no patch.
+/// Marks a patch without a vertex.
 const NONE: u32 = u32::MAX;
 
-/// A place where an edge of the grid crosses the surface.
+/// A point where an edge of the grid crosses the surface.
 #[derive(Clone, Copy, Debug)]
 struct EdgeCrossing {
     position: DVec3,
-    /// 0 if it is not known.
+    /// 0 if unknown.
     normal: DVec3,
     leaf: Option<usize>,
 }
 
-/// A place where a line of the grid crosses the surface.
+/// A point where a line of the grid crosses the surface.
 #[derive(Clone, Copy, Debug)]
 struct LineCrossing {
     /// In steps from the line's first corner.
@@ -68,14 +68,14 @@ struct LineCrossing {
     place: EdgeCrossing,
 }
 
-/// A part of a face in which the surface meets it: the positions of two edges among the face's four.
+/// A part of a face's intersection with the surface: the positions of two edges among the face's four.
 type Segment = [usize; 2];
 
 struct Contour<'w> {
     world: &'w World,
     solid: usize,
     work: &'w WorkBudget,
-    /// That of finding out whether the solid contains a point, in operations.
+    /// The work of deciding whether the solid contains a point, in operations.
     work_on_point: u64,
     lower: DVec3,
     step: f64,
@@ -83,17 +83,18 @@ struct Contour<'w> {
     cells: [usize; 3],
     /// True for the corners inside.
     inside: Vec<bool>,
-    /// By the lower corner and the axis.
+    /// Keyed by the lower corner and the axis.
     edges: FxHashMap<(usize, u8), EdgeCrossing>,
-    /// By the cell: the vertex of the patch that each of its edges belongs to.
+    /// Keyed by the cell: for each of its edges, the vertex of the edge's patch.
     patches: FxHashMap<usize, [u32; 12]>,
-    /// By the cell above an ambiguous face, the face's axis and the first edge of a segment: the vertex of the segment.
+    /// Keyed by the cell above an ambiguous face, the face's axis and the first edge of a segment: the vertex of the
+    /// segment.
     ways: FxHashMap<(usize, u8, u8), u32>,
     mesh: SolidMesh,
 }
 
-/// Makes a mesh of a solid within a box, with cubical cells, `cells` of them along the longest side; `None` where that takes
-/// more `work` than is left, which is then used up.
+/// Makes a mesh of a solid within a box. The cells are cubes, `cells` of them along the longest side. Returns `None`, and
+/// uses up `work`, if the mesh takes more work than is left.
 pub fn contour(
     world: &World,
     solid: usize,
@@ -132,12 +133,12 @@ pub fn contour(
 }
 
 impl Contour<'_> {
-    /// A corner, or a place between corners, by its numbers.
+    /// Returns the position of a corner, or of a point between corners, from its grid coordinates.
     fn place(&self, at: [f64; 3]) -> DVec3 {
         self.lower + self.step * DVec3::from_array(at)
     }
 
-    /// True if the solid contains the point, as long as there is work left.
+    /// Returns true if the solid contains the point; false once no work is left.
     fn contains(&self, point: DVec3) -> bool {
         self.work.take(self.work_on_point) && self.world.contains(self.solid, point)
     }
@@ -161,7 +162,7 @@ impl Contour<'_> {
         (i * ny + j) * nz + k
     }
 
-    /// Reads the corners and edges from rays along the lines of the grid; the corners from those along x.
+    /// Finds the corners and edges from rays along the lines of the grid; the corners from those along x.
     fn cast(&mut self) {
         let mut caster = self.world.caster();
         let [nx, ny, nz] = self.cells;
@@ -208,7 +209,7 @@ impl Contour<'_> {
         for (_, first, found) in lines.iter().filter(|(axis, ..)| *axis == 0) {
             let mut next = found.iter().peekable();
             let mut inside = false;
-            // What touches the rim of the grid would not be closed.
+            // A mesh that touches the boundary of the grid would not be closed.
             for i in 1..self.cells[0] {
                 while let Some(crossing) = next.next_if(|it| it.along <= i as f64) {
                     inside = crossing.entering;
@@ -221,7 +222,7 @@ impl Contour<'_> {
         self.read_edges(&lines);
     }
 
-    /// True if parts of the solid are thinner than a cell.
+    /// Returns true if parts of the solid are thinner than a cell.
     fn is_thin(&self, lines: &[(usize, [usize; 3], Vec<LineCrossing>)]) -> bool {
         let (mut chords, mut lost) = ([0; 3], [0; 3]);
         for (axis, first, found) in lines {
@@ -243,7 +244,7 @@ impl Contour<'_> {
         shares.any(|(&lost, chords)| f64::from(lost) > MOST_LOST * f64::from(chords))
     }
 
-    /// True if a corner near this one is inside.
+    /// Returns true if a corner near this one is inside.
     fn has_corner_near(&self, at: [usize; 3]) -> bool {
         let [x, y, z] = [0, 1, 2].map(|k| {
             let last = self.cells[k];
@@ -256,7 +257,7 @@ impl Contour<'_> {
         })
     }
 
-    /// Finds the places on the edges whose ends differ.
+    /// Finds the crossings on the edges whose ends differ.
     fn read_edges(&mut self, lines: &[(usize, [usize; 3], Vec<LineCrossing>)]) {
         let known: FxHashMap<(usize, [usize; 3]), &[LineCrossing]> = lines
             .iter()
@@ -271,7 +272,7 @@ impl Contour<'_> {
         }
     }
 
-    /// The edges whose ends differ: the lower corner and the axis of each. The corners of the rim are outside.
+    /// Returns the edges whose ends differ: the lower corner and the axis of each. The corners at the boundary are outside.
     fn crossed(&self) -> Vec<([usize; 3], usize)> {
         let [nx, ny, nz] = self.cells;
         let mut crossed = Vec::new();
@@ -297,7 +298,7 @@ impl Contour<'_> {
         crossed
     }
 
-    /// The place on an edge whose ends differ; `found` is what its line crosses.
+    /// Returns the crossing on an edge whose ends differ; `found` has the crossings of its line.
     fn crossing(&self, low: [usize; 3], axis: usize, found: &[LineCrossing]) -> EdgeCrossing {
         let mut high = low;
         high[axis] += 1;
@@ -313,7 +314,7 @@ impl Contour<'_> {
         }
     }
 
-    /// The place between two corners where membership changes, as far as points tell.
+    /// Returns the point between two corners where membership changes, found by bisection.
     fn halved(&self, low: [usize; 3], high: [usize; 3], inside: bool) -> EdgeCrossing {
         let [mut a, mut b] = [low, high].map(|corner| self.place(corner.map(|k| k as f64)));
         for _ in 0..HALVINGS {
@@ -331,7 +332,7 @@ impl Contour<'_> {
         }
     }
 
-    /// The crossing of an edge of a cell.
+    /// Returns the crossing of an edge of a cell.
     fn edge(&self, cell: [usize; 3], edge: usize) -> Option<&EdgeCrossing> {
         let axis = edge / 4;
         let mut low = cell;
@@ -340,7 +341,8 @@ impl Contour<'_> {
         self.edges.get(&(self.corner(low), axis as u8))
     }
 
-    /// The edges of a cell's face in order, as edges of the cell; and the segments in which the surface meets it.
+    /// Returns the edges of a cell's face in order, as edges of the cell, and the segments in which the surface intersects
+    /// the face.
     fn face(&self, cell: [usize; 3], axis: usize, side: usize) -> ([usize; 4], Vec<Segment>) {
         let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
         let edges = [
@@ -379,10 +381,10 @@ impl Contour<'_> {
         (edges, segments)
     }
 
-    /// Gives each patch of each cell a vertex, and each segment of an ambiguous face.
+    /// Gives each patch of each cell a vertex, and likewise each segment of an ambiguous face.
     fn place_vertices(&mut self) {
         for cell in self.active() {
-            // The two edges to which the faces join an edge.
+            // The two edges to which the faces connect an edge.
             let mut next = [[usize::MAX; 2]; 12];
             let mut link = |from: usize, to: usize| {
                 let place = usize::from(next[from][0] != usize::MAX);
@@ -434,7 +436,7 @@ impl Contour<'_> {
         }
     }
 
-    /// The cells that the surface meets, those around the edges that cross, in the order of their numbers.
+    /// Returns the cells that intersect the surface, those around the edges that cross it, in ascending order.
     fn active(&self) -> Vec<[usize; 3]> {
         let [nx, ny, nz] = self.cells;
         let mut is_active = vec![false; nx * ny * nz];
@@ -463,7 +465,7 @@ impl Contour<'_> {
         self.mesh.positions.len() as u32 - 1
     }
 
-    /// The place in a cell that is nearest to the planes.
+    /// Returns the point of a cell that fits the planes best.
     fn best(&self, cell: [usize; 3], planes: &[EdgeCrossing]) -> DVec3 {
         let middle = mean(planes.iter().map(|plane| plane.position));
         let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
@@ -497,7 +499,7 @@ impl Contour<'_> {
             let axis = usize::from(axis);
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
             let low = self.corner_numbers(corner);
-            // The corners of the rim are outside: there are cells on all sides.
+            // The corners at the boundary are outside: there are cells on all sides.
             let cell = |p: usize, q: usize| {
                 let mut cell = low;
                 cell[b] -= p;
@@ -505,7 +507,7 @@ impl Contour<'_> {
                 cell
             };
             let around = [(1, 1), (0, 1), (0, 0), (1, 0)];
-            // Between each cell and the next: the cell above the face that they share, and the face's axis.
+            // Between each cell and the next: the cell above their common face, and the face's axis.
             let between = [((0, 1), b), ((0, 0), c), ((0, 0), b), ((1, 0), c)];
             let mut polygon = Vec::with_capacity(8);
             let mut from_way = None;
@@ -533,8 +535,9 @@ impl Contour<'_> {
         }
     }
 
-    /// Fills a polygon with triangles about one of its vertices, so that they lie along the surface as well as they can. It is
-    /// the vertex of an ambiguous face, if there is one: what joins others may join them twice.
+    /// Fills a polygon with triangles about one of its vertices, so that they follow the surface as well as possible. If the
+    /// polygon has a vertex of an ambiguous face, it is that one: an edge between other vertices might belong to two
+    /// polygons.
     fn fill(&mut self, polygon: &[u32], about: Option<u32>, normal: DVec3) {
         let count = polygon.len();
         let triangles = |first: usize| {
@@ -560,10 +563,10 @@ fn mean(places: impl ExactSizeIterator<Item = DVec3>) -> DVec3 {
     places.sum::<DVec3>() / count
 }
 
-/// Elements beside the diagonal below this share of those on it are rounding.
+/// Off-diagonal elements below this fraction of the diagonal ones are rounding errors.
 const ROUNDING: f64 = 1e-17;
 
-/// The eigenvalues and unit eigenvectors of a symmetric matrix, by Jacobi's rotations.
+/// Returns the eigenvalues and unit eigenvectors of a symmetric matrix, by the Jacobi method.
 fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;
     for _ in 0..16 {

@@ -1,10 +1,11 @@
 //! The events of leaves on a ray.
 //!
-//! Input: a leaf that a ray comes to. Output: the membership there, and the places where the ray passes the surfaces of its
-//! pieces. A convex leaf has two events at most; the others have those of each piece. Fields give their next event alone.
+//! In: a leaf whose box the ray reaches. Out: the membership there, and the points where the ray crosses the surfaces of the
+//! leaf's pieces. A convex leaf has two events at most; other leaves have those of each piece. A field yields one event at a
+//! time.
 //!
-//! Before and behind its box a leaf counts as outside, whatever its surfaces are computed to be there: where it is still inside
-//! at the box's end, it ends there.
+//! Before and behind its box a leaf counts as outside, whatever the computed surfaces are there: if the ray is still inside
+//! the leaf at the end of the box, the leaf ends there.
 
 use super::queue::RayOrder;
 use super::{Caster, KNOWN_LINES, KnownLine, SurfaceEvent};
@@ -18,7 +19,8 @@ use crate::shape::LeafSurface;
 use crate::surface::PolynomialSurface;
 
 impl Caster<'_> {
-    /// Reads a leaf, in whose box the ray is from `entry` to `exit`: its membership where the ray comes to it, and its events.
+    /// Reads a leaf whose box contains the ray from `entry` to `exit`: the membership where the ray enters the box, and the
+    /// events.
     pub(super) fn activate(
         &mut self,
         ray: &Ray,
@@ -30,7 +32,7 @@ impl Caster<'_> {
         let leaf = &world.leaves[number as usize];
         let part = [entry.max(0.0), exit];
         if leaf.ends && part[0] >= part[1] {
-            // The ray starts where the box ends.
+            // The ray starts at the end of the box.
             return;
         }
         if world.convex[number as usize] {
@@ -100,7 +102,7 @@ impl Caster<'_> {
         }
     }
 
-    /// The sign changes of a piece; `None` where its frame is none for the ray.
+    /// Returns the sign changes of a piece; `None` if the ray is not usable in its frame.
     #[inline]
     fn low_changes(
         &mut self,
@@ -180,9 +182,9 @@ impl Caster<'_> {
         }
     }
 
-    /// The ray in the frame of a leaf.
+    /// Returns the ray in the frame of a leaf.
     pub(super) fn line(&mut self, ray: &Ray, leaf: u32) -> UnitLine {
-        // The leaves of one solid are often as many as those of the next: the places of multiples differ too.
+        // Different solids often have the same number of leaves: hashing separates numbers that differ by a multiple.
         let place = leaf.wrapping_mul(0x9e37_79b1) as usize >> (32 - KNOWN_LINES.ilog2());
         let known = &mut self.lines[place];
         if known.ray_number != self.ray_number || known.leaf != leaf {
@@ -195,7 +197,7 @@ impl Caster<'_> {
         known.line
     }
 
-    /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.
+    /// Adds the next event of a field; `inside` is the membership immediately after the start of this part of the ray.
     pub(super) fn seek(
         &mut self,
         ray: &Ray,
@@ -224,7 +226,7 @@ impl Caster<'_> {
         }
     }
 
-    /// The sign changes of a surface in t; true if it is the other side of them.
+    /// Returns the sign changes of a surface in t, and true if the piece is on the opposite side of it.
     fn polynomial_changes(
         &mut self,
         ray: &Ray,
@@ -256,7 +258,7 @@ impl Caster<'_> {
         (changes, member.opposite)
     }
 
-    /// True if the ray starts on this surface.
+    /// Returns true if the ray starts on this surface.
     fn leaves(&self, ray: &Ray, id: SurfaceId) -> bool {
         let Some(leaving) = ray.leaving else {
             return false;
@@ -265,7 +267,7 @@ impl Caster<'_> {
         leaving == id || group.is_some() && group == self.world.group(id)
     }
 
-    /// The t that the first leaf of a shared field found.
+    /// Returns the t that the first leaf of a shared field found.
     fn snapped(&mut self, id: SurfaceId, t: f64) -> f64 {
         let leaf = &self.world.leaves[id.leaf as usize];
         let Some(member) = self
@@ -287,7 +289,7 @@ impl Caster<'_> {
     }
 }
 
-/// The parts of the range in which rays are within a leaf's box, with what is known of the field for all of them.
+/// Returns the parts of the range in which rays are within a leaf's box, with the findings about the field for all of them.
 fn divide_bundle(
     field: &Field,
     leaf: &Leaf,

@@ -1,9 +1,9 @@
-//! Queues on a ray: what comes first is taken first.
+//! Priority queues on a ray: the smallest key is removed first.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-/// A queue that hands out the value with the least key.
+/// A queue that yields the value with the smallest key.
 #[derive(Debug)]
 pub(super) struct Queue<K, V>(BinaryHeap<Queued<K, V>>);
 
@@ -13,15 +13,15 @@ struct Queued<K, V> {
     value: V,
 }
 
-/// The order of a place on a ray: −∞ first, NaN last.
+/// The order of a parameter on a ray: −∞ first, NaN last.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub(super) struct RayOrder(i64);
 
 impl RayOrder {
-    /// The order of a parameter of the ray among others, that of [`f64::total_cmp`].
+    /// Returns the order of a parameter of the ray, that of [`f64::total_cmp`].
     pub(super) fn of(t: f64) -> Self {
         let bits = t.to_bits().cast_signed();
-        // A negative number has the sign bit, and is the smaller the greater the rest is.
+        // A negative number has the sign bit, and its other bits grow as it decreases.
         Self(bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed())
     }
 }
@@ -44,12 +44,12 @@ impl<K: Ord, V> Queue<K, V> {
         self.0.push(Queued { key, value });
     }
 
-    /// The value with the least key.
+    /// Returns the value with the smallest key.
     pub(super) fn first(&self) -> Option<&V> {
         self.0.peek().map(|first| &first.value)
     }
 
-    /// Takes the least key with its value, if the condition holds for this.
+    /// Removes and returns the smallest key with its value, if the value meets the condition.
     pub(super) fn pop_if(&mut self, condition: impl FnOnce(&V) -> bool) -> Option<(K, V)> {
         self.first().filter(|first| condition(first))?;
         self.0.pop().map(|first| (first.key.0, first.value))
