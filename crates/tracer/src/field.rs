@@ -1,10 +1,10 @@
-//! Expressions that are no polynomials: where a ray enters and leaves the set on which one is not positive.
+//! Expressions that are not polynomials: where a ray enters and leaves the set on which such an expression is not positive.
 //!
-//! Input: an expression, and segments of rays in its own coordinates. Output: the places where membership changes. A part
-//! of the segment on which interval arithmetic shows the value to be positive, or not positive and defined, has none; one
-//! on which it shows the slope to exclude 0 has one at most, which a bracketed secant finds. Any other part is halved, down
-//! to the resolution of t: what jumps or ends there is a change if membership differs at the ends. The work on a ray is
-//! bounded; where it is used up, the rest of the segment is sampled.
+//! In: an expression, and segments of rays in its own coordinates. Out: the points where membership changes. A part of a
+//! segment on which interval arithmetic shows the value to be positive, or defined and not positive, has none; a part on
+//! which it shows the slope to exclude 0 has at most one, which a bracketed secant method finds. Any other part is halved,
+//! down to the resolution of t; a jump or the end of a domain there is a change if membership differs at the ends. The work
+//! on a ray is limited; once the limit is reached, the rest of the segment is sampled.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -24,24 +24,24 @@ mod crossings;
 mod shell;
 pub(crate) use bundle::{BundlePart, DividedBundle, PartFinding};
 
-/// The most evaluations on intervals that one ray may take: some thousand crossings of a function. The rest of the ray is
-/// sampled.
+/// The maximum number of interval evaluations for a ray: enough for some thousand crossings of a function. Beyond it, the
+/// rest of the ray is sampled.
 pub const MOST_RAY_EVALUATIONS: usize = 1 << 15;
-/// The operations of functions, on intervals and numbers, that the rays of a picture's tile may take each on the average, with
-/// all rays to which they give rise. Beyond that, rays are sampled, and beyond twice as many they meet no function's surface.
+/// The average number of operations on functions, on intervals and numbers, for each ray of a tile of a picture, including
+/// all secondary rays. Beyond it, rays are sampled; beyond twice this number, they do not meet the surfaces of functions.
 pub const TILE_RAY_OPERATIONS: u64 = 1 << 16;
-/// The number of samples of a segment whose evaluations are used up.
+/// The number of samples of a segment once the evaluations are used up.
 const SAMPLES: usize = 64;
-/// Parts shorter than this share of 1 + t are not halved.
+/// Parts shorter than this fraction of 1 + t are not halved.
 const RESOLUTION: f64 = 1e-13;
 
-/// An expression with its gradient, compiled: the same for all instances of an object.
+/// An expression with its gradient, compiled once for all instances of an object.
 #[derive(Debug)]
 struct FieldCode {
     value: Tape,
     gradient: Tape,
     inputs: Vec<Input>,
-    /// The expression by itself.
+    /// A graph of the expression alone.
     graph: Graph,
     root: NodeId,
 }
@@ -54,7 +54,7 @@ pub(crate) struct FieldCompiler<'g> {
 }
 
 impl<'g> FieldCompiler<'g> {
-    /// Compiles expressions of a graph.
+    /// Creates a compiler of expressions of a graph.
     pub(crate) fn new(graph: &'g Graph) -> Self {
         Self {
             graph,
@@ -88,9 +88,9 @@ impl<'g> FieldCompiler<'g> {
 pub(crate) struct Field {
     code: Arc<FieldCode>,
     uniforms: Vec<(Input, f64)>,
-    /// True where the set is that on which the negative is not positive.
+    /// True if the set is that on which the negated expression is not positive.
     negated: bool,
-    /// The expression as a shell, if it is one.
+    /// The expression as a shell, if it has that form.
     shell: Option<Shell>,
     /// True if intervals of its values are computed in vectors.
     is_of_vectors: bool,
@@ -98,7 +98,7 @@ pub(crate) struct Field {
     work: u64,
 }
 
-/// The finding about an open part, if it is not to be halved.
+/// Returns the finding about an open part that is too short to be halved.
 fn shortest([a, b]: [f64; 2]) -> Option<PartFinding> {
     let is_short = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
     is_short.then_some(PartFinding::Shortest)
@@ -111,7 +111,7 @@ pub(crate) struct Line {
     pub(crate) direction: DVec3,
 }
 
-/// Memory for evaluations; one for each thread.
+/// Memory for evaluations; each thread needs its own.
 #[derive(Debug, Default)]
 pub(crate) struct FieldScratch {
     registers: Registers,
@@ -119,33 +119,33 @@ pub(crate) struct FieldScratch {
     slopes: Vec<Slope>,
     intervals: Vec<Interval>,
     processor: Processor,
-    /// The parts of a segment with what is known of them, the first one last.
+    /// The parts of a segment with their findings, the first part last.
     known: Vec<BundlePart>,
     work: FieldWork,
-    /// The number of evaluations on intervals so far.
+    /// The number of interval evaluations so far.
     pub(crate) evaluations: u64,
     /// The number of rays before this one that were cut short.
     cut_short: u64,
 }
 
-/// The work that is left to a ray, and to those of its tile.
+/// The remaining work for a ray, and for the rays of its tile.
 #[derive(Debug)]
 struct FieldWork {
-    /// The number of evaluations on intervals that are left to the ray.
+    /// The remaining interval evaluations of the ray.
     evaluations: usize,
-    /// True if a part of the ray was not divided as far as it takes.
+    /// True if a part of the ray was not divided as far as necessary.
     is_cut_short: bool,
-    /// The numbers of operations that are left to the rays of the tile on intervals, and then on samples.
+    /// The remaining operations for the rays of the tile: on intervals, and after those on samples.
     intervals: u64,
     samples: u64,
     /// The number of operations so far.
     done: u64,
 }
 
-/// The evaluations in vectors, on intervals, that take as long as one on an interval by itself, and as one on a number.
+/// The cost of an evaluation on a single interval, and on a single number, in evaluations on vectors of intervals.
 const ALONE: usize = 2 * MOST_LANES;
 const PLAIN: usize = 2;
-/// The work of an evaluation besides its operations.
+/// The overhead of an evaluation, in operations.
 const EVALUATION: u64 = 8;
 
 impl Default for FieldWork {
@@ -161,7 +161,7 @@ impl Default for FieldWork {
 }
 
 impl FieldWork {
-    /// Takes so many evaluations in vectors, each of this work.
+    /// Consumes the work of this number of vector evaluations; `work` is that of one.
     fn take(&mut self, evaluations: usize, work: u64) {
         let operations = evaluations as u64 * (work + EVALUATION);
         self.done += operations;
@@ -179,22 +179,22 @@ impl FieldScratch {
         self.work.is_cut_short = false;
     }
 
-    /// Limits the operations from here on: so many, and as many again on samples.
+    /// Limits the further operations: this number on intervals, and the same number on samples.
     pub(crate) fn limit(&mut self, operations: u64) {
         (self.work.intervals, self.work.samples) = (operations, operations);
     }
 
-    /// The number of rays of which a part was not divided as far as it takes, so that a crossing may be missing.
+    /// Returns the number of rays of which a part was not divided as far as necessary, so that a crossing may be missing.
     pub(crate) fn cut_short(&self) -> u64 {
         self.cut_short + u64::from(self.work.is_cut_short)
     }
 
-    /// The number of operations so far.
+    /// Returns the number of operations so far.
     pub(crate) fn operations(&self) -> u64 {
         self.work.done
     }
 
-    /// True if fields are still evaluated.
+    /// Returns true if fields are still evaluated.
     pub(crate) fn may_evaluate(&mut self) -> bool {
         self.work.is_cut_short |= self.work.samples == 0;
         self.work.samples > 0
@@ -231,29 +231,29 @@ impl Field {
         })
     }
 
-    /// The expression in the variables 0, 1, 2 and uniforms, with the graph that it is in.
+    /// Returns the expression in the variables 0, 1, 2 and uniforms, with its graph.
     pub(crate) fn expression(&self) -> (&Graph, NodeId) {
         (&self.code.graph, self.code.root)
     }
 
-    /// The work of an evaluation of its value, in operations.
+    /// Returns the work of an evaluation of its value, in operations.
     pub(crate) fn value_work(&self) -> u64 {
         self.code.value.work()
     }
 
-    /// True if the set is that where the expression's negative is not positive.
+    /// Returns true if the set is that on which the negated expression is not positive.
     pub(crate) fn is_negated(&self) -> bool {
         self.negated
     }
 
-    /// The bits of the uniforms that it reads, in the order of the uniforms.
+    /// Returns the bits of the uniforms that it reads, in the order of the uniforms.
     pub(crate) fn uniform_bits(&self) -> Vec<u64> {
         let uniforms = self.uniforms.iter();
         let own = uniforms.filter(|(input, _)| matches!(input, Input::Uniform(_)));
         own.map(|(_, value)| value.to_bits()).collect()
     }
 
-    /// The value at a point; NaN where it is undefined.
+    /// Returns the value at a point; NaN where it is undefined.
     pub(crate) fn value(&self, scratch: &mut FieldScratch, at: DVec3) -> f64 {
         let mut out = [f64::NAN];
         scratch.work.take(PLAIN, self.work);
@@ -264,7 +264,7 @@ impl Field {
         if self.negated { -out[0] } else { out[0] }
     }
 
-    /// The gradient at a point.
+    /// Returns the gradient at a point.
     pub(crate) fn gradient(&self, scratch: &mut FieldScratch, at: DVec3) -> DVec3 {
         let mut out = [f64::NAN; 3];
         self.inputs(&self.code.gradient, at, &mut scratch.numbers);
@@ -275,8 +275,9 @@ impl Field {
         if self.negated { -gradient } else { gradient }
     }
 
-    /// Membership right after the start of a part of a line, and where the search for changes begins: with `leaving`, the
-    /// line leaves the surface at `from`, and is not met there again. `known` is as for [`Field::next_change`].
+    /// Returns the membership immediately after the start of a part of a line, and the parameter at which the search for
+    /// changes begins. With `leaving`, the line leaves the surface at `from` and does not meet it again there. `known` is as
+    /// for [`Field::next_change`].
     pub(crate) fn start(
         &self,
         scratch: &mut FieldScratch,
@@ -295,8 +296,9 @@ impl Field {
         (slope < 0.0, self.departure(scratch, line, from, to))
     }
 
-    /// The first place in (from, to] where membership changes, `inside` being that right after `from`; and where the search
-    /// for the next one begins. `known` is what is known of the bundle that it belongs to, and its index there.
+    /// Returns the first parameter in (from, to] where membership changes, `inside` being the membership immediately after
+    /// `from`, and the parameter at which the search for the next change begins. `known` has the findings about the line's
+    /// bundle, and the line's index in it.
     pub(crate) fn next_change(
         &self,
         scratch: &mut FieldScratch,
@@ -338,7 +340,7 @@ impl Field {
         {
             match finding {
                 PartFinding::Outside | PartFinding::Inside => {
-                    // The same throughout; a change between two parts lies where they meet.
+                    // The membership is constant on the part; a change between two parts is at their common end.
                     if (finding == PartFinding::Inside) != inside {
                         return Some((a, a.max(from).next_up()));
                     }
@@ -422,7 +424,7 @@ impl Field {
         None
     }
 
-    /// Finds out about as many parts of a part as vectors have lanes.
+    /// Determines the findings about parts of a part, about one for each lane of a vector.
     fn find_in_parts(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) {
         let mut ends = [a; MOST_LANES + 1];
         ends[MOST_LANES] = b;
@@ -455,7 +457,7 @@ impl Field {
         }
     }
 
-    /// The first change between samples.
+    /// Returns the first change between samples.
     fn sampled(
         &self,
         scratch: &mut FieldScratch,
@@ -477,7 +479,7 @@ impl Field {
         None
     }
 
-    /// The finding about a part with this range; `None` if it is open.
+    /// Returns the finding about a part on which value and slope have this range; `None` if it is open.
     fn finding(&self, range: Slope) -> Option<PartFinding> {
         if let Some(shell) = &self.shell {
             return shell.finding(range);
@@ -492,7 +494,7 @@ impl Field {
         }
     }
 
-    /// The first place on a part where the expression in a shell, which is monotone there, crosses a level.
+    /// Returns the first point of a part at which the expression in a shell, monotone there, crosses a level.
     fn level_crossing(
         &self,
         scratch: &mut FieldScratch,
@@ -514,7 +516,7 @@ impl Field {
         Some(bracketed(&mut value, [a, b], crossing.ends, inside))
     }
 
-    /// An interval that contains the values on a box.
+    /// Returns an interval that contains the values on a box.
     pub(crate) fn on_box(&self, scratch: &mut FieldScratch, sides: [Interval; 3]) -> Interval {
         scratch.intervals.clear();
         for input in self.code.value.inputs() {
@@ -534,7 +536,8 @@ impl Field {
         }
     }
 
-    /// The end of a part from `from` on in which the value is monotone, so that the surface there is not met again.
+    /// Returns the end of a part from `from` on in which the value is monotone, so that the line does not meet the surface
+    /// again there.
     fn departure(&self, scratch: &mut FieldScratch, line: &Line, from: f64, to: f64) -> f64 {
         let is_monotone = |range: Slope| match &self.shell {
             Some(shell) => shell.is_monotone(range),
@@ -565,14 +568,14 @@ impl Field {
         from + length
     }
 
-    /// The expression that is looked at on intervals: of a shell, the one in it.
+    /// Returns the expression that is evaluated on intervals: for a shell, the expression in it.
     fn tape(&self) -> &Tape {
         let shell = self.shell.as_ref();
         shell.map_or(&self.code.value, |shell| &shell.inner)
     }
 
-    /// The values and slopes on the lines of a block, where `coordinates` gives those of x, y and z for t in `t`; `None` where
-    /// they are not bounded.
+    /// Returns the values and slopes on the lines of a block; `coordinates` gives x, y and z for t in `t`. The result is
+    /// `None` where they are unbounded.
     fn in_vectors(
         &self,
         scratch: &mut FieldScratch,
@@ -595,7 +598,7 @@ impl Field {
         ranges
     }
 
-    /// The values and slopes on parts of a line, each from a first bound to a second one.
+    /// Returns the values and slopes on parts of a line, each given by its two ends.
     fn ranges_on(
         &self,
         scratch: &mut FieldScratch,
@@ -612,7 +615,7 @@ impl Field {
         self.in_vectors(scratch, coordinates, t)
     }
 
-    /// The value and the slope on a part of a line.
+    /// Returns the value and the slope on a part of a line.
     fn range_on(&self, scratch: &mut FieldScratch, line: &Line, [a, b]: [f64; 2]) -> Slope {
         let t = Interval::new(a, b);
         self.range(scratch, &|k| {
@@ -620,7 +623,8 @@ impl Field {
         })
     }
 
-    /// The values and slopes where `coordinate` gives those of x, y and z; of a shell, those of the expression in it.
+    /// Returns the values and slopes; `coordinate` gives those of x, y and z. For a shell, they are those of the expression
+    /// in it.
     fn range(&self, scratch: &mut FieldScratch, coordinate: &dyn Fn(usize) -> Slope) -> Slope {
         let tape = self.tape();
         scratch.evaluations += 1;
@@ -640,7 +644,8 @@ impl Field {
         out[0]
     }
 
-    /// The change between `a`, where membership is `inside`, and `b`, where it is not and the value is `at_b`.
+    /// Returns the change between `a`, where membership is `inside`, and `b`, where it is the opposite and the value is
+    /// `at_b`.
     fn between(
         &self,
         scratch: &mut FieldScratch,
@@ -654,7 +659,7 @@ impl Field {
         bracketed(&mut value, [a, b], [at_a, at_b], inside)
     }
 
-    /// The number of a uniform that it reads.
+    /// Returns the number of a uniform that it reads.
     pub(crate) fn uniform(&self, input: Input) -> f64 {
         let found = self.uniforms.iter().find(|(other, _)| *other == input);
         found.map_or(f64::NAN, |(_, value)| *value)

@@ -1,9 +1,9 @@
-//! The first places of rays on products.
+//! The first crossings of rays with products.
 //!
-//! Input: rays, and the leaves of products that they may meet. Output: for each ray the first place where it enters one. A
-//! simple leaf is convex, or bounded by one quadric: a line is within it between two places, or everywhere else. So nothing
-//! has to be kept up to date along the ray, and vectors of rays are read at once. Where the answer takes more than that, as
-//! for a ray that starts inside, none is given. The places are those of `cast.rs`, to the last bit.
+//! In: rays, and the leaves of products that they may meet. Out: for each ray the first point where it enters a product. A
+//! simple leaf is convex, or bounded by one quadric: a line is inside it between two points, or everywhere else. So no state
+//! has to be maintained along the ray, and vectors of rays are processed at once. No answer is given where it would need
+//! such a state, as for a ray that starts inside. The results agree with those of `cast.rs` to the last bit.
 
 mod changes;
 
@@ -17,10 +17,10 @@ use crate::low::LowEquation;
 use crate::world::World;
 use changes::{Changes, FramedLines, Rays, plane_changes};
 
-/// The number of leaves that few products exceed.
+/// Few products have more leaves than this.
 const FEW: usize = 8;
 
-/// The first place of a ray.
+/// The first crossing of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FirstPlace {
     /// The ray passes the surface of a solid.
@@ -30,11 +30,11 @@ pub(crate) enum FirstPlace {
         entering: bool,
     },
     Nothing,
-    /// The answer takes a sweep.
+    /// The answer requires a sweep.
     Unknown,
 }
 
-/// The first places of the rays of a bundle.
+/// The first crossings of the rays of a bundle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FirstPlaces {
     /// The number of rays.
@@ -43,16 +43,16 @@ pub(crate) struct FirstPlaces {
     blocks: Vec<FirstBlock>,
 }
 
-/// The first places of a block of rays.
+/// The first crossings of a block of rays.
 #[derive(Clone, Debug)]
 struct FirstBlock {
     /// Infinite where nothing is met.
     t: [f64; MOST_LANES],
-    /// The number of the piece, over all leaves.
+    /// The number of the piece, counted over all leaves.
     piece: [f64; MOST_LANES],
-    /// Not 0 where the ray leaves the solid there.
+    /// Not 0 for rays that leave the solid there.
     exits: [f64; MOST_LANES],
-    /// Not 0 where the place is not known.
+    /// Not 0 if the crossing is unknown.
     unknown: [f64; MOST_LANES],
 }
 
@@ -66,15 +66,15 @@ struct PiecePlan {
 
 #[derive(Clone, Copy, Debug)]
 struct PlannedProduct {
-    /// The end of its parts.
+    /// The end of its range of parts.
     end: usize,
-    /// True if a ray that starts inside leaves its solid where it leaves the product.
+    /// True if a ray that starts inside the product leaves the solid where it leaves the product.
     has_exits: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct PlannedPiece {
-    /// Its number, over all leaves.
+    /// Its number, counted over all leaves.
     number: usize,
     /// True if the rays start on its surface.
     is_left: bool,
@@ -85,17 +85,17 @@ struct PlannedPiece {
 struct PlannedPart {
     complemented: bool,
     is_convex: bool,
-    /// The end of its pieces.
+    /// The end of its range of pieces.
     end: usize,
 }
 
 impl FirstPlaces {
-    /// Begins with rays of which nothing is known.
+    /// Resets to rays about which nothing is known.
     pub(crate) fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// The first place of the ray with this index.
+    /// Returns the first crossing of the ray with this index.
     pub(crate) fn get(&self, world: &World, index: usize) -> FirstPlace {
         if index >= self.count {
             return FirstPlace::Unknown;
@@ -115,7 +115,8 @@ impl FirstPlaces {
         }
     }
 
-    /// Those rays of a block, the first of which has this index, that are known to meet nothing before these places.
+    /// Returns the rays of a block that are known to meet nothing before these parameters; `first` is the index of the
+    /// block's first ray.
     pub(crate) fn free(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
         if first >= self.count {
             return Lanes::default();
@@ -124,7 +125,7 @@ impl FirstPlaces {
         Lanes::of(|lane| block.unknown[lane] == 0.0 && block.t[lane] >= before[lane])
     }
 
-    /// Finds the first places of rays on products; `near` has the leaves of products that a ray may meet, ascending.
+    /// Finds the first crossings of rays with products; `near` has the leaves of products that a ray may meet, ascending.
     pub(crate) fn find(
         &mut self,
         processor: Processor,
@@ -158,14 +159,14 @@ impl PiecePlan {
         let left = leaving.and_then(|id| world.group(id));
         let is_left =
             |id: SurfaceId| leaving == Some(id) || left.is_some() && world.group(id) == left;
-        // The leaves of a product follow each other.
+        // The leaves of a product are consecutive.
         let place = |near: &NearLeaf| world.product_of[near.leaf as usize];
         let product = |near: &NearLeaf| place(near).map(|place| place.product);
         for near in near.chunk_by(|a, b| product(a) == product(b)) {
             let Some(product) = product(&near[0]).map(|k| &world.products[k as usize]) else {
                 continue;
             };
-            // What no ray meets is empty for them, and so is its product.
+            // A leaf that no ray meets is empty for them, and so is its product.
             let places = near.iter().filter_map(place);
             if places.filter(|place| !place.complemented).count() < product.positives {
                 continue;
@@ -189,14 +190,14 @@ impl PiecePlan {
             }
             self.products.push(PlannedProduct {
                 end: self.parts.len(),
-                // What a ray starts inside of is asked for where it leaves no surface.
+                // If the rays leave no surface, the caller needs the solids at their starts.
                 has_exits: leaving.is_some() && product.is_alone,
             });
         }
     }
 }
 
-/// The search for first places.
+/// The search for first crossings.
 struct PlaceSearch<'a> {
     world: &'a World,
     plan: &'a PiecePlan,
@@ -228,7 +229,7 @@ impl VectorWork for PlaceSearch<'_> {
 }
 
 impl PiecePlan {
-    /// The first places of rays.
+    /// Finds the first crossings of rays.
     #[inline(always)]
     fn first<S: Instructions>(
         &self,
@@ -266,15 +267,15 @@ impl PiecePlan {
     }
 }
 
-/// The part of each ray that is within a leaf: from `entry` up to `exit`, both infinite where there is none.
+/// The part of each ray that is within a leaf: from `entry` to `exit`, both infinite if there is none.
 #[derive(Clone, Copy)]
 struct Part<S: Instructions> {
     entry: Vector<S>,
     exit: Vector<S>,
-    /// The pieces that bound it.
+    /// The pieces that bound the part.
     entry_piece: Vector<S>,
     exit_piece: Vector<S>,
-    /// True where the product lies within that part, false where it lies outside of it.
+    /// True if the product is within that part, false if it is outside of it.
     within: Mask<S>,
 }
 
@@ -291,7 +292,7 @@ impl<S: Instructions> Part<S> {
         }
     }
 
-    /// Reads a leaf; marks the rays that it can say nothing of.
+    /// Reads a leaf; marks the rays for which it gives no answer.
     #[inline(always)]
     fn new(
         s: S,
@@ -351,22 +352,22 @@ impl<S: Instructions> Part<S> {
     }
 }
 
-/// The first places of a vector of rays.
+/// The first crossings of a vector of rays.
 struct First<S: Instructions> {
     t: Vector<S>,
     piece: Vector<S>,
-    /// True where the ray leaves the solid there.
+    /// True for rays that leave the solid there.
     exits: Mask<S>,
     is_unknown: Mask<S>,
 }
 
 impl<S: Instructions> First<S> {
-    /// Adds the product of these parts; `has_exits` says whether rays that start inside leave their solid with it.
+    /// Adds the product of these parts; `has_exits` specifies whether rays that start inside leave their solid with it.
     #[inline(always)]
     fn add(&mut self, s: S, parts: &[Part<S>], has_exits: bool) {
         let (zero, endless) = (Vector::splat(s, 0.0), Vector::splat(s, f64::INFINITY));
         let (mut t, mut piece) = (zero, zero);
-        // From place to place, until all parts hold there.
+        // Advance from point to point until all parts hold.
         loop {
             let mut moved = Mask::splat(s, false);
             for part in parts {
@@ -399,7 +400,7 @@ impl<S: Instructions> First<S> {
             t = is_inside.choose(out, t);
             piece = is_inside.choose(through, piece);
         }
-        // Where surfaces meet, or a ray starts inside, a sweep tells.
+        // Where surfaces meet, or a ray starts inside, a sweep decides.
         let (mut is_met, mut is_tied) = (Mask::splat(s, false), t.equals(self.t) | t.equals(zero));
         for part in parts {
             for place in [part.entry, part.exit] {

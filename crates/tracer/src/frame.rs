@@ -1,19 +1,19 @@
-//! Frames of endless shapes: where their polynomials are centred, and how large they are.
+//! Frames of unbounded shapes: the centre and the scale for their polynomials.
 //!
-//! Input: the region of a shape in its own coordinates. Output: a box. A frame only moves and stretches coordinates, so any
-//! box is right; but a polynomial that is written about a place far from its own centre has large terms that cancel, and its
-//! roots lose as many digits. A shape's frame depends on the shape alone: what else is in a world does not move its roots.
+//! In: the region of a shape in its own coordinates. Out: a box. A frame only translates and scales coordinates, so that any
+//! box is correct; but a polynomial that is written about a point far from its own centre has large terms that cancel, and
+//! its roots lose as many digits. A shape's frame depends on the shape alone: other parts of a world do not move its roots.
 
 use expr::polynomial::{Polynomial, Region};
 use glam::{DMat3, DVec3};
 
 use crate::bounds::BoundingBox;
 
-/// A pivot below this share of the largest one is none.
+/// A pivot below this fraction of the largest one counts as 0.
 const FLATTEST: f64 = 1e-9;
 
-/// The box about the centres of the polynomials that bound a region, as large as these are: of those of degree two at least,
-/// and where there are none, of the planes. It is a point where nothing tells a size.
+/// Returns the box around the centres of the polynomials that bound a region, enlarged to their size: of the polynomials of
+/// degree two or higher, or of the planes if there are no others. The box is a point if no polynomial determines a size.
 pub(crate) fn centers(region: &Region) -> BoundingBox {
     let [mut flat, mut curved] = [BoundingBox::EMPTY; 2];
     let mut rest = vec![region];
@@ -42,8 +42,8 @@ pub(crate) fn centers(region: &Region) -> BoundingBox {
     })
 }
 
-/// The frame of a shape whose polynomials have these centres: along axes on which its extent ends, that extent. `size` is half
-/// its side where nothing else tells one.
+/// Returns the frame of a shape whose polynomials have these centres. Along axes on which the extent is finite, it is the
+/// extent. `size` is half its side if nothing else determines one.
 pub(crate) fn frame(centers: &BoundingBox, extent: &BoundingBox, size: f64) -> BoundingBox {
     let ends = |k: usize| extent.lower[k].is_finite() && extent.upper[k].is_finite();
     let [mut center, mut half] = centers.middle();
@@ -66,13 +66,13 @@ pub(crate) fn frame(centers: &BoundingBox, extent: &BoundingBox, size: f64) -> B
     }
 }
 
-/// The power of two that is nearest to a size: scales by it are exact.
+/// Returns the power of two nearest to a size: scaling by it is exact.
 pub(crate) fn power_of_two(size: f64) -> f64 {
     size.log2().round().exp2()
 }
 
-/// The place about which the terms of the last degree but one are least: the centre of a quadric that has one; of a plane its
-/// point nearest to the origin.
+/// Returns the point about which the terms of degree n − 1 are smallest: the centre of a quadric that has one, or the point
+/// of a plane nearest to the origin.
 fn center(p: &Polynomial) -> DVec3 {
     let degree = p.degree();
     let of_degree = |degree: usize| {
@@ -88,7 +88,7 @@ fn center(p: &Polynomial) -> DVec3 {
         let other = |e: [u8; 3]| b.terms().find(|(f, _)| *f == e).map_or(0.0, |(_, c)| c);
         a.terms().map(|(e, c)| c * other(e)).sum::<f64>()
     };
-    // About c those terms are `second` + c·`slopes`: least squares of their coefficients.
+    // About c those terms are `second` + c·`slopes`: a least-squares problem in their coefficients.
     let right = DVec3::from_array([0, 1, 2].map(|k| -product(&slopes[k], &second)));
     let columns = [0, 1, 2].map(|j| [0, 1, 2].map(|k| product(&slopes[j], &slopes[k])));
     if degree == 1 {
@@ -98,7 +98,7 @@ fn center(p: &Polynomial) -> DVec3 {
     solved(DMat3::from_cols_array_2d(&columns), right)
 }
 
-/// A solution of a symmetric system that has no negative eigenvalues, with 0 for what it leaves open.
+/// Returns a solution of a symmetric system without negative eigenvalues; undetermined components are 0.
 fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
     let largest = matrix.x_axis.x.max(matrix.y_axis.y).max(matrix.z_axis.z);
     let mut open = vec![0, 1, 2];
@@ -124,7 +124,7 @@ fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
     }
     let mut solution = DVec3::ZERO;
     for &k in order.iter().rev() {
-        // The row of a pivot is untouched after its own step: what is solved already comes after it.
+        // The row of a pivot does not change after its own step: the components after it are solved already.
         let known = (0..3)
             .filter(|&j| j != k)
             .map(|j| matrix.col(j)[k] * solution[j]);
@@ -133,8 +133,8 @@ fn solved(mut matrix: DMat3, mut right: DVec3) -> DVec3 {
     solution
 }
 
-/// About its centre, the size at which the terms of the highest degree outweigh those of each lower one; 0 if there are no
-/// others.
+/// Returns the size at which, about the centre, the terms of the highest degree outweigh those of each lower one; 0 if there
+/// are no other terms.
 fn size(p: &Polynomial) -> f64 {
     let center = center(p).to_array();
     let place = [0, 1, 2].map(|k| {

@@ -1,4 +1,4 @@
-//! Leaves: shapes in their places.
+//! Leaves: placed shapes.
 
 use std::sync::Arc;
 
@@ -16,26 +16,26 @@ pub(crate) struct Leaf {
     pub(crate) compiled: Arc<FramedShape>,
     pub(crate) unit_from_world: DAffine3,
     pub(crate) shape_from_world: DAffine3,
-    /// True if it lies within a box of its own.
+    /// True if it is within a box of its own.
     pub(crate) bounded: bool,
-    /// The box in which it is looked for.
+    /// The box within which rays are tested against it.
     pub(crate) bounds: Option<BoundingBox>,
     /// True if it does not matter outside of that box.
     pub(crate) ends: bool,
     pub(crate) gate: Literal,
-    /// Of its pieces; none of a convex leaf, whose membership is that of its gate.
+    /// The literals of its pieces; empty for a convex leaf, whose membership is that of its gate.
     pub(crate) pieces: Vec<Literal>,
     /// The number of pieces of all leaves before it.
     pub(crate) first_piece: usize,
 }
 
-/// A leaf with its box; without one for an endless leaf.
+/// A leaf with its box; an unbounded leaf has none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearLeaf {
     pub(crate) leaf: u32,
     pub(crate) bounds: Option<BoundingBox>,
 }
 
-/// The most leaves that are listed near a bundle, and read for each ray; of more, the hierarchy of boxes finds those of a ray
-/// sooner.
+/// The maximum number of leaves that are listed near a bundle and read for each ray; with more leaves, the hierarchy of
+/// boxes is faster.
 pub(crate) const MOST_NEAR: usize = 64;

@@ -3,24 +3,25 @@
 //! ```text
 //! expressions, set operations, maps ──world.rs──▶ World ──cast.rs──▶ crossings of a ray
 //!          │ shape.rs: boxes (bounds.rs), polynomials (surface.rs) and other expressions (field.rs)
-//!          │ shared.rs: surfaces that are one         tree.rs: set operations         bvh.rs: boxes in boxes
+//!          │ shared.rs: coincident surfaces           tree.rs: set operations         bvh.rs: a hierarchy of boxes
 //! ```
 //!
-//! Rays that go nearly the same way are read together (`bundle.rs`, `near.rs`): what none of them meets is left out once for
-//! all of them, and solids that are unions of products of simple leaves (`product.rs`, `first.rs`) need no sweep.
+//! Rays with similar directions are processed in bundles (`bundle.rs`, `near.rs`): a leaf that none of them meets is
+//! excluded once for all of them, and solids that are unions of products of simple leaves (`product.rs`, `first.rs`) need no
+//! sweep.
 //!
 //! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
 //! lights (`shade.rs`, `light.rs`, `optics.rs`).
 //!
-//! `contour.rs` makes meshes of solids, and `tables.rs` tables of a world, for GPUs.
+//! `contour.rs` makes meshes of solids, and `tables.rs` converts a world to tables for GPUs.
 //!
 //! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
-//! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
-//! are no settings and no tolerances. Everything is in f64 and depends on the world and the ray alone.
+//! Combinations of polynomials are solved as such (`roots.rs`), other expressions by interval arithmetic. There are no
+//! settings and no tolerances. Everything is in f64 and depends only on the world and the ray.
 //!
-//! Of kept libraries, `fidget` evaluates in f32 and finds surfaces on a grid of samples, and `parry` knows neither implicit
-//! shapes nor set operations on rays; `roots.rs` says why no solver of polynomials is used, and [`expr::interval`] why no
-//! library of intervals.
+//! Of the maintained libraries, `fidget` evaluates in f32 and finds surfaces on a grid of samples, and `parry` supports
+//! neither implicit shapes nor set operations on rays; `roots.rs` explains why no polynomial solver is used, and
+//! [`expr::interval`] why no interval library is.
 //!
 //! ```
 //! use expr::{Graph, Input};

@@ -1,91 +1,91 @@
 //! Lights.
 //!
-//! Input: a light and a place. Output: the direction towards it, its distance, and the share of it that comes there, shadows
-//! apart.
+//! In: a light and a point. Out: the direction towards the light, its distance, and the fraction of its light that arrives
+//! there, without shadows.
 
 use expr::processor::Processor;
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Vector, VectorWork};
 use glam::DVec3;
 
-/// A light: all its numbers are linear.
+/// A light; all its numbers are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// The way in which it shines.
+    /// The kind of the light.
     pub kind: LightKind,
     /// Colour times power.
     pub color: DVec3,
-    /// The share that comes everywhere, shadows included.
+    /// The fraction that reaches every point, even in shadow.
     pub ambient: f64,
-    /// The distance of full strength; without one it never fades.
+    /// The distance at which the light has full strength; without it, the light does not fade.
     pub falloff: Option<f64>,
-    /// The radius of the ball that shines, of a light that has a place.
+    /// The radius of the emitting ball, for a light that has a position.
     pub size: f64,
     /// The colour of its highlights.
     pub highlight: DVec3,
-    /// True if faces keep it from others.
+    /// True if faces block it.
     pub casts_shadows: bool,
 }
 
-/// The way in which a light shines.
+/// The kinds of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// From a place to all sides.
+    /// From a point in all directions.
     Point(DVec3),
-    /// Parallel along a direction, from far away.
+    /// Parallel along a direction, from infinity.
     Parallel(DVec3),
-    /// From a place along a direction, within an opening.
+    /// From a point along a direction, within a cone.
     Spot {
-        /// The place.
+        /// The position.
         position: DVec3,
         /// The axis.
         direction: DVec3,
-        /// The full opening in radians.
+        /// The full opening angle in radians.
         angle: f64,
-        /// The share of the opening that fades, 0 to 1.
+        /// The fraction of the opening over which the light fades, 0 to 1.
         soft: f64,
     },
-    /// Parallel rays along an axis, within a cylinder that begins at a place.
+    /// Parallel rays along an axis, within a cylinder that begins at a point.
     Beam {
-        /// The place.
+        /// The point.
         position: DVec3,
         /// The axis.
         direction: DVec3,
         /// The cylinder's radius.
         radius: f64,
-        /// The share of the radius that fades, 0 to 1.
+        /// The fraction of the radius over which the light fades, 0 to 1.
         soft: f64,
     },
 }
 
-/// A light as a place sees it.
+/// A light as seen from a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenLight {
     /// The unit direction towards the light.
     pub towards: DVec3,
-    /// The distance, infinite for a parallel light.
+    /// The distance; infinite for a parallel light.
     pub distance: f64,
-    /// The share of its colour, without shadows: S·(falloff/(r + path))².
+    /// The fraction of its colour that arrives, without shadows: S·(falloff/(r + path))².
     pub share: f64,
 }
 
-/// Places on faces that see a light, as many as the widest vectors have lanes.
+/// Points on faces that see a light, one for each lane of the widest vectors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FaceBlock {
     pub(crate) position: [[f64; MOST_LANES]; 3],
     normal: [[f64; MOST_LANES]; 3],
-    /// The length of the way from there on.
+    /// The length of the path from there to the eye.
     path: [f64; MOST_LANES],
-    /// The place on a ball that shines.
+    /// The sample point on an emitting ball.
     sample: [[f64; 2]; MOST_LANES],
 }
 
-/// A light as these places see it, by the numbers of [`SeenLight`].
+/// A light as seen from these points, with the numbers of [`SeenLight`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SeenBlock {
     pub(crate) towards: [[f64; MOST_LANES]; 3],
     pub(crate) distance: [f64; MOST_LANES],
     pub(crate) share: [f64; MOST_LANES],
-    /// The cosines between the light and the normals.
+    /// The cosines of the angles between the direction towards the light and the normals.
     pub(crate) height: [f64; MOST_LANES],
 }
 
@@ -109,7 +109,7 @@ impl FaceBlock {
 }
 
 impl SeenBlock {
-    /// The places to which some of the light comes, shadows apart.
+    /// Returns the points that some of the light reaches, without shadows.
     #[inline]
     pub(crate) fn lit(&self) -> Lanes {
         Lanes::of(|lane| self.height[lane] > 0.0 && self.share[lane] > 0.0)
@@ -126,7 +126,7 @@ impl SeenBlock {
     }
 }
 
-/// [`Light::from`] for a light that has a place and no size.
+/// [`Light::from`] for a light that has a position and no size.
 struct PointSeenFrom<'a> {
     position: DVec3,
     falloff: Option<f64>,
@@ -176,7 +176,7 @@ impl VectorWork for PointSeenFrom<'_> {
 }
 
 impl Light {
-    /// The light as seen from all these places.
+    /// Returns the light as seen from all these points.
     pub(crate) fn seen_from(
         &self,
         processor: Processor,
@@ -193,7 +193,7 @@ impl Light {
                 seen,
             });
         }
-        // From everywhere the same.
+        // It is the same from everywhere.
         let parallel = match self.kind {
             LightKind::Parallel(_) => Some(self.from(DVec3::ZERO, [0.5; 2], 0.0)),
             _ => None,
@@ -213,7 +213,7 @@ impl Light {
         }
     }
 
-    /// A light of this colour without a size, that casts shadows.
+    /// Creates a light of this colour that has no size and casts shadows.
     pub fn new(kind: LightKind, color: DVec3) -> Self {
         Self {
             kind,
@@ -226,8 +226,8 @@ impl Light {
         }
     }
 
-    /// The light as seen from a place; `sample` is a place on the ball that shines, two numbers from 0 to 1, and `path` the
-    /// length of the way from there on, along which it fades too.
+    /// Returns the light as seen from a point. `sample` is a point on the emitting ball, two numbers from 0 to 1; `path` is
+    /// the length of the path from there to the eye, over which the light also fades.
     #[inline]
     pub fn from(&self, place: DVec3, sample: [f64; 2], path: f64) -> SeenLight {
         let (towards, distance, share) = match self.kind {
@@ -257,7 +257,7 @@ impl Light {
                 let offset = place - position;
                 let along = offset.dot(axis);
                 let off = (offset - along * axis).length();
-                // Behind the light's place it is dark.
+                // It is dark behind the light's position.
                 let share = if along > 0.0 {
                     within(off, radius, soft)
                 } else {
@@ -277,7 +277,7 @@ impl Light {
         }
     }
 
-    /// The way to a place of the disc that the ball shows.
+    /// Returns the vector to a point of the disc that the ball shows.
     fn shining(&self, center: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         if self.size <= 0.0 || center == DVec3::ZERO {
             return center;
@@ -288,7 +288,7 @@ impl Light {
     }
 }
 
-/// 1 − smoothstep from (1 − soft)·edge to the edge.
+/// Returns 1 − smoothstep from (1 − soft)·edge to the edge.
 fn within(x: f64, edge: f64, soft: f64) -> f64 {
     let inner = (1.0 - soft) * edge;
     if x >= edge {

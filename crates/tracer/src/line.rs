@@ -1,6 +1,7 @@
 //! Rays, and rays in the frames of leaves.
 //!
-//! Input: a ray and a leaf. Output: the ray in the leaf's coordinates, and where polynomials change their sign along it.
+//! In: a ray and a leaf. Out: the ray in the leaf's coordinates, and the parameters at which polynomials change their sign
+//! along it.
 
 use glam::DVec3;
 
@@ -9,7 +10,7 @@ use crate::leaf::Leaf;
 use crate::roots::{QuadraticChanges, SignChanges, deflated};
 use crate::surface::{PolynomialSurface, QuadraticForm};
 
-/// Names a surface that bounds a leaf.
+/// Identifies a surface that bounds a leaf.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct SurfaceId {
     pub(crate) leaf: u32,
@@ -17,7 +18,7 @@ pub struct SurfaceId {
 }
 
 impl SurfaceId {
-    /// The first surface of a leaf.
+    /// Returns the first surface of a leaf.
     pub fn of_leaf(leaf: usize) -> Self {
         Self {
             leaf: leaf as u32,
@@ -33,26 +34,26 @@ pub struct Ray {
     pub origin: DVec3,
     /// The direction; its length is the unit of t.
     pub direction: DVec3,
-    /// The surface that it starts on, if it does.
+    /// The surface on which it starts, if any.
     pub leaving: Option<SurfaceId>,
 }
 
 impl Ray {
-    /// True if it is a half-line.
+    /// Returns true if it is a half-line: its numbers are finite and its direction is not 0.
     #[inline]
     pub(crate) fn is_usable(&self) -> bool {
         self.origin.is_finite() && self.direction.is_finite() && self.direction != DVec3::ZERO
     }
 }
 
-/// A ray in the frame of a leaf, from the place that is nearest to the frame's centre.
+/// A ray in the frame of a leaf, from its point nearest to the frame's centre.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct UnitLine {
     pub(crate) point: DVec3,
     pub(crate) direction: DVec3,
-    /// The t of that place.
+    /// The t of that point.
     middle: f64,
-    /// The length in the frame of one t, and its reciprocal.
+    /// The length in the frame of one unit of t, and its reciprocal.
     pub(crate) speed: f64,
     slowness: f64,
 }
@@ -68,7 +69,7 @@ impl UnitLine {
         let middle = -origin.dot(direction);
         let point = origin + middle * direction;
         Self {
-            // Once more: far away, the first difference has lost digits.
+            // Repeat the projection: for distant origins the first difference has lost digits.
             point: point - point.dot(direction) * direction,
             direction,
             middle: middle * slowness,
@@ -77,7 +78,7 @@ impl UnitLine {
         }
     }
 
-    /// True if it is a line.
+    /// Returns true if it is a line.
     #[inline]
     pub(crate) fn is_usable(&self) -> bool {
         self.speed.is_finite() && self.slowness.is_finite()
@@ -92,7 +93,7 @@ impl UnitLine {
     }
 }
 
-/// The ray in the coordinates of a leaf's shape.
+/// Returns the ray in the coordinates of a leaf's shape.
 pub(crate) fn field_line(leaf: &Leaf, ray: &Ray) -> Line {
     Line {
         origin: leaf.shape_from_world.transform_point3(ray.origin),
@@ -100,8 +101,8 @@ pub(crate) fn field_line(leaf: &Leaf, ray: &Ray) -> Line {
     }
 }
 
-/// The sign changes of a polynomial of degree two at most along a line, in t; where the ray leaves the surface, without the
-/// one at t = 0.
+/// Returns the sign changes of a polynomial of degree at most two along a line, in t; if the ray leaves the surface, without
+/// the change at t = 0.
 #[inline]
 pub(crate) fn quadratic_changes_in_t(
     line: &UnitLine,
@@ -117,7 +118,7 @@ pub(crate) fn quadratic_changes_in_t(
     changes
 }
 
-/// The sign changes of a polynomial along a line, in t; where the ray leaves the surface, without the one at t = 0.
+/// Returns the sign changes of a polynomial along a line, in t; if the ray leaves the surface, without the change at t = 0.
 pub(crate) fn changes_in_t(
     line: &UnitLine,
     surface: &PolynomialSurface,

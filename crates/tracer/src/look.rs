@@ -1,7 +1,7 @@
-//! The two looks of a picture: the formulas by which light becomes bytes.
+//! The two looks of a picture: the formulas that convert light to bytes.
 //!
-//! In `geotrace` stated colours are sRGB and light is linear; in `crt`, of the CRT scene language, colours are light, and a
-//! gamma makes bytes of it.
+//! In `geotrace`, stated colours are sRGB and light is linear; in `crt`, the look of the CRT scene language, colours are
+//! light, and a gamma curve converts it to bytes.
 
 use std::sync::LazyLock;
 
@@ -18,10 +18,10 @@ pub enum PictureLook {
 }
 
 impl PictureLook {
-    /// Both of them.
+    /// Both looks.
     pub const ALL: [Self; 2] = [Self::Geotrace, Self::Crt];
 
-    /// Its name on a command line.
+    /// Returns its name on a command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Geotrace => "geotrace",
@@ -29,7 +29,7 @@ impl PictureLook {
         }
     }
 
-    /// The light of a stated colour; numbers past 1 by the same curve.
+    /// Returns the light of a stated colour; the curve continues beyond 1.
     pub fn light(self, color: DVec3) -> DVec3 {
         match self {
             Self::Geotrace => decoded(color),
@@ -37,7 +37,7 @@ impl PictureLook {
         }
     }
 
-    /// The light of an image whose colour is this linear light.
+    /// Returns the light of an image whose colour is this linear light.
     pub fn image_light(self, light: DVec3) -> DVec3 {
         match self {
             Self::Geotrace => light,
@@ -45,7 +45,7 @@ impl PictureLook {
         }
     }
 
-    /// Rays of less weight add nothing. In `crt` lights may be much brighter than what they light.
+    /// Returns the weight below which rays are dropped. In `crt`, lights may be much brighter than the surfaces they light.
     pub fn least_weight(self) -> f64 {
         match self {
             Self::Geotrace => 1.0 / 1024.0,
@@ -54,21 +54,21 @@ impl PictureLook {
     }
 }
 
-/// The byte of light in the look `crt`: 255·c^(1/gamma), cut to a whole number.
+/// Returns the bytes of light in the look `crt`: 255·c^(1/gamma), truncated to integers.
 pub fn gamma_encoded(light: DVec3, gamma: f64) -> [u8; 3] {
     light
         .to_array()
         .map(|c| (255.0 * c.max(0.0).powf(1.0 / gamma)) as u8)
 }
 
-/// An sRGB colour of linear light, as bytes.
+/// Returns the sRGB colour of linear light, as bytes.
 pub fn encoded(light: DVec3) -> [u8; 3] {
     let table = &*BYTES;
     let [r, g, b] = light.to_array();
     [table.byte(r), table.byte(g), table.byte(b)]
 }
 
-/// The byte of linear light by the sRGB curve.
+/// Returns the byte of linear light by the sRGB curve.
 fn encoded_byte(x: f64) -> u8 {
     let x = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
     let encoded = if x <= 0.003_130_8 {
@@ -79,21 +79,21 @@ fn encoded_byte(x: f64) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
-/// The bytes of [`encoded_byte`], without its power.
+/// A table with the results of [`encoded_byte`], to avoid its power.
 struct ByteTable {
-    /// The least light of each byte.
+    /// The smallest light of each byte.
     least: [f64; 256],
-    /// The byte of the least light of each cell.
+    /// The byte of the smallest light of each cell.
     first: [u8; BYTE_CELLS + 1],
 }
 
-/// Even where the curve is steepest, a cell has no more than two bytes.
+/// Even where the curve is steepest, a cell has at most two bytes.
 const BYTE_CELLS: usize = 4096;
 
 static BYTES: LazyLock<ByteTable> = LazyLock::new(|| {
     let mut least = [0.0; 256];
     for (byte, least) in least.iter_mut().enumerate() {
-        // The numbers from 0 to 1 are in the order of their bits.
+        // The numbers from 0 to 1 have the order of their bits.
         let (mut below, mut found) = (0, 1f64.to_bits());
         while below < found {
             let middle = below + (found - below) / 2;
@@ -112,7 +112,7 @@ static BYTES: LazyLock<ByteTable> = LazyLock::new(|| {
 impl ByteTable {
     #[inline]
     fn byte(&self, x: f64) -> u8 {
-        // NaN is cast to 0.
+        // The cast maps NaN to 0.
         let cell = (x * BYTE_CELLS as f64) as usize;
         let mut byte = self.first[cell.min(BYTE_CELLS)];
         while byte < u8::MAX && x >= self.least[usize::from(byte) + 1] {
@@ -122,7 +122,7 @@ impl ByteTable {
     }
 }
 
-/// The linear light of an sRGB colour; numbers past 1 by the same curve.
+/// Returns the linear light of an sRGB colour; the curve continues beyond 1.
 pub fn decoded(color: DVec3) -> DVec3 {
     DVec3::from_array(color.to_array().map(|x| {
         if x <= 0.040_45 {

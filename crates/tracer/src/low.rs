@@ -1,8 +1,8 @@
-//! Pieces of degree two at most, ready for rays.
+//! Pieces of degree at most two, prepared for rays.
 //!
-//! Input: the leaves of a world and the surfaces that they share. Output: for each such piece the equation that is solved,
-//! that of the first of its surface, and the leaf in whose frame it stands; and the leaves that are convex, which a ray
-//! that has left them never meets again.
+//! In: the leaves of a world and the surfaces that they share. Out: for each such piece the equation that is solved, which
+//! is that of the first piece of its surface, and the leaf whose frame the equation uses; and the leaves that are convex,
+//! which a ray never meets again after it has left them.
 
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ use crate::shared::Surfaces;
 use crate::surface::QuadraticForm;
 use expr::polynomial::Region;
 
-/// A piece of degree two at most.
+/// A piece of degree at most two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LowPiece {
     /// The unit normal of a plane, if it has one.
@@ -25,22 +25,22 @@ pub(crate) struct LowPiece {
     pub(crate) equation: LowEquation,
 }
 
-/// The equation of a surface of degree two at most.
+/// The equation of a surface of degree at most two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LowEquation {
     Plane(WorldPlane),
     Quadric {
-        /// The leaf in whose frame it stands.
+        /// The leaf whose frame the equation uses.
         frame: u32,
         form: QuadraticForm,
     },
 }
 
-/// A plane in the coordinates of the world: its value is `normal`·(place − `center`) + `offset`.
+/// A plane in world coordinates: its value is `normal`·(point − `center`) + `offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorldPlane {
     pub(crate) normal: DVec3,
-    /// The centre of the leaf's frame: far from the origin, differences from it lose nothing.
+    /// The centre of the leaf's frame: differences from it lose no digits far from the origin.
     pub(crate) center: DVec3,
     pub(crate) offset: f64,
 }
@@ -54,7 +54,7 @@ impl WorldPlane {
         }
     }
 
-    /// The change of sign along a ray; where the ray leaves the plane, none.
+    /// Returns the sign change along a ray; none if the ray leaves the plane.
     #[inline]
     pub(crate) fn changes(&self, ray: &Ray, leaving: bool) -> QuadraticChanges {
         let slope = self.normal.dot(ray.direction);
@@ -66,7 +66,7 @@ impl WorldPlane {
     }
 }
 
-/// The pieces of a world by their numbers; `None` for those of higher degree and for fields.
+/// Returns the pieces of a world by their numbers; `None` for those of higher degree and for fields.
 pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<LowPiece>> {
     let form = |leaf: u32, piece: u32| match &leaves[leaf as usize].compiled.pieces[piece as usize]
     {
@@ -84,7 +84,7 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
                 Some(member) => (member.opposite, surfaces.first[member.group as usize]),
                 None => (false, own),
             };
-            // Both are of one degree.
+            // Both have the same degree.
             let own_form = form(own.0, own.1);
             let normal = match own_form {
                 Some(QuadraticForm::Plane { normal, .. }) => {
@@ -109,8 +109,8 @@ pub(crate) fn low_pieces(leaves: &[Leaf], surfaces: &Surfaces) -> Vec<Option<Low
     pieces
 }
 
-/// True if the leaf is what half-spaces and sets of quadrics without mixed terms, none of whose squares has a negative
-/// coefficient, have in common.
+/// Returns true if the leaf is an intersection of half-spaces and of quadrics without mixed terms and with no negative
+/// coefficients of squares.
 pub(crate) fn is_convex(shape: &FramedShape) -> bool {
     let all = match &shape.region {
         Region::Polynomial(_) => true,
@@ -128,7 +128,7 @@ pub(crate) fn is_convex(shape: &FramedShape) -> bool {
         })
 }
 
-/// True if the leaf is convex, or the set where one piece of degree two at most is not positive.
+/// Returns true if the leaf is convex, or the set where one piece of degree at most two is not positive.
 pub(crate) fn is_simple(leaf: &Leaf) -> bool {
     let is_quadric = matches!(leaf.compiled.region, Region::Polynomial(_))
         && matches!(
@@ -138,10 +138,10 @@ pub(crate) fn is_simple(leaf: &Leaf) -> bool {
     is_quadric || is_convex(&leaf.compiled)
 }
 
-/// A slope of more than this share of its terms has the sign that it seems to have.
+/// The computed sign of a slope is trusted above this fraction of its terms.
 const CLEAR: f64 = 1e-9;
 
-/// True if all rays of the bundle start outside of a half-space that contains a convex leaf, and stay outside.
+/// Returns true if all rays of the bundle start outside of a half-space that contains a convex leaf, and stay outside.
 pub(crate) fn passes(leaf: &Leaf, bundle: &RayBundle) -> bool {
     leaf.compiled.pieces.iter().any(|piece| {
         let LeafSurface::Polynomial(surface) = piece else {
@@ -166,7 +166,7 @@ pub(crate) fn passes(leaf: &Leaf, bundle: &RayBundle) -> bool {
     })
 }
 
-/// The starts and the directions in the frame of a leaf, by their middle and the distance from it.
+/// Returns the starts and the directions in the frame of a leaf, each as a centre with the maximum distance from it.
 fn in_frame(leaf: &Leaf, bundle: &RayBundle) -> ([DVec3; 2], [DVec3; 2]) {
     let map = &leaf.unit_from_world;
     let size = |v: DVec3| {
@@ -181,7 +181,7 @@ fn in_frame(leaf: &Leaf, bundle: &RayBundle) -> ([DVec3; 2], [DVec3; 2]) {
     )
 }
 
-/// True if all rays of the bundle, which start on this piece of a convex leaf, clearly lead out of it.
+/// Returns true if all rays of the bundle, which start on this piece of a convex leaf, clearly lead away from it.
 pub(crate) fn departs(leaf: &Leaf, piece: u32, bundle: &RayBundle) -> bool {
     let LeafSurface::Polynomial(surface) = &leaf.compiled.pieces[piece as usize] else {
         return false;

@@ -1,9 +1,8 @@
 //! The leaves that the rays of a bundle may meet.
 //!
-//! Input: a world, and rays that go nearly the same way. Output: the leaves whose boxes one of them may meet, without those
-//! that all of them have left for good, and without those whose sets are empty where the leaf that bounds them is not met.
-//! Of the solids that are products also the first place of each ray. Where rays go far apart among many leaves,
-//! none are listed.
+//! In: a world, and rays with similar directions. Out: the leaves whose boxes some ray may meet, except leaves that all rays
+//! have left for good, and leaves whose sets are empty because no ray meets the guard. For solids that are products, also
+//! the first crossing of each ray. If the rays diverge among many leaves, none are listed.
 
 use expr::processor::Processor;
 use expr::vectors::{Lanes, MOST_LANES};
@@ -19,13 +18,13 @@ use crate::world::World;
 /// The leaves near a bundle.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NearLeaves {
-    /// Those of products last.
+    /// The leaves; those of products come last.
     leaves: Vec<NearLeaf>,
-    /// The number of leaves that are not of products.
+    /// The number of leaves that do not belong to products.
     joined: usize,
-    /// True where there are too many: then none is listed.
+    /// True if there are too many leaves; then none is listed.
     crowded: bool,
-    /// For each ray its first place on the products.
+    /// For each ray its first crossing with the products.
     first: FirstPlaces,
     stack: Vec<u32>,
 }
@@ -82,32 +81,33 @@ impl NearLeaves {
         *joined = leaves.partition_point(|near| !world.is_in_product(near.leaf));
     }
 
-    /// True if there are none.
+    /// Returns true if there are no leaves.
     pub(crate) fn is_empty(&self) -> bool {
         self.leaves.is_empty() && !self.crowded
     }
 
-    /// True if there are too many for a list.
+    /// Returns true if there are too many leaves to list.
     pub(crate) fn is_crowded(&self) -> bool {
         self.crowded
     }
 
-    /// All leaves.
+    /// Returns all leaves.
     pub(crate) fn all(&self) -> &[NearLeaf] {
         &self.leaves
     }
 
-    /// Those that are not of products.
+    /// Returns the leaves that do not belong to products.
     pub(crate) fn joined(&self) -> &[NearLeaf] {
         &self.leaves[..self.joined]
     }
 
-    /// The first place of the ray with this index on the products.
+    /// Returns the first crossing of the ray with this index with the products.
     pub(crate) fn first(&self, world: &World, index: usize) -> FirstPlace {
         self.first.get(world, index)
     }
 
-    /// Those rays of a block, the first of which has this index, that are known to meet nothing before these places.
+    /// Returns the rays of a block that are known to meet nothing before these parameters; `first` is the index of the
+    /// block's first ray.
     pub(crate) fn free(&self, first: usize, before: &[f64; MOST_LANES]) -> Lanes {
         if self.joined > 0 {
             return Lanes::default();
@@ -115,7 +115,7 @@ impl NearLeaves {
         self.first.free(first, before)
     }
 
-    /// Finds the first place of each ray of the bundle on the products.
+    /// Finds the first crossing of each ray of the bundle with the products.
     pub(crate) fn find_first_places(
         &mut self,
         processor: Processor,

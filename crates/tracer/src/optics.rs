@@ -1,17 +1,17 @@
 //! Reflection and refraction at a face.
 //!
-//! Input: unit directions and refractive indices. Output: the reflected and the refracted direction, and the share of
+//! In: unit directions and refractive indices. Out: the reflected and the refracted direction, and the fraction of
 //! unpolarised light that is reflected (Born and Wolf, *Principles of Optics*, section 1.5).
 
 use glam::DVec3;
 
-/// The direction after reflection at a face with this unit normal.
+/// Returns the direction after reflection at a face with this unit normal.
 pub fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - 2.0 * normal.dot(direction) * normal
 }
 
-/// The direction after refraction (Snell), from index `n1` into `n2`, the unit normal on the side that the ray comes from;
-/// `None` for total reflection.
+/// Returns the direction after refraction (Snell's law) from index `n1` into `n2`; the unit normal is on the side of the
+/// incoming ray. `None` for total reflection.
 pub fn refracted(direction: DVec3, normal: DVec3, n1: f64, n2: f64) -> Option<DVec3> {
     if n1 == n2 {
         return Some(direction);
@@ -22,8 +22,8 @@ pub fn refracted(direction: DVec3, normal: DVec3, n1: f64, n2: f64) -> Option<DV
     (sine2 <= 1.0).then(|| ratio * direction + (ratio * cosine - (1.0 - sine2).sqrt()) * normal)
 }
 
-/// The share of unpolarised light that is reflected where it comes at this cosine from index `n1` to `n2`: 1 at total
-/// reflection, 0 between equal indices.
+/// Returns the fraction of unpolarised light that is reflected at this cosine of incidence from index `n1` to `n2`: 1 for
+/// total reflection, 0 between equal indices.
 pub fn fresnel(cosine: f64, n1: f64, n2: f64) -> f64 {
     if n1 == n2 {
         return 0.0;

@@ -1,9 +1,9 @@
 //! Solids that are unions of products: of intersections of simple leaves, and of complements of such leaves.
 //!
-//! Input: set operations in postfix order. Output: the products that a solid is the union of, if it is one. J. Goldfeather,
-//! J. P. M. Hultquist and H. Fuchs, "Fast constructive-solid geometry display in the Pixel-Powers graphics system", SIGGRAPH
-//! 1986, multiply any tree out into a sum of such products. Here a tree counts as it is written: products that are multiplied
-//! out may be many, and meet each other.
+//! In: set operations in postfix order. Out: the products whose union is the solid, if it has this form. J. Goldfeather, J.
+//! P. M. Hultquist and H. Fuchs, "Fast constructive-solid geometry display in the Pixel-Powers graphics system", SIGGRAPH
+//! 1986, expand any tree into a sum of such products. Here a tree is used as written: expanded products may be numerous, and
+//! intersect each other.
 
 use crate::tree::TreeStep;
 
@@ -12,21 +12,21 @@ use crate::tree::TreeStep;
 pub(crate) struct Product {
     /// The number of its leaves that are not complemented.
     pub(crate) positives: usize,
-    /// True if its solid is the union of this one alone.
+    /// True if it is the only product of its solid.
     pub(crate) is_alone: bool,
 }
 
-/// The place of a leaf in a product.
+/// The role of a leaf in a product.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProductLeaf {
     /// The number of the product.
     pub(crate) product: u32,
-    /// True if the product lies outside of the leaf.
+    /// True if the product is outside of the leaf.
     pub(crate) complemented: bool,
 }
 
-/// The products that solids are unions of, and the place of each leaf in one; `None` for leaves of other solids. `is_simple` is
-/// true of leaves that are convex or bounded by one quadric.
+/// Returns the products whose unions are solids, and the role of each leaf in one; `None` for leaves of other solids.
+/// `is_simple` is true of leaves that are convex or bounded by one quadric.
 pub(crate) fn find_products(
     solids: &[Vec<TreeStep>],
     leaf_count: usize,
@@ -56,7 +56,7 @@ pub(crate) fn find_products(
 /// The leaves of each product, with true for complemented ones.
 type ProductLeaves = Vec<(usize, bool)>;
 
-/// The products that a solid is the union of.
+/// Returns the products whose union is the solid.
 fn products_of(
     steps: &[TreeStep],
     is_simple: &dyn Fn(usize) -> bool,
@@ -66,7 +66,7 @@ fn products_of(
         products: Vec<ProductLeaves>,
         leaves: Option<Vec<usize>>,
     }
-    /// Both lists, in any order.
+    /// Returns both lists as one, in any order.
     fn joined<T>(mut a: Vec<T>, mut b: Vec<T>) -> Vec<T> {
         if a.len() < b.len() {
             std::mem::swap(&mut a, &mut b);

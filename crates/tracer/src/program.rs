@@ -1,8 +1,8 @@
 //! Polynomials along rays, by the operations of their expressions.
 //!
-//! Input: an expression that sums and multiplies coordinates and numbers, then rays. Output: the polynomial along a ray. A
-//! product of factors has far more terms than its factors have together; its expression multiplies them where they are
-//! polynomials of one variable.
+//! In: an expression of sums and products of coordinates and numbers, then rays. Out: the polynomial along a ray. A product
+//! of factors has far more terms than the factors together; its expression multiplies the factors as polynomials of one
+//! variable.
 
 use expr::ops::{Binary, Unary};
 use expr::{Graph, Input, Node, NodeId};
@@ -11,10 +11,10 @@ use rustc_hash::FxHashMap;
 
 use crate::roots::{Coefficients, LARGEST_DEGREE};
 
-/// The operations that make a polynomial of one variable.
+/// The operations that compute a polynomial of one variable.
 #[derive(Clone, Debug)]
 pub(crate) struct PolynomialProgram {
-    /// Each with the degree of its result.
+    /// Each step with the degree of its result.
     steps: Vec<(PolynomialStep, usize)>,
 }
 
@@ -34,7 +34,7 @@ enum PolynomialStep {
     Product(usize, usize),
 }
 
-/// The number of steps of a program at most.
+/// The maximum number of steps of a program.
 const MOST_STEPS: usize = 64;
 
 /// Reads an expression.
@@ -44,8 +44,8 @@ struct ProgramReader {
 }
 
 impl PolynomialProgram {
-    /// Reads an expression in coordinates that `frame` gives by their middle and half the side; `None` if it has other
-    /// operations, or many.
+    /// Reads an expression in the coordinates of `frame`, which gives the centre and half the side of each. Returns `None`
+    /// if the expression has other operations, or too many.
     pub(crate) fn new(
         graph: &Graph,
         root: NodeId,
@@ -66,12 +66,12 @@ impl PolynomialProgram {
         })
     }
 
-    /// The degree of the polynomial at most.
+    /// Returns the maximum degree of the polynomial.
     pub(crate) fn degree(&self) -> usize {
         self.steps.last().map_or(0, |(_, degree)| *degree)
     }
 
-    /// The number of multiplications for a ray, about.
+    /// Returns the approximate number of multiplications for a ray.
     pub(crate) fn cost(&self) -> usize {
         let degree = |k: usize| self.steps[k].1 + 1;
         let cost = |(step, own): &(PolynomialStep, usize)| match *step {
@@ -81,7 +81,7 @@ impl PolynomialProgram {
         self.steps.iter().map(cost).sum()
     }
 
-    /// The polynomial at `point` + s·`direction`, in s.
+    /// Returns the polynomial at `point` + s·`direction`, in s.
     pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
         let mut values = [[0.0; LARGEST_DEGREE + 1]; MOST_STEPS];
         for (k, &(step, degree)) in self.steps.iter().enumerate() {
@@ -126,7 +126,7 @@ impl PolynomialProgram {
 }
 
 impl ProgramReader {
-    /// The step whose result a node is.
+    /// Returns the step whose result is the value of a node.
     fn read(
         &mut self,
         node: Node,
@@ -160,7 +160,7 @@ impl ProgramReader {
             Node::Power(a, n @ 1..) => {
                 let a = known(a);
                 let mut power = a;
-                // From the second bit on: squares, times the base where a bit is set.
+                // From the second bit on: square, and multiply by the base if the bit is set.
                 for bit in (0..n.ilog2()).rev() {
                     power = self.product(power, power)?;
                     if n >> bit & 1 == 1 {

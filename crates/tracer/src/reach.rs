@@ -1,9 +1,9 @@
 //! Boxes outside which a polynomial is positive.
 //!
-//! Input: a polynomial. Output: of one of degree 2 that bounds an ellipsoid, the box of that in closed form; of another one,
-//! half the side of a cube about the origin outside which it is positive. Intervals of its terms
-//! on endless boxes say nothing, since large terms cancel; so the outside is seen from infinity: a point is s·w, w on the
-//! surface of the cube [−1, 1]³, and the polynomial divided by s^degree is one in w and 1/s, which is small there.
+//! In: a polynomial. Out: if it is of degree 2 and bounds an ellipsoid, the ellipsoid's box in closed form; otherwise half
+//! the side of a cube about the origin outside which it is positive. Intervals of its terms on unbounded boxes are useless,
+//! since large terms cancel; so the outside is seen from infinity: a point is s·w, with w on the surface of the cube [−1,
+//! 1]³, and the polynomial divided by s^degree is one in w and 1/s, which is small there.
 
 use expr::interval::Interval;
 use expr::ops::Binary;
@@ -12,22 +12,22 @@ use glam::{DMat3, DVec3};
 
 use crate::bounds::{BoundingBox, WorkBudget};
 
-/// The number of boxes on the cube that are tested for one size.
+/// The maximum number of boxes on the cube that are tested for one size.
 const BOXES: usize = 4096;
-/// The operations on intervals that a term takes.
+/// The number of operations for a term on intervals.
 const TERM: u64 = 6;
-/// Cubes are looked for between 2^−LARGEST and 2^LARGEST.
+/// The search for cubes covers sizes from 2^−LARGEST to 2^LARGEST.
 const LARGEST: i32 = 40;
 
-/// A pivot of a quadratic form below this share of the largest coefficient is none.
+/// A pivot of a quadratic form below this fraction of the largest coefficient counts as 0.
 const FLATTEST: f64 = 1e-9;
-/// The share of its size and distance by which the box of an ellipsoid is larger than what is computed.
+/// The box of an ellipsoid is enlarged by this fraction of its size and distance.
 const MARGIN: f64 = 1e-9;
 
-/// The box of the ellipsoid whose inside a region is; `None` for another region.
+/// Returns the box of the ellipsoid whose interior is the region; `None` for other regions.
 ///
-/// With f = xᵀAx + 2bᵀx + c, A positive definite, the centre is m = −A⁻¹b, and with r = bᵀA⁻¹b − c half the side along axis k
-/// is √(r (A⁻¹)ₖₖ), where the gradient of f is along that axis.
+/// With f = xᵀAx + 2bᵀx + c, A positive definite, the centre is m = −A⁻¹b, and with r = bᵀA⁻¹b − c half the side along axis
+/// k is √(r (A⁻¹)ₖₖ), where the gradient of f is along that axis.
 pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
     let Region::Polynomial(p) = region else {
         return None;
@@ -56,7 +56,7 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
         .into_iter()
         .fold(0.0, |a: f64, b| a.max(b.abs()));
     let least = FLATTEST * largest;
-    // Pivots of the elimination: the form is positive definite exactly where all are positive.
+    // Pivots of the elimination: the form is positive definite exactly if all are positive.
     let [a, b, c] = [form.x_axis, form.y_axis, form.z_axis];
     let second = a.x * b.y - a.y * a.y;
     let is_definite = a.x > least && second > least * a.x && form.determinant() > least * second;
@@ -78,10 +78,11 @@ pub(crate) fn ellipsoid(region: &Region) -> Option<BoundingBox> {
     })
 }
 
-/// Parts of the cube are halved down to this size where several polynomials bound a set together.
+/// Parts of the cube are halved down to this size if several polynomials bound a set together.
 const FINEST: f64 = 1.0 / 128.0;
 
-/// A box that contains the region, as far as its polynomials say so, each by itself or all together; none once `work` is used up.
+/// Returns a box that contains the region, as far as its polynomials show, each by itself or all together; `None` once
+/// `work` is used up.
 pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     let found = reach_of_each(region, work);
     found.or_else(|| match region {
@@ -90,8 +91,8 @@ pub(crate) fn reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     })
 }
 
-/// A box that contains the region, where at each place far away it lies outside of one of the sets that it is the intersection
-/// of: so half-spaces bound a polyhedron, none of which is bounded.
+/// Returns a box that contains the region, outside of which each point is outside of one of the intersected sets.
+/// Half-spaces bound a polyhedron in this way, though none of them is bounded.
 pub(crate) fn joint_reach(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     let mut least = None;
     for k in (-LARGEST..=LARGEST).rev().step_by(2) {
@@ -107,7 +108,7 @@ pub(crate) fn joint_reach(region: &Region, work: &WorkBudget) -> Option<Bounding
     })
 }
 
-/// True if the region holds nothing outside of a cube.
+/// Returns true if the region has no point outside of a cube.
 fn is_outside(region: &Region, size: f64, work: &WorkBudget) -> bool {
     let operations = TERM * term_count(region) as u64;
     let mut budget = BOXES;
@@ -120,7 +121,7 @@ fn is_outside(region: &Region, size: f64, work: &WorkBudget) -> bool {
         if is_positive(region, point, small) {
             return PartOfCube::Outside;
         }
-        // Where it is not so in one direction, no division helps.
+        // If one direction fails, no division helps.
         let middle = point.map(|side| Interval::point(0.5 * (side.lower() + side.upper())));
         match !is_finest && is_positive(region, middle, far) {
             true => PartOfCube::Halved,
@@ -129,7 +130,7 @@ fn is_outside(region: &Region, size: f64, work: &WorkBudget) -> bool {
     })
 }
 
-/// True if each place s·`point`, 1/s in `small`, is seen to be outside.
+/// Returns true if each point s·`point`, 1/s in `small`, is shown to be outside.
 fn is_positive(region: &Region, point: [Interval; 3], small: Interval) -> bool {
     match region {
         Region::Polynomial(p) => leading(p, point, small).lower() > 0.0,
@@ -151,12 +152,12 @@ fn term_count(region: &Region) -> usize {
 enum PartOfCube {
     Outside,
     Halved,
-    /// Nothing is found, on no part of it.
+    /// Not decided, and division does not help.
     Open,
 }
 
-/// Asks about each face of the cube, with the reciprocal of the size as a third side, and about halves of it as long as they are
-/// to be halved; false once a part is open.
+/// Tests each face of the cube, with the reciprocal of the size as a third side, and divides it while the finding is
+/// `Halved`; returns false once a part is open.
 fn parts_of_faces(
     size: f64,
     finding: &mut dyn FnMut([Interval; 3], Interval, bool) -> PartOfCube,
@@ -191,7 +192,7 @@ fn parts_of_faces(
     true
 }
 
-/// A box that contains the region, as far as each of its polynomials says so.
+/// Returns a box that contains the region, as far as each of its polynomials shows by itself.
 fn reach_of_each(region: &Region, work: &WorkBudget) -> Option<BoundingBox> {
     match region {
         Region::Polynomial(p) => {
@@ -223,7 +224,7 @@ fn cube(p: &Polynomial, work: &WorkBudget) -> Option<f64> {
     if p.degree() < 2 || p.degree() % 2 == 1 {
         return None;
     }
-    // Beyond the largest size nothing is left but the leading terms: where they have a zero, no cube will do.
+    // Beyond the largest size only the leading terms matter: if they have a zero, there is no such cube.
     let mut least = None;
     for k in (-LARGEST..=LARGEST).rev().step_by(2) {
         let size = f64::from(k).exp2();
@@ -251,7 +252,7 @@ fn positive_outside(p: &Polynomial, size: f64, work: &WorkBudget) -> bool {
     })
 }
 
-/// The polynomial at s·`point`, divided by s^degree, where 1/s is `small`.
+/// Returns the polynomial at s·`point`, divided by s^degree, where 1/s is `small`.
 fn leading(p: &Polynomial, point: [Interval; 3], small: Interval) -> Interval {
     let degree = p.degree() as i32;
     let product = |a, b| Interval::binary(Binary::Mul, a, b);

@@ -1,33 +1,33 @@
-//! The places where a polynomial of one variable changes its sign.
+//! The sign changes of a polynomial of one variable.
 //!
-//! Input: coefficients, the constant first. Output: the places in ascending order; between two of them the sign is the
-//! same, and at each of them it changes, whatever rounding does. Quadratics are solved in closed form; above, coefficients in
-//! Bernstein's basis isolate the roots (G. E. Collins and A. G. Akritas, SYMSAC 1976), near multiple ones the critical points
-//! do, from the derivatives' in turn, and Newton's method finds each inside its bracket. The closed forms of the crates `roots`
-//! and `kurbo` are quicker for quartics, but near double roots their number of roots may be odd where the signs at the ends
-//! agree, which turns a solid inside out.
+//! In: coefficients, the constant first. Out: the points of sign change in ascending order. Between two of them the sign is
+//! constant, and at each of them it changes, whatever the rounding. Quadratics are solved in closed form. For higher
+//! degrees, coefficients in the Bernstein basis isolate the roots (G. E. Collins and A. G. Akritas, SYMSAC 1976); near
+//! multiple roots the critical points do so, from those of the derivatives in turn. Newton's method finds each root inside
+//! its bracket. The closed forms of the crates `roots` and `kurbo` are faster for quartics, but near double roots their
+//! number of roots may be odd although the signs at the ends agree, which turns a solid inside out.
 
-/// The highest degree.
+/// The highest supported degree.
 pub(crate) const LARGEST_DEGREE: usize = expr::polynomial::LARGEST_DEGREE;
 
 /// Coefficients, the constant first; those above the degree are 0.
 pub(crate) type Coefficients = [f64; LARGEST_DEGREE + 1];
 
-/// The places where the sign of a polynomial changes, `MOST` at most.
+/// The points where the sign of a polynomial changes, at most `MOST`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SignChanges<const MOST: usize = { LARGEST_DEGREE + 2 }> {
     places: [f64; MOST],
     count: usize,
-    /// True if the polynomial is not positive before the first place.
+    /// True if the polynomial is not positive before the first point.
     pub(crate) inside_first: bool,
 }
 
-/// Those of a polynomial whose degree is two at most.
+/// The sign changes of a polynomial of degree at most two.
 pub(crate) type QuadraticChanges = SignChanges<2>;
 
-/// The number of times that a part is halved by Bernstein's coefficients.
+/// The number of bisection steps with Bernstein coefficients.
 const HALVINGS: usize = 6;
-/// Beyond this the reciprocal of the variable is solved for.
+/// Beyond this value, the reciprocal of the variable is solved for.
 const FAR: f64 = 2.0;
 
 impl<const MOST: usize> Default for SignChanges<MOST> {
@@ -41,7 +41,7 @@ impl<const MOST: usize> Default for SignChanges<MOST> {
 }
 
 impl<const MOST: usize> SignChanges<MOST> {
-    /// The change of c + b·s.
+    /// Returns the change of c + b·s.
     #[inline]
     pub(crate) fn of_linear([c, b]: [f64; 2]) -> Self {
         let mut changes = Self::default();
@@ -54,7 +54,7 @@ impl<const MOST: usize> SignChanges<MOST> {
         changes
     }
 
-    /// The changes of c + b·s + a·s²; MOST is at least 2.
+    /// Returns the changes of c + b·s + a·s²; `MOST` is at least 2.
     #[inline]
     pub(crate) fn of_quadratic([c, b, a]: [f64; 3]) -> Self {
         if a == 0.0 {
@@ -67,7 +67,7 @@ impl<const MOST: usize> SignChanges<MOST> {
         let discriminant = b * b - 4.0 * a * c;
         if discriminant > 0.0 {
             let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-            // Both are numbers: q is not 0 where the discriminant is positive.
+            // Both are numbers: q is not 0 if the discriminant is positive.
             let [s, r] = [q / a, c / q];
             changes.push(s.min(r));
             changes.push(s.max(r));
@@ -75,18 +75,18 @@ impl<const MOST: usize> SignChanges<MOST> {
         changes
     }
 
-    /// In ascending order.
+    /// Returns the points in ascending order.
     pub(crate) fn places(&self) -> &[f64] {
         &self.places[..self.count]
     }
 
-    /// True if the polynomial is not positive right after the place.
+    /// Returns true if the polynomial is not positive immediately after `place`.
     pub(crate) fn inside_after(&self, place: f64) -> bool {
         let before = self.places().iter().filter(|&&s| s <= place).count();
         self.inside_first != (before % 2 == 1)
     }
 
-    /// Replaces the places by others in the same order.
+    /// Replaces the points by others in the same order.
     pub(crate) fn map(&mut self, f: impl Fn(f64) -> f64) {
         for place in &mut self.places[..self.count] {
             *place = f(*place);
@@ -102,9 +102,9 @@ impl<const MOST: usize> SignChanges<MOST> {
 }
 
 impl QuadraticChanges {
-    /// The part of the line, which may be endless, on which the polynomial is not positive, or with `opposite` positive; `None`
-    /// if there is none. It is that of a convex set: where rounding has bent the polynomial the other way, the far one of
-    /// two parts does not count.
+    /// Returns the part of the line, perhaps unbounded, on which the polynomial is not positive, or with `opposite`
+    /// positive; `None` if there is none. The part is that of a convex set: if rounding has bent the polynomial the other
+    /// way, the farther one of two parts does not count.
     #[inline]
     pub(crate) fn convex_part(&self, opposite: bool) -> Option<[f64; 2]> {
         let inside_first = self.inside_first != opposite;
@@ -120,7 +120,7 @@ impl QuadraticChanges {
 }
 
 impl SignChanges {
-    /// All changes on the whole line.
+    /// Returns all changes on the whole line.
     pub(crate) fn everywhere(p: &Coefficients) -> Self {
         let degree = degree(p);
         if degree <= 2 {
@@ -134,7 +134,7 @@ impl SignChanges {
         for k in 0..=degree {
             reversed[k] = p[degree - k];
         }
-        // Two at infinity: the reciprocal's interval ends at 0, where the sign is that of the leading coefficient.
+        // Both are at infinity: the reciprocal's interval ends at 0, where the sign is that of the leading coefficient.
         let below = Self::between(&reversed, -1.0 / FAR, 0.0);
         for &u in below.places().iter().rev() {
             changes.push(1.0 / u);
@@ -150,7 +150,7 @@ impl SignChanges {
         changes
     }
 
-    /// The changes between two places.
+    /// Returns the changes between two points.
     pub(crate) fn between(p: &Coefficients, from: f64, to: f64) -> Self {
         let degree = degree(p);
         if degree <= 2 {
@@ -165,7 +165,7 @@ impl SignChanges {
             return changes;
         }
         let mut changes = Self::default();
-        // Loops whose length is known are unrolled.
+        // Loops of constant length are unrolled.
         let isolate = match degree {
             3 => isolate::<4>,
             4 => isolate::<5>,
@@ -182,7 +182,7 @@ impl SignChanges {
         changes
     }
 
-    /// The changes between two places, from those of the derivatives: each lies between two critical points.
+    /// Returns the changes between two points, from those of the derivatives: each is between two critical points.
     fn between_critical(p: &Coefficients, degree: usize, from: f64, to: f64) -> Self {
         let mut critical = Self::between(&derivative(p, degree, degree - 2), from, to);
         for k in (0..degree - 2).rev() {
@@ -210,9 +210,9 @@ impl SignChanges {
     }
 }
 
-/// Finds the changes between two places by the signs of coefficients in Bernstein's basis: without a change of sign from one
-/// coefficient to the next there is no root, with one there is one, and else the part is halved. What stays open, near
-/// multiple roots, is left to the derivatives. The degree is N − 1.
+/// Finds the changes between two points by the signs of Bernstein coefficients: no sign change in the sequence means no
+/// root, one means one root; otherwise the part is halved. Parts that stay open, near multiple roots, are left to the
+/// derivatives. The degree is N − 1.
 fn isolate<const N: usize>(p: &Coefficients, [from, to]: [f64; 2], changes: &mut SignChanges) {
     let degree = N - 1;
     let mut stack = [([0.0; N], from, to, 0); HALVINGS + 1];
@@ -230,7 +230,7 @@ fn isolate<const N: usize>(p: &Coefficients, [from, to]: [f64; 2], changes: &mut
             before = c <= 0.0;
         }
         if variations > 1 && depth < HALVINGS {
-            // De Casteljau's scheme.
+            // De Casteljau's algorithm.
             let (mut left, mut right) = (part, part);
             for (k, first) in left.iter_mut().enumerate().skip(1) {
                 for j in 0..N - k {
@@ -259,7 +259,7 @@ fn isolate<const N: usize>(p: &Coefficients, [from, to]: [f64; 2], changes: &mut
                 (critical.inside_first, critical.places())
             }
         };
-        // Rounding may put the sign at a place where two parts meet on either side.
+        // Rounding may move the sign change at a common point of two parts to either side.
         if inside_first != inside {
             changes.push(a);
             inside = inside_first;
@@ -271,8 +271,8 @@ fn isolate<const N: usize>(p: &Coefficients, [from, to]: [f64; 2], changes: &mut
     }
 }
 
-/// The place from 0 to 1 where the polygon of coefficients in Bernstein's basis changes its sign, which it does once: near the
-/// root.
+/// Returns the point from 0 to 1, near the root, where the polygon of Bernstein coefficients changes its sign, which it does
+/// once.
 fn polygon_root<const N: usize>(part: &[f64; N]) -> f64 {
     let before = part
         .windows(2)
@@ -282,7 +282,7 @@ fn polygon_root<const N: usize>(part: &[f64; N]) -> f64 {
     (k as f64 + share) / (N - 1) as f64
 }
 
-/// The coefficients in Bernstein's basis between two places, for the degree N − 1.
+/// Returns the Bernstein coefficients between two points, for the degree N − 1.
 fn bernstein<const N: usize>(p: &Coefficients, from: f64, to: f64) -> [f64; N] {
     let degree = N - 1;
     let mut q = [0.0; N];
@@ -307,7 +307,7 @@ fn bernstein<const N: usize>(p: &Coefficients, from: f64, to: f64) -> [f64; N] {
     q
 }
 
-/// The polynomial divided by s − `root`, the remainder dropped; from whichever end is stable.
+/// Returns the polynomial divided by s − `root` without the remainder; the division starts at the end that is stable.
 pub(crate) fn deflated<const N: usize>(p: &[f64; N], root: f64) -> [f64; N] {
     let degree = degree(p);
     let mut quotient = [0.0; N];
@@ -330,7 +330,7 @@ pub(crate) fn deflated<const N: usize>(p: &[f64; N], root: f64) -> [f64; N] {
     quotient
 }
 
-/// The derivative of order `order`.
+/// Returns the derivative of order `order`.
 fn derivative(p: &Coefficients, degree: usize, order: usize) -> Coefficients {
     let mut derivative = [0.0; LARGEST_DEGREE + 1];
     for k in order..=degree {
@@ -340,7 +340,7 @@ fn derivative(p: &Coefficients, degree: usize, order: usize) -> Coefficients {
     derivative
 }
 
-/// The degree; a leading coefficient that is nothing beside the others counts as 0.
+/// Returns the degree; a leading coefficient that is negligible beside the others counts as 0.
 fn degree(p: &[f64]) -> usize {
     let largest = p.iter().fold(0.0f64, |most, c| most.max(c.abs()));
     p.iter()
@@ -352,7 +352,7 @@ fn value(p: &Coefficients, degree: usize, s: f64) -> f64 {
     p[..=degree].iter().rev().fold(0.0, |sum, c| sum * s + c)
 }
 
-/// The root between `a` and `b`, where the signs differ, from a place between.
+/// Returns the root between `a` and `b`, where the signs differ, starting from a point between them.
 fn root(
     p: &Coefficients,
     degree: usize,

@@ -1,7 +1,7 @@
-//! Shapes: sets that expressions bound, read for rays.
+//! Shapes: sets that expressions bound, prepared for rays.
 //!
-//! Input: an expression in x, y, z with its cuts. Output: the box that contains the set, and in coordinates that take that
-//! box to [−1, 1]³ the polynomials and other expressions that bound it, with the way in which they combine.
+//! In: an expression in x, y, z with its cuts. Out: the box that contains the set and, in coordinates that map that box to
+//! [−1, 1]³, the polynomials and other expressions that bound it, with the way in which they combine.
 
 use std::sync::Arc;
 
@@ -23,9 +23,9 @@ pub(crate) struct Shape {
     pub(crate) node: NodeId,
     pub(crate) cuts: [Option<[f64; 2]>; 3],
     pub(crate) field: Field,
-    /// The box outside which it holds nothing; some of its sides may be endless.
+    /// The box outside which it has no point; some of its sides may be infinite.
     pub(crate) extent: BoundingBox,
-    /// The box about the centres of the polynomials that bound it.
+    /// The box around the centres of the polynomials that bound it.
     centers: BoundingBox,
     /// The number of surfaces that bound it.
     pub(crate) pieces: usize,
@@ -35,11 +35,11 @@ pub(crate) struct Shape {
 #[derive(Clone, Debug)]
 pub(crate) struct FramedShape {
     pub(crate) region: Region,
-    /// In the order in which they occur in the region.
+    /// In the order of their occurrence in the region.
     pub(crate) pieces: Vec<LeafSurface>,
-    /// True if the first piece is where the shape's expression as a whole is not positive.
+    /// True if the first piece is where the shape's whole expression is not positive.
     pub(crate) is_whole: bool,
-    /// The shape's coordinates from those of the frame.
+    /// The map from the coordinates of the frame to the shape's coordinates.
     pub(crate) shape_from_unit: DAffine3,
 }
 
@@ -59,7 +59,7 @@ const READING: u64 = 32;
 const FLATTEST: f64 = 1e-3;
 
 impl Shape {
-    /// Makes a shape. Where `work` is used up, its box is larger than it need be.
+    /// Makes a shape. If `work` is used up, its box is larger than necessary.
     pub(crate) fn new(
         compiler: &FieldCompiler<'_>,
         node: NodeId,
@@ -69,7 +69,7 @@ impl Shape {
     ) -> Result<Self, TooLarge> {
         let graph = compiler.graph;
         let field = Field::new(compiler, node, false, uniform)?;
-        // One operation more: what is none has a value, too.
+        // Add one: an expression without operations has a value, too.
         let operations = field.value_work() + 1;
         work.take(READING * operations);
         let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
@@ -80,7 +80,7 @@ impl Shape {
             BoundingBox::EMPTY
         } else {
             let (region, terms) = region(graph, node, &|input| meaning(input, uniform, &UNITS));
-            // It is read once more in its frame.
+            // The expression is read again in its frame.
             work.take(2 * terms as u64);
             pieces += region.pieces();
             middles = centers(&region);
@@ -123,19 +123,19 @@ impl Shape {
         })
     }
 
-    /// The box outside which it holds nothing; `None` for an endless set.
+    /// Returns the box outside which it has no point; `None` for an unbounded set.
     pub(crate) fn bounds(&self) -> Option<BoundingBox> {
         self.extent.if_finite()
     }
 
-    /// True at the points of the set, by the expression's value.
+    /// Returns true at the points of the set, by the expression's value.
     pub(crate) fn contains(&self, scratch: &mut FieldScratch, at: DVec3) -> bool {
         let within = |(cut, x): (&Option<[f64; 2]>, f64)| cut.is_none_or(|[a, b]| a <= x && x <= b);
         self.cuts.iter().zip(at.to_array()).all(within) && self.field.value(scratch, at) <= 0.0
     }
 
-    /// Reads the shape in coordinates that take its box to [−1, 1]³; of an endless shape, a box about the centres of its
-    /// polynomials, with half the side `size` where they tell none.
+    /// Reads the shape in coordinates that map its box to [−1, 1]³; for an unbounded shape, a box around the centres of its
+    /// polynomials, with half the side `size` if they determine none.
     pub(crate) fn compile(
         &self,
         compiler: &FieldCompiler<'_>,
@@ -177,7 +177,7 @@ impl Shape {
             && let Some(LeafSurface::Polynomial(surface)) = pieces.first_mut()
             && let Some(program) = PolynomialProgram::new(graph, self.node, uniform, &frame)
         {
-            // The expression as a whole is the first piece, and cuts follow.
+            // The whole expression is the first piece; the cuts follow.
             *surface = surface.clone().with_program(program);
         }
         Ok(FramedShape {
@@ -189,10 +189,10 @@ impl Shape {
     }
 }
 
-/// The middle and half the side of the frame in which polynomials are written as they stand.
+/// The centre and half the side of the frame in which polynomials are written unchanged.
 const UNITS: [[f64; 2]; 3] = [[0.0, 1.0]; 3];
 
-/// An input as a polynomial in the coordinates of a frame.
+/// Returns an input as a polynomial in the coordinates of a frame.
 fn meaning(input: Input, uniform: &dyn Fn(Input) -> f64, frame: &[[f64; 2]; 3]) -> Polynomial {
     match input {
         Input::Variable(k @ 0..3) => {
@@ -206,7 +206,7 @@ fn meaning(input: Input, uniform: &dyn Fn(Input) -> f64, frame: &[[f64; 2]; 3]) 
 }
 
 impl FramedShape {
-    /// A set without points.
+    /// Returns the empty set.
     fn empty() -> Self {
         Self {
             region: Region::Any(Vec::new()),
@@ -217,7 +217,7 @@ impl FramedShape {
     }
 }
 
-/// Regions are nested no deeper than they have pieces, which are few.
+/// The nesting depth of a region is at most the number of its pieces, which is small.
 fn collect(
     region: &Region,
     compiler: &FieldCompiler<'_>,

@@ -1,9 +1,9 @@
 //! Surfaces that several leaves share.
 //!
-//! Input: the leaves of a world. Output: groups of pieces whose zero sets are one. Rays meet all pieces of a group at the
-//! same t, to the last bit, so that flush faces leave no film between them. Polynomials are one surface if they agree to
-//! [`AGREEMENT`] where the largest coefficient is 1, in the frame of the first leaf, or to what f64 tells apart where the
-//! leaf is; other expressions if they are one node under one map.
+//! In: the leaves of a world. Out: groups of pieces with one common zero set. Rays meet all pieces of a group at the same t,
+//! to the last bit, so that flush faces leave no film between them. Polynomials are one surface if, scaled to the largest
+//! coefficient 1 in the frame of the first leaf, they agree to [`AGREEMENT`], or to the resolution of f64 at the leaf's
+//! position; other expressions if they are one node under one map.
 
 use expr::polynomial::Polynomial;
 use glam::{DAffine3, DVec3};
@@ -14,13 +14,14 @@ use crate::leaf::Leaf;
 use crate::shape::LeafSurface;
 use crate::surface::{HIGHEST_SHARED, PolynomialSurface};
 
-/// The difference of coefficients up to which two surfaces are one: 2⁻³⁸.
+/// The maximum difference of coefficients of one surface: 2⁻³⁸.
 const AGREEMENT: f64 = 1.0 / (1u64 << 38) as f64;
-/// Far from the origin, the difference in units in the last place of a leaf's coordinates.
+/// The same far from the origin, in ulps of a leaf's coordinates.
 const ULPS: f64 = 16.0;
-/// The difference of keys up to which surfaces are compared.
+/// The maximum difference of keys of surfaces that are compared.
 const NEAR: f64 = 1e-6;
-/// The change of coefficients that a key must stand, in agreements: each of two surfaces is rounded, and so is the key.
+/// The change of coefficients that a key must tolerate, as a multiple of the agreement: each of two surfaces is rounded, and
+/// so is the key.
 const REACH: f64 = 16.0;
 /// The number of groups with the nearest keys that a surface is compared with.
 const MOST_COMPARED: usize = 8;
@@ -28,7 +29,7 @@ const MOST_COMPARED: usize = 8;
 /// The groups.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surfaces {
-    /// For each piece of all leaves its group, if it has one.
+    /// The group of each piece, if it has one; pieces are numbered over all leaves.
     groups: Vec<Option<Member>>,
     /// For each group, the leaf and the piece whose equation is solved.
     pub(crate) first: Vec<(u32, u32)>,
@@ -38,33 +39,33 @@ pub(crate) struct Surfaces {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Member {
     pub(crate) group: u32,
-    /// True if it is on the other side of the surface than the group's first.
+    /// True if it is on the opposite side of the surface to the group's first piece.
     pub(crate) opposite: bool,
 }
 
 impl Surfaces {
-    /// The group of a piece, counted over all leaves.
+    /// Returns the group of a piece, numbered over all leaves.
     pub(crate) fn group(&self, piece: usize) -> Option<Member> {
         self.groups[piece]
     }
 }
 
-/// Names a surface that is shared only if it is the same: the polynomials of a shape and the place among them, or no shape
-/// and the node; the bits of the map, and those of the uniforms that the node reads.
+/// The name of a surface that is shared only if it is identical: the polynomials of a shape and the position among them, or
+/// no shape and the node; the bits of the map, and those of the uniforms that the node reads.
 type Name = (usize, usize, [u64; 12], Vec<u64>);
 
 /// A surface with a number that does not depend on the scale of its equation.
 struct Keyed {
     key: f64,
-    /// The keys of surfaces that are one with it differ by no more.
+    /// The maximum difference between the keys of surfaces that are one with it.
     reach: f64,
     leaf: u32,
     piece: u32,
 }
 
 impl Keyed {
-    /// The key is the angle of (a₁, a₀), the values at two places. Where coefficients change by d, the values change by no more
-    /// than d·s, where s = (1 + |x| + |y| + |z|)ⁿ, and the angle by d (s₀|a₁| + s₁|a₀|)/(a₀² + a₁²).
+    /// Creates a key: the angle of (a₁, a₀), the values at two points. If coefficients change by d, the values change by at
+    /// most d·s, where s = (1 + |x| + |y| + |z|)ⁿ, and the angle by d (s₀|a₁| + s₁|a₀|)/(a₀² + a₁²).
     fn new(leaf: &Leaf, surface: &PolynomialSurface, places: &[DVec3; 2], at: (u32, u32)) -> Self {
         let polynomial = &surface.polynomial;
         let places = places.map(|place| leaf.unit_from_world.transform_point3(place));
@@ -83,7 +84,7 @@ impl Keyed {
     }
 }
 
-/// The difference of coefficients, the largest of which is 1, up to which a surface is one with another in a leaf's frame.
+/// Returns the maximum difference of coefficients, scaled to the largest coefficient 1, of one surface in a leaf's frame.
 fn agreement(leaf: &Leaf) -> f64 {
     AGREEMENT.max(ULPS * f64::EPSILON * leaf.unit_from_world.translation.length())
 }
@@ -92,7 +93,7 @@ fn agreement(leaf: &Leaf) -> f64 {
 pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> Surfaces {
     let mut keyed = Vec::new();
     let mut exact: FxHashMap<Name, Vec<(u32, u32)>> = FxHashMap::default();
-    // Two places without any symmetry.
+    // Two points without any symmetry.
     let half = 0.5 * (rest.upper - rest.lower);
     let places = [
         DVec3::new(0.339_816, -1.618_034, 0.732_051),
@@ -141,10 +142,10 @@ pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> 
     surfaces
 }
 
-/// Walks along the keys; what has none of the groups before it within reach begins one.
+/// Traverses the surfaces in the order of their keys; a surface without a matching group within reach begins one.
 fn share_polynomials(leaves: &[Leaf], mut keyed: Vec<Keyed>, surfaces: &mut Surfaces) {
     keyed.retain(|surface| !surface.key.is_nan());
-    // The last key is close to the first one: the arctangent goes round.
+    // The last key is close to the first one: the arctangent is periodic.
     keyed.sort_by(|a, b| {
         a.key
             .total_cmp(&b.key)
@@ -191,7 +192,7 @@ impl Surfaces {
     }
 }
 
-/// True for the side on which a field's negative is not positive.
+/// Returns true for the side on which the negated field is not positive.
 fn side(leaves: &[Leaf], (l, p): (u32, u32)) -> bool {
     match &leaves[l as usize].compiled.pieces[p as usize] {
         LeafSurface::Field(field, _) => field.is_negated(),
@@ -199,7 +200,7 @@ fn side(leaves: &[Leaf], (l, p): (u32, u32)) -> bool {
     }
 }
 
-/// True or false where the surfaces are one: true if they are on opposite sides.
+/// Returns a value if the surfaces are one: true if they are on opposite sides.
 fn same(leaves: &[Leaf], a: (u32, u32), b: (u32, u32)) -> Option<bool> {
     let surface = |(l, p): (u32, u32)| -> Option<(&Leaf, &PolynomialSurface)> {
         let leaf = &leaves[l as usize];
@@ -223,7 +224,7 @@ fn same(leaves: &[Leaf], a: (u32, u32), b: (u32, u32)) -> Option<bool> {
     })
 }
 
-/// The coordinates of the image, as polynomials.
+/// Returns the coordinates of the image, as polynomials.
 pub(crate) fn coordinates(map: &DAffine3) -> [Polynomial; 3] {
     let rows = map.matrix3.transpose();
     [rows.x_axis, rows.y_axis, rows.z_axis]

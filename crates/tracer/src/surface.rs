@@ -1,7 +1,7 @@
 //! The zero set of a polynomial in a leaf's own frame.
 //!
-//! Input: a polynomial in coordinates in which the leaf is about [−1, 1]³, then rays in the same coordinates. Output: the
-//! polynomial along the ray, gradients.
+//! In: a polynomial in coordinates in which the leaf is about [−1, 1]³, then rays in the same coordinates. Out: the
+//! polynomial along the ray, and gradients.
 
 use expr::polynomial::Polynomial;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::program::PolynomialProgram;
 use crate::roots::{Coefficients, LARGEST_DEGREE};
 
-/// Polynomials of a higher degree bound one surface only if they are one polynomial under one map.
+/// Polynomials of a higher degree bound one surface only if they are identical and under one map.
 pub(crate) const HIGHEST_SHARED: usize = 4;
 
 /// The polynomial, prepared for rays.
@@ -24,14 +24,14 @@ pub(crate) struct PolynomialSurface {
 enum SurfaceForm {
     Low(QuadraticForm),
     Higher {
-        /// By the exponent of x, then of y, then of z.
+        /// Sorted by the exponent of x, then of y, then of z.
         terms: Vec<([u8; 3], f64)>,
-        /// The expression, where it takes less work than the terms.
+        /// The expression, if it takes less work than the terms.
         program: Option<PolynomialProgram>,
     },
 }
 
-/// A polynomial of degree two at most.
+/// A polynomial of degree at most two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum QuadraticForm {
     Plane {
@@ -39,9 +39,9 @@ pub(crate) enum QuadraticForm {
         offset: f64,
     },
     Quadric {
-        /// Of x², y², z².
+        /// The coefficients of x², y², z².
         squares: DVec3,
-        /// Of yz, xz, xy.
+        /// The coefficients of yz, xz, xy.
         mixed: DVec3,
         linear: DVec3,
         constant: f64,
@@ -49,7 +49,7 @@ pub(crate) enum QuadraticForm {
 }
 
 impl PolynomialSurface {
-    /// Prepares a polynomial, whose degree is at most [`LARGEST_DEGREE`].
+    /// Prepares a polynomial of degree at most [`LARGEST_DEGREE`].
     pub(crate) fn new(polynomial: Polynomial) -> Self {
         let term = |e: [u8; 3]| {
             let mut terms = polynomial.terms();
@@ -80,13 +80,13 @@ impl PolynomialSurface {
         }
     }
 
-    /// With the expression that the polynomial is of, for a polynomial whose terms take more work.
+    /// Uses the expression of the polynomial if the terms take more work.
     pub(crate) fn with_program(mut self, found: PolynomialProgram) -> Self {
         if let SurfaceForm::Higher { terms, program } = &mut self.form {
-            // About as many products of polynomials as there are exponents of x and y.
+            // About one product of polynomials for each pair of exponents of x and y.
             let cost = |(e, _): &([u8; 3], f64)| usize::from(e[1] + 1) * usize::from(e[2] + 1);
             let cost: usize = terms.iter().map(cost).sum();
-            // Where factors are left out, the expression is of a higher degree.
+            // If factors are left out, the expression has a higher degree.
             let is_it = found.degree() == self.degree;
             if is_it && self.degree > HIGHEST_SHARED && found.cost() < cost {
                 *program = Some(found);
@@ -99,12 +99,12 @@ impl PolynomialSurface {
         self.degree
     }
 
-    /// The work of finding its places on a ray, in operations, about.
+    /// Returns the approximate work of finding its sign changes on a ray, in operations.
     pub(crate) fn operations(&self) -> u64 {
         8 * (self.degree * self.degree) as u64
     }
 
-    /// The polynomial, if its degree is at most two.
+    /// Returns the polynomial, if its degree is at most two.
     #[inline]
     pub(crate) fn quadratic(&self) -> Option<QuadraticForm> {
         match self.form {
@@ -219,7 +219,7 @@ impl QuadraticForm {
         }
     }
 
-    /// The most by which the gradient differs where the point differs by `half` at most.
+    /// Returns the maximum change of the gradient where the point changes by at most `half`.
     pub(crate) fn gradient_spread(&self, half: DVec3) -> DVec3 {
         match self {
             Self::Plane { .. } => DVec3::ZERO,
@@ -235,7 +235,7 @@ impl QuadraticForm {
         }
     }
 
-    /// True if its squares have no negative coefficients, and it has no mixed terms.
+    /// Returns true if it has no mixed terms, and no negative coefficients of squares.
     pub(crate) fn is_convex(&self) -> bool {
         match self {
             Self::Plane { .. } => true,

@@ -3,11 +3,11 @@
 //! ```text
 //! World ──▶ components: parts of solids that are unions, each a small tree of set operations
 //!              │ leaves, their polynomials in frames of their own, their fields by name, the nodes of the tree
-//!              └ boxes in boxes over the components
+//!              └ a hierarchy of boxes over the components
 //! ```
 //!
-//! Input: a world. Output: its tables, or what of it has no place in them. A ray is inside a solid where it is inside a
-//! component of it; what `cast.rs` finds leaf by leaf along a ray, a reader of the tables finds component by component.
+//! In: a world. Out: its tables, or the part of it that tables cannot represent. A ray is inside a solid if it is inside a
+//! component of it; `cast.rs` finds crossings leaf by leaf along a ray, a reader of the tables component by component.
 
 use expr::{Graph, Input, NodeId};
 use glam::{DAffine3, DVec3};
@@ -23,35 +23,35 @@ use crate::world::World;
 pub use crate::bvh::BoxRow;
 pub use crate::tree::NodeRow;
 
-/// The most nodes of a component's tree.
+/// The maximum number of nodes of a component's tree.
 pub const MOST_NODES: usize = 128;
-/// The highest degree of a polynomial.
+/// The maximum degree of a polynomial.
 pub const HIGHEST_DEGREE: usize = 4;
 
-/// The tables. Places are relative to `origin`.
+/// The tables. Positions are relative to `origin`.
 #[derive(Clone, Debug, Default)]
 pub struct WorldTables {
-    /// The place in the world from which all others count.
+    /// The world position to which all others are relative.
     pub origin: DVec3,
-    /// By their solids.
+    /// Sorted by their solids.
     pub components: Vec<ComponentRow>,
-    /// Those of a component follow each other.
+    /// The leaves; those of a component are consecutive.
     pub leaves: Vec<LeafRow>,
-    /// Those of a leaf follow each other.
+    /// The pieces; those of a leaf are consecutive.
     pub pieces: Vec<PieceRow>,
-    /// The terms of polynomials whose degree is above two.
+    /// The terms of polynomials of degree above two.
     pub terms: Vec<([u8; 3], f64)>,
     /// The nodes of the components' trees.
     pub nodes: Vec<NodeRow>,
-    /// Boxes in boxes; the first contains all others.
+    /// A hierarchy of boxes; the first contains all others.
     pub boxes: Vec<BoxRow>,
-    /// Components: first the endless ones, then those of the boxes.
+    /// Components: first the unbounded ones, then those of the boxes.
     pub order: Vec<u32>,
-    /// The number of endless components.
+    /// The number of unbounded components.
     pub endless: usize,
 }
 
-/// A part of a solid, which is the union of its components.
+/// A component: a part of a solid, which is the union of its components.
 #[derive(Clone, Copy, Debug)]
 pub struct ComponentRow {
     /// The number of its solid.
@@ -60,7 +60,7 @@ pub struct ComponentRow {
     pub first_leaf: u32,
     /// The number of its leaves.
     pub leaf_count: u32,
-    /// The first of its nodes, which says whether a place is inside.
+    /// The first of its nodes, which determines whether a point is inside.
     pub first_node: u32,
     /// The number of its nodes.
     pub node_count: u32,
@@ -71,13 +71,13 @@ pub struct ComponentRow {
 pub struct LeafRow {
     /// Its number in the world.
     pub leaf: u32,
-    /// The frame of its polynomials, from places relative to `center`.
+    /// The map from positions relative to `center` to the frame of its polynomials.
     pub frame_from_world: DAffine3,
-    /// A place in it, or about it.
+    /// A point in it, or near it.
     pub center: DVec3,
-    /// The box in which it is looked for, `None` for everywhere.
+    /// The box within which rays are tested against it; `None` if it is unbounded.
     pub bounds: Option<BoundingBox>,
-    /// True where a ray meets it.
+    /// The literal that is true where a ray meets the leaf.
     pub gate: LiteralRow,
     /// The first of its pieces.
     pub first_piece: u32,
@@ -85,25 +85,25 @@ pub struct LeafRow {
     pub piece_count: u32,
 }
 
-/// The place where something counts in the tree of its component.
+/// The effect of something on the tree of its component.
 #[derive(Clone, Copy, Debug)]
 pub struct LiteralRow {
-    /// The node, from the component's first.
+    /// The node, counted from the component's first.
     pub node: u32,
-    /// True if it counts where it does not hold.
+    /// True if the node counts it where it does not hold.
     pub complemented: bool,
 }
 
 /// A surface that bounds a leaf.
 #[derive(Clone, Copy, Debug)]
 pub struct PieceRow {
-    /// The piece whose equation it has; its own number unless several pieces are one surface.
+    /// The piece whose equation it uses; its own number unless several pieces are one surface.
     pub equation: u32,
-    /// The leaf, as a row, whose frame the polynomial or the field is in.
+    /// The row of the leaf whose frame the polynomial or the field uses.
     pub frame: u32,
     /// True if the piece is inside where the polynomial or the field is positive.
     pub opposite: bool,
-    /// The place where it counts.
+    /// Its literal.
     pub literal: LiteralRow,
     /// The equation.
     pub surface: SurfaceRow,
@@ -112,7 +112,7 @@ pub struct PieceRow {
 /// The equation of a surface.
 #[derive(Clone, Copy, Debug)]
 pub enum SurfaceRow {
-    /// A polynomial of degree [`HIGHEST_DEGREE`] at most.
+    /// A polynomial of degree at most [`HIGHEST_DEGREE`].
     Polynomial(PolynomialRow),
     /// Another expression, by its number among the fields.
     Field(u32),
@@ -131,7 +131,7 @@ pub struct PolynomialRow {
     pub linear: DVec3,
     /// The constant.
     pub constant: f64,
-    /// The first of all of its terms, where the degree is above two.
+    /// The index of its first term in the table of terms, if the degree is above two.
     pub first_term: u32,
     /// The number of these terms.
     pub term_count: u32,
@@ -142,41 +142,41 @@ pub struct PolynomialRow {
 pub struct FieldRow<'a> {
     /// The number of the piece's solid.
     pub solid: usize,
-    /// The middle of the frame, in these coordinates.
+    /// The centre of the frame, in these coordinates.
     pub middle: DVec3,
-    /// Half of the sides of the frame, which is a box.
+    /// Half the sides of the frame, which is a box.
     pub half: DVec3,
     field: &'a Field,
 }
 
 impl<'a> FieldRow<'a> {
-    /// The expression with its graph, which instances of an object share.
+    /// Returns the expression with its graph, which the instances of an object share.
     pub fn expression(&self) -> (&'a Graph, NodeId) {
         self.field.expression()
     }
 
-    /// The number of a uniform that it reads.
+    /// Returns the number of a uniform that it reads.
     pub fn uniform(&self, slot: u32) -> f64 {
         self.field.uniform(Input::Uniform(slot))
     }
 }
 
-/// A part of a world that has no place in tables.
+/// A part of a world that tables cannot represent.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum TableError {
-    /// A leaf of this solid is bounded by several polynomials, one of them of a higher degree than [`HIGHEST_DEGREE`].
+    /// A leaf of this solid is bounded by several polynomials, one of them of a degree above [`HIGHEST_DEGREE`].
     Degree {
         /// The solid.
         solid: usize,
         /// The degree.
         degree: usize,
     },
-    /// A leaf of this solid that has no box is bounded by a polynomial of degree above two.
+    /// A leaf of this solid without a box is bounded by a polynomial of degree above two.
     EndlessQuartic {
         /// The solid.
         solid: usize,
     },
-    /// The set operations of this solid are too many.
+    /// This solid has too many set operations.
     TooManyNodes {
         /// The solid.
         solid: usize,
@@ -184,10 +184,10 @@ pub enum TableError {
 }
 
 impl World {
-    /// The world as tables, and the fields of its pieces.
+    /// Returns the world as tables, and the fields of its pieces.
     ///
     /// # Errors
-    /// If something has no place in them.
+    /// If tables cannot represent a part of the world.
     pub fn tables(&self) -> Result<(WorldTables, Vec<FieldRow<'_>>), TableError> {
         let mut fields = Vec::new();
         let mut tables = WorldTables {
@@ -317,7 +317,8 @@ impl World {
         Ok(())
     }
 
-    /// The box of a leaf, which no ray enters inside of it; of an endless one, the box in which it is looked for.
+    /// Returns the box of a leaf, which no ray enters inside of the leaf; for an unbounded leaf, the box to which its search
+    /// is limited.
     fn own_box(&self, leaf: &Leaf) -> Option<BoundingBox> {
         let own = self.shapes[leaf.shape].bounds();
         let world_from_shape = leaf.shape_from_world.inverse();
@@ -326,10 +327,10 @@ impl World {
     }
 }
 
-/// The trees of a world with a node for each piece: those that rays in f64 follow have none for convex leaves.
+/// The trees of a world with a node for each piece. Those that rays in f64 use have none for convex leaves.
 struct WholeTrees {
     forest: Forest,
-    /// Of each leaf of the world.
+    /// For each leaf of the world.
     literals: Vec<LeafLiterals>,
 }
 
@@ -351,12 +352,12 @@ impl WholeTrees {
         }
     }
 
-    /// For each node a box that contains the set that it stands for; `None` where none is found.
+    /// Returns for each node a box that contains its set; `None` if no box is found.
     fn node_boxes(&self, world: &World) -> Vec<Option<BoundingBox>> {
         let mut boxes = self.forest.whole_boxes();
         for (leaf, literals) in world.leaves.iter().zip(&self.literals) {
             let gate = literals.gate;
-            // The gate of a leaf that is taken away belongs to a union with everything outside it.
+            // The gate of a subtracted leaf belongs to a union with everything outside it.
             boxes[gate.node() as usize] = match !gate.is_complemented() && leaf.bounded {
                 true => world.own_box(leaf),
                 false => None,
@@ -375,7 +376,7 @@ impl WholeTrees {
 impl WorldTables {
     fn add_polynomial(&mut self, surface: &PolynomialSurface) -> PolynomialRow {
         let degree = surface.degree();
-        // The equation's scale says nothing.
+        // The scale of the equation is arbitrary.
         let largest = surface.polynomial.largest();
         let scale = if largest > 0.0 { 1.0 / largest } else { 1.0 };
         let coefficient = |e: [u8; 3]| {

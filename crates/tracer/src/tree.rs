@@ -1,9 +1,9 @@
-//! Trees of set operations that are kept up to date leaf by leaf.
+//! Trees of set operations with incremental updates, leaf by leaf.
 //!
-//! Input: set operations in postfix order. Output: a forest of unions and intersections of any number of parts, without
-//! complements but at the leaves; for each member of a leaf's region, the [`Literal`] that says where it counts. A member
-//! that changes costs a step for each level that changes with it, whatever the number of leaves. Nothing recurses on the
-//! depth of a tree.
+//! In: set operations in postfix order. Out: a forest of unions and intersections of any number of parts, with complements
+//! only at the leaves; for each member of a leaf's region, the [`Literal`] that locates it in the tree. A change of a member
+//! costs one step for each level that changes with it, whatever the number of leaves. Nothing recurses on the depth of a
+//! tree.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::bounds::BoundingBox;
 /// A step of a set expression in postfix order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TreeStep {
-    /// A leaf by its index.
+    /// A leaf, by its index.
     Leaf(usize),
     Union,
     Intersection,
@@ -25,34 +25,34 @@ pub(crate) enum TreeStep {
 #[derive(Clone, Copy, Debug)]
 struct SetNode {
     is_union: bool,
-    /// [`NONE`] for a root.
+    /// The parent; [`NONE`] for a root.
     parent: u32,
     /// The solid, for a root.
     solid: u32,
     parts: u32,
-    /// The number of parts that hold while every leaf is outside.
+    /// The number of parts that hold if every leaf is outside.
     holding: u32,
 }
 
 const NONE: u32 = u32::MAX;
 
-/// The place where a member of a leaf counts, and how.
+/// The node that a member of a leaf belongs to, and whether it is complemented there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Literal {
     node: u32,
     complemented: bool,
 }
 
-/// A node of a component's tree, as [`World::tables`](crate::World::tables) has it.
+/// A node of a component's tree, as in [`World::tables`](crate::World::tables).
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRow {
     /// True for a union, false for an intersection.
     pub is_union: bool,
-    /// Its parent, from the component's first node; `None` for that node.
+    /// Its parent, counted from the component's first node; `None` for that node.
     pub parent: Option<u32>,
     /// The number of its parts.
     pub parts: u32,
-    /// The number of parts that hold while every leaf is outside.
+    /// The number of parts that hold if every leaf is outside.
     pub holding: u32,
 }
 
@@ -61,7 +61,7 @@ pub struct NodeRow {
 pub(crate) struct LeafLiterals {
     /// True where a ray may meet the leaf.
     pub(crate) gate: Literal,
-    /// Of each polynomial or field of its region, in order.
+    /// The literals of the polynomials and fields of its region, in order.
     pub(crate) pieces: Vec<Literal>,
 }
 
@@ -76,14 +76,14 @@ pub(crate) struct Forest {
 #[derive(Debug, Default)]
 pub(crate) struct ForestState {
     holding: Vec<u32>,
-    /// The nodes that differ from the state in which every leaf is outside, with repetitions.
+    /// The nodes that differ from the state with every leaf outside; may have repetitions.
     touched: Vec<u32>,
-    /// The solids whose membership has changed, with repetitions.
+    /// The solids whose membership has changed; may have repetitions.
     pub(crate) changed: Vec<u32>,
 }
 
 impl Forest {
-    /// Adds a solid. `regions` gives each leaf's region; `literals` receives those of each leaf.
+    /// Adds a solid. `regions` gives each leaf's region; `literals` receives the literals of each leaf.
     pub(crate) fn add(
         &mut self,
         steps: &[TreeStep],
@@ -93,7 +93,7 @@ impl Forest {
         let solid = self.roots.len() as u32;
         let root = self.push(false, NONE, solid);
         self.roots.push(root);
-        // Where the operand that ends at each step begins.
+        // For each step, the beginning of the operand that ends there.
         let mut begins: Vec<usize> = Vec::with_capacity(steps.len());
         for (k, step) in steps.iter().enumerate() {
             begins.push(match step {
@@ -103,7 +103,7 @@ impl Forest {
                 _ => k,
             });
         }
-        // The step at which an operand ends, the node that it belongs to, and true if its complement does.
+        // The step at which an operand ends, the node that it belongs to, and true if it is complemented.
         let mut stack: Vec<(usize, u32, bool)> = Vec::new();
         if let Some(last) = steps.len().checked_sub(1) {
             stack.push((last, root, false));
@@ -134,12 +134,12 @@ impl Forest {
         self.settle(root);
     }
 
-    /// The number of solids.
+    /// Returns the number of solids.
     pub(crate) fn len(&self) -> usize {
         self.roots.len()
     }
 
-    /// True if the solid contains the points that no leaf contains.
+    /// Returns true if the solid contains the points that no leaf contains.
     pub(crate) fn is_endless(&self, solid: usize) -> bool {
         let root = &self.nodes[self.roots[solid] as usize];
         root.holds(root.holding)
@@ -154,7 +154,7 @@ impl Forest {
         LeafLiterals { gate, pieces }
     }
 
-    /// Regions are nested no deeper than they have pieces, which are few.
+    /// The nesting depth of a region is at most the number of its pieces, which is small.
     fn region(
         &mut self,
         region: &Region,
@@ -197,7 +197,7 @@ impl Forest {
         (self.nodes.len() - 1) as u32
     }
 
-    /// Counts the nodes that hold while every leaf is outside: children come after their parents.
+    /// Counts the parts of nodes that hold if every leaf is outside: children come after their parents.
     fn settle(&mut self, root: u32) {
         for k in (root as usize..self.nodes.len()).rev() {
             let node = self.nodes[k];
@@ -210,7 +210,8 @@ impl Forest {
 
 /// Trees as tables.
 impl Forest {
-    /// The nodes of each component of a solid: of each part, if it is a union, else of all of it.
+    /// Returns the node ranges of the components of a solid: one for each part of a union, otherwise one for the whole
+    /// solid.
     pub(crate) fn components(&self, solid: usize) -> Vec<Range<usize>> {
         let root = self.roots[solid] as usize;
         let next = self.roots.get(solid + 1);
@@ -220,7 +221,7 @@ impl Forest {
         if !(is_alone && union < end && self.nodes[union].is_union) {
             return std::iter::once(root..end).collect();
         }
-        // The nodes of a part follow each other.
+        // The nodes of a part are consecutive.
         let is_part = |k: &usize| self.nodes[*k].parent as usize == union;
         let first: Vec<usize> = (union + 1..end).filter(is_part).collect();
         let ends = first.iter().skip(1).copied().chain([end]);
@@ -228,7 +229,7 @@ impl Forest {
         parts.map(|(first, end)| first..end).collect()
     }
 
-    /// The nodes of a component.
+    /// Returns the nodes of a component.
     pub(crate) fn rows(&self, component: Range<usize>) -> impl Iterator<Item = NodeRow> {
         let first = component.start;
         self.nodes[component].iter().map(move |node| NodeRow {
@@ -242,13 +243,13 @@ impl Forest {
         })
     }
 
-    /// For each node the box of what it is without parts: nothing for a union, `None` for an intersection.
+    /// Returns for each node its box without parts: the empty box for a union, `None` for an intersection.
     pub(crate) fn whole_boxes(&self) -> Vec<Option<BoundingBox>> {
         let whole = |node: &SetNode| node.is_union.then_some(BoundingBox::EMPTY);
         self.nodes.iter().map(whole).collect()
     }
 
-    /// Joins the box of each node with those of its parts that are nodes.
+    /// Combines the box of each node with those of its parts that are nodes.
     pub(crate) fn fold_boxes(&self, boxes: &mut [Option<BoundingBox>]) {
         // Children come after their parents.
         for k in (0..self.nodes.len()).rev() {
@@ -268,12 +269,12 @@ impl Forest {
 }
 
 impl Literal {
-    /// The node, counted over the forest.
+    /// Returns the node, counted over the forest.
     pub(crate) fn node(self) -> u32 {
         self.node
     }
 
-    /// True if it counts where it does not hold.
+    /// Returns true if it counts where it does not hold.
     pub(crate) fn is_complemented(self) -> bool {
         self.complemented
     }
@@ -290,7 +291,7 @@ impl SetNode {
 }
 
 impl ForestState {
-    /// Brings the state back to that in which every leaf is outside.
+    /// Restores the state with every leaf outside.
     pub(crate) fn reset(&mut self, forest: &Forest) {
         if self.holding.len() != forest.nodes.len() {
             self.holding = forest.nodes.iter().map(|node| node.holding).collect();
@@ -302,12 +303,12 @@ impl ForestState {
         self.changed.clear();
     }
 
-    /// The work since the last reset, in operations: that of a node is mostly waiting for memory.
+    /// Returns the work since the last reset, in operations; the work on a node is mostly memory latency.
     pub(crate) fn operations(&self) -> u64 {
         4 * self.touched.len() as u64
     }
 
-    /// Changes a literal to `inside`, which it was not.
+    /// Changes the membership of a literal, which must differ, to `inside`.
     pub(crate) fn set(&mut self, forest: &Forest, literal: Literal, inside: bool) {
         let mut rises = inside != literal.complemented;
         let mut id = literal.node;
@@ -334,7 +335,7 @@ impl ForestState {
         }
     }
 
-    /// True inside the solid.
+    /// Returns true inside the solid.
     pub(crate) fn inside(&self, forest: &Forest, solid: usize) -> bool {
         let root = forest.roots[solid] as usize;
         forest.nodes[root].holds(self.holding[root])

@@ -1,6 +1,6 @@
 //! Worlds: solids as data, prepared for rays.
 //!
-//! Input: expressions, set operations in postfix order, affine maps. Output: a [`World`], which `cast.rs` casts rays into.
+//! In: expressions, set operations in postfix order, affine maps. Out: a [`World`], into which `cast.rs` casts rays.
 
 use std::borrow::Borrow;
 use std::sync::Arc;
@@ -23,37 +23,37 @@ use crate::shape::{FramedShape, LeafSurface, Shape};
 use crate::shared::{Surfaces, coordinates, share};
 use crate::tree::{Forest, LeafLiterals, TreeStep};
 
-/// Names a shape of a [`WorldBuilder`].
+/// Identifies a shape of a [`WorldBuilder`].
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub struct ShapeId(usize);
 
-/// A step of a set expression in postfix order: operands, then what joins the last two.
+/// A step of a set expression in postfix order: an operand, or an operation on the last two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SetStep {
     /// The image of a shape under an affine map.
     Leaf(ShapeId, DAffine3),
-    /// The points of either.
+    /// The points of at least one of the two.
     Union,
     /// The points of both.
     Intersection,
-    /// The points of the first that are not of the second.
+    /// The points of the first that do not belong to the second.
     Difference,
 }
 
-/// A reason for which a world cannot be built.
+/// The reasons why a world cannot be built.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum BuildError {
-    /// An expression has grown too large.
+    /// An expression is too large.
     TooLarge,
-    /// The map of a leaf of this solid takes volumes to 0, or is no number.
+    /// The map of a leaf of this solid is singular or not finite.
     SingularMap(usize),
-    /// The steps of this solid do not join into one set.
+    /// The steps of this solid do not combine to one set.
     Unbalanced(usize),
-    /// The work that was given is used up.
+    /// The given work is used up.
     TooMuchWork,
 }
 
-/// Collects what a world consists of.
+/// Collects the parts of a world.
 pub struct WorldBuilder<'a> {
     compiler: FieldCompiler<'a>,
     uniform: &'a dyn Fn(Input) -> f64,
@@ -62,7 +62,7 @@ pub struct WorldBuilder<'a> {
     solids: Vec<PlacedSolid>,
 }
 
-/// The steps of a solid, whose leaves are numbers in the list of its placed shapes.
+/// The steps of a solid, whose leaves are indices into the list of its placed shapes.
 struct PlacedSolid {
     steps: Vec<TreeStep>,
     leaves: Vec<PlacedShape>,
@@ -74,7 +74,7 @@ struct PlacedShape {
     map: DAffine3,
 }
 
-/// Solids that rays can be cast into.
+/// Solids into which rays can be cast.
 #[derive(Debug)]
 pub struct World {
     pub(crate) shapes: Vec<Shape>,
@@ -84,39 +84,39 @@ pub struct World {
     /// The leaf of each box of the hierarchy.
     pub(crate) boxed: Vec<u32>,
     pub(crate) endless: Vec<u32>,
-    /// The solids that contain what no leaf contains.
+    /// The solids that contain the points that no leaf contains.
     pub(crate) endless_solids: Vec<usize>,
     pub(crate) surfaces: Surfaces,
-    /// The pieces of degree two at most.
+    /// The pieces of degree at most two.
     pub(crate) low: Vec<Option<LowPiece>>,
     /// True for the leaves that a ray never meets again once it has left them.
     pub(crate) convex: Vec<bool>,
-    /// For each leaf another without which it does not matter.
+    /// The guard of each leaf: another leaf without which it does not matter.
     pub(crate) guards: Vec<Option<u32>>,
-    /// The products that solids are unions of, and the place of each leaf in one.
+    /// The products whose unions are solids, and the role of each leaf in one.
     pub(crate) products: Vec<Product>,
     pub(crate) product_of: Vec<Option<ProductLeaf>>,
-    /// The name of each piece.
+    /// The surface of each piece.
     pub(crate) surface_of_piece: Vec<SurfaceId>,
     pub(crate) solids: Vec<Vec<TreeStep>>,
-    /// A box that contains each solid, `None` where none is found.
+    /// For each solid a box that contains it, `None` if none is found.
     bounds: Vec<Option<BoundingBox>>,
 }
 
-/// The share by which the box of a leaf is larger than what is known to bound it: the roots of its surface may lie outside by
-/// their rounding, which is less unless they are nearly multiple.
+/// The fraction by which the box of a leaf is enlarged beyond its known bounds: the roots of its surface may be outside by
+/// rounding errors, which are smaller unless the roots are nearly multiple.
 const ROOM: f64 = 1e-8;
-/// An unbounded field is searched within this many radii of the bounded part of the scene.
+/// An unbounded field is searched within this number of radii of the bounded part of the scene.
 const RADII: f64 = 64.0;
 /// The work of preparing a leaf, and each surface that bounds it, in operations.
 const LEAF_WORK: u64 = 16;
 const PIECE_WORK: u64 = 24;
-/// The work of looking for the boxes of sets whose leaves have none, in operations on intervals: a fraction of a second.
+/// The work of finding boxes for sets whose leaves have none, in operations on intervals: a fraction of a second.
 const JOINT_WORK: u64 = 1 << 26;
-/// Sets of more leaves are not looked at together, and polynomials of a higher degree not in the coordinates of the world.
+/// Sets of more leaves are not examined as a whole, nor polynomials of a higher degree in world coordinates.
 const MOST_JOINT_LEAVES: usize = 64;
 const HIGHEST_JOINT: usize = 4;
-/// A map whose determinant is smaller beside the product of its columns' lengths is singular.
+/// A map is singular if its determinant is below this fraction of the product of its columns' lengths.
 const LEAST_DETERMINANT: f64 = 1e-12;
 
 /// Returns true if the map is singular or not finite. A leaf cannot be placed by it.
@@ -129,7 +129,7 @@ pub fn is_singular(map: &DAffine3) -> bool {
 }
 
 impl<'a> WorldBuilder<'a> {
-    /// Begins a world of expressions of this graph; `uniform` gives the numbers of its uniforms.
+    /// Begins a world of expressions of this graph; `uniform` gives the values of its uniforms.
     pub fn new(graph: &'a Graph, uniform: &'a dyn Fn(Input) -> f64) -> Self {
         Self {
             compiler: FieldCompiler::new(graph),
@@ -140,19 +140,19 @@ impl<'a> WorldBuilder<'a> {
         }
     }
 
-    /// Limits the work of reading shapes, of looking for their boxes and of preparing leaves, in operations on intervals.
+    /// Limits the work of reading shapes, of finding their boxes and of preparing leaves, in operations on intervals.
     pub fn with_work(mut self, work: u64) -> Self {
         self.work = WorkBudget::new(work);
         self
     }
 
-    /// Returns the work that is left.
+    /// Returns the remaining work.
     pub fn work_left(&self) -> u64 {
         self.work.left()
     }
 
     /// Adds the set where the expression in the variables 0, 1, 2 (x, y, z) is not positive, within the cuts. It is not
-    /// seen until a solid has it as a leaf.
+    /// visible until a solid has it as a leaf.
     ///
     /// # Errors
     /// If the expression's gradient is too large, or the work is used up.
@@ -164,7 +164,7 @@ impl<'a> WorldBuilder<'a> {
         self.shape_with(field, cuts, self.uniform)
     }
 
-    /// Adds a set as [`WorldBuilder::shape`] does, with uniforms of its own: those of one instance of an object.
+    /// Adds a set as [`WorldBuilder::shape`] does, with uniforms of its own, those of one instance of an object.
     ///
     /// # Errors
     /// If the expression's gradient is too large, or the work is used up.
@@ -174,7 +174,7 @@ impl<'a> WorldBuilder<'a> {
         cuts: [Option<[f64; 2]>; 3],
         uniform: &dyn Fn(Input) -> f64,
     ) -> Result<ShapeId, BuildError> {
-        // Before reading, too: a scene may have thousands of shapes more.
+        // Checked before reading, too: a scene may have thousands more shapes.
         let is_enough = || match self.work.is_used_up() {
             true => Err(BuildError::TooMuchWork),
             false => Ok(()),
@@ -261,7 +261,7 @@ impl<'a> WorldBuilder<'a> {
                 }
             }
             let placed = placed.leaves;
-            // What is known of each leaf before its literals are.
+            // The known data of each leaf before its literals exist.
             let drafts = placed.iter().map(|leaf| frames.compiled(leaf.shape));
             let drafts: Vec<Arc<FramedShape>> = drafts.collect::<Result<_, _>>()?;
             let mut literals: Vec<Option<LeafLiterals>> = vec![None; drafts.len()];
@@ -270,7 +270,7 @@ impl<'a> WorldBuilder<'a> {
                 &|leaf| {
                     let shape = &drafts[leaf - first];
                     if is_convex(shape) {
-                        // Its gate says all.
+                        // Its gate decides its membership.
                         return Region::All(Vec::new());
                     }
                     shape.region.clone()
@@ -372,7 +372,7 @@ impl<'a> WorldBuilder<'a> {
         })
     }
 
-    /// The box of all that is bounded; where nothing is, that of the unit sphere.
+    /// Returns the box of everything bounded; if nothing is, that of the unit sphere.
     fn rest(&self) -> BoundingBox {
         let mut rest = BoundingBox::EMPTY;
         for leaf in self.solids.iter().flat_map(|solid| &solid.leaves) {
@@ -401,7 +401,7 @@ impl<'a> WorldBuilder<'a> {
 struct FrameCache<'a> {
     compiler: &'a FieldCompiler<'a>,
     shapes: &'a [Shape],
-    /// Half the side of the frames of shapes that tell none.
+    /// Half the side of the frames of shapes that determine none.
     size: f64,
     known: Vec<Option<Arc<FramedShape>>>,
 }
@@ -419,7 +419,7 @@ impl FrameCache<'_> {
 }
 
 impl World {
-    /// A world without solids.
+    /// Returns a world without solids.
     pub fn empty() -> Self {
         Self {
             shapes: Vec::new(),
@@ -441,33 +441,33 @@ impl World {
         }
     }
 
-    /// True if the leaf is one of a product.
+    /// Returns true if the leaf belongs to a product.
     pub(crate) fn is_in_product(&self, leaf: u32) -> bool {
         self.product_of[leaf as usize].is_some()
     }
 
-    /// The group of surfaces that are this one.
+    /// Returns the group of the surfaces that coincide with this one.
     pub(crate) fn group(&self, id: SurfaceId) -> Option<u32> {
         let piece = self.leaves[id.leaf as usize].first_piece + id.piece as usize;
         self.surfaces.group(piece).map(|member| member.group)
     }
 
-    /// The number of solids.
+    /// Returns the number of solids.
     pub fn solid_count(&self) -> usize {
         self.forest.len()
     }
 
-    /// The number of leaves of all solids; a solid's leaves follow each other in the order of its steps.
+    /// Returns the number of leaves of all solids; the leaves of a solid are consecutive, in the order of its steps.
     pub fn leaf_count(&self) -> usize {
         self.leaves.len()
     }
 
-    /// A box that contains the solid; `None` for an endless one, and where the boxes of its leaves do not bound it.
+    /// Returns a box that contains the solid; `None` for an unbounded one, and if the boxes of its leaves do not bound it.
     pub fn bounds(&self, solid: usize) -> Option<BoundingBox> {
         self.bounds[solid]
     }
 
-    /// The highest degree of the polynomials that bound a leaf; `None` if something else bounds it.
+    /// Returns the highest degree of the polynomials that bound a leaf; `None` if a field bounds it.
     pub fn degree(&self, leaf: usize) -> Option<usize> {
         let mut highest = 0;
         for piece in &self.leaves[leaf].compiled.pieces {
@@ -479,7 +479,7 @@ impl World {
         Some(highest)
     }
 
-    /// The work of [`World::contains`], in operations.
+    /// Returns the work of [`World::contains`], in operations.
     pub(crate) fn work_on_point(&self, solid: usize) -> u64 {
         let work = |step: &TreeStep| match *step {
             TreeStep::Leaf(leaf) => {
@@ -491,7 +491,7 @@ impl World {
         self.solids[solid].iter().map(work).sum()
     }
 
-    /// True if the solid contains the point, by the values of its leaves' expressions there.
+    /// Returns true if the solid contains the point, by the values of its leaves' expressions there.
     pub fn contains(&self, solid: usize, point: DVec3) -> bool {
         let mut scratch = FieldScratch::default();
         let mut stack: Vec<bool> = Vec::new();
@@ -512,7 +512,7 @@ impl World {
     }
 }
 
-/// A set that is no operand yet.
+/// A set that is not an operand yet.
 struct OpenSet<'a> {
     /// The step at which it ends.
     step: usize,
@@ -520,14 +520,14 @@ struct OpenSet<'a> {
     in_frame: Option<(BoundingBox, &'a DAffine3)>,
 }
 
-/// A box that contains a set, perhaps an endless one: that of both operands of a union, of what an intersection's have in
-/// common, of a difference's first. And for each leaf the box outside which it does not matter: what its own and the boxes of
-/// all sets that it is a part of have in common.
+/// Returns a box that contains a set, perhaps an infinite one: the union of both operands' boxes for a union, their
+/// intersection for an intersection, the first operand's box for a difference. Also restricts the box of each leaf, outside
+/// which the leaf does not matter, to the intersection of its own box and those of all sets that contain it.
 ///
-/// Outside the box of such a set the set holds nothing, whatever its endless leaves are taken to hold there: so it is for a
-/// union of such sets, for an intersection with one of them, for a difference from one.
+/// Outside its box such a set is empty, whatever its unbounded leaves are taken to contain there: this holds for a union of
+/// such sets, for an intersection with one of them, and for a difference from one.
 ///
-/// Where the box of the whole set is endless, `joint` finds one within it.
+/// If the box of the whole set is infinite, `joint` finds one within it.
 fn joined<'a>(
     steps: &[TreeStep],
     leaf: &dyn Fn(usize) -> (BoundingBox, &'a DAffine3),
@@ -556,7 +556,8 @@ fn joined<'a>(
                 let in_frame = in_frame
                     .filter(|((_, map), (_, other))| map == other)
                     .map(|((a, map), (b, _))| (join(a, b), map));
-                // In a frame that is turned each of two may have no end along an axis along which both together have one.
+                // In a rotated frame, two operands may both be unbounded along an axis along which their intersection is
+                // bounded.
                 let set = match (set.if_finite(), in_frame) {
                     (None, Some((extent, map))) => set.common(&extent.transformed(map)),
                     _ => set,
@@ -586,7 +587,7 @@ fn joined<'a>(
     (whole, leaves.map(|(_, clip)| clip).collect())
 }
 
-/// A solid whose leaves are looked at together.
+/// A solid whose leaves are examined as a whole.
 struct JointSet<'a> {
     steps: &'a [TreeStep],
     /// The number of its first leaf.
@@ -598,8 +599,8 @@ struct JointSet<'a> {
 }
 
 impl JointSet<'_> {
-    /// A box within `limits` that contains the solid; some of its sides may be endless. No leaf need be bounded: a place is
-    /// outside of an intersection where it is outside of one of its operands.
+    /// Returns a box within `limits` that contains the solid; some of its sides may be infinite. No leaf needs to be
+    /// bounded: a point is outside of an intersection if it is outside of one of its operands.
     fn bounds(&self, limits: BoundingBox) -> BoundingBox {
         if self.leaves.len() > MOST_JOINT_LEAVES {
             return limits;
@@ -608,7 +609,7 @@ impl JointSet<'_> {
         if found.if_finite().is_some() {
             return found;
         }
-        // The sides that are known help to bound the rest.
+        // The known sides help to bound the rest.
         let ends = (0..3).flat_map(|k| [(k, 1.0, found.upper[k]), (k, -1.0, -found.lower[k])]);
         let ends = ends.filter(|(.., place)| place.is_finite());
         let ends = ends.map(|(k, sign, place)| {
@@ -623,7 +624,7 @@ impl JointSet<'_> {
         }
     }
 
-    /// The least box within `limits` that intervals find.
+    /// Returns the smallest box within `limits` that intervals find.
     fn enclosed(&self, limits: BoundingBox) -> BoundingBox {
         if limits.is_empty() {
             return limits;
@@ -678,7 +679,7 @@ impl JointSet<'_> {
         enclose(limits, &mut value)
     }
 
-    /// A region that contains the solid, in the coordinates of the world.
+    /// Returns a region that contains the solid, in world coordinates.
     fn region(&self) -> Region {
         let mut stack: Vec<Region> = Vec::new();
         for step in self.steps {
@@ -707,7 +708,7 @@ impl JointSet<'_> {
     }
 }
 
-/// A region in other coordinates; of polynomials of a high degree, nothing that bounds it.
+/// Returns a region in other coordinates, without bounds from polynomials of a high degree.
 fn moved(region: &Region, frame: &[Polynomial; 3], node: NodeId) -> Region {
     let all = |parts: &[Region]| parts.iter().map(|part| moved(part, frame, node)).collect();
     match region {
@@ -720,10 +721,10 @@ fn moved(region: &Region, frame: &[Polynomial; 3], node: NodeId) -> Region {
     }
 }
 
-/// For each leaf of a solid another without which it does not matter, if there is one: that without which the largest set is
-/// empty that has one. Where it holds nothing, so does an intersection with it, and a difference from it.
+/// Returns for each leaf of a solid its guard, if it has one: a leaf without which the largest possible set around it is
+/// empty. If the guard is empty, so is an intersection with it, and a difference from it.
 fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
-    // For each set the leaf, the step at which its first operand begins, and the number of leaves before and with it.
+    // For each set its guard, and the number of leaves before it.
     let mut stack: Vec<(Option<u32>, usize)> = Vec::new();
     let mut guards: Vec<Option<u32>> = Vec::new();
     for step in steps {
@@ -756,7 +757,7 @@ fn guards(steps: &[TreeStep]) -> Vec<Option<u32>> {
         .collect()
 }
 
-/// The box in which endless fields are looked for.
+/// Returns the box within which unbounded fields are searched.
 fn wide(rest: &BoundingBox) -> BoundingBox {
     let radius = 0.5 * (rest.upper - rest.lower).length();
     let center = rest.center();

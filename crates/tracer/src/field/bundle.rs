@@ -1,8 +1,8 @@
-//! Rays that go nearly the same way, read together.
+//! Evaluation of fields for all rays of a bundle at once.
 //!
-//! Input: an expression and the rays of a bundle in its coordinates. Output: the range of t divided into parts, each with
-//! what interval arithmetic shows for all rays of the bundle at once. Most of space is decided once for a bundle in place of
-//! once for each ray, and a part on which the value is monotone along each ray needs nothing but the signs at its ends.
+//! In: an expression and the rays of a bundle in its coordinates. Out: the range of t divided into parts, each with what
+//! interval arithmetic shows for all rays of the bundle. Most of space is decided once for the bundle instead of once for
+//! each ray; a part on which the value is monotone along each ray needs only the signs at its ends.
 
 use expr::interval::{Interval, Slope};
 use expr::ops::Binary;
@@ -21,7 +21,7 @@ pub(crate) struct BundlePart {
     pub(crate) finding: PartFinding,
 }
 
-/// The knowledge about a part, for each ray.
+/// The finding about a part, for each ray.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum PartFinding {
     /// The value is positive or undefined throughout.
@@ -33,14 +33,14 @@ pub(crate) enum PartFinding {
     /// The part is too short to be halved.
     Shortest,
     Open,
-    /// Open for the bundle; what is known of each of its lines is found together, at this node.
+    /// Open for the bundle; the findings about its lines are computed together at this node.
     Shared(u32),
 }
 
 /// A range of t for the lines of a bundle.
 #[derive(Clone, Debug)]
 pub(crate) struct DividedBundle {
-    /// In ascending order, with what is known of all lines.
+    /// In ascending order, with the finding about all lines.
     pub(crate) parts: Vec<BundlePart>,
     lines: Vec<LineBlock>,
     nodes: Vec<LineNode>,
@@ -52,19 +52,19 @@ struct LineNode {
     from: f64,
     to: f64,
     depth: u32,
-    /// For each block of lines, the findings about them, once they are asked for.
+    /// For each block of lines, the findings about them, computed on demand.
     found: Vec<Option<[Option<PartFinding>; MOST_LANES]>>,
-    /// For each block of lines, the changes on those on which the value is monotone, once they are asked for.
+    /// For each block of lines, the changes on those with monotone values, computed on demand.
     changes: Vec<Option<BlockChanges>>,
-    /// The first of its halves, once they are asked for; the second one follows it.
+    /// The first of its halves, created on demand; the second one follows it.
     halves: Option<u32>,
 }
 
-/// The number of times that a part is halved for all lines.
+/// The maximum number of times that a part is halved for all lines.
 const MOST_HALVINGS: u32 = 6;
 
 impl DividedBundle {
-    /// Nothing is known.
+    /// Returns a division about which nothing is known.
     pub(crate) fn unknown() -> Self {
         Self {
             parts: Vec::new(),
@@ -85,7 +85,7 @@ impl DividedBundle {
         (self.nodes.len() - 1) as u32
     }
 
-    /// The finding about a line at a node; `None` if it is open.
+    /// Returns the finding about a line at a node; `None` if it is open.
     pub(crate) fn finding(
         &mut self,
         field: &Field,
@@ -109,7 +109,8 @@ impl DividedBundle {
         found[lane]
     }
 
-    /// Membership of a line at the beginning of a node on which the value is monotone, and the place where it changes there.
+    /// Returns the membership of a line at the beginning of a node on which the value is monotone, and the point where it
+    /// changes in the node.
     pub(crate) fn change(
         &mut self,
         field: &Field,
@@ -134,7 +135,7 @@ impl DividedBundle {
         (changes.inside.has(lane), place)
     }
 
-    /// Membership of a line throughout a part that contains the place, if it is the same there.
+    /// Returns the membership of a line throughout the part that contains the parameter `place`, if it is constant there.
     pub(crate) fn membership(
         &mut self,
         field: &Field,
@@ -157,13 +158,13 @@ impl DividedBundle {
         }
     }
 
-    /// The range of a node.
+    /// Returns the range of a node.
     pub(crate) fn range(&self, node: u32) -> [f64; 2] {
         let node = &self.nodes[node as usize];
         [node.from, node.to]
     }
 
-    /// Both halves of a node, with their ranges; `None` if each line is to go on alone.
+    /// Returns both halves of a node, with their ranges; `None` if the lines are to be continued one by one.
     pub(crate) fn halves(&mut self, node: u32) -> Option<[BundlePart; 2]> {
         let LineNode {
             from,
@@ -198,14 +199,14 @@ pub(crate) struct LineBundle {
     direction: [Interval; 3],
 }
 
-/// The number of evaluations for a bundle and a field.
+/// The maximum number of evaluations for a bundle and a field.
 const MOST_EVALUATIONS: usize = 128;
 
-/// The evaluations on intervals that take as long as finding the change on a line, by about eight evaluations on numbers.
+/// The cost of finding the change on a line, about eight evaluations on numbers, in evaluations on intervals.
 const BRACKETING: usize = 2;
 
 impl LineBundle {
-    /// The rays.
+    /// Returns the bounds of these lines.
     pub(crate) fn new(lines: impl Iterator<Item = Line>) -> Self {
         let mut bundle = Self {
             origin: [Interval::UNDEFINED; 3],
@@ -234,7 +235,7 @@ impl LineBundle {
         }
     }
 
-    /// True if the part is shorter than the bundle is wide: shorter parts say little more.
+    /// Returns true if the part is shorter than the bundle is wide: dividing it further gains little.
     fn is_wider_than(&self, [a, b]: [f64; 2]) -> bool {
         let middle = 0.5 * (a + b).abs();
         let (mut width, mut length) = (0.0f64, 0.0f64);
@@ -247,7 +248,7 @@ impl LineBundle {
 }
 
 impl Field {
-    /// The changes on lines, of which it is asked about those on which the value is monotone.
+    /// Returns the changes on the lines of a block; only lines with a monotone value are `wanted`.
     fn changes(
         &self,
         scratch: &mut FieldScratch,
@@ -269,7 +270,7 @@ impl Field {
         })
     }
 
-    /// Divides the range for lines that go nearly the same way.
+    /// Divides the range for lines with similar directions.
     pub(crate) fn divided(
         &self,
         scratch: &mut FieldScratch,
@@ -350,7 +351,7 @@ impl Field {
             }
         }
         found.sort_unstable_by(|a, b| a.from.total_cmp(&b.from));
-        // Two parts that are both decided alike, or both open, are one.
+        // Neighbouring parts with the same decision, or both open, are merged.
         found.dedup_by(|part, last| {
             let is_one = part.finding == last.finding && part.finding != PartFinding::Monotone;
             if is_one {
@@ -361,7 +362,7 @@ impl Field {
         found
     }
 
-    /// The values and slopes of all lines on some parts, at least one and at most as many as vectors have lanes.
+    /// Returns the values and slopes of all lines on some parts: at least one, and at most one for each lane of a vector.
     fn ranges_of_bundle(
         &self,
         scratch: &mut FieldScratch,

@@ -1,39 +1,39 @@
-//! The places where values along lines change their sign.
+//! Sign changes of values along lines.
 //!
-//! Input: a function along one line or along the lines of a block, with a part of the lines at whose ends its signs differ.
-//! Output: the place on each line, to the last bits.
+//! In: a function along one line or along the lines of a block, with a part of the lines at whose ends its signs differ.
+//! Out: the parameter of the change on each line, to the last bits.
 
 use expr::Input;
 use expr::processor::Processor;
 use expr::tape::{Tape, VectorRegisters};
 use expr::vectors::{Instructions, Lanes, MOST_LANES, Mask, Vector, VectorWork};
 
-/// Starts and directions of the lines of a block, coordinate by coordinate.
+/// The starts and directions of the lines of a block, coordinate by coordinate.
 pub(super) type LineBlock = [[[f64; MOST_LANES]; 3]; 2];
 
-/// The changes of membership on a part of each line of a block on which the value, or that of the expression in a shell, is
-/// monotone.
+/// The changes of membership on a part of each line of a block. On the part the value, or that of the expression in a shell,
+/// is monotone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockChanges {
-    /// The lines whose beginning of the part is inside.
+    /// The lines that are inside at the beginning of the part.
     pub(super) inside: Lanes,
     /// The lines on which membership changes.
     pub(super) changing: Lanes,
-    /// The first place where it does.
+    /// The first parameter of a change.
     pub(super) places: [f64; MOST_LANES],
 }
 
 /// The search for changes on the lines of a block.
 pub(super) struct BlockSearch<'a> {
     pub(super) tape: &'a Tape,
-    /// For each input that is no coordinate, its number.
+    /// The number for each input that is not a coordinate.
     pub(super) numbers: &'a [f64],
     pub(super) lines: &'a LineBlock,
     pub(super) part: [f64; 2],
-    /// The lines that are asked for.
+    /// The lines for which the caller needs the changes.
     pub(super) wanted: Lanes,
     pub(super) negated: bool,
-    /// The level of a shell, whose value is |u| less this.
+    /// The level of a shell, whose value is |u| − level.
     pub(super) level: Option<f64>,
 }
 
@@ -76,7 +76,7 @@ impl VectorWork for BlockSearch<'_> {
             let mut inside = ends[0].le(zero);
             let mut changes = ends[1].le(zero).differs(inside);
             if let Some(level) = self.level {
-                // A rising u leaves at the level and enters at its negative.
+                // A rising u leaves at the level and enters at the negated level.
                 let level = number(level);
                 inside = (ends[0].abs() - level).le(zero);
                 let falls_into_or_rises_out = !ends[0].lt(ends[1]).differs(inside);
@@ -103,11 +103,11 @@ impl VectorWork for BlockSearch<'_> {
 
 /// A function along lines.
 trait AlongLines<S: Instructions> {
-    /// Its value at t on each line.
+    /// Returns its value at t on each line.
     fn at(&mut self, t: Vector<S>) -> Vector<S>;
 }
 
-/// A tape's value u along as many lines as a vector has lanes, as `sign`·u − `level`.
+/// The value u of a tape along one line for each lane of a vector, as `sign`·u − `level`.
 struct TapeAlongLines<'a, S: Instructions> {
     instructions: S,
     tape: &'a Tape,
@@ -163,8 +163,8 @@ impl<S: Instructions> AlongLines<S> for OneLane<'_, S> {
     }
 }
 
-/// The place where a function changes its sign between the ends of a part, where its values are `ends`, the first one not
-/// positive if `inside`, and the second one the other way round.
+/// Returns the parameter where a function changes its sign between the ends of a part. `ends` are the values there: with
+/// `inside`, the first is not positive and the second is; otherwise the reverse.
 pub(super) fn bracketed(
     function: &mut dyn FnMut(f64) -> f64,
     part: [f64; 2],
@@ -179,10 +179,10 @@ pub(super) fn bracketed(
     })
 }
 
-/// For each line that is wanted, the place where a function changes its sign between `a`, where it is not positive if `inside`,
-/// and `b`, where it is the other way round: by inverse quadratic interpolation, or by halving where that is not to be trusted
-/// or a value is no number (Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear
-/// function without using derivatives*, Advances in Engineering Software 28, 1997).
+/// Returns, for each wanted line, the parameter where a function changes its sign between `a`, where it is not positive if
+/// `inside`, and `b`, where the opposite holds. The method is inverse quadratic interpolation, with bisection where that is
+/// unreliable or a value is NaN (Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a
+/// nonlinear function without using derivatives*, Advances in Engineering Software 28, 1997).
 #[inline(always)]
 fn brackets<S: Instructions>(
     s: S,
@@ -197,7 +197,7 @@ fn brackets<S: Instructions>(
     let (unit, normal) = (number(2.0 * f64::EPSILON), number(f64::MIN_POSITIVE));
     let mut is_a_inside = inside;
     let mut open = wanted;
-    // The next place, as a share of the way from a to b: first that of the secant.
+    // The next point, as a fraction of the way from a to b: first that of the secant.
     let mut share = at_a / (at_a - at_b);
     for _ in 0..120 {
         let width = (b - a).abs();
@@ -206,13 +206,13 @@ fn brackets<S: Instructions>(
         if !open.any() {
             break;
         }
-        // A step inside the resolution would never close the bracket from the other side.
+        // A step below the resolution would never close the bracket from the other side.
         let shortest = least / width;
         let clamped = share.greatest(shortest).least(one - shortest);
         let share_taken = share.equals(share).choose(clamped, half);
         let middle = a + share_taken * (b - a);
         let at_middle = function.at(middle);
-        // The new place is a, and b lies across the change; `before` is the one of the old two that is left over.
+        // The new point becomes a, and b is across the change; `before` is the remaining one of the two old points.
         let is_inside = at_middle.le(zero);
         let crosses = is_inside.differs(is_a_inside);
         let (before, at_before) = (crosses.choose(b, a), crosses.choose(at_b, at_a));

@@ -1,8 +1,8 @@
 //! Expressions |u| − c: thin shells around the zeros of u.
 //!
-//! Input: an expression of this form. Output: where a ray crosses the levels c and −c of u. The absolute value has a kink
-//! halfway through the shell; u has none, so on a part where it is monotone both levels are found without dividing down to
-//! the shell's thickness.
+//! In: an expression of this form. Out: where a ray crosses the levels c and −c of u. The absolute value has a kink halfway
+//! through the shell, but u has none: on a part where u is monotone, both levels are found without dividing it down to the
+//! thickness of the shell.
 
 use expr::interval::Slope;
 use expr::ops::{Binary, Unary};
@@ -28,7 +28,7 @@ pub(super) struct LevelCrossing {
 }
 
 impl Shell {
-    /// Reads an expression; `None` if it is none of this form.
+    /// Reads an expression; returns `None` if it does not have this form.
     pub(super) fn new(graph: &Graph, root: NodeId, uniform: &dyn Fn(Input) -> f64) -> Option<Self> {
         let Node::Binary(op, a, b) = graph.node(root) else {
             return None;
@@ -56,7 +56,7 @@ impl Shell {
         })
     }
 
-    /// The finding about a part, from the range of u on it; `None` if it is open.
+    /// Returns the finding about a part, from the range of u on it; `None` if it is open.
     pub(super) fn finding(&self, range: Slope) -> Option<PartFinding> {
         let value = range.value;
         let outside = value.lower() > self.level || value.upper() < -self.level;
@@ -70,13 +70,13 @@ impl Shell {
         }
     }
 
-    /// True if |u| is defined and monotone too where u has this range.
+    /// Returns true if |u| is also defined and monotone where u has this range.
     pub(super) fn is_monotone(&self, range: Slope) -> bool {
         range.is_monotone() && !range.value.contains(0.0)
     }
 
-    /// The first level that u crosses on its way from one end of a monotone part to the other, `inside` being membership
-    /// right after the first end.
+    /// Returns the first level that u crosses between the ends of a monotone part; `inside` is the membership immediately
+    /// after the first end.
     pub(super) fn crossing(&self, [a, b]: [f64; 2], inside: bool) -> Option<LevelCrossing> {
         let rises = b > a;
         // A rising u leaves at c and enters at −c.

@@ -1,7 +1,7 @@
-//! Sign changes of polynomials of degree two at most on vectors of rays.
+//! Sign changes of polynomials of degree at most two on vectors of rays.
 //!
-//! Input: rays, and the equation of a plane, or of a quadric in a leaf's frame. Output: the parameters at which each ray passes
-//! it. The operations are those of `line.rs`, `low.rs` and `roots.rs` in the same order, so that all places are the same.
+//! In: rays, and the equation of a plane, or of a quadric in a leaf's frame. Out: the parameters at which each ray passes
+//! it. The operations are those of `line.rs`, `low.rs` and `roots.rs` in the same order, so that all results are the same.
 
 use expr::vectors::{Instructions, Mask, Vector};
 use glam::DVec3;
@@ -11,7 +11,7 @@ use crate::leaf::Leaf;
 use crate::low::WorldPlane;
 use crate::surface::QuadraticForm;
 
-/// The coordinates of places or directions.
+/// The coordinates of points or directions.
 type Place<S> = [Vector<S>; 3];
 
 /// A vector of rays.
@@ -37,7 +37,7 @@ impl<S: Instructions> Rays<S> {
         }
     }
 
-    /// True for those that are half-lines, as `Ray::is_usable` has it.
+    /// Returns true for half-lines, as `Ray::is_usable` does.
     #[inline(always)]
     pub(super) fn are_usable(&self, s: S) -> Mask<S> {
         let zero = Vector::splat(s, 0.0);
@@ -50,7 +50,7 @@ impl<S: Instructions> Rays<S> {
     }
 }
 
-/// Rays in the frame of a leaf, as `UnitLine` has them.
+/// Rays in the frame of a leaf, as in `UnitLine`.
 pub(super) struct FramedLines<S: Instructions> {
     point: Place<S>,
     direction: Place<S>,
@@ -86,7 +86,7 @@ impl<S: Instructions> FramedLines<S> {
         }
     }
 
-    /// The coefficients along the lines, as [`QuadraticForm::along`] has them.
+    /// Returns the coefficients along the lines, as [`QuadraticForm::along`] does.
     #[inline(always)]
     pub(super) fn along(&self, s: S, form: &QuadraticForm) -> [Vector<S>; 3] {
         let (p, d) = (&self.point, &self.direction);
@@ -123,7 +123,7 @@ impl<S: Instructions> FramedLines<S> {
         }
     }
 
-    /// The parameters of places on the lines.
+    /// Returns the changes with parameters of the rays instead of those of the lines.
     #[inline(always)]
     pub(super) fn in_t(&self, changes: Changes<S>) -> Changes<S> {
         let Changes { first, second, .. } = changes;
@@ -135,13 +135,13 @@ impl<S: Instructions> FramedLines<S> {
     }
 }
 
-/// The places where polynomials of degree two at most change their sign on rays: `first` and `second`, infinite where they do
-/// not.
+/// The points where polynomials of degree at most two change their sign on rays: `first` and `second`, infinite if there is
+/// no change.
 #[derive(Clone, Copy)]
 pub(super) struct Changes<S: Instructions> {
     pub(super) first: Vector<S>,
     pub(super) second: Vector<S>,
-    /// True where the polynomial is not positive before the first place.
+    /// True where the polynomial is not positive before the first change.
     pub(super) inside_first: Mask<S>,
 }
 
@@ -183,7 +183,7 @@ impl<S: Instructions> Changes<S> {
         }
     }
 
-    /// Without the place `root`, as `deflated` has it; with false where the polynomial is of a lower degree.
+    /// Returns the changes without the root `root`, as `deflated` does; `false` marks polynomials of a lower degree.
     #[inline(always)]
     pub(super) fn of_deflated(s: S, [c, b, a]: [Vector<S>; 3], root: Vector<S>) -> (Self, Mask<S>) {
         let largest = c.abs().greatest(b.abs()).greatest(a.abs());
@@ -197,14 +197,14 @@ impl<S: Instructions> Changes<S> {
         (Self::of_linear(s, linear), is_quadratic)
     }
 
-    /// The part on which a convex set lies, as `QuadraticChanges::convex_part` has it; empty where it does not begin before it
-    /// ends.
+    /// Returns the part of each line inside a convex set, as `QuadraticChanges::convex_part` does; it is empty if its
+    /// beginning is not before its end.
     #[inline(always)]
     pub(super) fn convex_part(self, s: S, opposite: bool) -> [Vector<S>; 2] {
         let endless = Vector::splat(s, f64::INFINITY);
         let Self { first, second, .. } = self;
         let inside = self.inside_first.differs(Mask::splat(s, opposite));
-        // The far one of two parts does not count.
+        // The farther one of two parts does not count.
         let is_far = !second.equals(endless) & !first.abs().lt(second.abs());
         [
             inside.choose(is_far.choose(second, -endless), first),
@@ -230,7 +230,7 @@ pub(super) fn plane_changes<S: Instructions>(
     Changes::of_linear(s, [value, slope])
 }
 
-/// Half of the gradient of the part of degree two, with these coefficients of squares and of mixed terms.
+/// Returns half of the gradient of the part of degree two, with these coefficients of squares and of mixed terms.
 #[inline(always)]
 fn half_gradient<S: Instructions>(
     s: S,
@@ -281,7 +281,7 @@ fn scaled<S: Instructions>(factor: Vector<S>, a: Place<S>) -> Place<S> {
     [factor * a[0], factor * a[1], factor * a[2]]
 }
 
-/// The image under a matrix with these columns.
+/// Returns the image under a matrix with these columns.
 #[inline(always)]
 fn transformed<S: Instructions>(columns: &[Place<S>; 3], v: &Place<S>) -> Place<S> {
     let [x, y, z] = columns;
